@@ -1,0 +1,60 @@
+# What people type. Each target installs what it lacks (tools/bootstrap.sh), builds, and does its job; the
+# build itself is CMake's (CMakePresets.json).
+
+ifneq ($(shell command -v ccache),)
+export CMAKE_C_COMPILER_LAUNCHER ?= ccache
+export CMAKE_CXX_COMPILER_LAUNCHER ?= ccache
+endif
+
+PREFIX ?= /usr/local
+BENCH_ARGS ?=
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test build install lint format bench asan tsan docs-pictures clean
+
+help: ## this list
+	@echo "meshgraft $$(cat VERSION): make TARGET"
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+
+demo: build ## deform the examples; meshes, reports and pictures go to out/
+	@tools/demo.sh
+
+test: ## all tests: with and without CHOLMOD, sanitizers, layers, installed package
+	@tools/bootstrap.sh build test
+	@python3 tools/run_tests.py
+
+build: ## the program: build/release/meshgraft
+	@tools/bootstrap.sh build
+	@tools/build.sh
+
+install: build ## library and program to PREFIX (/usr/local)
+	@cmake --build --preset release
+	@cmake --install build/release --prefix $(PREFIX)
+
+lint: ## code style and static analysis
+	@tools/bootstrap.sh build test lint
+	@tools/lint.sh
+
+format: ## bring the code into style
+	@tools/bootstrap.sh lint
+	@tools/lint.sh --fix-format
+
+bench: ## benchmarks, beside CGAL (BENCH_ARGS='--benchmark_filter=…')
+	@tools/bootstrap.sh build bench
+	@cmake --preset bench && cmake --build --preset bench --target meshgraft_bench
+	@build/bench/bench/meshgraft_bench $(BENCH_ARGS)
+
+asan: ## the small tests under address and undefined-behaviour sanitizers
+	@tools/bootstrap.sh build test
+	@python3 tools/run_tests.py asan
+
+tsan: ## the threaded tests under the thread sanitizer
+	@tools/bootstrap.sh build test
+	@python3 tools/run_tests.py tsan
+
+docs-pictures: build ## make the pictures of README and docs again
+	@tools/bootstrap.sh docs
+	@tools/docs_pictures.sh
+
+clean: ## remove build/ and out/
+	@rm -rf build out

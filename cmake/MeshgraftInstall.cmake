@@ -1,0 +1,36 @@
+# Installs the library, its headers, and what find_package(meshgraft) and pkg-config need. The program brings
+# its own rules (cli/CMakeLists.txt).
+include(CMakePackageConfigHelpers)
+
+# Before 1.0 a minor version may change the interface.
+set_target_properties(meshgraft PROPERTIES VERSION ${PROJECT_VERSION}
+                      SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+install(TARGETS meshgraft EXPORT meshgraft)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(FILES LICENSE THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# find_package(meshgraft). A static library hands its own libraries on to whoever links it; FindCHOLMOD goes
+# along because CHOLMOD has no configuration of its own.
+get_target_property(meshgraft_library_type meshgraft TYPE)
+set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/meshgraft)
+install(EXPORT meshgraft NAMESPACE meshgraft:: DESTINATION ${config_dir} FILE meshgraftTargets.cmake)
+configure_package_config_file(cmake/meshgraftConfig.cmake.in meshgraftConfig.cmake
+                              INSTALL_DESTINATION ${config_dir} NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(meshgraftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/meshgraftConfig.cmake ${PROJECT_BINARY_DIR}/meshgraftConfigVersion.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake
+        DESTINATION ${config_dir})
+
+# pkg-config meshgraft. A static library lists all that it needs, so that plain --libs is enough for both kinds.
+set(pc_requires eigen3)
+set(pc_libs)
+if(meshgraft_library_type STREQUAL STATIC_LIBRARY)
+  string(APPEND pc_requires " tbb fmt libcrypto")
+  if(MESHGRAFT_WITH_CHOLMOD)
+    string(JOIN " " pc_libs ${CHOLMOD_LIBRARY} ${CHOLMOD_BLAS_LIBRARIES})
+  endif()
+endif()
+file(RELATIVE_PATH pc_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(cmake/meshgraft.pc.in meshgraft.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/meshgraft.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""Checks that no source includes upward.
+
+    tools/check_layers.py [ROOT]
+
+Prints each violation as file:line and exits with 1 if there are any. The layers and what each may use stand
+in USES; docs/architecture.md explains them.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+# Layer: the layers that it may include, directly. What is not a layer here (tests, bench) may include all.
+USES = {
+    "core": set(),
+    "mesh": {"core"},
+    "io": {"core", "mesh"},
+    "linalg": {"core", "mesh"},
+    "samples": {"core", "mesh"},
+    "render": {"core", "mesh"},
+    "operators": {"core", "mesh", "linalg"},
+    "deform": {"core", "mesh", "linalg", "operators"},
+    "merge": {"core", "mesh", "linalg", "operators", "deform"},
+    "edit": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "merge"},
+    "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "merge", "edit"},
+}
+USES["editor"] = USES["python"] = USES["cli"]
+
+# Headers that only one source file may include: they stand behind one of our own interfaces.
+SINGLE_USE = {"cholmod.h"}
+
+SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def layer_of(path):
+    """The layer of a path relative to the root, or None."""
+    parts = path.parts
+    if parts[:2] == ("include", "meshgraft"):
+        parts = parts[1:]
+    if parts[0] in ("src", "meshgraft") and len(parts) > 2:
+        return parts[1]
+    return parts[0] if parts[0] in USES else None
+
+
+def find_included(root, source, bracket, name):
+    """The included file relative to the root, or None for one that is not ours."""
+    if name.startswith("meshgraft/"):
+        return Path("include") / name  # also where the build makes it (core/version.h)
+    folders = [root / "src", root / "include"]
+    if bracket == '"':
+        folders.insert(0, (root / source).parent)
+    for folder in folders:
+        candidate = (folder / name).resolve()
+        if candidate.is_file() and candidate.is_relative_to(root):
+            return candidate.relative_to(root)
+    return None
+
+
+def sources(root):
+    """Our own sources below the root, relative to it, in a fixed order."""
+    for folder in ("include", "src", "cli", "python"):
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in SOURCE_SUFFIXES:
+                yield path.relative_to(root)
+
+
+def check(root):
+    """A list of violations, as text."""
+    root = root.resolve()
+    problems = []
+    single_users = {}
+    for source in sources(root):
+        layer = layer_of(source)
+        if layer not in USES:
+            problems.append(f"{source}: not in a known layer; add it to USES in tools/check_layers.py")
+            continue
+        for number, line in enumerate((root / source).read_text(encoding="utf-8").splitlines(), start=1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            place = f"{source}:{number}"
+            name = match[2]
+            if Path(name).name in SINGLE_USE:
+                single_users.setdefault(Path(name).name, {})[source] = place
+                if source.parts[0] == "include":
+                    problems.append(f"{place}: a public header includes {name}")
+            included = find_included(root, source, match[1], name)
+            if included is None:
+                continue
+            used = layer_of(included)
+            if source.parts[0] == "include" and included.parts[0] != "include":
+                problems.append(f"{place}: a public header includes the private {included}")
+            if used != layer and used not in USES[layer]:
+                problems.append(f"{place}: {layer} must not use {used} ({name})")
+    for header, users in single_users.items():
+        if len(users) > 1:
+            problems.append(f"{header} is included by {len(users)} files, one is allowed: {', '.join(users.values())}")
+    return problems
+
+
+def main(arguments):
+    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
+    count = sum(1 for _ in sources(root.resolve()))
+    if count == 0:
+        print(f"check_layers: no sources below {root}")
+        return 1
+    problems = check(root)
+    for problem in problems:
+        print(problem)
+    print(f"check_layers: {count} files, {len(problems)} violations")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Builds and runs the tests in every configuration that counts, and sums up.
+
+    tools/run_tests.py               all of them
+    tools/run_tests.py release asan  some of them
+
+The last line is "N passed, N failed" over all configurations; the exit status is 1 if anything failed. A
+configuration that does not build counts as one failure and does not stop the others.
+"""
+
+import os
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# Preset of CMakePresets.json: what it is for.
+CONFIGURATIONS = {
+    "release": "everything",
+    "no-cholmod": "the solver and all above it with Eigen's Cholesky alone",
+    "asan": "the tests labelled small, with address and undefined-behaviour sanitizers",
+    "tsan": "the tests labelled threads, with the thread sanitizer",
+}
+
+
+class Count:
+    def __init__(self, passed=0, failed=0, skipped=0):
+        self.passed, self.failed, self.skipped = passed, failed, skipped
+
+    def __add__(self, other):
+        return Count(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped)
+
+    def __str__(self):
+        return f"{self.passed} passed, {self.failed} failed"
+
+
+def run(*command):
+    """True if the command succeeds."""
+    return subprocess.run(command, cwd=ROOT).returncode == 0
+
+
+def read_results(junit):
+    """Counts of a JUnit file of ctest's. A test that could not be started has the status "notrun", as a skipped
+    one, but no message of a skip."""
+    count = Count()
+    for case in ElementTree.parse(junit).getroot().iter("testcase"):
+        skip = case.find("skipped")
+        if case.find("failure") is not None:
+            count.failed += 1
+        elif case.get("status") == "disabled" or (skip is not None and skip.get("message", "").startswith("SKIP_")):
+            count.skipped += 1
+        elif skip is None:
+            count.passed += 1
+        else:
+            count.failed += 1
+    return count
+
+
+def test(preset):
+    """Configures, builds and runs one configuration."""
+    configure = ["cmake", "--preset", preset, "-DMESHGRAFT_BUILD_TESTS=ON"]
+    if not run(*configure) or not run("cmake", "--build", "--preset", preset):
+        print(f"{preset}: does not build")
+        return Count(failed=1)
+    junit = ROOT / "build" / preset / "tests.xml"
+    junit.unlink(missing_ok=True)
+    succeeded = run("ctest", "--preset", preset, "--output-junit", str(junit))
+    count = read_results(junit) if junit.exists() else Count()
+    if not succeeded and count.failed == 0:
+        print(f"{preset}: ctest failed without a failed test")
+        count.failed = 1
+    return count
+
+
+def main(names):
+    unknown = [name for name in names if name not in CONFIGURATIONS]
+    if unknown:
+        sys.exit(f"run_tests.py: no configuration {', '.join(unknown)}; there are {', '.join(CONFIGURATIONS)}")
+    os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(os.cpu_count() or 1))
+
+    lines, total = [], Count()
+    for name in names or CONFIGURATIONS:
+        print(f"\n== {name}: {CONFIGURATIONS[name]}", flush=True)
+        start = time.monotonic()
+        count = test(name)
+        skipped = f", {count.skipped} skipped" if count.skipped else ""
+        lines.append(f"{name:<12} {count}{skipped} ({time.monotonic() - start:.0f} s)")
+        total += count
+
+    print("", *lines, sep="\n")
+    if total.skipped:
+        print(f"{total.skipped} skipped: see \"Skipped\" above for the reason")
+    print(total, flush=True)
+    return 1 if total.failed or not total.passed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
