@@ -1,0 +1,48 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace meshgraft {
+
+/// What kind of thing went wrong. One table (`exit_status`) maps it to the command line's exit status; the
+/// other faces of the product use the same codes.
+enum class ErrorCode {
+  usage,       ///< the call or the command line is malformed
+  input,       ///< a file, a mesh or an option's value is not acceptable
+  unsolvable,  ///< the input is well formed, but the edit it asks for has no unique or no finite solution
+  io,          ///< reading or writing a file failed
+  cancelled,   ///< the caller asked to stop
+  internal,    ///< a defect of meshgraft
+};
+
+/// Process exit status for a code: usage 2, input 3, unsolvable 4, io 5, cancelled 130, internal 70.
+int exit_status(ErrorCode code) noexcept;
+
+/// The code's name in reports, e.g. "unsolvable".
+std::string_view to_string(ErrorCode code) noexcept;
+
+/// The one exception type. A message has up to three parts, joined as "place: problem. remedy.".
+class Error : public std::runtime_error {
+ public:
+  /// `problem` is a clause without a final full stop; `place` (a file, line, field or element) and `remedy`
+  /// (what the reader can do) may be empty.
+  Error(ErrorCode code, std::string problem, std::string place = {}, std::string remedy = {});
+
+  ErrorCode code() const noexcept { return code_; }
+  const std::string& problem() const noexcept { return problem_; }
+  const std::string& place() const noexcept { return place_; }
+  const std::string& remedy() const noexcept { return remedy_; }
+
+  /// The same error seen from further out: "outer: inner place".
+  Error within(std::string_view outer) const;
+
+ private:
+  ErrorCode code_;
+  std::string problem_;
+  std::string place_;
+  std::string remedy_;
+};
+
+}  // namespace meshgraft

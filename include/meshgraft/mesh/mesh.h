@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace meshgraft {
+
+using Index = std::int32_t;
+
+/// n×3, one point or vector per row, model units.
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// m×3, vertex indices, counter-clockwise seen from outside.
+using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// Faces of any number of corners, stored one after another. Corner c of face f is element
+/// `offsets[f] + c` of `corners`; corner attributes use the same numbering.
+class Faces {
+ public:
+  Index size() const { return static_cast<Index>(offsets_.size()) - 1; }
+  Index corner_count() const { return static_cast<Index>(corners_.size()); }
+  std::span<const Index> operator[](Index face) const {
+    return {corners_.data() + offsets_[face], static_cast<std::size_t>(offsets_[face + 1] - offsets_[face])};
+  }
+  Index first_corner(Index face) const { return offsets_[face]; }
+
+  void reserve(Index faces, Index corners);
+  void push_back(std::span<const Index> face);
+
+  const std::vector<Index>& offsets() const { return offsets_; }
+  const std::vector<Index>& corners() const { return corners_; }
+
+  bool operator==(const Faces&) const = default;
+
+ private:
+  std::vector<Index> offsets_{0};
+  std::vector<Index> corners_;
+};
+
+/// What an attribute belongs to.
+enum class Domain { vertex, face, corner };
+
+/// How a value is made for a new element that lies between old ones.
+enum class Interpolation {
+  linear,     ///< weighted mean (colours, UVs, scalars)
+  direction,  ///< weighted mean, renormalised (normals)
+  nearest,    ///< the value of the element with the largest weight (labels, indices, flags)
+};
+
+/// How values were stored in the file they came from, and are written again.
+enum class ScalarType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+/// A value per vertex, face or corner. All scalar types fit into double without loss.
+struct Attribute {
+  std::string name;  ///< "normal", "uv", "colour", "group", "material", or the file's own name
+  Domain domain = Domain::vertex;
+  Interpolation interpolation = Interpolation::linear;
+  ScalarType type = ScalarType::float64;
+  int components = 1;
+  std::vector<double> values{};             ///< element-major, `components` per element; NaN = none there
+  std::vector<std::string> labels{};        ///< for group and material: the name of value k (else empty)
+  std::vector<std::string> source_names{};  ///< the file's names of the components, e.g. "red", "green", "blue"
+};
+
+/// What a reader keeps of its file so that a writer of the same format can change positions and leave all
+/// else as it was, down to what meshgraft does not understand. Each format derives its own.
+class SourceDocument {
+ public:
+  virtual ~SourceDocument() = default;
+};
+
+/// A polygon mesh and whatever its file carried.
+struct Mesh {
+  Points positions{0, 3};             ///< n×3, model units
+  Faces faces;                        ///< indices into `positions`
+  std::vector<Attribute> attributes;  ///< names are unique within a domain
+
+  /// The file behind this mesh; null for a generated mesh or after an operation that changed its topology.
+  std::shared_ptr<const SourceDocument> source;
+
+  Index vertex_count() const { return static_cast<Index>(positions.rows()); }
+  Index face_count() const { return faces.size(); }
+
+  const Attribute* find_attribute(Domain domain, std::string_view name) const;
+};
+
+/// A mesh of triangles without attributes. Shapes: n×3 and m×3.
+Mesh make_mesh(const Points& positions, const Triangles& triangles);
+
+/// Where the elements of an old mesh went: `new_index[old]`, or -1 where one was removed.
+struct IndexMap {
+  std::vector<Index> new_index;
+};
+
+/// Triangles that cover the faces, and the face each comes from.
+struct Triangulation {
+  Triangles triangles;      ///< m×3
+  std::vector<Index> face;  ///< m, the polygon that triangle t is a part of
+};
+
+struct TriangulateOptions {
+  /// Leave faces with an index out of range out instead of throwing, for an edit that does not reach them.
+  bool skip_out_of_range = false;
+};
+
+/// Splits polygons into triangles. Triangles pass through; convex quads are split along the shorter
+/// diagonal, everything else by ear clipping in the polygon's plane (Newell's normal), the best-shaped ear
+/// first. The order follows the faces. Repeated corners are skipped; a face with fewer than three corners left
+/// gives no triangle. Time is quadratic in the corners of one face.
+/// Throws Error(input) if an index is out of range.
+Triangulation triangulate(const Mesh& mesh, const TriangulateOptions& options = {});
+
+}  // namespace meshgraft

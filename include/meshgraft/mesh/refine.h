@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+struct RefineResult {
+  Mesh mesh;        ///< old vertices first, in their order; then one per split edge
+  IndexMap vertex;  ///< the identity on the old vertices
+  /// For each new vertex (index - old vertex count) the ends of the edge that it halves.
+  std::vector<std::array<Index, 2>> parents;
+  std::vector<Index> face_parent;  ///< for each face of `mesh` the old face that it is a part of
+};
+
+/// Splits every edge that has both ends in `vertices` at its middle and subdivides the faces around
+/// (red-green: a triangle with three split edges becomes four, with two three, with one two; polygons are
+/// triangulated first where they touch a split edge, and their diagonals count as edges). Attributes follow
+/// their interpolation rule; corner values stay within their face, so that seams stay seams; integer types are
+/// rounded. An unsplit edge stays whole, so the result has no T-junctions. Throws Error(input) if an index in
+/// `vertices` is out of range.
+RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context = {});
+
+}  // namespace meshgraft

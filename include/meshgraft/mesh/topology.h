@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Compressed lists: the entries of row i are `values[offsets[i]] … values[offsets[i+1]-1]`.
+struct IndexLists {
+  std::vector<Index> offsets{0};
+  std::vector<Index> values;
+  Index size() const { return static_cast<Index>(offsets.size()) - 1; }
+  std::span<const Index> operator[](Index row) const {
+    return {values.data() + offsets[row], static_cast<std::size_t>(offsets[row + 1] - offsets[row])};
+  }
+};
+
+/// For each vertex the triangles that contain it, ascending. One linear pass. Throws Error(input) if an index
+/// is out of range.
+IndexLists vertex_triangles(Index vertex_count, const Triangles& triangles, const Context& context = {});
+
+/// For each vertex its ring N(i): the vertices that share an edge with it, ascending, without repeats.
+IndexLists vertex_rings(Index vertex_count, const Triangles& triangles, const Context& context = {});
+/// The same from lists that are at hand.
+IndexLists vertex_rings(const Triangles& triangles, const IndexLists& vertex_triangles,
+                        const Context& context = {});
+
+/// Rings over the polygons' own edges (diagonals of triangulated polygons do not count).
+IndexLists vertex_rings(Index vertex_count, const Faces& faces);
+
+/// Boundary loops: closed chains of the half-edges that have one face, each in the direction of its face's
+/// half-edges (surface at the left hand, seen from outside), beginning with its smallest vertex; loops with
+/// the most vertices first, equal ones in lexicographic order. Chains that meet in a vertex are separated by
+/// following the fan of faces around it; a chain that cannot be closed (it ends at an edge of three or more
+/// faces) is left out. Here and below, repeated corners of a face are skipped, and a face with fewer than three
+/// corners left or with an index out of range takes no part.
+std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh);
+
+/// Component number per vertex (0-based, in order of the smallest vertex); vertices that share a face are
+/// connected. Isolated vertices get -1. `count` receives the number of components if given.
+std::vector<Index> connected_components(const Mesh& mesh, Index* count = nullptr);
+
+/// Facts about a mesh as a surface. A mesh without faces is manifold and oriented, but not closed.
+struct TopologySummary {
+  Index vertices = 0;           ///< used by a face
+  Index isolated_vertices = 0;  ///< used by none
+  Index faces = 0;
+  Index edges = 0;
+  Index components = 0;
+  Index boundary_loops = 0;
+  Index euler_characteristic = 0;  ///< V - E + F over used vertices and the faces that take part
+  /// Sum over components, (2·components - loops - χ)/2; empty where the surface is not an oriented manifold.
+  std::optional<Index> genus;
+  bool closed = false;    ///< no boundary edge
+  bool manifold = false;  ///< every edge has one or two faces, every vertex one fan
+  bool oriented = false;  ///< neighbouring faces are wound alike
+};
+
+TopologySummary summarise_topology(const Mesh& mesh);
+
+/// Vertices within `rings` edges of `seeds` (seeds included), ascending. Throws Error(input) if a seed is out
+/// of range.
+std::vector<Index> grow_rings(std::span<const Index> seeds, int rings, const IndexLists& vertex_rings);
+
+/// Distance along edges (Dijkstra, model units) from the nearest seed, infinity beyond `limit`. Throws
+/// Error(input) if a seed is out of range.
+std::vector<double> edge_distance(std::span<const Index> seeds, const Points& positions,
+                                  const IndexLists& vertex_rings, double limit);
+
+}  // namespace meshgraft

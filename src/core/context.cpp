@@ -1,0 +1,16 @@
+#include <meshgraft/core/context.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+void Context::step(std::string_view stage, double fraction) const {
+  throw_if_stopped();
+  if (progress) progress(stage, fraction);
+}
+
+void Context::throw_if_stopped() const {
+  if (stop_token.stop_requested()) throw Error(ErrorCode::cancelled, "the operation was cancelled");
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,54 @@
+#include <meshgraft/core/error.h>
+
+#include <utility>
+
+namespace meshgraft {
+
+namespace {
+
+std::string compose(const std::string& problem, const std::string& place, const std::string& remedy) {
+  std::string message = place.empty() ? problem : place + ": " + problem;
+  if (!remedy.empty()) message += ". " + remedy;
+  return message;
+}
+
+}  // namespace
+
+int exit_status(ErrorCode code) noexcept {
+  switch (code) {
+    case ErrorCode::usage: return 2;
+    case ErrorCode::input: return 3;
+    case ErrorCode::unsolvable: return 4;
+    case ErrorCode::io: return 5;
+    case ErrorCode::cancelled: return 130;
+    case ErrorCode::internal: return 70;
+  }
+  return 70;
+}
+
+std::string_view to_string(ErrorCode code) noexcept {
+  switch (code) {
+    case ErrorCode::usage: return "usage";
+    case ErrorCode::input: return "input";
+    case ErrorCode::unsolvable: return "unsolvable";
+    case ErrorCode::io: return "io";
+    case ErrorCode::cancelled: return "cancelled";
+    case ErrorCode::internal: return "internal";
+  }
+  return "internal";
+}
+
+Error::Error(ErrorCode code, std::string problem, std::string place, std::string remedy)
+    : std::runtime_error(compose(problem, place, remedy)),
+      code_(code),
+      problem_(std::move(problem)),
+      place_(std::move(place)),
+      remedy_(std::move(remedy)) {}
+
+Error Error::within(std::string_view outer) const {
+  std::string place(outer);
+  if (!place_.empty()) place += ": " + place_;
+  return Error(code_, problem_, place, remedy_);
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,77 @@
+#include "edge_table.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace meshgraft {
+
+namespace {
+
+// Links the corners of one face into a cycle; false if the face cannot take part.
+bool link_face(std::span<const Index> face, Index first_corner, Index vertex_count, EdgeTable& table) {
+  std::array<Index, 2> seen{-1, -1};  // first and latest corner that is kept
+  Index kept = 0;
+  for (const Index vertex : face) {
+    if (vertex < 0 || vertex >= vertex_count) return false;
+  }
+  for (std::size_t c = 0; c < face.size(); ++c) {
+    if (face[c] == face[c == 0 ? face.size() - 1 : c - 1]) continue;
+    const Index corner = first_corner + static_cast<Index>(c);
+    if (kept++ == 0) {
+      seen[0] = corner;
+    } else {
+      table.next[seen[1]] = corner;
+      table.previous[corner] = seen[1];
+    }
+    seen[1] = corner;
+  }
+  if (kept > 0) {
+    table.next[seen[1]] = seen[0];
+    table.previous[seen[0]] = seen[1];
+  }
+  if (kept >= 3) return true;
+  for (std::size_t c = 0; c < face.size(); ++c) {
+    table.next[first_corner + static_cast<Index>(c)] = -1;
+    table.previous[first_corner + static_cast<Index>(c)] = -1;
+  }
+  return false;
+}
+
+}  // namespace
+
+EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
+    : next(faces.corner_count(), -1), previous(faces.corner_count(), -1), edge(faces.corner_count(), -1) {
+  for (Index f = 0; f < faces.size(); ++f) {
+    if (link_face(faces[f], faces.first_corner(f), vertex_count, *this)) ++usable_faces;
+  }
+
+  // Buckets by the smaller end, each then sorted by (larger end, half-edge): linear for bounded valence.
+  const std::vector<Index>& corners = faces.corners();
+  const auto ends_of = [&](Index c) { return std::minmax(corners[c], corners[next[c]]); };
+  std::vector<Index> start(static_cast<std::size_t>(vertex_count) + 1, 0);
+  for (Index c = 0; c < faces.corner_count(); ++c) {
+    if (next[c] >= 0) ++start[ends_of(c).first + 1];
+  }
+  for (Index v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
+  std::vector<std::pair<Index, Index>> bucket(start.back());
+  std::vector<Index> cursor(start.begin(), start.end() - 1);
+  for (Index c = 0; c < faces.corner_count(); ++c) {
+    if (next[c] >= 0) bucket[cursor[ends_of(c).first]++] = {ends_of(c).second, c};
+  }
+
+  half_edges.values.reserve(bucket.size());
+  for (Index v = 0; v < vertex_count; ++v) {
+    std::sort(bucket.begin() + start[v], bucket.begin() + start[v + 1]);
+    for (Index k = start[v]; k < start[v + 1]; ++k) {
+      if (k == start[v] || bucket[k].first != bucket[k - 1].first) {
+        if (!ends.empty()) half_edges.offsets.push_back(k);
+        ends.push_back({v, bucket[k].first});
+      }
+      edge[bucket[k].second] = static_cast<Index>(ends.size()) - 1;
+      half_edges.values.push_back(bucket[k].second);
+    }
+  }
+  if (!ends.empty()) half_edges.offsets.push_back(static_cast<Index>(half_edges.values.size()));
+}
+
+}  // namespace meshgraft

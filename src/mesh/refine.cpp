@@ -1,0 +1,237 @@
+#include <meshgraft/mesh/refine.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "edge_table.h"
+
+namespace meshgraft {
+
+namespace {
+
+// An element of the refined mesh as the middle of two old ones (or one old one, given twice).
+using Origin = std::array<Index, 2>;
+
+std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
+  std::vector<bool> marked(vertex_count, false);
+  for (const Index v : vertices) {
+    if (v < 0 || v >= vertex_count) {
+      throw Error(ErrorCode::input, "index " + std::to_string(v) + " is not one of the " +
+                                        std::to_string(vertex_count) + " vertices");
+    }
+    marked[v] = true;
+  }
+  return marked;
+}
+
+// Faces with, per face and per corner, where they come from.
+struct TracedFaces {
+  Faces faces;
+  std::vector<Index> face_origin;
+  std::vector<Origin> corner_origin;
+
+  void add(std::span<const Index> face, std::span<const Origin> corners, Index origin) {
+    faces.push_back(face);
+    corner_origin.insert(corner_origin.end(), corners.begin(), corners.end());
+    face_origin.push_back(origin);
+  }
+};
+
+bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const std::vector<bool>& marked) {
+  for (Index c = mesh.faces.first_corner(face); c < mesh.faces.first_corner(face + 1); ++c) {
+    if (table.next[c] < 0) continue;
+    if (marked[mesh.faces.corners()[c]] && marked[mesh.faces.corners()[table.next[c]]]) return true;
+  }
+  return false;
+}
+
+Index corner_of(const Mesh& mesh, Index face, Index vertex) {
+  Index c = mesh.faces.first_corner(face);
+  while (mesh.faces.corners()[c] != vertex) ++c;
+  return c;
+}
+
+// The mesh's faces, with those polygons triangulated that have an edge to split.
+TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, const std::vector<bool>& marked) {
+  const Triangulation pieces = triangulate(mesh, {.skip_out_of_range = true});
+  TracedFaces result;
+  std::size_t t = 0;
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    const std::size_t first = t;
+    while (t < pieces.face.size() && pieces.face[t] == f) ++t;
+    std::vector<Origin> corners;
+    if (mesh.faces[f].size() > 3 && has_split_edge(mesh, f, table, marked)) {
+      for (std::size_t k = first; k < t; ++k) {
+        const auto triangle = pieces.triangles.row(static_cast<Eigen::Index>(k));
+        corners.clear();
+        for (int c = 0; c < 3; ++c) {
+          const Index corner = corner_of(mesh, f, triangle[c]);
+          corners.push_back({corner, corner});
+        }
+        result.add({triangle.data(), 3}, corners, f);
+      }
+    } else {
+      for (Index c = mesh.faces.first_corner(f); c < mesh.faces.first_corner(f + 1); ++c)
+        corners.push_back({c, c});
+      result.add(mesh.faces[f], corners, f);
+    }
+  }
+  return result;
+}
+
+// One triangle with its split edges; corner c is followed by the middle of its edge to corner c + 1.
+struct Piece {
+  std::array<Index, 6> vertex;  // corners 0 1 2, then the middles of 01, 12, 20 (-1: not split)
+  std::array<Origin, 6> corner;
+};
+
+void emit(const Piece& piece, std::initializer_list<std::array<int, 3>> triangles, Index origin,
+          TracedFaces& out) {
+  for (const auto& [a, b, c] : triangles) {
+    out.add(std::array{piece.vertex[a], piece.vertex[b], piece.vertex[c]},
+            std::array{piece.corner[a], piece.corner[b], piece.corner[c]}, origin);
+  }
+}
+
+// Turns the corners so that corner `first` comes first.
+Piece turned(const Piece& piece, int first) {
+  Piece result = piece;
+  for (int c = 0; c < 3; ++c) {
+    for (const int half : {0, 3}) {
+      result.vertex[half + c] = piece.vertex[half + (first + c) % 3];
+      result.corner[half + c] = piece.corner[half + (first + c) % 3];
+    }
+  }
+  return result;
+}
+
+void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& out) {
+  int splits = 0;
+  for (int k = 3; k < 6; ++k) splits += piece.vertex[k] >= 0;
+  const auto length = [&](int a, int b) {
+    return (positions.row(piece.vertex[a]) - positions.row(piece.vertex[b])).norm();
+  };
+  if (splits == 3) {
+    emit(piece, {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}, origin, out);
+  } else if (splits == 2) {
+    while (piece.vertex[5] >= 0) piece = turned(piece, 1);  // edge 20 is the whole one
+    emit(piece, {{3, 1, 4}}, origin, out);
+    if (length(0, 4) < length(2, 3)) {
+      emit(piece, {{0, 3, 4}, {0, 4, 2}}, origin, out);
+    } else {
+      emit(piece, {{0, 3, 2}, {3, 4, 2}}, origin, out);
+    }
+  } else {
+    while (piece.vertex[3] < 0) piece = turned(piece, 1);  // edge 01 is the split one
+    emit(piece, {{0, 3, 2}, {3, 1, 2}}, origin, out);
+  }
+}
+
+double representable(double value, ScalarType type) {
+  return type == ScalarType::float32 || type == ScalarType::float64 ? value : std::round(value);
+}
+
+void append_middle(const Attribute& source, const Origin& origin, std::vector<double>& out) {
+  const double* a = source.values.data() + std::ptrdiff_t{origin[0]} * source.components;
+  const double* b = source.values.data() + std::ptrdiff_t{origin[1]} * source.components;
+  const std::size_t first = out.size();
+  if (origin[0] == origin[1] || source.interpolation == Interpolation::nearest) {
+    out.insert(out.end(), a, a + source.components);
+    return;
+  }
+  for (int k = 0; k < source.components; ++k) out.push_back(0.5 * a[k] + 0.5 * b[k]);
+  if (source.interpolation == Interpolation::direction) {
+    Eigen::Map<Eigen::VectorXd> direction(out.data() + first, source.components);
+    const double length = direction.stableNorm();
+    if (length > 0) {
+      direction /= length;
+    } else {
+      std::copy_n(a, source.components, direction.data());  // opposite directions have no middle
+    }
+  }
+  for (std::size_t k = first; k < out.size(); ++k) out[k] = representable(out[k], source.type);
+}
+
+Attribute carried(const Attribute& source, std::span<const Origin> origins) {
+  Attribute result = source;
+  result.values.clear();
+  result.values.reserve(origins.size() * static_cast<std::size_t>(source.components));
+  for (const Origin& origin : origins) append_middle(source, origin, result.values);
+  return result;
+}
+
+}  // namespace
+
+RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  context.step("refine", 0);
+  const Index old_count = mesh.vertex_count();
+  const std::vector<bool> marked = mark(old_count, vertices);
+  const TracedFaces coarse = triangulate_where_split(mesh, EdgeTable(old_count, mesh.faces), marked);
+  const EdgeTable table(old_count, coarse.faces);
+
+  context.step("refine", 0.3);
+  RefineResult result;
+  std::vector<Index> middle(table.edge_count(), -1);
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (!marked[table.ends[e][0]] || !marked[table.ends[e][1]]) continue;
+    middle[e] = old_count + static_cast<Index>(result.parents.size());
+    result.parents.push_back(table.ends[e]);
+  }
+  std::vector<Origin> vertex_origin;
+  for (Index v = 0; v < old_count; ++v) vertex_origin.push_back({v, v});
+  vertex_origin.insert(vertex_origin.end(), result.parents.begin(), result.parents.end());
+  result.vertex.new_index.resize(old_count);
+  for (Index v = 0; v < old_count; ++v) result.vertex.new_index[v] = v;
+
+  Points& positions = result.mesh.positions;
+  positions.resize(static_cast<Eigen::Index>(vertex_origin.size()), 3);
+  positions.topRows(old_count) = mesh.positions;
+  for (std::size_t k = 0; k < result.parents.size(); ++k) {
+    const auto& [a, b] = result.parents[k];
+    positions.row(old_count + static_cast<Eigen::Index>(k)) =
+        0.5 * mesh.positions.row(a) + 0.5 * mesh.positions.row(b);
+  }
+
+  context.step("refine", 0.5);
+  TracedFaces fine;
+  for (Index f = 0; f < coarse.faces.size(); ++f) {
+    const auto face = coarse.faces[f];
+    const Index first = coarse.faces.first_corner(f);
+    const std::span<const Origin> corners(coarse.corner_origin.data() + first, face.size());
+    Piece piece{};
+    bool split = false;
+    for (int c = 0; face.size() == 3 && c < 3; ++c) {
+      const Index half_edge = first + c;
+      if (table.next[half_edge] < 0) break;
+      piece.vertex[c] = face[c];
+      piece.corner[c] = corners[c];
+      piece.vertex[3 + c] = middle[table.edge[half_edge]];
+      piece.corner[3 + c] = {corners[c][0], corners[(c + 1) % 3][0]};
+      split = split || piece.vertex[3 + c] >= 0;
+    }
+    if (split) {
+      subdivide(piece, positions, coarse.face_origin[f], fine);
+    } else {
+      fine.add(face, corners, coarse.face_origin[f]);
+    }
+  }
+
+  context.step("refine", 0.8);
+  result.face_parent = fine.face_origin;
+  std::vector<Origin> face_origin;
+  for (const Index f : fine.face_origin) face_origin.push_back({f, f});
+  for (const Attribute& attribute : mesh.attributes) {
+    const auto& origins = attribute.domain == Domain::vertex ? vertex_origin
+                          : attribute.domain == Domain::face ? face_origin
+                                                             : fine.corner_origin;
+    result.mesh.attributes.push_back(carried(attribute, origins));
+  }
+  result.mesh.faces = std::move(fine.faces);
+  context.step("refine", 1);
+  return result;
+}
+
+}  // namespace meshgraft
