@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Reads a mesh; the format follows the content where it has a signature, else the extension (.ply, .obj).
+/// Everything the file carries is kept: what has a meaning here as attributes, the rest in `Mesh::source`.
+/// Indices may be out of range and coordinates non-finite: `triage` names them.
+/// Throws Error(io) if the file cannot be read, Error(input) with file and line (or byte) if it is malformed.
+Mesh read_mesh(const std::filesystem::path& path, const Context& context = {});
+
+struct WriteOptions {
+  bool overwrite = true;  ///< replace an existing file
+};
+
+/// Writes a mesh in the format of `path`'s extension. A mesh that was read from the same format and has its
+/// topology unchanged is written as it was read (scalar types, byte order, property order, comments, groups,
+/// .mtl reference, unknown elements), only positions and normals that changed are new; any other is written
+/// from its positions, faces and attributes. The file appears whole or not at all.
+/// Throws Error(io) if it cannot be written, Error(input) if the extension is unknown.
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
+                const Context& context = {});
+
+/// Writes `content` to `path` so that a reader sees either the old file or the whole new one (a temporary
+/// file beside it, flushed, then renamed). Throws Error(io), leaving no temporary file behind.
+void write_file_atomically(const std::filesystem::path& path, std::string_view content);
+
+/// A whole file as bytes. Throws Error(io) with a reason and a remedy (no such file, a folder, no permission).
+std::string read_file(const std::filesystem::path& path);
+
+}  // namespace meshgraft

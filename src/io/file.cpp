@@ -1,0 +1,225 @@
+#include "file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <random>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+namespace meshgraft {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+/// What a person can do about a failed system call on a file.
+std::string remedy_for(int error) {
+  switch (error) {
+    case ENOENT: return "Check the spelling and the folder";
+    case ENOTDIR: return "A part of the path is a file, not a folder";
+    case EACCES:
+    case EPERM: return "Change the permissions of the file or its folder, or choose another place";
+    case ENOSPC:
+    case EDQUOT: return "Free some space on the disk, or choose another place";
+    case EROFS: return "The disk is read-only; choose another place";
+    case ENAMETOOLONG: return "Choose a shorter name";
+    default: return {};
+  }
+}
+
+[[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
+  throw Error(ErrorCode::io, std::string(what) + ": " + reason(error), path.string(), remedy_for(error));
+}
+
+/// An open file that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+
+  int get() const { return fd_; }
+  bool valid() const { return fd_ >= 0; }
+
+  /// Closing can report a write error that happened late (network disks): the writer has to look.
+  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+void write_all(int fd, std::string_view content, const fs::path& path) {
+  constexpr std::size_t largest_piece = std::size_t{1} << 30;  // Linux moves at most 2 GiB per call
+  while (!content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), std::min(content.size(), largest_piece));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path, "cannot be written", errno);
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+/// A temporary file in the folder of its target, removed again unless it became the target.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& target) : target_(target), descriptor_(create()) {}
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+
+  void keep_permissions_of(const struct stat& old) {
+    // The owner can only be kept by root; losing it is no reason to fail.
+    if (::fchown(descriptor_.get(), old.st_uid, old.st_gid) != 0) errno = 0;
+    if (::fchmod(descriptor_.get(), old.st_mode & 07777) != 0) {
+      fail(target_, "cannot keep the permissions of the old file", errno);
+    }
+  }
+
+  void fill(std::string_view content) {
+    write_all(descriptor_.get(), content, target_);
+    if (::fsync(descriptor_.get()) != 0) fail(target_, "cannot be flushed to the disk", errno);
+    if (!descriptor_.close()) fail(target_, "cannot be written", errno);
+  }
+
+  void replace_target() {
+    if (::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, "cannot be replaced", errno);
+    path_.clear();
+    flush_folder();
+  }
+
+  /// Unlike rename, link fails where the target exists, so two writers cannot both believe to be the first.
+  /// Returns false on file systems without hard links.
+  bool become_new_target() {
+    if (::link(path_.c_str(), target_.c_str()) != 0) {
+      if (errno == EPERM || errno == ENOTSUP || errno == ENOSYS) return false;
+      fail(target_, "cannot be created", errno);
+    }
+    ::unlink(path_.c_str());
+    path_.clear();
+    flush_folder();
+    return true;
+  }
+
+ private:
+  int create() {
+    std::random_device random;
+    for (int attempt = 0;; ++attempt) {
+      path_ = target_.parent_path() / (".meshgraft-" + std::to_string(random()) + ".tmp");
+      const int fd = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (fd >= 0) return fd;
+      const int error = errno;
+      if (error == EEXIST && attempt < 100) continue;
+      path_.clear();
+      fail(target_, "cannot be created", error);
+    }
+  }
+
+  /// Makes the new name survive a power cut; folders of some file systems cannot be flushed, which is fine.
+  void flush_folder() const {
+    const fs::path folder = target_.parent_path().empty() ? fs::path(".") : target_.parent_path();
+    const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (descriptor.valid() && ::fsync(descriptor.get()) != 0) errno = 0;
+  }
+
+  fs::path target_;
+  fs::path path_;
+  Descriptor descriptor_;
+};
+
+/// Where a symbolic link leads, so that the file behind it is replaced and not the link.
+fs::path resolve_link(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path resolved = fs::weakly_canonical(path, error);
+  return error ? path : resolved;
+}
+
+/// Pipes and devices have no old content to protect: the bytes simply go there.
+void write_through(const fs::path& path, std::string_view content) {
+  Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!descriptor.valid()) fail(path, "cannot be opened for writing", errno);
+  write_all(descriptor.get(), content, path);
+  if (!descriptor.close()) fail(path, "cannot be written", errno);
+}
+
+[[noreturn]] void refuse_existing(const fs::path& path) {
+  throw Error(ErrorCode::io, "the file exists already", path.string(),
+              "Choose another name, or ask for it to be replaced");
+}
+
+}  // namespace
+
+namespace io {
+
+void write_file(const fs::path& path, std::string_view content, Existing existing) {
+  if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
+  const fs::path target = resolve_link(path);
+
+  struct stat old = {};
+  const bool exists = ::stat(target.c_str(), &old) == 0;
+  if (!exists && errno != ENOENT) fail(path, "cannot be written", errno);
+  if (exists && S_ISDIR(old.st_mode)) {
+    throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
+  }
+  if (exists && !S_ISREG(old.st_mode)) return write_through(target, content);
+  if (exists && existing == Existing::refuse) refuse_existing(path);
+  // A rename would replace even a write-protected file.
+  if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0)
+    fail(path, "cannot be replaced", errno);
+
+  TemporaryFile temporary(target);
+  if (exists) temporary.keep_permissions_of(old);
+  temporary.fill(content);
+  if (existing == Existing::refuse) {
+    if (temporary.become_new_target()) return;
+    if (fs::exists(target)) refuse_existing(path);
+  }
+  temporary.replace_target();
+}
+
+}  // namespace io
+
+void write_file_atomically(const fs::path& path, std::string_view content) {
+  io::write_file(path, content, io::Existing::replace);
+}
+
+std::string read_file(const fs::path& path) {
+  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor.valid()) fail(path, "cannot be opened", errno);
+  struct stat status = {};
+  if (::fstat(descriptor.get(), &status) != 0) fail(path, "cannot be read", errno);
+  if (S_ISDIR(status.st_mode)) {
+    throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
+  }
+
+  std::string content;
+  std::size_t size = 0;
+  // One byte more than expected, so that the end of the file is seen without growing the buffer.
+  content.resize(S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) + 1 : std::size_t{1} << 16);
+  for (;;) {
+    if (size == content.size()) content.resize(2 * size);
+    const ssize_t got = ::read(descriptor.get(), content.data() + size, content.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(path, "cannot be read", errno);
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  content.resize(size);
+  return content;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft::io {
+
+/// A mesh file format: what tells its files apart, and how bytes become a mesh and a mesh bytes. A new
+/// format is a header and a source file that define one of these, and a line in `formats()`.
+struct Format {
+  std::string_view name;                         ///< as people write it, "PLY"
+  std::span<const std::string_view> extensions;  ///< lower case with the dot, the usual one first
+
+  /// True if the content can be nothing else; null for formats without a signature.
+  bool (*has_signature)(std::string_view content);
+
+  /// `name` is the file's name for messages. Throws Error(input) with the place in the file.
+  Mesh (*read)(std::string content, const std::string& name, const Context& context);
+
+  /// The bytes of a file. Throws Error(input) for what the format cannot hold.
+  std::string (*write)(const Mesh& mesh, const Context& context);
+};
+
+/// All formats that can be read and written.
+std::span<const Format> formats();
+
+}  // namespace meshgraft::io

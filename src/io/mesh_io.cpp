@@ -1,0 +1,91 @@
+#include <meshgraft/io/mesh_io.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <meshgraft/core/error.h>
+
+#include "file.h"
+#include "format.h"
+#include "obj.h"
+#include "ply.h"
+
+namespace meshgraft {
+
+namespace io {
+
+std::span<const Format> formats() {
+  static const std::array<Format, 2> all = {ply_format(), obj_format()};
+  return all;
+}
+
+}  // namespace io
+
+namespace {
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::string known_extensions() {
+  std::string list;
+  for (const io::Format& format : io::formats()) {
+    for (const std::string_view extension : format.extensions) {
+      if (!list.empty()) list += ", ";
+      list += extension;
+    }
+  }
+  return list;
+}
+
+const io::Format& format_of_extension(const std::filesystem::path& path) {
+  const std::string extension = lower_case_extension(path);
+  for (const io::Format& format : io::formats()) {
+    if (std::ranges::find(format.extensions, extension) != format.extensions.end()) return format;
+  }
+  const std::string problem =
+      extension.empty() ? "the name has no extension" : "the extension '" + extension + "' is unknown";
+  throw Error(ErrorCode::input, problem, path.string(), "Known mesh formats: " + known_extensions());
+}
+
+const io::Format& format_of_content(std::string_view content, const std::filesystem::path& path) {
+  for (const io::Format& format : io::formats()) {
+    if (format.has_signature != nullptr && format.has_signature(content)) return format;
+  }
+  return format_of_extension(path);
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
+  context.step("read", 0);
+  std::string content = read_file(path);
+  if (content.empty()) {
+    throw Error(ErrorCode::input, "the file is empty", path.string(), "Export or copy it again");
+  }
+  const io::Format& format = format_of_content(content, path);
+  Mesh mesh = format.read(std::move(content), path.string(), context);
+  context.step("read", 1);
+  return mesh;
+}
+
+void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                const Context& context) {
+  context.step("write", 0);
+  const io::Format& format = format_of_extension(path);
+  std::string content;
+  try {
+    content = format.write(mesh, context);
+  } catch (const Error& error) {
+    throw error.code() == ErrorCode::cancelled ? error : error.within(path.string());
+  }
+  context.throw_if_stopped();
+  io::write_file(path, content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
+  context.step("write", 1);
+}
+
+}  // namespace meshgraft

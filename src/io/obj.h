@@ -1,0 +1,13 @@
+#pragma once
+
+#include "format.h"
+
+namespace meshgraft::io {
+
+/// Wavefront OBJ, polygonal part; everything else in a file is kept as text.
+Format obj_format();
+
+Mesh read_obj(std::string content, const std::string& name, const Context& context);
+std::string write_obj(const Mesh& mesh, const Context& context);
+
+}  // namespace meshgraft::io
