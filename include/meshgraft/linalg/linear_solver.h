@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <meshgraft/core/context.h>
+
+namespace meshgraft {
+
+/// Lower triangle of a symmetric positive definite matrix, columns sorted, 64-bit indices.
+using NormalMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
+
+enum class SolverBackend {
+  automatic,  ///< CHOLMOD where it was built in, else Eigen
+  cholmod,    ///< supernodal Cholesky (SuiteSparse), minimum degree or, for large matrices, nested
+              ///< dissection of the matrix's own graph
+  eigen,      ///< Eigen's simplicial Cholesky, approximate minimum degree
+};
+
+struct SolverStatistics {
+  std::string backend;   ///< "cholmod" or "eigen"
+  std::string ordering;  ///< "metis", "amd", …
+  std::int64_t unknowns = 0;
+  std::int64_t matrix_nonzeros = 0;  ///< of the lower triangle
+  std::int64_t factor_nonzeros = 0;
+  double factor_flops = 0;
+  std::int64_t peak_memory_bytes = 0;  ///< of the solver alone
+};
+
+/// Solves N x = y for a symmetric positive definite N: analyse once per pattern, factorise once per set of
+/// values, solve many times. Knows nothing of meshes; a direct or an iterative method fits behind it.
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+
+  /// Ordering and symbolic work; depends on the pattern alone.
+  virtual void analyse(const NormalMatrix& lower, const Context& context = {}) = 0;
+
+  /// Numerical factor. Throws Error(unsolvable) if N is not positive definite.
+  virtual void factorise(const NormalMatrix& lower, const Context& context = {}) = 0;
+
+  /// Solves for all columns of `rhs` (unknowns×k). Safe to call from several threads at once.
+  virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context = {}) const = 0;
+
+  virtual SolverStatistics statistics() const = 0;
+};
+
+/// Which backends this build has, best first.
+std::vector<SolverBackend> available_backends();
+
+/// Throws Error(input) if the backend is not part of this build.
+std::unique_ptr<LinearSolver> make_solver(SolverBackend backend = SolverBackend::automatic);
+
+/// ‖N‖₁ of the whole symmetric matrix.
+double one_norm(const NormalMatrix& lower);
+
+/// Lower bound of the 1-norm condition number of the factorised N (Hager 1984, Higham 1988) from a few
+/// solves; `norm` is ‖N‖₁.
+double estimate_condition(double norm, const LinearSolver& solver, const Context& context = {});
+
+}  // namespace meshgraft

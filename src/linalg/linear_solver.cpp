@@ -1,0 +1,64 @@
+#include <meshgraft/linalg/linear_solver.h>
+
+#include <cmath>
+
+#include <meshgraft/core/error.h>
+
+#include "backends.h"
+
+namespace meshgraft {
+
+std::vector<SolverBackend> available_backends() {
+#ifdef MESHGRAFT_HAS_CHOLMOD
+  return {SolverBackend::cholmod, SolverBackend::eigen};
+#else
+  return {SolverBackend::eigen};
+#endif
+}
+
+std::unique_ptr<LinearSolver> make_solver(SolverBackend backend) {
+  if (backend == SolverBackend::automatic) backend = available_backends().front();
+  if (backend == SolverBackend::eigen) return make_eigen_solver();
+#ifdef MESHGRAFT_HAS_CHOLMOD
+  return make_cholmod_solver();
+#else
+  throw Error(ErrorCode::input, "this build of meshgraft has no CHOLMOD", "backend",
+              "Choose 'eigen' or 'auto', or build with MESHGRAFT_WITH_CHOLMOD=ON");
+#endif
+}
+
+double one_norm(const NormalMatrix& lower) {
+  Eigen::VectorXd column_sums = Eigen::VectorXd::Zero(lower.cols());
+  for (Eigen::Index column = 0; column < lower.cols(); ++column) {
+    for (NormalMatrix::InnerIterator it(lower, column); it; ++it) {
+      column_sums[column] += std::abs(it.value());
+      if (it.row() != column) column_sums[it.row()] += std::abs(it.value());
+    }
+  }
+  return column_sums.size() > 0 ? column_sums.maxCoeff() : 0;
+}
+
+double estimate_condition(double norm, const LinearSolver& solver, const Context& context) {
+  const Eigen::Index n = solver.statistics().unknowns;
+  if (n == 0) return 1;
+  // Hager's ascent for ‖N⁻¹‖₁; N is symmetric, so one kind of solve serves both of its steps.
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
+  double inverse_norm = 0;
+  constexpr int most_steps = 5;
+  for (int step = 0; step < most_steps; ++step) {
+    const Eigen::VectorXd y = solver.solve(x, context);
+    const double growth = y.lpNorm<1>();
+    if (growth <= inverse_norm) break;
+    inverse_norm = growth;
+    const Eigen::VectorXd sign = y.unaryExpr([](double value) { return value < 0 ? -1.0 : 1.0; });
+    const Eigen::VectorXd gradient = solver.solve(sign, context);
+    Eigen::Index steepest = 0;
+    gradient.cwiseAbs().maxCoeff(&steepest);
+    if (std::abs(gradient[steepest]) <= gradient.dot(x)) break;
+    x.setZero();
+    x[steepest] = 1;
+  }
+  return norm * inverse_norm;
+}
+
+}  // namespace meshgraft
