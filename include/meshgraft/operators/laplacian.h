@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/operators/options.h>
+
+namespace meshgraft {
+
+/// The umbrella operator D of FT05 equation 2, n×n: (D x)_i = x_i − Σ_j w_ij x_j with Σ_j w_ij = 1, so
+/// δ = D p. Cotangent weights are ½(cot α + cot β), negative ones clamped to 0, uniform where all vanish.
+/// Vertices without a ring have an empty row.
+SparseRows umbrella_operator(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                             WeightScheme weights, const Context& context = {});
+
+/// Mean length of the edges at each vertex (n), model units; 0 where there are none.
+std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& rings);
+
+}  // namespace meshgraft

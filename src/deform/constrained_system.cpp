@@ -1,0 +1,373 @@
+#include "constrained_system.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+void require_vertex(Index vertex, Index count, const std::string& place) {
+  if (vertex < 0 || vertex >= count)
+    throw Error(ErrorCode::input, fmt::format("vertex {} does not exist; the mesh has {}", vertex, count),
+                place);
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+ConstrainedSystem::ConstrainedSystem(const Points& points, const Triangles& triangles,
+                                     const VertexStates& states, std::span<const Anchor> all_anchors,
+                                     const DeformerOptions& options, DeformerSummary& summary,
+                                     const Context& context)
+    : rest_(points), residual_corrections_(options.residual_corrections) {
+  validate(options.operators);
+  if (residual_corrections_ < 0 || residual_corrections_ > 10)
+    throw Error(ErrorCode::input, fmt::format("{} is not between 0 and 10", residual_corrections_),
+                "residual_corrections");
+  const auto start = Clock::now();
+  cut_patch(triangles, states, options.operators.laplacian_order, context);
+  take_anchors(all_anchors, states);
+  if (patch_.size() > 0) {
+    build_operators(options.operators, context);
+    build_system(options.operators.density, context);
+    summary.degenerate_vertices = count_degenerate();
+  }
+  summary.free_vertices = static_cast<Index>(free_.size());
+  summary.assemble_seconds = seconds_since(start);
+  if (E_.cols() > 0) factorise(options.backend, summary, context);
+}
+
+/// The patch reaches so far that every row with an unknown, and every normal and weight in it, is complete.
+void ConstrainedSystem::cut_patch(const Triangles& triangles, const VertexStates& states, int laplacian_order,
+                                  const Context& context) {
+  const auto n = static_cast<Index>(rest_.rows());
+  const IndexLists faces_at = vertex_triangles(n, triangles, context);
+  std::vector<std::uint8_t> active(static_cast<std::size_t>(n), 0);
+  for (Index v = 0; v < n; ++v) {
+    active[v] = !faces_at[v].empty() && (!states.position[v] || !states.transform[v]);
+    if (!faces_at[v].empty() && !states.position[v]) free_.push_back(v);
+  }
+  patch_ = make_patch(rest_, triangles, faces_at, active, laplacian_order + 2, context);
+  for (Index v : patch_.vertices) {
+    known_.position.push_back(states.position[v] || faces_at[v].empty());
+    known_.transform.push_back(states.transform[v] || faces_at[v].empty());
+    known_.feature.push_back(states.feature[v]);
+  }
+  known_.anchored.assign(patch_.vertices.size(), 0);
+}
+
+void ConstrainedSystem::take_anchors(std::span<const Anchor> all_anchors, const VertexStates& states) {
+  for (std::size_t a = 0; a < all_anchors.size(); ++a) {
+    const Anchor& anchor = all_anchors[a];
+    require_vertex(anchor.vertex, static_cast<Index>(rest_.rows()), fmt::format("anchor {}", a));
+    if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
+      throw Error(ErrorCode::input, fmt::format("the weight {} is not a positive number", anchor.weight),
+                  fmt::format("anchor {} (vertex {})", a, anchor.vertex));
+    if (anchor.target && !anchor.target->allFinite())
+      throw Error(ErrorCode::input, "the target is not finite",
+                  fmt::format("anchor {} (vertex {})", a, anchor.vertex));
+    const Index local = patch_.local(anchor.vertex);
+    if (local < 0 || states.position[anchor.vertex]) continue;  // what is held needs no anchor
+    known_.anchored[local] = 1;
+    anchors_.push_back(anchor);
+  }
+}
+
+void ConstrainedSystem::build_operators(const OperatorOptions& options, const Context& context) {
+  const Index n = patch_.size();
+  const IndexLists rings = vertex_rings(n, patch_.triangles, context);
+  settle_idle_components(rings, known_);
+  require_solvable(patch_, rings, known_);
+
+  AffineOperator::Extent extent;
+  extent.fitted.resize(static_cast<std::size_t>(n));
+  extent.unknown.resize(static_cast<std::size_t>(n));
+  extent.movable.resize(static_cast<std::size_t>(n));
+  std::vector<Index> active;
+  for (Index v = 0; v < n; ++v) {
+    extent.unknown[v] = !known_.transform[v];
+    extent.fitted[v] = !known_.transform[v] && known_.feature[v] < 0;
+    extent.movable[v] = !known_.position[v] && !known_.transform[v] && known_.feature[v] < 0;
+    if (!known_.position[v] || !known_.transform[v]) active.push_back(v);
+  }
+  extent.numbers = patch_.vertices;
+  extent.rows.assign(static_cast<std::size_t>(n), 0);
+  for (Index v : grow_rings(active, options.laplacian_order, rings)) extent.rows[v] = 1;
+  operators_ = std::make_unique<AffineOperator>(patch_.points, patch_.triangles, options, extent, context);
+}
+
+Index ConstrainedSystem::count_degenerate() const {
+  Index count = 0;
+  for (Index v = 0; v < patch_.size(); ++v)
+    if (!known_.position[v] && operators_->nodes().flat[v]) ++count;
+  return count;
+}
+
+/// Area of the patch's faces with a free corner, in the patch's units.
+double ConstrainedSystem::free_area() const {
+  double area = 0;
+  for (const auto& t : patch_.triangles.rowwise()) {
+    if (known_.position[t[0]] && known_.position[t[1]] && known_.position[t[2]]) continue;
+    const Eigen::RowVector3d u = patch_.points.row(t[1]) - patch_.points.row(t[0]),
+                             v = patch_.points.row(t[2]) - patch_.points.row(t[0]);
+    area += u.cross(v).norm() / 2;
+  }
+  return area > 0 ? area : 1;
+}
+
+/// Soft rows weight · (x_i − target). Where i was moved off its plane, x_i is the place it comes back to
+/// (FT05 equation 8). With `aware`, the rows of anchors spread over a surface approximate an integral like
+/// those of E_L and E_R, measured by the free area so that neither size nor tessellation counts.
+SparseRows ConstrainedSystem::anchor_rows(Density density) {
+  const AffineOperator& op = *operators_;
+  const double area = free_area();
+  SparseRows rows(static_cast<Eigen::Index>(anchors_.size()), E_.cols());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t a = 0; a < anchors_.size(); ++a) {
+    const Index v = patch_.local(anchors_[a].vertex);
+    const double scale = density == Density::aware ? op.edge_lengths()[v] * op.mean_edge_length() / area : 1.0;
+    anchor_weights_.push_back(anchors_[a].weight * scale);
+    const auto add = [&](const SparseRows& matrix, Eigen::Index row, double factor) {
+      for (SparseRows::InnerIterator it(matrix, row); it; ++it)
+        entries.emplace_back(static_cast<int>(a), static_cast<int>(it.col()),
+                             anchor_weights_.back() * factor * it.value());
+    };
+    add(E_, v, 1);
+    const Eigen::RowVector3d back = patch_.points.row(v) - op.nodes().positions.row(v);
+    for (int k = 0; k < 3; ++k)
+      if (back[k] != 0) add(G_, 3 * v + k, back[k]);
+  }
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
+}
+
+/// Columns: each free vertex and its apex in turn, then four for each feature (three of the map, one of the
+/// translation).
+void ConstrainedSystem::build_system(Density density, const Context& context) {
+  const AffineOperator& op = *operators_;
+  const Index n = patch_.size();
+  const Eigen::Index node_count = op.nodes().positions.rows();
+  std::vector<int> column(static_cast<std::size_t>(node_count), -1);
+  int columns = 0;
+  std::map<Index, std::vector<Index>> features;
+  for (Index v = 0; v < n; ++v) {
+    if (known_.feature[v] >= 0)
+      features[known_.feature[v]].push_back(v);
+    else if (!known_.position[v])
+      column[v] = columns++;
+    if (op.nodes().apex[v] >= 0) column[op.nodes().apex[v]] = columns++;
+  }
+  const int first_shared = columns;
+  columns += 4 * static_cast<int>(features.size());
+
+  std::vector<Eigen::Triplet<double>> E_entries, F_entries;
+  for (Eigen::Index node = 0; node < node_count; ++node)
+    if (column[node] >= 0) E_entries.emplace_back(static_cast<int>(node), column[node], 1.0);
+  int shared = first_shared;
+  for (const auto& [feature, vertices] : features) {
+    for (Index v : vertices) {
+      for (int k = 0; k < 3; ++k) {
+        E_entries.emplace_back(v, shared + k, op.nodes().positions(v, k));
+        F_entries.emplace_back(3 * v + k, shared + k, 1.0);
+      }
+      E_entries.emplace_back(v, shared + 3, 1.0);
+    }
+    shared += 4;
+  }
+  E_.resize(node_count, columns);
+  E_.setFromTriplets(E_entries.begin(), E_entries.end());
+  SparseRows F(3 * n, columns);
+  F.setFromTriplets(F_entries.begin(), F_entries.end());
+  if (columns == 0) return;
+
+  G_ = SparseRows(multiply(op.H(), E_, context) + F);
+  A_L_ = SparseRows(multiply(op.L(), E_, context) - multiply(op.delta(), G_, context));
+
+  A_L_ = stack(A_L_, anchor_rows(density));
+  A_L_transposed_ = transpose(A_L_);
+  G_transposed_ = transpose(G_);
+  P_transposed_ = transpose(op.P());
+  context.step("assemble", 0.7);
+}
+
+/// AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G; PᵀP couples the maps of pairs alone and is small.
+NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
+  if (E_.cols() == 0) return NormalMatrix(0, 0);
+  const SparseRows coupling = multiply(multiply(P_transposed_, operators_->P(), context), G_, context);
+  return lower_triangle_of_sum(A_L_transposed_, A_L_, G_transposed_, coupling, context);
+}
+
+void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summary, const Context& context) {
+  auto start = Clock::now();
+  const NormalMatrix normal = normal_matrix(context);
+  normal_one_norm_ = one_norm(normal);
+  summary.assemble_seconds += seconds_since(start);
+
+  solver_ = make_solver(backend);
+  start = Clock::now();
+  solver_->analyse(normal, context);
+  summary.analyse_seconds = seconds_since(start);
+  start = Clock::now();
+  solver_->factorise(normal, context);
+  summary.factorise_seconds = seconds_since(start);
+  summary.solver = solver_->statistics();
+}
+
+ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexConstraint> constraints) const {
+  Known values{Columns::Zero(operators_->nodes().positions.rows(), 3), Columns::Zero(3 * patch_.size(), 3)};
+  for (const VertexConstraint& constraint : constraints) {
+    const Index v = patch_.local(constraint.vertex);
+    if (v < 0) continue;
+    if (constraint.position)
+      values.x.row(v) = (constraint.position->transpose() - rest_.row(constraint.vertex)) / patch_.scale;
+    if (constraint.transform)
+      values.m.middleRows<3>(3 * v) = (*constraint.transform - Eigen::Matrix3d::Identity()).transpose();
+  }
+  return values;
+}
+
+ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values,
+                                                           std::span<const Eigen::Matrix3d> field,
+                                                           const Context& context) const {
+  const AffineOperator& op = *operators_;
+  const Columns m = multiply(op.H(), values.x, context) + values.m;
+  Rows rhs;
+  const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
+  rhs.laplacian.resize(A_L_.rows(), 3);
+  rhs.laplacian.topRows(laplacian.rows()) = laplacian;
+  for (std::size_t a = 0; a < anchors_.size(); ++a) {
+    const Eigen::RowVector3d p = rest_.row(anchors_[a].vertex);
+    const Eigen::RowVector3d move = anchors_[a].target ? Eigen::RowVector3d(anchors_[a].target->transpose() - p)
+                                                       : Eigen::RowVector3d::Zero();
+    const Index v = patch_.local(anchors_[a].vertex);
+    const Eigen::RowVector3d back = patch_.points.row(v) - op.nodes().positions.row(v);
+    rhs.laplacian.row(laplacian.rows() + static_cast<Eigen::Index>(a)) =
+        anchor_weights_[a] * (move / patch_.scale - back * m.middleRows<3>(3 * v));
+  }
+  Columns target = -m;
+  if (!field.empty()) {
+    for (Index v = 0; v < patch_.size(); ++v)
+      target.middleRows<3>(3 * v) += (field[patch_.vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
+  }
+  rhs.smoothness = multiply(op.P(), target, context);
+  return rhs;
+}
+
+Columns ConstrainedSystem::apply_transposed(const Rows& rows, const Context& context) const {
+  return multiply(A_L_transposed_, rows.laplacian, context) +
+         multiply(G_transposed_, multiply(P_transposed_, rows.smoothness, context), context);
+}
+
+ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const Columns& y,
+                                                         const Context& context) const {
+  return {rhs.laplacian - multiply(A_L_, y, context),
+          rhs.smoothness - multiply(operators_->P(), multiply(G_, y, context), context)};
+}
+
+/// y = (AᵀA)⁻¹ Aᵀ b, then corrections with the residual of the rectangular system.
+Columns ConstrainedSystem::solve(const Rows& rhs, const Context& context) const {
+  const auto back_substitute = [&](const Rows& rows) {
+    return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), context));
+  };
+  Columns y = back_substitute(rhs);
+  for (int correction = 0; correction < residual_corrections_; ++correction)
+    y += back_substitute(residual_rows(rhs, y, context));
+  return y;
+}
+
+void ConstrainedSystem::place(const Columns& y, const Known& values,
+                              std::span<const VertexConstraint> constraints, Points& out,
+                              const Context& context) const {
+  out = rest_;
+  if (y.rows() > 0) {
+    Columns x = multiply(E_, y, context) + values.x;
+    const StencilNodes& nodes = operators_->nodes();
+    if (!nodes.moved.empty()) {
+      // FT05 equation 8: x = M (p − p') + x' for vertices that were moved off their plane.
+      const Columns m = multiply(G_, y, context) + multiply(operators_->H(), values.x, context) + values.m;
+      for (Index v : nodes.moved) {
+        const Eigen::RowVector3d back = patch_.points.row(v) - nodes.positions.row(v);
+        x.row(v) += back * m.middleRows<3>(3 * v);
+      }
+    }
+    for (Index v = 0; v < patch_.size(); ++v) {
+      if (known_.position[v]) continue;
+      const Index global = patch_.vertices[v];
+      out.row(global) = rest_.row(global) + patch_.scale * x.row(v);
+      if (!out.row(global).allFinite())
+        throw Error(ErrorCode::unsolvable, fmt::format("the solution is not finite at vertex {}", global), "",
+                    "Move the handles by less, or repair the surface there");
+    }
+  }
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.position) out.row(constraint.vertex) = constraint.position->transpose();
+}
+
+/// max ‖M_c(x) − W_c‖ over the constrained transforms next to something free.
+double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstraint> constraints,
+                                                  const Points& positions) const {
+  Points local(patch_.size(), 3);
+  for (Index v = 0; v < patch_.size(); ++v)
+    local.row(v) = (positions.row(patch_.vertices[v]) - patch_.centre) / patch_.scale;
+  std::vector<Eigen::Matrix3d> given(static_cast<std::size_t>(patch_.size()), Eigen::Matrix3d::Identity());
+  for (const VertexConstraint& constraint : constraints)
+    if (const Index v = patch_.local(constraint.vertex); v >= 0 && constraint.transform)
+      given[v] = *constraint.transform;
+  double largest = 0;
+  const IndexLists& rings = operators_->rings();
+  for (Index v = 0; v < patch_.size(); ++v) {
+    const bool beside_free =
+        std::any_of(rings[v].begin(), rings[v].end(), [&](Index w) { return !known_.position[w]; });
+    if (!known_.transform[v] || (!beside_free && known_.position[v])) continue;
+    const double deviation = local_map_deviation(v, patch_.points, local, given[v], rings[v]).norm();
+    largest = std::max(largest, deviation);
+  }
+  return largest;
+}
+
+void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints,
+                                 std::span<const Eigen::Matrix3d> field, Points& out,
+                                 const Context& context) const {
+  if (!solver_) {
+    place(Columns(0, 3), {}, constraints, out, context);
+    return;
+  }
+  const Known values = known_values(constraints);
+  const Columns y = solve(right_hand_side(values, field, context), context);
+  place(y, values, constraints, out, context);
+}
+
+EvaluationReport ConstrainedSystem::inspect(std::span<const VertexConstraint> constraints,
+                                            std::span<const Eigen::Matrix3d> field,
+                                            const Context& context) const {
+  EvaluationReport report;
+  if (!solver_) return report;
+  const Known values = known_values(constraints);
+  const Rows rhs = right_hand_side(values, field, context);
+  const Columns y = solve(rhs, context);
+  const double scale = apply_transposed(rhs, context).norm();
+  if (scale > 0) report.residual = apply_transposed(residual_rows(rhs, y, context), context).norm() / scale;
+  Points positions;
+  place(y, values, constraints, positions, context);
+  report.max_transform_deviation = max_transform_deviation(constraints, positions);
+  return report;
+}
+
+double ConstrainedSystem::condition_estimate(const Context& context) const {
+  return solver_ ? estimate_condition(normal_one_norm_, *solver_, context) : 1.0;
+}
+
+}  // namespace meshgraft

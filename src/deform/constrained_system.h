@@ -1,0 +1,105 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/linalg/sparse.h>
+
+#include "patch.h"
+#include "solvability.h"
+
+namespace meshgraft {
+
+/// What is known of each vertex of the whole mesh before the solve.
+struct VertexStates {
+  std::vector<std::uint8_t> position, transform;
+  std::vector<Index> feature;  ///< its number, or -1
+
+  VertexStates(Index count, bool known)
+      : position(static_cast<std::size_t>(count), known),
+        transform(static_cast<std::size_t>(count), known),
+        feature(static_cast<std::size_t>(count), -1) {}
+};
+
+/// Throws Error(input) at `place` unless 0 ≤ vertex < count.
+void require_vertex(Index vertex, Index count, const std::string& place);
+
+/// The least-squares problem of a deformation with constraints per vertex: assembled and factorised by the
+/// constructor, solved for any values of the constraints.
+///
+/// All positions and maps are kept as differences from rest (x − p, M − I): then an edit that moves nothing
+/// gives exactly nothing, and small edits keep their own precision.
+///
+/// With y the unknowns, the nodes' displacements are E y + x_known and the maps H (E y + x_known) + F y +
+/// m_known; F holds the maps that are shared columns themselves. So
+///
+///   E_L rows:  A_L y = −(L x_known − Δ (H x_known + m_known)),   A_L = L E − Δ (H E + F)
+///   E_R rows:  P G y = P (r − H x_known − m_known),              G = H E + F
+class ConstrainedSystem {
+ public:
+  /// Fills the free and degenerate counts, the seconds and the solver's facts of `summary`.
+  ConstrainedSystem(const Points& rest, const Triangles& triangles, const VertexStates& states,
+                    std::span<const Anchor> anchors, const DeformerOptions& options, DeformerSummary& summary,
+                    const Context& context);
+
+  /// Positions (n×3) for constraints that fit `states`; `field` has n rotations or none.
+  void evaluate(std::span<const VertexConstraint> constraints, std::span<const Eigen::Matrix3d> field,
+                Points& out, const Context& context) const;
+  EvaluationReport inspect(std::span<const VertexConstraint> constraints,
+                           std::span<const Eigen::Matrix3d> field, const Context& context) const;
+  NormalMatrix normal_matrix(const Context& context) const;
+  double condition_estimate(const Context& context) const;
+
+  const Points& rest() const { return rest_; }
+  const Patch& patch() const { return patch_; }
+  const std::vector<Index>& free_vertices() const { return free_; }
+  const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
+
+ private:
+  // Steps of the set-up.
+  void cut_patch(const Triangles& triangles, const VertexStates& states, int laplacian_order,
+                 const Context& context);
+  void take_anchors(std::span<const Anchor> all_anchors, const VertexStates& states);
+  void build_operators(const OperatorOptions& options, const Context& context);
+  void build_system(Density density, const Context& context);
+  double free_area() const;
+  SparseRows anchor_rows(Density density);
+  void factorise(SolverBackend backend, DeformerSummary& summary, const Context& context);
+  Index count_degenerate() const;
+
+  /// Known displacements of nodes and known maps less I, from constraints.
+  struct Known {
+    Columns x, m;
+  };
+  Known known_values(std::span<const VertexConstraint> constraints) const;
+
+  /// One column block for the rows of E_L and anchors, one for those of E_R: right-hand sides or residuals.
+  struct Rows {
+    Columns laplacian, smoothness;
+  };
+  Rows right_hand_side(const Known& values, std::span<const Eigen::Matrix3d> field,
+                       const Context& context) const;
+  Columns apply_transposed(const Rows& rows, const Context& context) const;
+  Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
+  Columns solve(const Rows& rhs, const Context& context) const;
+  void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints, Points& out,
+             const Context& context) const;
+  double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
+
+  Points rest_;
+  std::vector<Index> free_;  ///< global indices, ascending
+  Patch patch_;
+  KnownParts known_;
+  std::vector<Anchor> anchors_;         ///< on vertices whose position is unknown
+  std::vector<double> anchor_weights_;  ///< of their rows
+  std::unique_ptr<AffineOperator> operators_;
+  SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_, P_transposed_;
+  std::unique_ptr<LinearSolver> solver_;
+  double normal_one_norm_ = 0;
+  int residual_corrections_ = 1;
+};
+
+}  // namespace meshgraft

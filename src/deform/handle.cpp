@@ -1,0 +1,237 @@
+#include <meshgraft/deform/handle.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+namespace {
+
+[[noreturn]] void fail(const Handle& handle, const std::string& problem, const std::string& remedy = {}) {
+  throw Error(ErrorCode::input, problem, "handle '" + handle.name + "'", remedy);
+}
+
+void require_vertices(const Handle& handle, Index vertex_count) {
+  if (handle.vertices.empty()) fail(handle, "has no vertices");
+  for (const Index v : handle.vertices) {
+    if (v >= 0 && v < vertex_count) continue;
+    fail(handle,
+         "index " + std::to_string(v) + " is not one of the " + std::to_string(vertex_count) + " vertices");
+  }
+}
+
+void require_curve(const Handle& handle, const Points& rest) {
+  require_vertices(handle, static_cast<Index>(rest.rows()));
+  if (handle.shape != HandleShape::curve) fail(handle, "is not a curve and cannot be redrawn");
+  const std::size_t needed = handle.closed ? 3 : 2;
+  if (handle.vertices.size() < needed) {
+    fail(handle, "has " + std::to_string(handle.vertices.size()) + " vertices; a " +
+                     (handle.closed ? "closed curve needs three" : "curve needs two"));
+  }
+}
+
+// Sine and cosine of an angle in degrees, exact at multiples of 90°.
+struct SineCosine {
+  double sine, cosine;
+};
+
+SineCosine sine_cosine(double angle_deg) {
+  const double within_turn = std::remainder(angle_deg, 360.0);
+  const double quarter = std::round(within_turn / 90);
+  const double rest = (within_turn - 90 * quarter) * std::numbers::pi / 180;
+  const double s = std::sin(rest), c = std::cos(rest);
+  switch ((static_cast<int>(quarter) + 4) % 4) {
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    case 3: return {-c, s};
+    default: return {s, c};
+  }
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+// Rodrigues' formula.
+Eigen::Matrix3d rotation_matrix(const Eigen::Vector3d& unit_axis, const SineCosine& angle) {
+  return angle.cosine * Eigen::Matrix3d::Identity() + angle.sine * cross_matrix(unit_axis) +
+         (1 - angle.cosine) * unit_axis * unit_axis.transpose();
+}
+
+// The smallest rotation that takes the unit vector a to the unit vector b; exactly I for a = b.
+Eigen::Matrix3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                  const Eigen::Vector3d& normal) {
+  if (a == b) return Eigen::Matrix3d::Identity();
+  const double one_plus_cosine = 0.5 * (a + b).squaredNorm();
+  if (one_plus_cosine < 1e-15) return rotation_matrix(normal, sine_cosine(180));
+  const Eigen::Matrix3d turn = cross_matrix(a.cross(b));
+  return Eigen::Matrix3d::Identity() + turn + turn * turn / one_plus_cosine;
+}
+
+// The part of `normal` orthogonal to the unit tangent, or any such direction where there is none.
+Eigen::Vector3d orthogonal_normal(const Eigen::Vector3d& normal, const Eigen::Vector3d& tangent) {
+  const Eigen::Vector3d part = normal - normal.dot(tangent) * tangent;
+  const bool usable = part.allFinite() && part.norm() > 1e-6 * normal.norm();
+  return usable ? Eigen::Vector3d(part.normalized()) : tangent.unitOrthogonal();
+}
+
+// Arc length from the first point to each point, and once round at the end of a closed curve.
+std::vector<double> arc_lengths(const Points& curve, bool closed) {
+  std::vector<double> lengths = {0};
+  for (Eigen::Index k = 1; k < curve.rows(); ++k) {
+    lengths.push_back(lengths.back() + (curve.row(k) - curve.row(k - 1)).norm());
+  }
+  if (closed) lengths.push_back(lengths.back() + (curve.row(0) - curve.row(curve.rows() - 1)).norm());
+  return lengths;
+}
+
+// The same from 0 to 1.
+std::vector<double> relative_arc_lengths(const Handle& handle, const Points& curve, const std::string& what) {
+  std::vector<double> lengths = arc_lengths(curve, handle.closed);
+  const double total = lengths.back();
+  if (!std::isfinite(total)) fail(handle, "the " + what + " has a coordinate that is not a finite number");
+  if (total == 0) fail(handle, "the " + what + " has no length");
+  for (double& length : lengths) length /= total;
+  return lengths;
+}
+
+Points rest_curve(const Handle& handle, const Points& rest) {
+  Points curve(static_cast<Eigen::Index>(handle.vertices.size()), 3);
+  for (Eigen::Index k = 0; k < curve.rows(); ++k) curve.row(k) = rest.row(handle.vertices[k]);
+  return curve;
+}
+
+// A closed polyline that repeats its first point at its end.
+bool returns_to_start(const Points& polyline) {
+  return polyline.rows() > 1 && polyline.row(0) == polyline.row(polyline.rows() - 1);
+}
+
+struct CurveSample {
+  Eigen::Vector3d tangent;  // unit
+  double length = 0;        // of the curve around the point: half of each adjoining segment
+};
+
+CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index k, const std::string& what) {
+  const Eigen::Index n = curve.rows();
+  const Eigen::Index before = k > 0 ? k - 1 : handle.closed ? n - 1 : 0;
+  const Eigen::Index after = k + 1 < n ? k + 1 : handle.closed ? 0 : n - 1;
+  const Eigen::Vector3d incoming = curve.row(k) - curve.row(before);
+  const Eigen::Vector3d outgoing = curve.row(after) - curve.row(k);
+  Eigen::Vector3d direction = curve.row(after) - curve.row(before);
+  if (direction.isZero(0)) direction = outgoing;  // the tip of a hairpin
+  const CurveSample sample{direction.stableNormalized(), 0.5 * (incoming.norm() + outgoing.norm())};
+  if (direction.isZero(0) || !direction.allFinite() || !std::isfinite(sample.length)) {
+    fail(handle,
+         "the " + what + " has no tangent at its vertex " + std::to_string(k) + " (mesh vertex " +
+             std::to_string(handle.vertices[k]) + ")",
+         "Keep neighbouring points of the curve apart.");
+  }
+  return sample;
+}
+
+}  // namespace
+
+Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const IndexLists& vertex_rings) {
+  require_vertices(handle, std::min(static_cast<Index>(rest.rows()), vertex_rings.size()));
+  std::vector<bool> inside(vertex_rings.size(), false);
+  for (const Index v : handle.vertices) inside[v] = true;
+  std::vector<Index> rim;
+  for (const Index v : handle.vertices) {
+    const auto ring = vertex_rings[v];
+    if (std::any_of(ring.begin(), ring.end(), [&](Index w) { return !inside[w]; })) rim.push_back(v);
+  }
+  if (rim.empty()) rim = handle.vertices;
+  // About the first vertex, to keep the digits far from the origin.
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  for (const Index v : rim) sum += rest.row(v) - rest.row(rim[0]);
+  return (rest.row(rim[0]) + sum / static_cast<double>(rim.size())).transpose();
+}
+
+HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_pivot) {
+  const Eigen::Vector3d pivot = motion.pivot.value_or(default_pivot);
+  const auto require_finite = [](bool finite, const std::string& field) {
+    if (!finite) throw Error(ErrorCode::input, "is not made of finite numbers", field);
+  };
+  require_finite(motion.translate.allFinite(), "translate");
+  require_finite(motion.axis.allFinite(), "axis");
+  require_finite(std::isfinite(motion.angle_deg), "angle_deg");
+  require_finite(motion.scale.allFinite(), "scale");
+  require_finite(pivot.allFinite(), "pivot");
+  if (motion.axis.isZero(0) && motion.angle_deg != 0) {
+    throw Error(ErrorCode::input, "has no length, so there is nothing to turn about", "axis",
+                "Name a direction, e.g. 0 0 1.");
+  }
+  const Eigen::Vector3d axis =
+      motion.axis.isZero(0) ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : motion.axis.stableNormalized();
+
+  const Eigen::Matrix3d linear =
+      rotation_matrix(axis, sine_cosine(motion.angle_deg)) * motion.scale.asDiagonal();
+  HandlePose pose;
+  pose.transform.linear() = linear;
+  // x' = c + t + R S (x − c); c − R S c first, so that a pure translation keeps its bits.
+  pose.transform.translation() = motion.translate + (pivot - linear * pivot);
+  pose.rotation = Eigen::AngleAxisd(motion.angle_deg * std::numbers::pi / 180, axis);
+  return pose;
+}
+
+Points redraw_curve(const Handle& handle, const Points& rest, const Points& polyline) {
+  require_curve(handle, rest);
+  const bool repeats_start = handle.closed && returns_to_start(polyline);
+  const Points course = polyline.topRows(polyline.rows() - (repeats_start ? 1 : 0));
+  if (course.rows() < (handle.closed ? 3 : 2)) {
+    fail(handle, "the polyline has " + std::to_string(course.rows()) + " points; it needs " +
+                     (handle.closed ? "three" : "two"));
+  }
+  const std::vector<double> wanted = relative_arc_lengths(handle, rest_curve(handle, rest), "curve at rest");
+  const std::vector<double> given = relative_arc_lengths(handle, course, "polyline");
+
+  Points redrawn(static_cast<Eigen::Index>(handle.vertices.size()), 3);
+  for (Eigen::Index k = 0; k < redrawn.rows(); ++k) {
+    // The last point at or before the wanted length; a hit keeps its bits.
+    const auto above = std::upper_bound(given.begin(), given.end(), wanted[k]);
+    const Eigen::Index from = above - given.begin() - 1;
+    if (wanted[k] == given[from] && from < course.rows()) {
+      redrawn.row(k) = course.row(from);
+      continue;
+    }
+    const double share = (wanted[k] - given[from]) / (given[from + 1] - given[from]);
+    const auto a = course.row(from);
+    const auto b = course.row((from + 1) % course.rows());
+    redrawn.row(k) = a + share * (b - a);
+  }
+  return redrawn;
+}
+
+std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Points& rest,
+                                                const Points& rest_normals, const Points& redrawn) {
+  require_curve(handle, rest);
+  const Points curve = rest_curve(handle, rest);
+  if (redrawn.rows() != curve.rows() || rest_normals.rows() != rest.rows()) {
+    throw Error(ErrorCode::usage, "needs one redrawn point per curve vertex and one normal per mesh vertex",
+                "handle '" + handle.name + "'");
+  }
+  std::vector<VertexConstraint> constraints;
+  for (Eigen::Index k = 0; k < curve.rows(); ++k) {
+    VertexConstraint constraint;
+    constraint.vertex = handle.vertices[k];
+    if (handle.constrain_position) constraint.position = redrawn.row(k).transpose();
+    if (handle.constrain_transform) {
+      const CurveSample before = sample_curve(handle, curve, k, "curve at rest");
+      const CurveSample after = sample_curve(handle, redrawn, k, "redrawn curve");
+      // Fu & Tai 2005, section 4: new frame = Q · old frame, so R = new · oldᵀ = Q, whatever the normal.
+      const Eigen::Vector3d normal =
+          orthogonal_normal(rest_normals.row(constraint.vertex).transpose(), before.tangent);
+      constraint.transform =
+          after.length / before.length * smallest_rotation(before.tangent, after.tangent, normal);
+    }
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,166 @@
+#include "patch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+namespace {
+
+/// The vertices of all faces around `front` that are not yet in `inside`, added to it and returned.
+std::vector<Index> next_ring(const std::vector<Index>& front, const Triangles& triangles,
+                             const IndexLists& vertex_triangles, std::vector<std::uint8_t>& inside) {
+  std::vector<Index> next;
+  for (Index v : front) {
+    for (Index t : vertex_triangles[v]) {
+      for (int corner = 0; corner < 3; ++corner) {
+        const Index w = triangles(t, corner);
+        if (inside[w]) continue;
+        inside[w] = 1;
+        next.push_back(w);
+      }
+    }
+  }
+  return next;
+}
+
+void require_finite(const Points& points, const std::vector<Index>& vertices) {
+  for (Index v : vertices) {
+    if (!points.row(v).allFinite())
+      throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that is not a finite number", v),
+                  "", "Repair the mesh, or choose a region away from that vertex");
+  }
+}
+
+struct HalfEdge {
+  Index low, high;  ///< its ends
+  Index face;
+  bool ascending;  ///< whether its face runs from `low` to `high`
+  auto key() const { return std::pair(low, high); }
+};
+
+/// Turns faces over until any two that meet in an edge of their own are wound alike: normals are sums over
+/// faces and would cancel. Each component keeps its first face; where there is no consistent winding (a
+/// Möbius strip) some edges stay as they are. A consistently wound patch is not touched.
+void wind_alike(Triangles& triangles) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(static_cast<std::size_t>(3 * triangles.rows()));
+  for (Index t = 0; t < triangles.rows(); ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Index a = triangles(t, corner), b = triangles(t, (corner + 1) % 3);
+      edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tuple(a.low, a.high, a.face) < std::tuple(b.low, b.high, b.face);
+  });
+  struct Neighbour {
+    Index face = -1;
+    bool opposed = false;  ///< wound against each other
+  };
+  std::vector<std::array<Neighbour, 3>> neighbours(static_cast<std::size_t>(triangles.rows()));
+  std::vector<std::uint8_t> filled(neighbours.size(), 0);
+  bool any_opposed = false;
+  for (std::size_t first = 0; first < edges.size();) {
+    std::size_t last = first;
+    while (last < edges.size() && edges[last].key() == edges[first].key()) ++last;
+    if (last - first == 2) {
+      const HalfEdge &a = edges[first], &b = edges[first + 1];
+      const bool opposed = a.ascending == b.ascending;
+      any_opposed = any_opposed || opposed;
+      neighbours[a.face][filled[a.face]++] = {b.face, opposed};
+      neighbours[b.face][filled[b.face]++] = {a.face, opposed};
+    }
+    first = last;
+  }
+  if (!any_opposed) return;
+  enum : std::uint8_t { unseen, kept, turned };
+  std::vector<std::uint8_t> state(neighbours.size(), unseen);
+  std::vector<Index> queue;
+  for (Index start = 0; start < triangles.rows(); ++start) {
+    if (state[start] != unseen) continue;
+    state[start] = kept;
+    queue.assign(1, start);
+    while (!queue.empty()) {
+      const Index face = queue.back();
+      queue.pop_back();
+      for (const Neighbour& next : neighbours[face]) {
+        if (next.face < 0 || state[next.face] != unseen) continue;
+        const bool turn = (state[face] == turned) != next.opposed;
+        state[next.face] = turn ? turned : kept;
+        queue.push_back(next.face);
+      }
+    }
+    queue.clear();
+  }
+  for (Index t = 0; t < triangles.rows(); ++t)
+    if (state[t] == turned) std::swap(triangles(t, 1), triangles(t, 2));
+}
+
+/// Moves the box of the patch to the origin and divides by a power of two near its diagonal.
+void normalise(Patch& patch, const Points& points) {
+  Eigen::RowVector3d low = points.row(patch.vertices.front()), high = low;
+  for (Index v : patch.vertices) {
+    low = low.cwiseMin(points.row(v));
+    high = high.cwiseMax(points.row(v));
+  }
+  patch.centre = low + (high - low) / 2;
+  const double diagonal = (high - low).stableNorm();
+  patch.scale = diagonal > 0 ? std::exp2(std::round(std::log2(diagonal))) : 1.0;
+  patch.points.resize(patch.size(), 3);
+  for (Index i = 0; i < patch.size(); ++i)
+    patch.points.row(i) = (points.row(patch.vertices[i]) - patch.centre) / patch.scale;
+}
+
+}  // namespace
+
+Index Patch::local(Index global) const {
+  const auto found = std::lower_bound(vertices.begin(), vertices.end(), global);
+  return found != vertices.end() && *found == global ? static_cast<Index>(found - vertices.begin()) : -1;
+}
+
+Patch make_patch(const Points& points, const Triangles& triangles, const IndexLists& vertex_triangles,
+                 std::span<const std::uint8_t> flagged, int rings, const Context& context) {
+  context.throw_if_stopped();
+  std::vector<std::uint8_t> inside(flagged.begin(), flagged.end());
+  Patch patch;
+  for (Index v = 0; v < static_cast<Index>(flagged.size()); ++v)
+    if (flagged[v]) patch.vertices.push_back(v);
+  if (patch.vertices.empty()) return patch;
+
+  std::vector<Index> front = patch.vertices;
+  for (int ring = 0; ring <= rings; ++ring) {
+    front = next_ring(front, triangles, vertex_triangles, inside);
+    patch.vertices.insert(patch.vertices.end(), front.begin(), front.end());
+  }
+  std::sort(patch.vertices.begin(), patch.vertices.end());
+  require_finite(points, patch.vertices);
+  normalise(patch, points);
+
+  // Faces with all corners inside, each once; the fans of all but the outermost ring are whole.
+  std::vector<Index> faces;
+  for (Index v : patch.vertices) {
+    for (Index t : vertex_triangles[v]) {
+      const Index smallest = triangles.row(t).minCoeff();
+      if (v == smallest && inside[triangles(t, 0)] && inside[triangles(t, 1)] && inside[triangles(t, 2)])
+        faces.push_back(t);
+    }
+  }
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  patch.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (int corner = 0; corner < 3; ++corner)
+      patch.triangles(static_cast<Eigen::Index>(f), corner) = patch.local(triangles(faces[f], corner));
+  wind_alike(patch.triangles);
+  return patch;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft {
+
+/// The part of a mesh that can have an influence on a set of vertices, renumbered in ascending order,
+/// centred and scaled to about unit size. Nothing beyond it is looked at.
+struct Patch {
+  std::vector<Index> vertices;  ///< global index of each local vertex, ascending
+  Points points;                ///< (p − centre) / scale
+  Triangles triangles;          ///< local indices; wound alike where that can be done
+  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+  double scale = 1;  ///< a power of two, so scaling rounds nothing
+
+  Index size() const { return static_cast<Index>(vertices.size()); }
+  /// Local index of a global vertex, or -1.
+  Index local(Index global) const;
+};
+
+/// All vertices within `rings` + 1 edges of a flagged vertex, with the whole fans of those within `rings`.
+/// Throws Error(input) naming the first vertex of the patch whose position is not finite.
+Patch make_patch(const Points& points, const Triangles& triangles, const IndexLists& vertex_triangles,
+                 std::span<const std::uint8_t> flagged, int rings, const Context& context = {});
+
+}  // namespace meshgraft

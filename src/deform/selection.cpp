@@ -1,0 +1,531 @@
+#include <meshgraft/deform/selection.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <span>
+
+#include <Eigen/Geometry>
+
+#define NANOFLANN_FIRST_MATCH  // the smallest index among points at the same distance
+#include <nanoflann.hpp>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& place, const std::string& problem, const std::string& remedy = {}) {
+  throw Error(ErrorCode::input, problem, place, remedy);
+}
+
+std::string at(const std::string& place, std::string_view list, std::size_t k) {
+  return place + "." + std::string(list) + "[" + std::to_string(k) + "]";
+}
+
+void require_finite(const Eigen::Vector3d& vector, const std::string& place) {
+  if (!vector.allFinite()) fail(place, "has a coordinate that is not a finite number");
+}
+
+Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& place) {
+  require_finite(normal, place);
+  const double length = normal.stableNorm();
+  if (length == 0) fail(place, "the normal has no length");
+  return normal / length;
+}
+
+// A set of vertices as flags, for what is combined.
+using Flags = std::vector<bool>;
+
+Flags flags_of(std::span<const Index> vertices, Index vertex_count) {
+  Flags flags(vertex_count, false);
+  for (const Index v : vertices) flags[v] = true;
+  return flags;
+}
+
+template <typename Predicate>
+std::vector<Index> vertices_where(Index vertex_count, const Predicate& predicate) {
+  std::vector<Index> vertices;
+  for (Index v = 0; v < vertex_count; ++v) {
+    if (predicate(v)) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+// Nearest finite vertex that belongs to a face.
+class VertexTree {
+ public:
+  explicit VertexTree(const SelectionContext& context) : positions_(context.mesh.positions) {
+    for (Index v = 0; v < context.mesh.vertex_count(); ++v) {
+      if (context.components[v] >= 0 && positions_.row(v).allFinite()) candidates_.push_back(v);
+    }
+    if (!candidates_.empty()) tree_.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  }
+
+  VertexTree(const VertexTree&) = delete;  // the tree refers to this object
+  VertexTree& operator=(const VertexTree&) = delete;
+
+  struct Found {
+    Index vertex = -1;
+    double distance = std::numeric_limits<double>::infinity();
+  };
+
+  Found nearest(const Eigen::Vector3d& point) const {
+    if (!tree_) return {};
+    std::uint32_t candidate = 0;
+    double squared = 0;
+    tree_->knnSearch(point.data(), 1, &candidate, &squared);
+    return {candidates_[candidate], std::sqrt(squared)};
+  }
+
+  // What nanoflann asks of a point set.
+  std::size_t kdtree_get_point_count() const { return candidates_.size(); }
+  double kdtree_get_pt(std::size_t k, std::size_t axis) const {
+    return positions_(candidates_[k], static_cast<Eigen::Index>(axis));
+  }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+
+ private:
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, VertexTree>, VertexTree,
+                                                   3, std::uint32_t>;
+  const Points& positions_;
+  std::vector<Index> candidates_;
+  std::optional<Tree> tree_;
+};
+
+// Shortest edge paths that keep off blocked vertices.
+class PathFinder {
+ public:
+  explicit PathFinder(const SelectionContext& context)
+      : context_(context),
+        blocked_(context.mesh.vertex_count(), false),
+        distance_(context.mesh.vertex_count(), unreached),
+        previous_(context.mesh.vertex_count(), -1) {}
+
+  void block(std::span<const Index> vertices) {
+    for (const Index v : vertices) blocked_[v] = true;
+  }
+
+  // The vertices after `from` up to and with `to`; none if there is no way. Dijkstra, ended early.
+  std::vector<Index> find(Index from, Index to) {
+    std::vector<Index> touched = {from};
+    using Entry = std::pair<double, Index>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+    distance_[from] = 0;
+    front.emplace(0.0, from);
+    while (!front.empty() && front.top().second != to) {
+      const auto [reached, v] = front.top();
+      front.pop();
+      if (reached > distance_[v]) continue;
+      for (const Index w : context_.rings[v]) {
+        if (blocked_[w] && w != to) continue;
+        const double candidate =
+            reached + (context_.mesh.positions.row(w) - context_.mesh.positions.row(v)).norm();
+        if (!(candidate < distance_[w])) continue;
+        if (distance_[w] == unreached) touched.push_back(w);
+        distance_[w] = candidate;
+        previous_[w] = v;
+        front.emplace(candidate, w);
+      }
+    }
+    std::vector<Index> path;
+    if (!front.empty()) {
+      for (Index v = to; v != from; v = previous_[v]) path.push_back(v);
+      std::reverse(path.begin(), path.end());
+    }
+    for (const Index v : touched) distance_[v] = unreached;
+    return path;
+  }
+
+ private:
+  static constexpr double unreached = std::numeric_limits<double>::infinity();
+  const SelectionContext& context_;
+  Flags blocked_;
+  std::vector<double> distance_;
+  std::vector<Index> previous_;
+};
+
+class Resolver {
+ public:
+  explicit Resolver(const SelectionContext& context) : context_(context), count_(context.mesh.vertex_count()) {}
+
+  std::vector<Index> resolve(const Selection& selection, const std::string& place) const {
+    return std::visit([&](const auto& kind) { return vertices(kind, place); }, selection.kind);
+  }
+
+ private:
+  Eigen::Vector3d position(Index v) const { return context_.mesh.positions.row(v).transpose(); }
+
+  std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& place) const {
+    if (!of) fail(place, "names no selection");
+    return resolve(*of, place);
+  }
+
+  std::vector<Index> vertices(const Selection::All&, const std::string&) const {
+    std::vector<Index> all(count_);
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+
+  std::vector<Index> vertices(const Selection::Indices& indices, const std::string& place) const {
+    Flags seen(count_, false);
+    std::vector<Index> distinct;
+    for (std::size_t k = 0; k < indices.vertices.size(); ++k) {
+      const Index v = indices.vertices[k];
+      if (v < 0 || v >= count_) {
+        fail(at(place, "indices", k),
+             "index " + std::to_string(v) + " is not one of the " + std::to_string(count_) + " vertices",
+             "Indices count from 0.");
+      }
+      if (!seen[v]) distinct.push_back(v);
+      seen[v] = true;
+    }
+    return distinct;
+  }
+
+  std::vector<Index> vertices(const Selection::Box& box, const std::string& place) const {
+    require_finite(box.min, place + ".box.min");
+    require_finite(box.max, place + ".box.max");
+    if ((box.min.array() > box.max.array()).any()) fail(place + ".box", "'min' is greater than 'max'");
+    return vertices_where(count_, [&](Index v) {
+      const Eigen::Array3d x = position(v).array();
+      return (x >= box.min.array()).all() && (x <= box.max.array()).all();
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Sphere& sphere, const std::string& place) const {
+    require_finite(sphere.centre, place + ".sphere.centre");
+    if (!std::isfinite(sphere.radius) || sphere.radius < 0) {
+      fail(place + ".sphere.radius", "must be a finite number, not negative");
+    }
+    return vertices_where(count_,
+                          [&](Index v) { return (position(v) - sphere.centre).norm() <= sphere.radius; });
+  }
+
+  std::vector<Index> vertices(const Selection::HalfSpace& half, const std::string& place) const {
+    require_finite(half.point, place + ".half_space.point");
+    const Eigen::Vector3d normal = unit(half.normal, place + ".half_space.normal");
+    return vertices_where(count_, [&](Index v) { return (position(v) - half.point).dot(normal) >= 0; });
+  }
+
+  std::vector<Index> vertices(const Selection::Component& component, const std::string& place) const {
+    const auto& numbers = context_.components;
+    const Index count = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
+    require_number(component.number, count, "connected component", place + ".component");
+    return vertices_where(count_, [&](Index v) { return numbers[v] == component.number; });
+  }
+
+  std::vector<Index> vertices(const Selection::Loop& loop, const std::string& place) const {
+    require_number(loop.number, static_cast<Index>(context_.loops.size()), "boundary loop", place + ".loop");
+    return context_.loops[loop.number];
+  }
+
+  static void require_number(Index number, Index count, const std::string& what, const std::string& place) {
+    if (number >= 0 && number < count) return;
+    const std::string has = count == 0   ? "has no " + what
+                            : count == 1 ? "has one " + what + ", number 0"
+                                         : "has " + std::to_string(count) + " " + what + "s, numbered from 0";
+    fail(place, what + " " + std::to_string(number) + " does not exist: the mesh " + has);
+  }
+
+  std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& place) const {
+    require_finite(nearest.point, place + ".nearest");
+    // One query is not worth a tree.
+    Index best = -1;
+    double best_distance = std::numeric_limits<double>::infinity();
+    for (Index v = 0; v < count_; ++v) {
+      const double distance = (position(v) - nearest.point).norm();
+      if (context_.components[v] < 0 || !(distance < best_distance)) continue;
+      best = v;
+      best_distance = distance;
+    }
+    if (best < 0) fail(place + ".nearest", "the mesh has no vertex that belongs to a face");
+    return {best};
+  }
+
+  std::vector<Index> vertices(const Selection::Path& path, const std::string& place) const {
+    const std::vector<Index> stations = path_stations(path, place + ".path");
+    PathFinder finder(context_);
+    finder.block(stations);
+    std::vector<Index> vertices = {stations[0]};
+    const std::size_t legs = path.closed ? stations.size() : stations.size() - 1;
+    for (std::size_t k = 0; k < legs; ++k) {
+      const Index from = stations[k];
+      const Index to = stations[(k + 1) % stations.size()];
+      const std::vector<Index> leg = finder.find(from, to);
+      if (leg.empty()) {
+        fail(place + ".path",
+             "there is no way along edges from vertex " + std::to_string(from) + " to vertex " +
+                 std::to_string(to) + " that does not touch the rest of the path",
+             "Put the points on one connected component, in order along the path.");
+      }
+      finder.block(leg);
+      vertices.insert(vertices.end(), leg.begin(), leg.end());
+    }
+    if (path.closed) vertices.pop_back();  // it came back to its first vertex
+    return vertices;
+  }
+
+  // The vertices nearest to a path's points, successive repeats dropped.
+  std::vector<Index> path_stations(const Selection::Path& path, const std::string& place) const {
+    const VertexTree tree(context_);
+    std::vector<Index> stations;
+    Flags seen(count_, false);
+    for (std::size_t k = 0; k < path.points.size(); ++k) {
+      require_finite(path.points[k], at(place, "points", k));
+      const Index v = tree.nearest(path.points[k]).vertex;
+      if (v < 0) fail(place, "the mesh has no vertex that belongs to a face");
+      const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
+      if ((!stations.empty() && v == stations.back()) || comes_home) continue;
+      if (seen[v]) {
+        fail(at(place, "points", k), "comes back to vertex " + std::to_string(v) + ", where the path has been",
+             "Give points that lie apart, in order along the path.");
+      }
+      seen[v] = true;
+      stations.push_back(v);
+    }
+    const std::size_t needed = path.closed ? 3 : 2;
+    if (stations.size() < needed) {
+      fail(place + ".points", std::string(path.closed ? "a closed path needs three" : "a path needs two") +
+                                  " points near different vertices, here are " +
+                                  std::to_string(stations.size()));
+    }
+    return stations;
+  }
+
+  std::vector<Index> vertices(const Selection::Grow& grow, const std::string& place) const {
+    const std::vector<Index> of = child(grow.of, place + ".grow.of");
+    if (grow.rings >= 0) return grow_rings(of, grow.rings, context_.rings);
+    const Flags near_outside = within_rings_of_outside(of, -std::int64_t{grow.rings});
+    return ascending(of, [&](Index v) { return !near_outside[v]; });
+  }
+
+  std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& place) const {
+    if (!std::isfinite(grow.length) || grow.length < 0) {
+      fail(place + ".grow_length.length", "must be a finite number, not negative");
+    }
+    const std::vector<Index> of = child(grow.of, place + ".grow_length.of");
+    const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, grow.length);
+    return vertices_where(count_, [&](Index v) { return std::isfinite(distance[v]); });
+  }
+
+  std::vector<Index> vertices(const Selection::Rim& rim, const std::string& place) const {
+    if (rim.rings < 1) fail(place + ".rim.rings", "must be at least 1");
+    const std::vector<Index> of = child(rim.of, place + ".rim.of");
+    const Flags near_outside = within_rings_of_outside(of, rim.rings);
+    return ascending(of, [&](Index v) { return near_outside[v]; });
+  }
+
+  Flags within_rings_of_outside(const std::vector<Index>& inside, std::int64_t rings) const {
+    const Flags in = flags_of(inside, count_);
+    const std::vector<Index> outside = vertices_where(count_, [&](Index v) { return !in[v]; });
+    const auto most = static_cast<int>(std::min<std::int64_t>(rings, count_));
+    return flags_of(grow_rings(outside, most, context_.rings), count_);
+  }
+
+  template <typename Predicate>
+  std::vector<Index> ascending(const std::vector<Index>& of, const Predicate& predicate) const {
+    const Flags in = flags_of(of, count_);
+    return vertices_where(count_, [&](Index v) { return in[v] && predicate(v); });
+  }
+
+  std::vector<Flags> operands(const std::vector<Selection>& of, const std::string& place,
+                              std::string_view name) const {
+    if (of.empty()) fail(place + "." + std::string(name), "combines no selections");
+    std::vector<Flags> sets;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      sets.push_back(flags_of(resolve(of[k], at(place, name, k)), count_));
+    }
+    return sets;
+  }
+
+  std::vector<Index> vertices(const Selection::Union& combined, const std::string& place) const {
+    const auto sets = operands(combined.of, place, "union");
+    return vertices_where(count_, [&](Index v) {
+      return std::any_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Intersect& combined, const std::string& place) const {
+    const auto sets = operands(combined.of, place, "intersect");
+    return vertices_where(count_, [&](Index v) {
+      return std::all_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Minus& combined, const std::string& place) const {
+    const auto sets = operands(combined.of, place, "minus");
+    return vertices_where(count_, [&](Index v) {
+      return sets[0][v] && std::none_of(sets.begin() + 1, sets.end(), [&](const Flags& set) { return set[v]; });
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Mirror& mirror, const std::string& place) const {
+    require_finite(mirror.point, place + ".mirror.point");
+    const Eigen::Vector3d normal = unit(mirror.normal, place + ".mirror.normal");
+    if (!std::isfinite(mirror.tolerance_rel) || mirror.tolerance_rel < 0) {
+      fail(place + ".mirror.tolerance_rel", "must be a finite number, not negative");
+    }
+    const std::vector<Index> of = child(mirror.of, place + ".mirror.of");
+    const double tolerance = mirror.tolerance_rel * box_diagonal();
+    const VertexTree tree(context_);
+    std::vector<Index> images;
+    for (const Index v : of) {
+      const Eigen::Vector3d x = position(v);
+      if (!x.allFinite()) continue;
+      const auto found = tree.nearest(x - 2 * (x - mirror.point).dot(normal) * normal);
+      if (found.distance <= tolerance) images.push_back(found.vertex);
+    }
+    return ascending(images, [](Index) { return true; });
+  }
+
+  double box_diagonal() const {
+    Eigen::AlignedBox<double, 3> box;
+    for (Index v = 0; v < count_; ++v) {
+      if (position(v).allFinite()) box.extend(position(v));
+    }
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+  }
+
+  const SelectionContext& context_;
+  Index count_;
+};
+
+// The words of a text with their lines; `#` starts a comment.
+struct Word {
+  std::string_view text;
+  int line = 0;
+};
+
+std::vector<Word> words_of(std::string_view text) {
+  constexpr std::string_view blank = " \t\r\f\v";
+  std::vector<Word> words;
+  int line = 0;
+  while (!text.empty()) {
+    ++line;
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view rest = text.substr(0, std::min(text.find('#'), end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    for (;;) {
+      const std::size_t first = rest.find_first_not_of(blank);
+      if (first == std::string_view::npos) break;
+      rest.remove_prefix(first);
+      const std::size_t length = std::min(rest.find_first_of(blank), rest.size());
+      words.push_back({rest.substr(0, length), line});
+      rest.remove_prefix(length);
+    }
+  }
+  return words;
+}
+
+std::string line_of(const std::string& place, const Word& word) {
+  return place + ", line " + std::to_string(word.line);
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  return "'" + std::string(text.substr(0, longest)) + (text.size() > longest ? "…'" : "'");
+}
+
+template <typename Number>
+std::optional<Number> parse_number(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  Number number{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+SelectionContext::SelectionContext(const Mesh& the_mesh)
+    : mesh(the_mesh),
+      rings(vertex_rings(the_mesh.vertex_count(), the_mesh.faces)),
+      components(connected_components(the_mesh)),
+      loops(boundary_loops(the_mesh)) {}
+
+std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
+                           const std::string& place) {
+  return Resolver(context).resolve(selection, place);
+}
+
+SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& place) {
+  SelFile sel;
+  Index vertex = 0;
+  for (const Word& word : words_of(text)) {
+    if (vertex == vertex_count) {
+      fail(line_of(place, word),
+           "has more numbers than the mesh has vertices (" + std::to_string(vertex_count) + ")",
+           "The file belongs to another mesh.");
+    }
+    const auto status = parse_number<int>(word.text);
+    if (status == 0) {
+      sel.fixed.push_back(vertex);
+    } else if (status == 1) {
+      sel.free.push_back(vertex);
+    } else if (status == 2) {
+      sel.handle.push_back(vertex);
+    } else {
+      fail(line_of(place, word), quoted(word.text) + " is not 0 (fixed), 1 (free) or 2 (handle)");
+    }
+    ++vertex;
+  }
+  if (vertex < vertex_count) {
+    fail(place,
+         "has " + std::to_string(vertex) + " numbers, but the mesh has " + std::to_string(vertex_count) +
+             " vertices",
+         "The file belongs to another mesh.");
+  }
+  return sel;
+}
+
+std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& place) {
+  Flags seen(vertex_count, false);
+  std::vector<Index> indices;
+  for (const Word& word : words_of(text)) {
+    const auto number = parse_number<std::int64_t>(word.text);
+    if (!number) fail(line_of(place, word), quoted(word.text) + " is not a vertex index");
+    if (*number < 0 || *number >= vertex_count) {
+      fail(line_of(place, word),
+           "index " + std::to_string(*number) + " is not one of the " + std::to_string(vertex_count) +
+               " vertices",
+           "Indices count from 0.");
+    }
+    const auto v = static_cast<Index>(*number);
+    if (!seen[v]) indices.push_back(v);
+    seen[v] = true;
+  }
+  return indices;
+}
+
+Eigen::Matrix4d parse_def(std::string_view text, const std::string& place) {
+  Eigen::Matrix4d matrix;
+  int entry = 0;
+  for (const Word& word : words_of(text)) {
+    if (entry == 16) fail(line_of(place, word), "has more than 16 numbers");
+    const auto number = parse_number<double>(word.text);
+    if (!number || !std::isfinite(*number)) {
+      fail(line_of(place, word), quoted(word.text) + " is not a finite number");
+    }
+    const int row = entry / 4;
+    const int column = entry % 4;
+    if (row == 3 && *number != (column == 3 ? 1 : 0)) {
+      fail(line_of(place, word), "the last row is not 0 0 0 1", "Only affine matrices move a handle.");
+    }
+    matrix(row, column) = *number;
+    ++entry;
+  }
+  if (entry < 16) fail(place, "has " + std::to_string(entry) + " numbers, a matrix has 16");
+  return matrix;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,88 @@
+#include <meshgraft/operators/laplacian.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/parallel.h>
+
+namespace meshgraft {
+
+namespace {
+
+/// Position of entry (row, column) in the values of a matrix with sorted rows.
+int entry_of(const SparseRows& matrix, Index row, Index column) {
+  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[row];
+  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[row + 1];
+  return static_cast<int>(std::lower_bound(begin, end, column) - matrix.innerIndexPtr());
+}
+
+/// One row per vertex with a ring: the ring and the vertex itself, sorted, values 0.
+SparseRows umbrella_pattern(const IndexLists& rings) {
+  const Index n = rings.size();
+  SparseRows pattern(n, n);
+  std::vector<int> lengths(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) lengths[i] = rings[i].empty() ? 0 : static_cast<int>(rings[i].size()) + 1;
+  pattern.reserve(lengths);
+  for (Index i = 0; i < n; ++i) {
+    bool self_placed = rings[i].empty();
+    for (Index j : rings[i]) {
+      if (!self_placed && j > i) {
+        pattern.insertBackUncompressed(i, i) = 0;
+        self_placed = true;
+      }
+      pattern.insertBackUncompressed(i, j) = 0;
+    }
+    if (!self_placed) pattern.insertBackUncompressed(i, i) = 0;
+  }
+  pattern.makeCompressed();
+  return pattern;
+}
+
+}  // namespace
+
+SparseRows umbrella_operator(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                             WeightScheme weights, const Context& context) {
+  context.throw_if_stopped();
+  SparseRows D = umbrella_pattern(rings);
+  double* values = D.valuePtr();
+  if (weights == WeightScheme::cotangent) {
+    for (Index t = 0; t < triangles.rows(); ++t) {
+      for (int corner = 0; corner < 3; ++corner) {
+        const Index i = triangles(t, corner), j = triangles(t, (corner + 1) % 3),
+                    k = triangles(t, (corner + 2) % 3);
+        if (i == j || j == k || k == i) continue;
+        const Eigen::RowVector3d a = points.row(i) - points.row(k), b = points.row(j) - points.row(k);
+        const double area2 = a.cross(b).norm();
+        if (area2 <= 0) continue;
+        const double half_cotangent = 0.5 * a.dot(b) / area2;
+        values[entry_of(D, i, j)] += half_cotangent;
+        values[entry_of(D, j, i)] += half_cotangent;
+      }
+    }
+  }
+  for (Index i = 0; i < rings.size(); ++i) {
+    if (rings[i].empty()) continue;
+    const int self = entry_of(D, i, i);
+    const int begin = D.outerIndexPtr()[i], end = D.outerIndexPtr()[i + 1];
+    double sum = 0;
+    for (int entry = begin; entry < end; ++entry) sum += values[entry] = std::max(values[entry], 0.0);
+    const bool vanishing = !(sum > 0) || !std::isfinite(sum);
+    for (int entry = begin; entry < end; ++entry)
+      values[entry] = -(vanishing ? 1.0 / static_cast<double>(end - begin - 1) : values[entry] / sum);
+    values[self] = 1;
+  }
+  return D;
+}
+
+std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& rings) {
+  std::vector<double> lengths(static_cast<std::size_t>(rings.size()), 0.0);
+  for (Index i = 0; i < rings.size(); ++i) {
+    for (Index j : rings[i]) lengths[i] += (points.row(j) - points.row(i)).norm();
+    if (!rings[i].empty()) lengths[i] /= static_cast<double>(rings[i].size());
+  }
+  return lengths;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,197 @@
+#include <meshgraft/operators/local_maps.h>
+
+#include <algorithm>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/operators/laplacian.h>
+
+namespace meshgraft {
+
+namespace {
+
+/// n×3; with a dynamic width, as a thin singular value decomposition wants it.
+using Centred = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Eigen::Dynamic, 3>;
+
+/// Smallest singular value, relative to the largest, that a stencil must have to carry a local map. Far below
+/// what thin but sound triangles reach (1:1000 gives 1e-3).
+constexpr double rank_tolerance = 1e-8;
+constexpr int most_widenings = 3;
+
+/// SplitMix64 (Steele et al. 2014): a sign per vertex that depends on the seed and the vertex alone.
+double random_sign(std::uint64_t seed, std::uint64_t index) {
+  std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15ULL;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return ((z ^ (z >> 31)) & 1) != 0 ? 1.0 : -1.0;
+}
+
+Eigen::RowVector3d mean_of(const Points& points, std::span<const Index> vertices) {
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  for (Index j : vertices) sum += points.row(j);
+  return sum / static_cast<double>(vertices.size());
+}
+
+/// Stencil rows relative to `centre`.
+Centred centred_rows(const Points& points, std::span<const Index> stencil, const Eigen::RowVector3d& centre) {
+  Centred rows(static_cast<Eigen::Index>(stencil.size()), 3);
+  for (std::size_t s = 0; s < stencil.size(); ++s)
+    rows.row(static_cast<Eigen::Index>(s)) = points.row(stencil[s]) - centre;
+  return rows;
+}
+
+/// {i} ∪ N(i).
+std::vector<Index> bare_stencil(Index vertex, std::span<const Index> ring) {
+  std::vector<Index> stencil{vertex};
+  stencil.insert(stencil.end(), ring.begin(), ring.end());
+  return stencil;
+}
+
+/// Eigenvalues (ascending) and directions of P Pᵀ over the bare stencil: flatness and, at flat places whose
+/// faces give no normal, a substitute for it.
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Index vertex, const Points& points,
+                                                      std::span<const Index> ring) {
+  const Centred rows = centred_rows(points, bare_stencil(vertex, ring), mean_of(points, ring));
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(Eigen::Matrix3d(rows.transpose() * rows));
+  return solver;
+}
+
+/// The stencil of vertex i, widened by whole rings until it spans space.
+struct Stencil {
+  std::vector<Index> nodes;
+  std::vector<Index> ring;  ///< the part that the centre is the mean of
+};
+
+Stencil spanning_stencil(Index vertex, const StencilNodes& nodes, const IndexLists& rings,
+                         Eigen::JacobiSVD<Centred>& svd) {
+  Stencil stencil;
+  stencil.ring.assign(rings[vertex].begin(), rings[vertex].end());
+  for (int widening = 0;; ++widening) {
+    stencil.nodes = bare_stencil(vertex, stencil.ring);
+    if (nodes.apex[vertex] >= 0) stencil.nodes.push_back(nodes.apex[vertex]);
+    svd.compute(centred_rows(nodes.positions, stencil.nodes, mean_of(nodes.positions, stencil.ring)),
+                Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const auto& sigma = svd.singularValues();
+    const bool spans = stencil.nodes.size() >= 4 && sigma[2] > rank_tolerance * sigma[0];
+    if (spans || widening == most_widenings) return stencil;
+    std::vector<Index> wider = stencil.ring;
+    for (Index j : stencil.ring) wider.insert(wider.end(), rings[j].begin(), rings[j].end());
+    std::sort(wider.begin(), wider.end());
+    wider.erase(std::unique(wider.begin(), wider.end()), wider.end());
+    std::erase(wider, vertex);
+    if (wider.size() == stencil.ring.size()) return stencil;  // the whole component is in it
+    stencil.ring = std::move(wider);
+  }
+}
+
+/// The rows h_{i,s} of the fit: (Pᵀ)⁺ by its singular values, less the share that centring takes.
+Centred fit_coefficients(const Stencil& stencil, const Eigen::JacobiSVD<Centred>& svd) {
+  const auto& sigma = svd.singularValues();
+  Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
+  for (Eigen::Index k = 0; k < sigma.size(); ++k)
+    if (sigma[k] > rank_tolerance * sigma[0]) inverse[k] = 1 / sigma[k];
+  Centred h = svd.matrixU() * inverse.head(sigma.size()).asDiagonal() * svd.matrixV().transpose();
+  // X is centred on the ring's mean too: each ring node passes on its share of Σ_s h_s.
+  const Eigen::RowVector3d share = h.colwise().sum() / static_cast<double>(stencil.ring.size());
+  for (std::size_t s = 0; s < stencil.ring.size(); ++s) h.row(static_cast<Eigen::Index>(s) + 1) -= share;
+  return h;
+}
+
+}  // namespace
+
+StencilNodes make_stencil_nodes(const Points& points, const Points& normals, const IndexLists& rings,
+                                const StencilChoices& choices, const OperatorOptions& options,
+                                const Context& context) {
+  const Index n = rings.size();
+  StencilNodes nodes;
+  nodes.apex.assign(static_cast<std::size_t>(n), -1);
+  nodes.flat.assign(static_cast<std::size_t>(n), 0);
+  Points directions = normals;
+  parallel_blocks(
+      static_cast<std::size_t>(n),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
+          if (!choices.fitted[i] || rings[i].empty()) continue;
+          const auto eigen = spread(i, points, rings[i]);
+          nodes.flat[i] = eigen.eigenvalues()[0] < options.flatness * eigen.eigenvalues()[2];
+          if (directions.row(i).squaredNorm() < 0.5)
+            directions.row(i) = eigen.eigenvectors().col(0).transpose();
+        }
+      },
+      context);
+
+  const std::vector<double> edge_lengths = mean_edge_lengths(points, rings);
+  const bool with_apexes = options.degenerate != DegenerateTreatment::ft05_noise;
+  Index node_count = n;
+  if (with_apexes)
+    for (Index i = 0; i < n; ++i)
+      if (choices.fitted[i] && !rings[i].empty()) nodes.apex[i] = node_count++;
+  nodes.positions.resize(node_count, 3);
+  nodes.positions.topRows(n) = points;
+  for (Index i = 0; i < n; ++i) {
+    if (nodes.apex[i] >= 0) {
+      nodes.positions.row(nodes.apex[i]) =
+          points.row(i) + options.apex_height_rel * edge_lengths[i] * directions.row(i);
+    } else if (!with_apexes && nodes.flat[i] && choices.movable[i]) {
+      const Index number = choices.numbers.empty() ? i : choices.numbers[i];
+      // FT05 equation 7, with a random side: all on one side leaves a flat sheet rough.
+      nodes.positions.row(i) += random_sign(options.seed, static_cast<std::uint64_t>(number)) *
+                                options.noise_length_rel * edge_lengths[i] * directions.row(i);
+      nodes.moved.push_back(i);
+    }
+  }
+  return nodes;
+}
+
+SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings,
+                              std::span<const std::uint8_t> fitted, const Context& context) {
+  const Index n = rings.size();
+  std::vector<Stencil> stencils(static_cast<std::size_t>(n));
+  std::vector<Centred> coefficients(static_cast<std::size_t>(n));
+  parallel_blocks(
+      static_cast<std::size_t>(n),
+      [&](std::size_t begin, std::size_t end) {
+        Eigen::JacobiSVD<Centred> svd;
+        for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
+          if (!fitted[i] || rings[i].empty()) continue;
+          stencils[i] = spanning_stencil(i, nodes, rings, svd);
+          coefficients[i] = fit_coefficients(stencils[i], svd);
+        }
+      },
+      context);
+
+  SparseRows H(3 * n, nodes.positions.rows());
+  std::vector<int> lengths(static_cast<std::size_t>(3 * n));
+  for (Index i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k) lengths[3 * i + k] = static_cast<int>(stencils[i].nodes.size());
+  H.reserve(lengths);
+  std::vector<Index> order;
+  for (Index i = 0; i < n; ++i) {
+    const std::vector<Index>& stencil = stencils[i].nodes;
+    order.resize(stencil.size());
+    for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<Index>(s);
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return stencil[a] < stencil[b]; });
+    for (int k = 0; k < 3; ++k)
+      for (Index s : order) H.insertBackUncompressed(3 * i + k, stencil[s]) = coefficients[i](s, k);
+  }
+  H.makeCompressed();
+  return H;
+}
+
+Eigen::Matrix3d local_map_deviation(Index vertex, const Points& rest, const Points& edited,
+                                    const Eigen::Matrix3d& W, std::span<const Index> ring) {
+  if (ring.empty()) return Eigen::Matrix3d::Zero();
+  const std::vector<Index> stencil = bare_stencil(vertex, ring);
+  const Centred P = centred_rows(rest, stencil, mean_of(rest, ring));
+  const Centred X = centred_rows(edited, stencil, mean_of(edited, ring));
+  Eigen::JacobiSVD<Centred> svd(P, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(1e-2);
+  const Centred excess = X - P * W.transpose();
+  return svd.solve(excess).transpose();
+}
+
+}  // namespace meshgraft

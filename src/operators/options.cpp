@@ -1,0 +1,43 @@
+#include <meshgraft/operators/options.h>
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+namespace {
+
+void require_between(double value, double low, double high, const char* field) {
+  if (!(value >= low && value <= high))
+    throw Error(ErrorCode::input, fmt::format("{} is not between {} and {}", value, low, high), field);
+}
+
+}  // namespace
+
+void validate(const OperatorOptions& options) {
+  require_between(options.apex_height_rel, 1e-3, 1e3, "apex_height_rel");
+  require_between(options.noise_length_rel, 1e-3, 10, "noise_length_rel");
+  require_between(options.flatness, 0, 1, "flatness");
+  require_between(options.laplacian_weight, 1e-6, 1e6, "laplacian_weight");
+  require_between(options.laplacian_order, 1, 3, "laplacian_order");
+}
+
+std::string_view to_string(WeightScheme value) {
+  return value == WeightScheme::uniform ? "uniform" : "cotangent";
+}
+
+std::string_view to_string(Density value) { return value == Density::ft05 ? "ft05" : "aware"; }
+
+std::string_view to_string(DegenerateTreatment value) {
+  switch (value) {
+    case DegenerateTreatment::automatic: return "auto";
+    case DegenerateTreatment::ft05_noise: return "ft05-noise";
+    case DegenerateTreatment::apex: return "apex";
+  }
+  return "auto";
+}
+
+}  // namespace meshgraft
