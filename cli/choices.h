@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace meshgraft::cli {
+
+/// The words that an option takes, or nothing if it takes free text. They stand in its type's name: "a|b|c".
+std::vector<std::string> choices_of(const CLI::Option& option);
+
+/// Refuses everything but `words`, naming the nearest to what was given.
+CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// An option that takes one of a few words, each with its value.
+template <class T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optional<T>& value,
+                        const std::vector<std::pair<std::string, T>>& choices, const std::string& description) {
+  std::vector<std::string> words;
+  for (const auto& [word, meaning] : choices) words.push_back(word);
+  const auto set = [&value, choices](const std::string& given) {
+    for (const auto& [word, meaning] : choices)
+      if (word == given) value = meaning;
+  };
+  return command.add_option_function<std::string>(name, set, description)
+      ->type_name(CLI::detail::join(words, "|"))
+      ->check(one_of(words));
+}
+
+/// `--threads N`.
+CLI::Option* add_threads(CLI::App& command, int& threads);
+
+}  // namespace meshgraft::cli

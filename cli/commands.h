@@ -1,0 +1,22 @@
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+#include <meshgraft/core/context.h>
+
+namespace meshgraft::cli {
+
+/// What the chosen command does, once the whole command line has been read.
+using Action = std::function<void(const Context&)>;
+
+// Each adds one command to the program and, when it is chosen, sets `action`.
+void add_info(CLI::App& program, Action& action);
+void add_deform(CLI::App& program, Action& action);
+void add_sample(CLI::App& program, Action& action);
+void add_render(CLI::App& program, Action& action);  ///< only where the renderer was built
+void add_completion(CLI::App& program, Action& action);
+void add_man(CLI::App& program, Action& action);
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,162 @@
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "choices.h"
+#include "commands.h"
+#include "outputs.h"
+#ifdef MESHGRAFT_HAS_RENDER
+#include "picture.h"
+#endif
+
+namespace meshgraft::cli {
+
+namespace {
+
+struct DeformArguments {
+  std::filesystem::path edit, output, report, picture;
+  SettingsOverrides overrides;
+  int threads = 0;
+  bool json = false;
+  bool force = false;
+};
+
+void require_outputs(const DeformArguments& arguments, const EditFile& edit) {
+  std::vector<std::filesystem::path> inputs = referenced_files(edit);
+  std::vector<std::filesystem::path> outputs;
+  for (const auto& output : {arguments.output, arguments.report, arguments.picture}) {
+    if (output.empty()) continue;
+    require_folder(output);
+    for (const auto& other : outputs)
+      if (std::filesystem::weakly_canonical(output) == std::filesystem::weakly_canonical(other))
+        throw Error(ErrorCode::usage, "two outputs have this name", output.string());
+    outputs.push_back(output);
+    // --force is for the mesh; a report never takes the place of an edit or a mesh.
+    require_not_an_input(output, {arguments.edit});
+    if (output != arguments.output)
+      require_not_an_input(output, inputs);
+    else if (!arguments.force)
+      require_not_an_input(output, inputs, "Choose another name, or give --force to replace it.");
+  }
+  if (!arguments.picture.empty()) require_png(arguments.picture);
+}
+
+std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
+
+void print_summary(const EditReport& report, const Points& rest) {
+  for (const EditReport::Input& input : report.inputs)
+    fmt::print("{}: {} vertices, {} faces\n", input.source, input.vertices, input.faces);
+  for (const StepReport& step : report.steps) {
+    const std::string name = step.name.empty() ? "" : step.name + ": ";
+    fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
+               name, step.counts.free, step.counts.handle, step.counts.fixed, step.max_displacement);
+    if (step.counts.fixed == 0 && step.counts.free + step.counts.handle == step.counts.vertices)
+      fmt::print(
+          "  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
+          name);
+  }
+  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+  const Quality& quality = report.quality;
+  const std::string volume =
+      quality.volume_ratio ? fmt::format(", volume {}", percent(*quality.volume_ratio)) : std::string();
+  fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°, {} flipped faces\n",
+             100 * quality.edge_rms, percent(quality.area_ratio), volume, quality.dihedral_p99_deg,
+             quality.flipped_faces);
+  fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
+             size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,
+             report.seconds.analyse + report.seconds.factorise, report.seconds.solve);
+  for (const std::string& output : report.outputs) fmt::print("  wrote {}\n", output);
+}
+
+void write_outputs(const DeformArguments& arguments, EditResult& result, const Context& context) {
+  const auto start = std::chrono::steady_clock::now();
+  context.step("write");
+  write_mesh(result.mesh, arguments.output, {}, context);
+  EditReport& report = result.report;
+  report.outputs.push_back(arguments.output.string());
+  report.seconds.write = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds.total += report.seconds.write;
+#ifdef MESHGRAFT_HAS_RENDER
+  if (!arguments.picture.empty()) {
+    Mesh before = result.mesh;
+    before.positions = result.rest;
+    const std::vector<const Mesh*> meshes{&before, &result.mesh};
+    const std::vector<std::string> captions{"before", "after"};
+    write_picture(meshes, captions, {}, arguments.picture, context);
+    report.outputs.push_back(arguments.picture.string());
+  }
+#endif
+  if (!arguments.report.empty()) {
+    report.outputs.push_back(arguments.report.string());
+    write_file_atomically(arguments.report, write_report(report));
+  }
+}
+
+void run_deform(const DeformArguments& arguments, Context context) {
+  context.threads = arguments.threads;
+  const EditFile edit = read_edit_file(arguments.edit);
+  require_outputs(arguments, edit);
+  EditResult result = run_edit(edit, {.overrides = arguments.overrides}, context);
+  write_outputs(arguments, result, context);
+  if (arguments.json)
+    fmt::print("{}", write_report(result.report));
+  else
+    print_summary(result.report, result.rest);
+}
+
+void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
+  add_choice<DeformMethod>(command, "--method", overrides.method, {{"ft05", DeformMethod::ft05}},
+                           "The method; overrides the edit file, as the next four do");
+  add_choice<DegenerateTreatment>(command, "--degenerate", overrides.degenerate,
+                                  {{"ft05-noise", DegenerateTreatment::ft05_noise},
+                                   {"apex", DegenerateTreatment::apex},
+                                   {"auto", DegenerateTreatment::automatic}},
+                                  "What is done where the surface is flat");
+  add_choice<WeightScheme>(command, "--weights", overrides.weights,
+                           {{"uniform", WeightScheme::uniform}, {"cotangent", WeightScheme::cotangent}},
+                           "Weights of the ring's vertices");
+  add_choice<Density>(command, "--density", overrides.density,
+                      {{"ft05", Density::ft05}, {"aware", Density::aware}},
+                      "Whether rows count by number or by the size of their triangles");
+  add_choice<SolverBackend>(command, "--backend", overrides.backend,
+                            {{"auto", SolverBackend::automatic},
+                             {"cholmod", SolverBackend::cholmod},
+                             {"eigen", SolverBackend::eigen}},
+                            "The sparse Cholesky that is used");
+}
+
+}  // namespace
+
+void add_deform(CLI::App& program, Action& action) {
+  const auto arguments = std::make_shared<DeformArguments>();
+  CLI::App* command = program.add_subcommand("deform", "Run an edit file: deform meshes by their handles");
+  command->add_option("edit", arguments->edit, "The edit file")->required()->type_name("EDIT.json");
+  command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
+      ->required()
+      ->type_name("FILE");
+  add_overrides(*command, arguments->overrides);
+  add_threads(*command, arguments->threads);
+  command->add_option("--report", arguments->report, "Write what was done, with measures of quality, as JSON")
+      ->type_name("FILE");
+#ifdef MESHGRAFT_HAS_RENDER
+  command->add_option("--picture", arguments->picture, "Write a PNG of the mesh before and after")
+      ->type_name("FILE");
+#endif
+  command->add_flag("--force,--in-place", arguments->force, "Allow the output to replace an input mesh");
+  command->add_flag("--json", arguments->json, "Print the report instead of a summary");
+  command->footer("Example:\n  meshgraft deform examples/octopus_wave.json -o waving.ply --report report.json");
+  command->callback([arguments, &action] {
+    action = [arguments](const Context& context) { run_deform(*arguments, context); };
+  });
+}
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace meshgraft::cli {
+
+/// Throws Error(usage) with `remedy` if `output` is the same file as one of `inputs` (through links too).
+void require_not_an_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                          const std::string& remedy = "Choose another name.");
+
+/// Throws Error(usage) unless the name ends in .png.
+void require_png(const std::filesystem::path& output);
+
+/// Throws Error(io) if the folder of `output` does not exist: better now than after a long computation.
+void require_folder(const std::filesystem::path& output);
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,62 @@
+#include "progress_bar.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace meshgraft::cli {
+
+namespace {
+
+constexpr std::chrono::milliseconds delay{1000}, frame{100};
+constexpr int bar_width = 28;
+constexpr std::string_view erase_line = "\r\x1b[K";
+
+}  // namespace
+
+ProgressBar::ProgressBar() {
+  if (isatty(STDERR_FILENO)) drawer_ = std::thread([this] { run(); });
+}
+
+ProgressBar::~ProgressBar() {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
+  end_.notify_all();
+  if (drawer_.joinable()) drawer_.join();
+  if (drawn_) fmt::print(stderr, "{}", erase_line);
+}
+
+void ProgressBar::update(std::string_view stage, double fraction) {
+  const std::lock_guard lock(mutex_);
+  stage_ = stage;
+  fraction_ = fraction;
+}
+
+void ProgressBar::run() {
+  std::unique_lock lock(mutex_);
+  if (end_.wait_for(lock, delay, [this] { return finished_; })) return;
+  while (!finished_) {
+    draw();
+    end_.wait_for(lock, frame, [this] { return finished_; });
+  }
+}
+
+void ProgressBar::draw() {
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  if (fraction_ < 0) {
+    fmt::print(stderr, "{}{}  {:.1f} s", erase_line, stage_, seconds);
+  } else {
+    const double done = std::clamp(fraction_, 0.0, 1.0);
+    const int filled = static_cast<int>(done * bar_width);
+    fmt::print(stderr, "{}{:<10} [{:#<{}}{:.<{}}] {:3.0f} %  {:.1f} s", erase_line, stage_, "", filled, "",
+               bar_width - filled, 100 * done, seconds);
+  }
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+}  // namespace meshgraft::cli

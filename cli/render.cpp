@@ -1,0 +1,90 @@
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "choices.h"
+#include "commands.h"
+#include "outputs.h"
+#include "picture.h"
+
+namespace meshgraft::cli {
+
+namespace {
+
+struct RenderArguments {
+  std::vector<std::filesystem::path> meshes;
+  std::filesystem::path output;
+  std::vector<double> from{0.5, -1.0, 0.35}, up{0, 0, 1};
+  int width = 1200, height = 900;
+  bool wireframe = false, flat = false, no_ground = false;
+  int threads = 0;
+};
+
+render::RenderOptions options_of(const RenderArguments& arguments) {
+  render::RenderOptions options;
+  options.width = arguments.width;
+  options.height = arguments.height;
+  options.camera.from_direction = Eigen::Map<const Eigen::Vector3d>(arguments.from.data());
+  options.camera.up = Eigen::Map<const Eigen::Vector3d>(arguments.up.data());
+  options.wireframe = arguments.wireframe;
+  options.smooth = !arguments.flat;
+  options.ground = !arguments.no_ground;
+  return options;
+}
+
+void run_render(const RenderArguments& arguments, Context context) {
+  context.threads = arguments.threads;
+  require_png(arguments.output);
+  require_folder(arguments.output);
+  require_not_an_input(arguments.output, arguments.meshes);
+  std::vector<Mesh> meshes;
+  std::vector<std::string> captions;
+  for (const std::filesystem::path& path : arguments.meshes) {
+    meshes.push_back(read_mesh(path, context));
+    captions.push_back(path.filename().string());
+  }
+  std::vector<const Mesh*> shown;
+  for (const Mesh& mesh : meshes) shown.push_back(&mesh);
+  write_picture(shown, captions, options_of(arguments), arguments.output, context);
+  fmt::print("{}\n", arguments.output.string());
+}
+
+}  // namespace
+
+void add_render(CLI::App& program, Action& action) {
+  const auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* command =
+      program.add_subcommand("render", "Make a picture of one mesh, or of several side by side");
+  command->add_option("mesh", arguments->meshes, "The mesh files")
+      ->required()
+      ->type_name("MESH")
+      ->expected(1, 8);
+  command->add_option("-o,--output", arguments->output, "The PNG file to write")->required()->type_name("FILE");
+  command->add_option("--from", arguments->from, "Direction from the model to the eye (default 0.5 -1 0.35)")
+      ->expected(3)
+      ->type_name("X Y Z");
+  command->add_option("--up", arguments->up, "Direction that is up in the picture (default 0 0 1)")
+      ->expected(3)
+      ->type_name("X Y Z");
+  command->add_option("--width", arguments->width, "Pixels per picture (default 1200)")
+      ->type_name("N")
+      ->check(CLI::Range(16, 4096));
+  command->add_option("--height", arguments->height, "Pixels (default 900)")
+      ->type_name("N")
+      ->check(CLI::Range(16, 4096));
+  command->add_flag("--wireframe", arguments->wireframe, "Draw the edges");
+  command->add_flag("--flat", arguments->flat, "Shade every face by its own normal");
+  command->add_flag("--no-ground", arguments->no_ground, "Leave the shadow on the ground out");
+  add_threads(*command, arguments->threads);
+  command->footer("Example:\n  meshgraft render before.ply after.ply -o picture.png");
+  command->callback([arguments, &action] {
+    action = [arguments](const Context& context) { run_render(*arguments, context); };
+  });
+}
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,199 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/handle.h>
+#include <meshgraft/deform/selection.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// A vertex set as an edit file writes it. Unlike `Selection` it may refer to other selections by name, to
+/// files, and to what an earlier step produced; `resolve_deform` replaces those by what they stand for.
+struct SelectionSpec {
+  using Child = std::shared_ptr<const SelectionSpec>;
+  enum class SelPart { fixed, free, handle };
+
+  struct Named {
+    std::string name;
+  };  ///< an entry of `EditFile::selections`
+  struct IndexFile {
+    std::string file;
+  };  ///< one vertex index per line
+  struct SelFile {
+    std::string file;
+    SelPart take = SelPart::handle;
+  };  ///< a part of a `.sel` file
+  struct Produced {
+    std::string step, what;
+  };  ///< e.g. the loop that a cut made
+  struct Grow {
+    Child of;
+    int rings = 0;
+  };
+  struct GrowLength {
+    Child of;
+    double length = 0;
+  };
+  struct Union {
+    std::vector<SelectionSpec> of;
+  };
+  struct Minus {
+    std::vector<SelectionSpec> of;
+  };
+  struct Intersect {
+    std::vector<SelectionSpec> of;
+  };
+  struct Mirror {
+    Child of;
+    Eigen::Vector3d point, normal;
+    double tolerance_rel = 1e-3;
+  };
+  struct Rim {
+    Child of;
+    int rings = 1;
+  };
+
+  using Kind =
+      std::variant<Selection::All, Selection::Indices, Selection::Box, Selection::Sphere, Selection::HalfSpace,
+                   Selection::Component, Selection::Loop, Selection::NearestVertex, Selection::Path, Named,
+                   IndexFile, SelFile, Produced, Grow, GrowLength, Union, Minus, Intersect, Mirror, Rim>;
+  Kind kind = Selection::All{};
+};
+
+struct NamedSelection {
+  std::string name;
+  SelectionSpec selection;
+};
+
+/// A mesh that an edit starts from: a file or a built-in sample.
+struct EditInput {
+  std::string name;
+  std::string file;                   ///< relative to the edit file; empty for a sample
+  std::optional<std::string> sha256;  ///< of the file's bytes, 64 lower-case hexadecimal digits
+  std::string sample;                 ///< name of a built-in sample; empty for a file
+  int resolution = 0;                 ///< of the sample; 0 = its default
+};
+
+/// Where a handle goes.
+struct PoseSpec {
+  struct DefFile {
+    std::string file;
+  };  ///< a `.def` file with a 4×4 matrix
+  struct Redrawn {
+    Points polyline;
+  };  ///< the new course of a curve handle, k×3
+  using Kind = std::variant<HandleMotion, Eigen::Matrix4d, DefFile, Redrawn>;
+  Kind kind = HandleMotion{};
+};
+
+struct HandleSpec {
+  std::string name;
+  HandleShape shape = HandleShape::region;
+  std::optional<bool> closed;  ///< of a curve; absent: closed where its ends share an edge
+  SelectionSpec select;
+  bool constrain_position = true;
+  bool constrain_transform = true;
+  PoseSpec pose;
+};
+
+struct TargetSpec {
+  Index vertex = -1;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+struct TransformSpec {
+  Index vertex = -1;
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+};
+
+struct AnchorSpec {
+  SelectionSpec select;
+  double weight = Anchor{}.weight;
+};
+
+/// Numbers that a reader of the edit checks against the mesh; absent ones are not checked.
+struct ExpectedCounts {
+  std::optional<Index> vertices, faces, region, fixed, handle, free;
+};
+
+enum class DeformMethod { ft05 };
+
+struct DeformSettings {
+  DeformMethod method = DeformMethod::ft05;
+  DeformerOptions deformer;
+  /// How often the surroundings of handles and of the fixed rim are halved for the solve (FT05 section 6); the
+  /// result has the original vertices only.
+  int refine_boundary = 0;
+};
+
+/// Deforms one mesh (FT05 sections 3 and 4).
+struct DeformStep {
+  std::string mesh;                    ///< name of an input or of an earlier step's result
+  std::string result;                  ///< name of the outcome; empty = the same name
+  SelectionSpec region;                ///< what may move
+  std::optional<SelectionSpec> fixed;  ///< absent: the region's rim towards the rest, two rings, no handles
+  std::vector<HandleSpec> handles;
+  std::vector<TargetSpec> targets;        ///< positions per vertex
+  std::vector<TransformSpec> transforms;  ///< local transforms per vertex
+  std::vector<AnchorSpec> anchors;
+  DeformSettings settings;
+  ExpectedCounts counts;
+};
+
+/// One step of an edit. New kinds of step join the variant.
+struct EditStep {
+  std::string name;   ///< optional; unique where given
+  std::string about;  ///< optional
+  std::variant<DeformStep> action;
+};
+
+/// A complete edit: what to start from and what to do, in order. Each step sees the meshes as the steps before
+/// it left them.
+struct EditFile {
+  std::string name;
+  std::string about;
+  std::vector<EditInput> inputs;
+  std::vector<NamedSelection> selections;
+  std::vector<EditStep> steps;
+  std::string output;  ///< name of the mesh that is the result; empty = that of the last step
+
+  std::string place;                  ///< what messages call the file
+  std::filesystem::path base_folder;  ///< what its relative paths start from
+};
+
+/// Largest edit file that is read, in bytes, and its deepest nesting.
+inline constexpr std::uintmax_t edit_file_size_limit = std::uintmax_t{256} << 20;
+inline constexpr int edit_file_depth_limit = 64;
+
+/// Reads an edit file, version 1 or 2 (docs/edit-file.md). Throws Error(io) if it cannot be read, and what
+/// `parse_edit` throws.
+EditFile read_edit_file(const std::filesystem::path& path);
+
+/// The edit that `text` (JSON, UTF-8) describes. Throws Error(input) whose place is `place` and the path of the
+/// field, e.g. "edit.json: steps[0].handles[1].pose.rotate.axis", for anything that is not as
+/// docs/edit-file.md says: unknown, missing or repeated fields, wrong types and ranges, names that nothing
+/// has. A version 1 file becomes one step.
+EditFile parse_edit(std::string_view text, const std::string& place,
+                    const std::filesystem::path& base_folder = {});
+
+/// The edit as a version 2 file; `parse_edit` reads it back to the same.
+std::string write_edit(const EditFile& edit);
+
+/// Every file that running the edit reads, as given in it joined with the base folder, without repeats.
+std::vector<std::filesystem::path> referenced_files(const EditFile& edit);
+
+std::string_view to_string(DeformMethod value);
+std::string_view to_string(SelectionSpec::SelPart value);
+
+}  // namespace meshgraft

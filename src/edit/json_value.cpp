@@ -1,0 +1,251 @@
+#include "json_value.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft::json {
+
+namespace {
+
+std::string line_and_column(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte > 0 ? byte - 1 : 0, text.size()));
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const std::size_t line_start = before.rfind('\n');
+  const std::size_t column = before.size() - (line_start == std::string_view::npos ? 0 : line_start + 1) + 1;
+  return fmt::format("line {}, column {}", line, column);
+}
+
+// The parser's own words without its identifiers, which mean nothing to a person.
+std::string reason(std::string_view what) {
+  const std::size_t end =
+      what.rfind(": ", what.find(" - ") == std::string_view::npos ? what.size() : what.find(" - "));
+  return std::string(end == std::string_view::npos ? what : what.substr(end + 2));
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+std::string_view type_name(const Json& json) {
+  switch (json.type()) {
+    case Json::value_t::null: return "null";
+    case Json::value_t::object: return "an object";
+    case Json::value_t::array: return "a list";
+    case Json::value_t::string: return "a string";
+    case Json::value_t::boolean: return "true or false";
+    default: return "a number";
+  }
+}
+
+std::string quoted_list(std::span<const std::string> words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "'" : ", '") + word + "'";
+  return list;
+}
+
+std::string meant_or_known(std::string_view word, std::span<const std::string> words) {
+  if (const auto meant = nearest_name(word, words)) return fmt::format("Did you mean '{}'?", *meant);
+  return fmt::format("Known are {}.", quoted_list(words));
+}
+
+}  // namespace
+
+Json parse(std::string_view text, const std::string& place, int depth_limit) {
+  std::vector<std::set<std::string>> keys;
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    if (depth > depth_limit)
+      throw Error(ErrorCode::input, fmt::format("nested more than {} deep", depth_limit), place);
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
+      throw Error(ErrorCode::input, fmt::format("the field '{}' is given twice", parsed.get<std::string>()),
+                  place);
+    return true;
+  };
+  try {
+    return Json::parse(text.begin(), text.end(), watch);
+  } catch (const Json::parse_error& error) {
+    throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())),
+                fmt::format("{}: {}", place, line_and_column(text, error.byte)));
+  } catch (const Json::exception& error) {
+    throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())), place);
+  }
+}
+
+std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = &candidate;
+    }
+  }
+  return best ? std::optional(*best) : std::nullopt;
+}
+
+std::string Value::place() const {
+  std::vector<const Value*> chain;
+  for (const Value* value = this; value->parent_; value = value->parent_) chain.push_back(value);
+  std::string path;
+  for (auto value = chain.rbegin(); value != chain.rend(); ++value) {
+    if ((*value)->key_.empty())
+      path += fmt::format("[{}]", (*value)->index_);
+    else
+      path += (path.empty() ? "" : ".") + std::string((*value)->key_);
+  }
+  return path.empty() ? *document_ : *document_ + ": " + path;
+}
+
+void Value::fail(std::string problem, std::string remedy) const {
+  throw Error(ErrorCode::input, std::move(problem), place(), std::move(remedy));
+}
+
+void Value::fail_type(std::string_view expected) const {
+  fail(fmt::format("expected {}, found {}", expected, type_name(*json_)));
+}
+
+void Value::fail_choice(std::span<const std::string> words) const {
+  fail(fmt::format("unknown word '{}'", string()), meant_or_known(string(), words));
+}
+
+const std::string& Value::string() const {
+  if (!json_->is_string()) fail_type("a string");
+  return json_->get_ref<const std::string&>();
+}
+
+const std::string& Value::name() const {
+  if (string().empty()) fail("must not be empty");
+  return string();
+}
+
+bool Value::boolean() const {
+  if (!json_->is_boolean()) fail_type("true or false");
+  return json_->get<bool>();
+}
+
+double Value::number() const {
+  if (!json_->is_number()) fail_type("a number");
+  return json_->get<double>();
+}
+
+double Value::number_in(double min, double max) const {
+  const double value = number();
+  if (!(value >= min && value <= max)) fail(fmt::format("must be from {} to {}, is {}", min, max, value));
+  return value;
+}
+
+double Value::positive_number() const {
+  const double value = number();
+  if (!(value > 0)) fail(fmt::format("must be positive, is {}", value));
+  return value;
+}
+
+std::int64_t Value::integer_in(std::int64_t min, std::int64_t max) const {
+  if (!json_->is_number_integer()) fail_type("an integer");
+  const bool too_large =
+      json_->is_number_unsigned() && json_->get<std::uint64_t>() > static_cast<std::uint64_t>(max);
+  if (too_large || json_->get<std::int64_t>() < min || json_->get<std::int64_t>() > max)
+    fail(fmt::format("must be from {} to {}, is {}", min, max, json_->dump()));
+  return json_->get<std::int64_t>();
+}
+
+std::uint64_t Value::unsigned_integer() const {
+  if (!json_->is_number_unsigned()) fail_type("an integer from 0 on");
+  return json_->get<std::uint64_t>();
+}
+
+Index Value::vertex() const { return static_cast<Index>(integer_in(0, std::numeric_limits<Index>::max())); }
+
+Eigen::Vector3d Value::vector3() const {
+  if (!json_->is_array() || json_->size() != 3) fail("expected 3 numbers");
+  return {(*this)[0].number(), (*this)[1].number(), (*this)[2].number()};
+}
+
+Eigen::Vector3d Value::direction() const {
+  const Eigen::Vector3d vector = vector3();
+  if (!(vector.norm() > 0)) fail("must not be the zero vector");
+  return vector;
+}
+
+Eigen::Matrix3d Value::matrix3() const {
+  if (!json_->is_array() || json_->size() != 3) fail("expected 3 rows of 3 numbers");
+  Eigen::Matrix3d matrix;
+  for (std::size_t row = 0; row < 3; ++row) matrix.row(static_cast<Eigen::Index>(row)) = (*this)[row].vector3();
+  return matrix;
+}
+
+Eigen::Matrix4d Value::affine_matrix() const {
+  if (!json_->is_array() || json_->size() != 4) fail("expected 4 rows of 4 numbers");
+  Eigen::Matrix4d matrix;
+  for (std::size_t r = 0; r < 4; ++r) {
+    const Value row = (*this)[r];
+    if (!row.is_array() || row.raw().size() != 4) row.fail("expected 4 numbers");
+    for (std::size_t c = 0; c < 4; ++c)
+      matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = row[c].number();
+  }
+  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) (*this)[3].fail("must be 0, 0, 0, 1: the map is affine");
+  return matrix;
+}
+
+Points Value::points(std::size_t min_count) const {
+  if (size() < min_count) fail(fmt::format("expected at least {} points", min_count));
+  Points points(static_cast<Eigen::Index>(size()), 3);
+  for (std::size_t i = 0; i < size(); ++i) points.row(static_cast<Eigen::Index>(i)) = (*this)[i].vector3();
+  return points;
+}
+
+std::vector<Index> Value::vertices() const {
+  std::vector<Index> list;
+  list.reserve(size());
+  for (std::size_t i = 0; i < size(); ++i) list.push_back((*this)[i].vertex());
+  return list;
+}
+
+std::size_t Value::size() const {
+  if (!json_->is_array()) fail_type("a list");
+  return json_->size();
+}
+
+Value Value::operator[](std::size_t index) const { return Value((*json_)[index], *this, {}, index); }
+
+Value Value::member(std::string_view key) const {
+  const auto found = json_->find(key);
+  return Value(*found, *this, found.key(), 0);
+}
+
+Object::Object(const Value& value, std::initializer_list<std::string_view> known) : value_(&value) {
+  if (!value.is_object()) value.fail(fmt::format("expected an object, found {}", type_name(value.raw())));
+  for (const auto& [key, member] : value.raw().items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    const std::vector<std::string> words(known.begin(), known.end());
+    value.fail(fmt::format("unknown field '{}'", key), meant_or_known(key, words));
+  }
+}
+
+Value Object::required(std::string_view key) const {
+  if (!has(key)) value_->fail(fmt::format("the field '{}' is missing", key));
+  return value_->member(key);
+}
+
+}  // namespace meshgraft::json

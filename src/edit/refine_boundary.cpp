@@ -1,0 +1,109 @@
+#include "refine_boundary.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include <meshgraft/mesh/refine.h>
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft {
+
+namespace {
+
+constexpr int neighbourhood_rings = 2;
+
+// What holds a vertex: a handle's number, or one of these.
+constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
+
+std::vector<int> holders(const DeformProblem& problem) {
+  const Region& region = problem.deform.region;
+  std::vector<int> holder(static_cast<std::size_t>(problem.rest.rows()), region.whole ? nobody : outside);
+  for (const Index v : region.vertices) holder[v] = nobody;
+  for (const Index v : region.fixed) holder[v] = fixed;
+  for (const VertexConstraint& constraint : problem.deform.constraints) holder[constraint.vertex] = constrained;
+  for (std::size_t h = 0; h < region.handles.size(); ++h)
+    for (const Index v : region.handles[h].vertices) holder[v] = static_cast<int>(h);
+  return holder;
+}
+
+// The vertices around every place where something free meets something held.
+std::vector<Index> boundary_neighbourhood(const std::vector<int>& holder, const IndexLists& rings) {
+  std::vector<Index> seeds;
+  for (Index v = 0; v < rings.size(); ++v) {
+    const auto ring = rings[v];
+    const bool held = holder[v] != nobody;
+    if (held && std::any_of(ring.begin(), ring.end(), [&](Index w) { return holder[w] == nobody; }))
+      seeds.push_back(v);
+  }
+  return grow_rings(seeds, neighbourhood_rings, rings);
+}
+
+bool stays(int holder) { return holder == fixed || holder == outside; }
+
+// Follows a curve handle and inserts the new vertices that lie between its consecutive ones, in the handle and
+// in its redrawn course.
+void refine_curve(Handle& handle, HandlePose& pose, const std::map<std::array<Index, 2>, Index>& middle) {
+  std::vector<Index> vertices;
+  std::vector<Eigen::RowVector3d> course;
+  const std::size_t count = handle.vertices.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t next = (i + 1) % count;
+    vertices.push_back(handle.vertices[i]);
+    if (pose.curve) course.emplace_back(pose.curve->row(static_cast<Eigen::Index>(i)));
+    if (next == 0 && !handle.closed) break;
+    const auto [low, high] = std::minmax(handle.vertices[i], handle.vertices[next]);
+    const auto between = middle.find({low, high});
+    if (between == middle.end()) continue;
+    vertices.push_back(between->second);
+    if (pose.curve)
+      course.emplace_back(
+          (pose.curve->row(static_cast<Eigen::Index>(i)) + pose.curve->row(static_cast<Eigen::Index>(next))) /
+          2);
+  }
+  handle.vertices = std::move(vertices);
+  if (!pose.curve) return;
+  pose.curve->resize(static_cast<Eigen::Index>(course.size()), 3);
+  for (std::size_t i = 0; i < course.size(); ++i) pose.curve->row(static_cast<Eigen::Index>(i)) = course[i];
+}
+
+DeformProblem refine_once(DeformProblem problem, const Context& context) {
+  const auto old_count = static_cast<Index>(problem.rest.rows());
+  const std::vector<int> holder = holders(problem);
+  const IndexLists rings = vertex_rings(old_count, problem.triangles, context);
+  const std::vector<Index> around = boundary_neighbourhood(holder, rings);
+  const RefineResult refined = split_edges_within(make_mesh(problem.rest, problem.triangles), around, context);
+  problem.rest = refined.mesh.positions;
+  problem.triangles = triangulate(refined.mesh, {.skip_out_of_range = true}).triangles;
+
+  Region& region = problem.deform.region;
+  std::map<std::array<Index, 2>, Index> middle;
+  for (std::size_t i = 0; i < refined.parents.size(); ++i) {
+    const Index vertex = old_count + static_cast<Index>(i);
+    const auto [a, b] = std::minmax(refined.parents[i][0], refined.parents[i][1]);
+    middle[{a, b}] = vertex;
+    const int one = holder[a], other = holder[b];
+    if (one == outside && other == outside) continue;
+    if (!region.whole) region.vertices.push_back(vertex);
+    if (stays(one) && stays(other)) region.fixed.push_back(vertex);
+    if (one >= 0 && one == other && region.handles[one].shape == HandleShape::region)
+      region.handles[one].vertices.push_back(vertex);
+  }
+  for (std::size_t h = 0; h < region.handles.size(); ++h)
+    if (region.handles[h].shape == HandleShape::curve)
+      refine_curve(region.handles[h], problem.deform.poses[h], middle);
+  return problem;
+}
+
+}  // namespace
+
+DeformProblem refine_boundary(DeformProblem problem, int levels, const Context& context) {
+  for (int level = 0; level < levels; ++level) {
+    context.step("refine", static_cast<double>(level) / levels);
+    problem = refine_once(std::move(problem), context);
+  }
+  return problem;
+}
+
+}  // namespace meshgraft

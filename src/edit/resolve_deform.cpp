@@ -1,0 +1,377 @@
+#include <meshgraft/edit/resolve_deform.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+namespace meshgraft {
+
+namespace {
+
+// Turns selections of an edit file into vertices. Named selections are resolved once, however often they are
+// used.
+class SelectionResolver {
+ public:
+  SelectionResolver(const EditFile& edit, const SelectionContext& context) : edit_(edit), context_(context) {}
+
+  /// Ascending distinct vertices.
+  std::vector<Index> vertices(const SelectionSpec& spec, const std::string& place) {
+    std::vector<Index> list = resolve(bind(spec, place), context_, place);
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    return list;
+  }
+
+  /// Vertices in the order of the path, the loop or the list that the selection is.
+  std::vector<Index> ordered(const SelectionSpec& spec, const std::string& place) {
+    if (const auto* named = std::get_if<SelectionSpec::Named>(&spec.kind))
+      return ordered(definition(named->name), selection_place(named->name));
+    const Selection selection = bind(spec, place);
+    std::vector<Index> list = resolve(selection, context_, place);
+    const auto* indices = std::get_if<Selection::Indices>(&selection.kind);
+    return indices ? indices->vertices : list;
+  }
+
+  std::string read(const std::string& file, const std::string& place) const {
+    const std::filesystem::path path = edit_.base_folder / file;
+    try {
+      return read_file(path);
+    } catch (const Error& error) {
+      throw error.within(place);
+    }
+  }
+
+ private:
+  const SelectionSpec& definition(const std::string& name) const {
+    return std::find_if(edit_.selections.begin(), edit_.selections.end(),
+                        [&](const NamedSelection& selection) { return selection.name == name; })
+        ->selection;
+  }
+
+  std::string selection_place(const std::string& name) const {
+    return fmt::format("{}: selections.{}", edit_.place, name);
+  }
+
+  Index vertex_count() const { return context_.mesh.vertex_count(); }
+
+  std::string file_place(const std::string& file, const std::string& place) const {
+    return fmt::format("{}: {}", place, (edit_.base_folder / file).string());
+  }
+
+  // The library's selection that `spec` stands for.
+  Selection bind(const SelectionSpec& spec, const std::string& place) {
+    return std::visit([&](const auto& kind) { return bind_kind(kind, place); }, spec.kind);
+  }
+
+  std::shared_ptr<const Selection> bind_child(const SelectionSpec::Child& child, const std::string& place) {
+    return std::make_shared<const Selection>(bind(*child, place));
+  }
+
+  std::vector<Selection> bind_all(const std::vector<SelectionSpec>& specs, const std::string& place) {
+    std::vector<Selection> selections;
+    for (const SelectionSpec& spec : specs) selections.push_back(bind(spec, place));
+    return selections;
+  }
+
+  template <class Kind>
+  Selection bind_kind(const Kind& kind, const std::string&) {
+    return Selection(kind);
+  }
+  Selection bind_kind(const SelectionSpec::Named& named, const std::string&) {
+    const auto known = named_.find(named.name);
+    if (known != named_.end()) return Selection(Selection::Indices{known->second});
+    std::vector<Index> list = vertices(definition(named.name), selection_place(named.name));
+    return Selection(Selection::Indices{named_[named.name] = std::move(list)});
+  }
+  Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& place) {
+    const std::string text = read(indices.file, place);
+    return Selection(Selection::Indices{parse_indices(text, vertex_count(), file_place(indices.file, place))});
+  }
+  Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& place) {
+    const std::string text = read(sel.file, place);
+    meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_place(sel.file, place));
+    switch (sel.take) {
+      case SelectionSpec::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
+      case SelectionSpec::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
+      case SelectionSpec::SelPart::handle: break;
+    }
+    return Selection(Selection::Indices{std::move(parts.handle)});
+  }
+  Selection bind_kind(const SelectionSpec::Produced& produced, const std::string& place) {
+    throw Error(ErrorCode::input,
+                fmt::format("the step '{}' produces no selection '{}'", produced.step, produced.what), place,
+                "Deform steps produce none; select by geometry instead.");
+  }
+  Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& place) {
+    return Selection(Selection::Grow{bind_child(grow.of, place), grow.rings});
+  }
+  Selection bind_kind(const SelectionSpec::GrowLength& grow, const std::string& place) {
+    return Selection(Selection::GrowLength{bind_child(grow.of, place), grow.length});
+  }
+  Selection bind_kind(const SelectionSpec::Union& combined, const std::string& place) {
+    return Selection(Selection::Union{bind_all(combined.of, place)});
+  }
+  Selection bind_kind(const SelectionSpec::Minus& combined, const std::string& place) {
+    return Selection(Selection::Minus{bind_all(combined.of, place)});
+  }
+  Selection bind_kind(const SelectionSpec::Intersect& combined, const std::string& place) {
+    return Selection(Selection::Intersect{bind_all(combined.of, place)});
+  }
+  Selection bind_kind(const SelectionSpec::Mirror& mirror, const std::string& place) {
+    return Selection(
+        Selection::Mirror{bind_child(mirror.of, place), mirror.point, mirror.normal, mirror.tolerance_rel});
+  }
+  Selection bind_kind(const SelectionSpec::Rim& rim, const std::string& place) {
+    return Selection(Selection::Rim{bind_child(rim.of, place), rim.rings});
+  }
+
+  const EditFile& edit_;
+  const SelectionContext& context_;
+  std::map<std::string, std::vector<Index>> named_;
+};
+
+// Who holds each vertex of the region, so that no vertex gets two roles.
+class Roles {
+ public:
+  Roles(Index vertex_count, const std::vector<Index>& region)
+      : owner_(static_cast<std::size_t>(vertex_count), outside) {
+    for (const Index v : region) owner_[v] = nobody;
+  }
+
+  bool is_free(Index v) const { return owner_[v] == nobody; }
+  bool is_inside(Index v) const { return owner_[v] != outside; }
+
+  void take(Index vertex, int owner) { owner_[vertex] = owner; }
+
+  /// Makes `vertices` the handle's, or says what is in the way.
+  void take_all(const std::vector<Index>& vertices, int handle, const std::vector<HandleSpec>& handles,
+                const std::string& place) {
+    const auto beyond = std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return !is_inside(v); });
+    if (beyond > 0)
+      throw Error(ErrorCode::input,
+                  fmt::format("{} of the handle's {} vertices lie outside the region", beyond, vertices.size()),
+                  place, "Enlarge the region, or 'intersect' the handle with it.");
+    for (const Index v : vertices) {
+      if (owner_[v] == handle) throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), place);
+      if (owner_[v] != nobody)
+        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder(owner_[v], handles)),
+                    place, "Take it out of one of the two with 'minus'.");
+      owner_[v] = handle;
+    }
+  }
+
+  std::string holder_of(Index vertex, const std::vector<HandleSpec>& handles) const {
+    return holder(owner_[vertex], handles);
+  }
+
+  static constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
+
+ private:
+  static std::string holder(int owner, const std::vector<HandleSpec>& handles) {
+    if (owner == fixed) return "fixed";
+    if (owner == constrained) return "constrained by itself";
+    return fmt::format("part of the handle '{}'", handles[static_cast<std::size_t>(owner)].name);
+  }
+
+  std::vector<int> owner_;
+};
+
+std::vector<Index> every_vertex(Index count) {
+  std::vector<Index> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+bool ends_share_edge(const std::vector<Index>& curve, const IndexLists& rings) {
+  if (curve.size() < 3) return false;
+  const auto ring = rings[curve.front()];
+  return std::binary_search(ring.begin(), ring.end(), curve.back());
+}
+
+Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, const SelectionContext& context,
+                      const std::string& place) {
+  Handle handle;
+  handle.name = spec.name;
+  handle.shape = spec.shape;
+  handle.constrain_position = spec.constrain_position;
+  handle.constrain_transform = spec.constrain_transform;
+  const std::string select = place + ".select";
+  const bool is_curve = spec.shape == HandleShape::curve;
+  handle.vertices =
+      is_curve ? selections.ordered(spec.select, select) : selections.vertices(spec.select, select);
+  if (handle.vertices.empty())
+    throw Error(ErrorCode::input, fmt::format("the handle '{}' has no vertices", spec.name), select,
+                "Look at the mesh's bounding box with 'meshgraft info' and make the selection larger.");
+  if (spec.shape == HandleShape::vertex && handle.vertices.size() != 1)
+    throw Error(ErrorCode::input,
+                fmt::format("a handle of shape 'vertex' has one vertex, not {}", handle.vertices.size()),
+                select, "Use the shape 'region', or select with 'nearest'.");
+  if (is_curve) handle.closed = spec.closed.value_or(ends_share_edge(handle.vertices, context.rings));
+  return handle;
+}
+
+HandlePose pose_of_matrix(const Eigen::Matrix4d& matrix) {
+  HandlePose pose;
+  pose.transform.matrix() = matrix;
+  return pose;
+}
+
+HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const SelectionResolver& selections,
+                        const EditFile& edit, const SelectionContext& context, const std::string& place) {
+  const Points& rest = context.mesh.positions;
+  if (const auto* motion = std::get_if<HandleMotion>(&spec.kind))
+    return make_pose(*motion, motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings));
+  if (const auto* matrix = std::get_if<Eigen::Matrix4d>(&spec.kind)) return pose_of_matrix(*matrix);
+  if (const auto* def = std::get_if<PoseSpec::DefFile>(&spec.kind)) {
+    const std::string where = fmt::format("{}.def: {}", place, (edit.base_folder / def->file).string());
+    return pose_of_matrix(parse_def(selections.read(def->file, place + ".def"), where));
+  }
+  HandlePose pose;
+  try {
+    pose.curve = redraw_curve(handle, rest, std::get<PoseSpec::Redrawn>(spec.kind).polyline);
+  } catch (const Error& error) {
+    throw error.within(place + ".curve");
+  }
+  return pose;
+}
+
+// Targets and transforms joined per vertex, ascending.
+std::vector<VertexConstraint> resolve_constraints(const DeformStep& step, Index vertex_count, Roles& roles,
+                                                  const std::string& place) {
+  std::map<Index, VertexConstraint> constraints;
+  const auto constraint_of = [&](Index vertex, const std::string& where) -> VertexConstraint& {
+    if (vertex >= vertex_count)
+      throw Error(ErrorCode::input,
+                  fmt::format("vertex {} does not exist; the mesh has {}", vertex, vertex_count), where);
+    auto [entry, is_new] = constraints.try_emplace(vertex);
+    if (is_new) {
+      if (!roles.is_inside(vertex))
+        throw Error(ErrorCode::input, fmt::format("vertex {} lies outside the region", vertex), where);
+      if (!roles.is_free(vertex))
+        throw Error(ErrorCode::input,
+                    fmt::format("vertex {} is already {}", vertex, roles.holder_of(vertex, step.handles)),
+                    where, "Take it out of that selection with 'minus'.");
+      roles.take(vertex, Roles::constrained);
+      entry->second.vertex = vertex;
+    }
+    return entry->second;
+  };
+  for (std::size_t i = 0; i < step.targets.size(); ++i) {
+    const std::string where = fmt::format("{}.targets[{}]", place, i);
+    VertexConstraint& constraint = constraint_of(step.targets[i].vertex, where);
+    if (constraint.position)
+      throw Error(ErrorCode::input, fmt::format("vertex {} has two targets", constraint.vertex), where);
+    constraint.position = step.targets[i].position;
+  }
+  for (std::size_t i = 0; i < step.transforms.size(); ++i) {
+    const std::string where = fmt::format("{}.transforms[{}]", place, i);
+    VertexConstraint& constraint = constraint_of(step.transforms[i].vertex, where);
+    if (constraint.transform)
+      throw Error(ErrorCode::input, fmt::format("vertex {} has two transforms", constraint.vertex), where);
+    constraint.transform = step.transforms[i].matrix;
+  }
+  std::vector<VertexConstraint> list;
+  for (const auto& [vertex, constraint] : constraints) list.push_back(constraint);
+  return list;
+}
+
+void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const std::string& place) {
+  const auto require = [&](const std::optional<Index>& count, const std::optional<Index>& actual,
+                           std::string_view name) {
+    if (count && *count != *actual)
+      throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, *actual),
+                  fmt::format("{}.counts.{}", place, name), "Is it the right mesh?");
+  };
+  require(expected.vertices, found.vertices, "vertices");
+  require(expected.faces, found.faces, "faces");
+  require(expected.region, found.region, "region");
+  require(expected.fixed, found.fixed, "fixed");
+  require(expected.handle, found.handle, "handle");
+  require(expected.free, found.free, "free");
+}
+
+std::vector<Anchor> resolve_anchors(const DeformStep& step, SelectionResolver& selections, const Roles& roles,
+                                    const std::string& place) {
+  std::map<Index, Anchor> anchors;
+  for (std::size_t i = 0; i < step.anchors.size(); ++i) {
+    const std::string where = fmt::format("{}.anchors[{}].select", place, i);
+    for (const Index v : selections.vertices(step.anchors[i].select, where)) {
+      if (!roles.is_free(v)) continue;  // what is held or never moves needs no anchor
+      if (!anchors.try_emplace(v, Anchor{v, step.anchors[i].weight, {}}).second)
+        throw Error(ErrorCode::input, fmt::format("vertex {} is anchored twice", v), where);
+    }
+  }
+  std::vector<Anchor> list;
+  for (const auto& [vertex, anchor] : anchors) list.push_back(anchor);
+  return list;
+}
+
+}  // namespace
+
+ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+                              const std::string& place) {
+  const Mesh& mesh = context.mesh;
+  ExpectedCounts found;
+  found.vertices = mesh.vertex_count();
+  found.faces = mesh.face_count();
+  ExpectedCounts of_the_mesh;
+  of_the_mesh.vertices = step.counts.vertices;
+  of_the_mesh.faces = step.counts.faces;
+  require_counts(of_the_mesh, found, place);
+
+  SelectionResolver selections(edit, context);
+  ResolvedDeform resolved;
+  Region& region = resolved.region;
+  const bool all = std::holds_alternative<Selection::All>(step.region.kind);
+  std::vector<Index> inside =
+      all ? every_vertex(mesh.vertex_count()) : selections.vertices(step.region, place + ".region");
+  if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", place + ".region");
+  Roles roles(mesh.vertex_count(), inside);
+
+  std::vector<Index> rim;
+  if (step.fixed) {
+    for (const Index v : selections.vertices(*step.fixed, place + ".fixed"))
+      if (roles.is_inside(v)) region.fixed.push_back(v);
+    for (const Index v : region.fixed) roles.take(v, Roles::fixed);
+  } else if (!all) {
+    const auto whole_region = std::make_shared<const Selection>(Selection::Indices{inside});
+    rim = resolve(Selection(Selection::Rim{whole_region, 2}), context, place + ".region");
+  }
+
+  Index handle_count = 0;
+  for (std::size_t i = 0; i < step.handles.size(); ++i) {
+    const std::string handle_place = fmt::format("{}.handles[{}]", place, i);
+    Handle handle = resolve_handle(step.handles[i], selections, context, handle_place);
+    roles.take_all(handle.vertices, static_cast<int>(i), step.handles, handle_place + ".select");
+    handle_count += static_cast<Index>(handle.vertices.size());
+    resolved.poses.push_back(
+        resolve_pose(step.handles[i].pose, handle, selections, edit, context, handle_place + ".pose"));
+    region.handles.push_back(std::move(handle));
+  }
+  resolved.constraints = resolve_constraints(step, mesh.vertex_count(), roles, place);
+
+  // A rim that nobody asked for gives way to handles and targets.
+  for (const Index v : rim) {
+    if (!roles.is_free(v)) continue;
+    region.fixed.push_back(v);
+    roles.take(v, Roles::fixed);
+  }
+  region.anchors = resolve_anchors(step, selections, roles, place);
+
+  found.region = static_cast<Index>(inside.size());
+  found.fixed = static_cast<Index>(region.fixed.size());
+  found.handle = handle_count;
+  found.free = *found.region - *found.fixed - handle_count - static_cast<Index>(resolved.constraints.size());
+  require_counts(step.counts, found, place);
+
+  region.whole = *found.region == mesh.vertex_count();
+  if (!region.whole) region.vertices = std::move(inside);
+  return resolved;
+}
+
+}  // namespace meshgraft

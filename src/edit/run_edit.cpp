@@ -1,0 +1,324 @@
+#include <meshgraft/edit/run_edit.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/quality.h>
+#include <meshgraft/edit/resolve_deform.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/normals.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/samples/samples.h>
+
+#include "refine_boundary.h"
+#include "sha256.h"
+
+namespace meshgraft {
+
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  /// Seconds since the last lap.
+  double lap() {
+    const auto now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(lap_, now)).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now(), lap_ = start_;
+};
+
+// A mesh in the course of an edit.
+struct Scene {
+  Mesh mesh;
+  Points rest;        // before the first step
+  std::string label;  // the file or sample it came from
+  TriageReport triage;
+  std::vector<std::uint8_t> was_free;  // per vertex, in any step
+};
+
+// Rings around the region that the solve looks at beyond it: stencils of stencils, and their normals.
+int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
+
+void require_hash(const EditInput& input, const std::filesystem::path& path, const std::string& place) {
+  if (!input.sha256) return;
+  const std::string found = sha256(read_file(path));
+  if (found != *input.sha256)
+    throw Error(
+        ErrorCode::input,
+        fmt::format("{} has the SHA-256 {}, the edit was made for {}", path.string(), found, *input.sha256),
+        place + ".sha256", "Restore the file, or drop the field if the other one is meant.");
+}
+
+Mesh load(const EditInput& input, const EditFile& edit, const Context& context) {
+  const std::string place = fmt::format("{}: inputs.{}", edit.place, input.name);
+  try {
+    if (!input.sample.empty()) return make_sample(input.sample, input.resolution, context);
+    const std::filesystem::path path = edit.base_folder / input.file;
+    require_hash(input, path, place);
+    return read_mesh(path, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled || error.place().starts_with(place)) throw;
+    throw error.within(place);
+  }
+}
+
+std::string label_of(const EditInput& input) {
+  if (input.sample.empty()) return input.file;
+  return input.resolution == 0 ? "sample " + input.sample
+                               : fmt::format("sample {} at resolution {}", input.sample, input.resolution);
+}
+
+std::map<std::string, Scene> load_inputs(const EditFile& edit, EditReport& report, const Context& context) {
+  std::map<std::string, Scene> scenes;
+  for (const EditInput& input : edit.inputs) {
+    Stopwatch watch;
+    context.step("read");
+    Scene scene{load(input, edit, context), {}, label_of(input), {}, {}};
+    report.seconds.read += watch.lap();
+    context.step("check");
+    scene.triage = triage(scene.mesh, context);
+    scene.rest = scene.mesh.positions;
+    scene.was_free.assign(static_cast<std::size_t>(scene.mesh.vertex_count()), 0);
+    report.seconds.triage += watch.lap();
+    report.inputs.push_back(
+        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.triage});
+    scenes.emplace(input.name, std::move(scene));
+  }
+  return scenes;
+}
+
+DeformSettings effective_settings(DeformSettings settings, const SettingsOverrides& overrides) {
+  OperatorOptions& operators = settings.deformer.operators;
+  settings.method = overrides.method.value_or(settings.method);
+  operators.weights = overrides.weights.value_or(operators.weights);
+  operators.density = overrides.density.value_or(operators.density);
+  operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
+  settings.deformer.backend = overrides.backend.value_or(settings.deformer.backend);
+  return settings;
+}
+
+void require_usable_within_reach(const Scene& scene, const Region& region, const IndexLists& rings, int reach) {
+  const std::vector<Index> vertices =
+      region.whole ? std::vector<Index>() : grow_rings(region.vertices, reach, rings);
+  require_usable(scene.triage, scene.mesh, vertices, scene.label);
+}
+
+std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
+                                                 const DeformProblem& problem) {
+  if (pose.curve) {
+    const IndexLists faces = vertex_triangles(static_cast<Index>(problem.rest.rows()), problem.triangles);
+    const Points normals = vertex_normals(problem.rest, problem.triangles, faces);
+    return curve_constraints(handle, problem.rest, normals, *pose.curve);
+  }
+  std::vector<VertexConstraint> constraints;
+  for (const Index v : handle.vertices) {
+    VertexConstraint constraint{v, {}, {}};
+    if (handle.constrain_position) constraint.position = pose.transform * problem.rest.row(v).transpose();
+    if (handle.constrain_transform) constraint.transform = pose.transform.linear();
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
+// All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
+std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem) {
+  const Region& region = problem.deform.region;
+  std::vector<VertexConstraint> constraints;
+  for (const Index v : region.fixed)
+    constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity()});
+  for (std::size_t h = 0; h < region.handles.size(); ++h) {
+    const auto held = handle_constraints(region.handles[h], problem.deform.poses[h], problem);
+    constraints.insert(constraints.end(), held.begin(), held.end());
+  }
+  constraints.insert(constraints.end(), problem.deform.constraints.begin(), problem.deform.constraints.end());
+  return constraints;
+}
+
+struct Solution {
+  Points positions;  // of the problem's vertices
+  std::vector<Index> free;
+};
+
+// Factorises, solves and measures: by handles, or vertex by vertex where some are constrained by themselves.
+Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
+               StepReport& report, const Context& context) {
+  const Region& region = problem.deform.region;
+  const bool by_handles = problem.deform.constraints.empty();
+  std::vector<VertexConstraint> constraints;
+  if (!by_handles) constraints = joined_constraints(problem);
+  const Deformer deformer =
+      by_handles ? Deformer(problem.rest, problem.triangles, region, settings.deformer, context)
+                 : Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
+                                              region.anchors, region.features, settings.deformer, context);
+  const DeformerSummary& summary = deformer.summary();
+  report.seconds.assemble = summary.assemble_seconds;
+  report.seconds.analyse = summary.analyse_seconds;
+  report.seconds.factorise = summary.factorise_seconds;
+  report.solver = summary.solver;
+
+  Stopwatch watch;
+  context.step("solve");
+  Solution solution;
+  solution.positions = by_handles ? deformer.evaluate(problem.deform.poses, context)
+                                  : deformer.evaluate(constraints, {}, context);
+  report.seconds.solve = watch.lap();
+
+  context.step("measure");
+  if (by_handles) constraints = deformer.constraints(problem.deform.poses);
+  const EvaluationReport evaluation = deformer.inspect(constraints, {}, context);
+  report.residual = evaluation.residual;
+  report.max_transform_deviation = evaluation.max_transform_deviation;
+  if (options.estimate_condition) report.condition_estimate = deformer.condition_estimate(context);
+  solution.free.assign(deformer.free_vertices().begin(), deformer.free_vertices().end());
+  report.counts.degenerate = summary.degenerate_vertices;
+  report.seconds.measure = watch.lap();
+  return solution;
+}
+
+double largest_displacement(const Points& rest, const Points& edited) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < rest.rows(); ++i)
+    if (rest.row(i) != edited.row(i)) largest = std::max(largest, (edited.row(i) - rest.row(i)).norm());
+  return largest;
+}
+
+Index count_handle_vertices(const Region& region) {
+  return std::accumulate(
+      region.handles.begin(), region.handles.end(), Index{0},
+      [](Index sum, const Handle& h) { return sum + static_cast<Index>(h.vertices.size()); });
+}
+
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& place, Scene& scene,
+                      const RunOptions& options, const Context& context) {
+  Stopwatch watch;
+  StepReport report;
+  report.mesh = step.mesh;
+  report.settings = effective_settings(step.settings, options.overrides);
+
+  context.step("select");
+  DeformProblem problem;
+  {
+    const SelectionContext selections(scene.mesh);
+    problem.deform = resolve_deform(edit, step, selections, place);
+    report.seconds.select = watch.lap();
+    require_usable_within_reach(scene, problem.deform.region, selections.rings, reach_rings(report.settings));
+  }
+  problem.rest = scene.mesh.positions;
+  problem.triangles = triangulate(scene.mesh, {.skip_out_of_range = true}).triangles;
+  const Triangles triangles = problem.triangles;
+  report.seconds.triage = watch.lap();
+
+  report.counts.vertices = scene.mesh.vertex_count();
+  report.counts.faces = scene.mesh.face_count();
+  report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());
+  report.counts.handle =
+      count_handle_vertices(problem.deform.region) + static_cast<Index>(problem.deform.constraints.size());
+  problem = refine_boundary(std::move(problem), report.settings.refine_boundary, context);
+  report.seconds.select += watch.lap();
+
+  Solution solution;
+  try {
+    solution = solve(problem, report.settings, options, report, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    throw error.within(place);
+  }
+
+  watch.lap();
+  const Index count = scene.mesh.vertex_count();
+  std::erase_if(solution.free, [&](Index v) { return v >= count; });
+  const Points rest = std::exchange(scene.mesh.positions, solution.positions.topRows(count));
+  update_normals(scene.mesh, rest);
+  for (const Index v : solution.free) scene.was_free[v] = 1;
+  report.counts.free = static_cast<Index>(solution.free.size());
+  report.max_displacement = largest_displacement(rest, scene.mesh.positions);
+  report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, context);
+  report.seconds.measure += watch.lap();
+  report.seconds.total = watch.seconds();
+  return report;
+}
+
+void add_seconds(StageSeconds& sum, const StageSeconds& part) {
+  sum.triage += part.triage;
+  sum.select += part.select;
+  sum.assemble += part.assemble;
+  sum.analyse += part.analyse;
+  sum.factorise += part.factorise;
+  sum.basis += part.basis;
+  sum.solve += part.solve;
+  sum.measure += part.measure;
+}
+
+void sum_up(EditReport& report) {
+  for (const StepReport& step : report.steps) {
+    add_seconds(report.seconds, step.seconds);
+    if (&step == &report.steps.front() || step.counts.free > report.counts.free) {
+      report.counts = step.counts;
+      report.solver = step.solver;
+    }
+    report.residual = std::max(report.residual, step.residual);
+    report.max_transform_deviation = std::max(report.max_transform_deviation, step.max_transform_deviation);
+    if (step.condition_estimate)
+      report.condition_estimate = std::max(report.condition_estimate.value_or(0), *step.condition_estimate);
+  }
+}
+
+// The quality of the whole edit; of a single step it is known already.
+void measure_result(EditReport& report, const Scene& scene, const Context& context) {
+  Stopwatch watch;
+  if (report.steps.size() == 1) {
+    report.quality = report.steps.front().quality;
+    report.max_displacement = report.steps.front().max_displacement;
+  } else {
+    std::vector<Index> free;
+    for (Index v = 0; v < scene.mesh.vertex_count(); ++v)
+      if (scene.was_free[v]) free.push_back(v);
+    Mesh before;
+    before.positions = scene.rest;
+    before.faces = scene.mesh.faces;
+    report.quality = measure_quality(scene.rest, scene.mesh.positions,
+                                     triangulate(before, {.skip_out_of_range = true}).triangles, free, context);
+    report.max_displacement = largest_displacement(scene.rest, scene.mesh.positions);
+  }
+  report.seconds.measure += watch.lap();
+}
+
+}  // namespace
+
+EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+  Stopwatch watch;
+  EditResult result;
+  EditReport& report = result.report;
+  report.edit = edit.place;
+  std::map<std::string, Scene> scenes = load_inputs(edit, report, context);
+
+  std::string output;
+  for (std::size_t i = 0; i < edit.steps.size(); ++i) {
+    const std::string place = fmt::format("{}: steps[{}]", edit.place, i);
+    const auto& step = std::get<DeformStep>(edit.steps[i].action);
+    output = step.result.empty() ? step.mesh : step.result;
+    if (output != step.mesh) scenes.insert_or_assign(output, scenes.at(step.mesh));
+    report.steps.push_back(run_deform(edit, step, place, scenes.at(output), options, context));
+    report.steps.back().name = edit.steps[i].name;
+  }
+  Scene& scene = scenes.at(edit.output.empty() ? output : edit.output);
+  sum_up(report);
+  measure_result(report, scene, context);
+  result.mesh = std::move(scene.mesh);
+  result.rest = std::move(scene.rest);
+  report.seconds.total = watch.seconds();
+  return result;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,578 @@
+#include "render/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include <embree3/rtcore.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft::render {
+
+namespace {
+
+using Vec3 = Eigen::Vector3f;
+
+constexpr float pi = std::numbers::pi_v<float>;
+constexpr int tile_side = 16;
+
+// The look: warm clay on light grey.
+const Vec3 clay(0.50f, 0.395f, 0.32f);
+const Vec3 wire(0.05f, 0.05f, 0.06f);
+const Vec3 key_light(2.05f, 1.93f, 1.75f);
+const Vec3 fill_light(0.34f, 0.40f, 0.50f);
+const Vec3 sky_light(0.86f, 0.90f, 0.97f);
+const Vec3 ground_light(0.50f, 0.46f, 0.42f);
+constexpr float key_softness = 0.16f;  // tangent of the key light's half angle
+
+double from_srgb(double value) {
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+float to_srgb(float value) {
+  return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1.0f / 2.4f) - 0.055f;
+}
+
+// Deterministic random numbers: a hash of pixel, sample and counter.
+class Random {
+ public:
+  Random(std::uint32_t pixel, std::uint32_t sample) : state_((std::uint64_t{pixel} << 20) ^ sample) {}
+  float next() {
+    state_ += 0x9E3779B97F4A7C15ull;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
+    return static_cast<float>((z ^ (z >> 31)) >> 40) * 0x1.0p-24f;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+struct Basis {
+  Vec3 u, v, w;
+  explicit Basis(const Vec3& direction) : w(direction.normalized()) {
+    u = (std::abs(w.x()) < 0.7f ? Vec3::UnitX() : Vec3::UnitY()).cross(w).normalized();
+    v = w.cross(u);
+  }
+};
+
+// One shape, triangulated, with a normal per corner.
+struct Surface {
+  Points positions;
+  Triangles triangles;
+  std::vector<Vec3> corner_normals;
+  std::vector<Vec3> colours;           // per vertex, or empty
+  std::vector<std::uint8_t> outlines;  // per triangle, bit c: the edge that faces corner c is the face's own
+};
+
+std::vector<Vec3> corner_normals(const Points& positions, const Triangles& triangles,
+                                 const RenderOptions& options, const Context& context) {
+  const auto count = static_cast<std::size_t>(triangles.rows());
+  std::vector<Vec3> flat(count);  // times twice the area
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto row = triangles.row(static_cast<Eigen::Index>(t));
+    const Eigen::RowVector3d p = positions.row(row[0]), q = positions.row(row[1]), r = positions.row(row[2]);
+    flat[t] = (q - p).cross(r - p).transpose().cast<float>();
+  }
+  std::vector<Vec3> out(3 * count);
+  const float limit = static_cast<float>(std::cos(options.crease_angle_deg * std::numbers::pi / 180.0));
+  const IndexLists around = vertex_triangles(static_cast<Index>(positions.rows()), triangles, context);
+  parallel_blocks(
+      count,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t)
+          for (int c = 0; c < 3; ++c) {
+            Vec3 sum = flat[t];
+            if (options.smooth)
+              for (const Index other : around[triangles(static_cast<Eigen::Index>(t), c)]) {
+                const Vec3& n = flat[static_cast<std::size_t>(other)];
+                if (static_cast<std::size_t>(other) != t && n.dot(flat[t]) > limit * n.norm() * flat[t].norm())
+                  sum += n;
+              }
+            out[3 * t + static_cast<std::size_t>(c)] = sum.normalized();
+          }
+      },
+      context, 4096);
+  return out;
+}
+
+// Diagonals of polygons are not drawn.
+std::vector<std::uint8_t> outlines(const Mesh& mesh, const Triangulation& triangulation) {
+  std::vector<std::uint8_t> bits(static_cast<std::size_t>(triangulation.triangles.rows()), 0);
+  for (std::size_t t = 0; t < bits.size(); ++t) {
+    const auto face = mesh.faces[triangulation.face[t]];
+    for (int c = 0; c < 3; ++c) {
+      const Index a = triangulation.triangles(static_cast<Eigen::Index>(t), (c + 1) % 3);
+      const Index b = triangulation.triangles(static_cast<Eigen::Index>(t), (c + 2) % 3);
+      for (std::size_t k = 0; k < face.size(); ++k)
+        if (face[k] == a && face[(k + 1) % face.size()] == b) bits[t] |= static_cast<std::uint8_t>(1 << c);
+    }
+  }
+  return bits;
+}
+
+Surface prepare(const Shape& shape, const RenderOptions& options, const Context& context) {
+  const Mesh& mesh = *shape.mesh;
+  if (shape.colours.rows() > 0 && shape.colours.rows() != mesh.positions.rows())
+    throw Error(ErrorCode::input, "the picture needs one colour per vertex");
+  const Triangulation triangulation = triangulate(mesh);
+  Surface surface;
+  surface.positions = mesh.positions.rowwise() + shape.offset.transpose();
+  surface.triangles = triangulation.triangles;
+  surface.corner_normals = corner_normals(surface.positions, surface.triangles, options, context);
+  surface.outlines = outlines(mesh, triangulation);
+  for (Eigen::Index v = 0; v < shape.colours.rows(); ++v)
+    surface.colours.push_back(shape.colours.row(v).transpose().cast<float>());
+  return surface;
+}
+
+// Where a picture is taken from and where the light comes from; everything in units of the scene's radius,
+// about its centre, so that single precision suffices anywhere.
+struct View {
+  Eigen::Vector3d centre;
+  double scale = 1.0;
+  Vec3 eye, right, up, ahead;
+  float tangent = 0.0f;
+  float ground = 0.0f;
+  Vec3 to_key, to_fill;
+};
+
+View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
+  const Camera& camera = options.camera;
+  if (!(camera.from_direction.norm() > 0.0) || !(camera.up.cross(camera.from_direction).norm() > 0.0))
+    throw Error(ErrorCode::usage, "the camera needs a direction that is not its up direction");
+  Eigen::Vector3d low = camera.low, high = camera.high;
+  const bool fit = (low.array() > high.array()).any();
+  if (fit) {
+    low.setConstant(std::numeric_limits<double>::infinity());
+    high = -low;
+    for (const Surface& surface : surfaces) {
+      low = low.cwiseMin(surface.positions.colwise().minCoeff().transpose());
+      high = high.cwiseMax(surface.positions.colwise().maxCoeff().transpose());
+    }
+  }
+  View view;
+  view.centre = 0.5 * (low + high);
+  view.scale = std::max(0.5 * (high - low).norm(), std::numeric_limits<double>::min());
+  const Eigen::Vector3d back = camera.from_direction.normalized();
+  const Eigen::Vector3d right = camera.up.cross(back).normalized();
+  const Eigen::Vector3d up = back.cross(right);
+
+  // As near as lets every point (or corner of the given box) be seen, and centred between the extreme ones.
+  std::vector<Eigen::Vector3d> points;
+  if (fit) {
+    for (const Surface& surface : surfaces)
+      for (Eigen::Index v = 0; v < surface.positions.rows(); ++v)
+        points.push_back((surface.positions.row(v).transpose() - view.centre) / view.scale);
+  } else {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d p(corner & 1 ? low.x() : high.x(), corner & 2 ? low.y() : high.y(),
+                              corner & 4 ? low.z() : high.z());
+      points.push_back((p - view.centre) / view.scale);
+    }
+  }
+  constexpr double margin = 1.10;
+  const double tangent_y = std::tan(0.5 * camera.field_of_view_deg * std::numbers::pi / 180.0) / margin;
+  const double tangent_x = tangent_y * options.width / options.height;
+  // Along each axis the four frustum planes bound the eye: |q·axis − e| ≤ tangent·(distance − q·back).
+  double r_max = -1e30, r_min = -1e30, u_max = -1e30, u_min = -1e30;
+  for (const Eigen::Vector3d& q : points) {
+    const double depth = q.dot(back);
+    r_max = std::max(r_max, q.dot(right) + tangent_x * depth);
+    r_min = std::max(r_min, -q.dot(right) + tangent_x * depth);
+    u_max = std::max(u_max, q.dot(up) + tangent_y * depth);
+    u_min = std::max(u_min, -q.dot(up) + tangent_y * depth);
+  }
+  const double distance = std::max((r_max + r_min) / (2.0 * tangent_x), (u_max + u_min) / (2.0 * tangent_y));
+  const Eigen::Vector3d eye = 0.5 * (r_max - r_min) * right + 0.5 * (u_max - u_min) * up + distance * back;
+  view.eye = eye.cast<float>();
+  view.right = right.cast<float>();
+  view.up = up.cast<float>();
+  view.ahead = -back.cast<float>();
+  view.tangent = static_cast<float>(tangent_y * margin);
+  view.ground = static_cast<float>((low.z() - view.centre.z()) / view.scale) - 1e-4f;
+  view.to_key = (-0.55 * right + 0.85 * camera.up.normalized() + 0.62 * back).cast<float>().normalized();
+  view.to_fill = (0.95 * right + 0.25 * camera.up.normalized() + 0.45 * back).cast<float>().normalized();
+  return view;
+}
+
+// The rays' side of Embree: owns its device and scene.
+class Tracer {
+ public:
+  Tracer(std::span<const Surface> surfaces, const View& view) : device_(rtcNewDevice("threads=1")) {
+    if (!device_) throw Error(ErrorCode::internal, "the ray tracer could not start");
+    scene_.reset(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+    for (const Surface& surface : surfaces) attach(surface, view);
+    rtcCommitScene(scene_.get());
+  }
+
+  RTCRayHit first_hit(const Vec3& origin, const Vec3& direction) const {
+    RTCRayHit hit;
+    hit.ray = make_ray(origin, direction, 1e30f);
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene_.get(), &context, &hit);
+    return hit;
+  }
+
+  bool blocked(const Vec3& origin, const Vec3& direction, float reach) const {
+    RTCRay ray = make_ray(origin, direction, reach);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene_.get(), &context, &ray);
+    return ray.tfar < 0.0f;
+  }
+
+ private:
+  static RTCRay make_ray(const Vec3& origin, const Vec3& direction, float reach) {
+    RTCRay ray{};
+    ray.org_x = origin.x();
+    ray.org_y = origin.y();
+    ray.org_z = origin.z();
+    ray.dir_x = direction.x();
+    ray.dir_y = direction.y();
+    ray.dir_z = direction.z();
+    ray.tnear = 0.0f;
+    ray.tfar = reach;
+    ray.mask = ~0u;
+    return ray;
+  }
+
+  void attach(const Surface& surface, const View& view) {
+    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    const auto vertices = static_cast<std::size_t>(surface.positions.rows());
+    const auto triangles = static_cast<std::size_t>(surface.triangles.rows());
+    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
+    auto* corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles));
+    for (std::size_t v = 0; v < vertices; ++v)
+      for (int k = 0; k < 3; ++k)
+        points[3 * v + static_cast<std::size_t>(k)] = static_cast<float>(
+            (surface.positions(static_cast<Eigen::Index>(v), k) - view.centre[k]) / view.scale);
+    for (std::size_t i = 0; i < 3 * triangles; ++i)
+      corners[i] = static_cast<unsigned>(surface.triangles.data()[i]);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_.get(), geometry);
+    rtcReleaseGeometry(geometry);
+  }
+
+  template <auto release>
+  struct Release {
+    template <typename T>
+    void operator()(T* object) const {
+      release(object);
+    }
+  };
+  std::unique_ptr<RTCDeviceTy, Release<rtcReleaseDevice>> device_;
+  std::unique_ptr<RTCSceneTy, Release<rtcReleaseScene>> scene_;
+};
+
+// What a pixel shows is plain + open·by_open + key·by_key. The two shares of light are found by few random
+// rays; kept apart, they can be smoothed over their surroundings without blurring the picture.
+struct Pixel {
+  Vec3 plain = Vec3::Zero(), by_open = Vec3::Zero(), by_key = Vec3::Zero();
+  Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
+  float open = 0.0f, key = 0.0f;
+
+  Pixel& operator+=(const Pixel& other) {
+    plain += other.plain;
+    by_open += other.by_open;
+    by_key += other.by_key;
+    normal += other.normal;
+    point += other.point;
+    open += other.open;
+    key += other.key;
+    return *this;
+  }
+  Pixel& operator*=(float factor) {
+    plain *= factor;
+    by_open *= factor;
+    by_key *= factor;
+    normal *= factor;
+    point *= factor;
+    open *= factor;
+    key *= factor;
+    return *this;
+  }
+};
+
+class Painter {
+ public:
+  Painter(std::span<const Surface> surfaces, const View& view, const RenderOptions& options)
+      : surfaces_(surfaces), view_(view), options_(options), tracer_(surfaces, view) {
+    grid_ = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(options.samples) + 1e-9)));
+    occlusion_rays_ = std::max(1, options.occlusion_rays / (grid_ * grid_));
+  }
+
+  Pixel pixel(int x, int y) const {
+    Pixel sum;
+    const auto number = static_cast<std::uint32_t>(y * options_.width + x);
+    Random shared(number, ~0u);
+    const float turn = shared.next(), shift = shared.next();
+    const int samples = grid_ * grid_;
+    for (int s = 0; s < samples; ++s) {
+      Random random(number, static_cast<std::uint32_t>(s));
+      const float dx = (static_cast<float>(s % grid_) + random.next()) / static_cast<float>(grid_);
+      const float dy = (static_cast<float>(s / grid_) + random.next()) / static_cast<float>(grid_);
+      const Strata strata{s * occlusion_rays_, shift, turn};
+      sum += ray(static_cast<float>(x) + dx, static_cast<float>(y) + dy, strata, random);
+    }
+    sum *= 1.0f / static_cast<float>(samples);
+    return sum;
+  }
+
+ private:
+  // Where a sample's rays begin in the pixel's low-discrepancy sequence.
+  struct Strata {
+    int first;
+    float shift, turn;
+  };
+
+  Pixel ray(float x, float y, const Strata& strata, Random& random) const {
+    const auto width = static_cast<float>(options_.width), height = static_cast<float>(options_.height);
+    const Vec3 direction = (view_.ahead + view_.tangent * ((2.0f * x - width) / height * view_.right +
+                                                           (1.0f - 2.0f * y / height) * view_.up))
+                               .normalized();
+    const RTCRayHit hit = tracer_.first_hit(view_.eye, direction);
+    if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) return surface(hit, direction, strata, random);
+    Pixel out;
+    out.plain = backdrop(x / width, y / height);
+    out.point = view_.eye + 100.0f * direction;
+    if (!options_.ground || direction.z() >= -1e-4f) return out;
+    const Vec3 point = view_.eye + (view_.ground - view_.eye.z()) / direction.z() * direction;
+    const float distance2 = point.squaredNorm();
+    if (distance2 > 36.0f) return out;
+    // The ground shows only its shadow; that fades out with the distance.
+    const float fade = std::exp(-0.12f * std::max(0.0f, distance2 - 1.0f));
+    out.by_open = 0.58f * fade * out.plain;
+    out.by_key = 0.20f * fade * out.plain;
+    out.plain *= 1.0f - 0.78f * fade;
+    out.open = openness(point, Vec3::UnitZ(), 3.0f, strata);
+    out.key = key_visible(point, random) ? 1.0f : 0.0f;
+    out.normal = Vec3::UnitZ();
+    out.point = point;
+    return out;
+  }
+
+  // Light grey, a little darker towards the rim.
+  static Vec3 backdrop(float x, float y) {
+    const float r2 = (x - 0.5f) * (x - 0.5f) + (y - 0.45f) * (y - 0.45f);
+    return Vec3(0.885f, 0.89f, 0.90f) * (1.0f - 0.22f * r2);
+  }
+
+  bool key_visible(const Vec3& point, Random& random) const {
+    const Basis basis(view_.to_key);
+    const float r = key_softness * std::sqrt(random.next()), turn = 2.0f * pi * random.next();
+    const Vec3 to_light = (basis.w + r * std::cos(turn) * basis.u + r * std::sin(turn) * basis.v).normalized();
+    return !tracer_.blocked(point, to_light, 1e30f);
+  }
+
+  // The cosine-weighted share of directions that are free up to `reach`. The pixel's rays follow the plastic
+  // sequence (Roberts 2018), shifted by a hash of the pixel: even over the hemisphere, uneven between pixels.
+  float openness(const Vec3& point, const Vec3& normal, float reach, const Strata& strata) const {
+    const Basis basis(normal);
+    int open = 0;
+    for (int i = 0; i < occlusion_rays_; ++i) {
+      const auto k = static_cast<float>(strata.first + i);
+      float u = strata.shift + 0.7548777f * k, turn = strata.turn + 0.5698403f * k;
+      u -= std::floor(u);
+      turn = 2.0f * pi * (turn - std::floor(turn));
+      const float r = std::sqrt(u);
+      const Vec3 direction =
+          r * std::cos(turn) * basis.u + r * std::sin(turn) * basis.v + std::sqrt(1.0f - u) * basis.w;
+      if (!tracer_.blocked(point, direction, reach)) ++open;
+    }
+    return static_cast<float>(open) / static_cast<float>(occlusion_rays_);
+  }
+
+  Pixel surface(const RTCRayHit& hit, const Vec3& direction, const Strata& strata, Random& random) const {
+    const Surface& surface = surfaces_[hit.hit.geomID];
+    const std::size_t t = hit.hit.primID;
+    const float weights[3] = {1.0f - hit.hit.u - hit.hit.v, hit.hit.u, hit.hit.v};
+    const auto corners = surface.triangles.row(static_cast<Eigen::Index>(t));
+    Vec3 normal = Vec3::Zero(), colour = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) {
+      normal += weights[c] * surface.corner_normals[3 * t + static_cast<std::size_t>(c)];
+      colour +=
+          weights[c] * (surface.colours.empty() ? clay : surface.colours[static_cast<std::size_t>(corners[c])]);
+    }
+    Vec3 flat = Vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z).normalized();
+    normal.normalize();
+    if (flat.dot(direction) > 0.0f) {  // the inside of an open surface: a darker shade of the same
+      flat = -flat;
+      normal = -normal;
+      colour *= 0.72f;
+    }
+    if (normal.dot(direction) > -0.02f)
+      normal = (normal - (normal.dot(direction) + 0.02f) * direction).normalized();
+    const Vec3 point = view_.eye + hit.ray.tfar * direction + 2e-4f * flat;
+    if (options_.wireframe) colour += wire_coverage(surface, hit, direction, weights) * (wire - colour);
+
+    Pixel out;
+    out.normal = normal;
+    out.point = point;
+    out.open = openness(point, normal, 1.2f, strata);
+    const float up = 0.5f + 0.5f * normal.z();
+    const Vec3 sky = 0.62f * (up * sky_light + (1.0f - up) * ground_light);
+    const Vec3 fill = 0.42f * std::max(0.0f, normal.dot(view_.to_fill)) * fill_light;
+    out.plain = colour.cwiseProduct(0.35f * fill);
+    // A rim where the surface turns away from the eye.
+    const float grazing = std::pow(1.0f - std::max(0.0f, -normal.dot(direction)), 4.0f);
+    out.by_open = colour.cwiseProduct(sky + 0.65f * fill) + 0.10f * grazing * sky_light;
+    const float key = std::max(0.0f, normal.dot(view_.to_key));
+    if (key > 0.0f) {
+      out.key = key_visible(point, random) ? 1.0f : 0.0f;
+      // Diffuse, and a faint broad highlight: fired clay.
+      const Vec3 half = (view_.to_key - direction).normalized();
+      out.by_key = (key * 0.39f) * colour.cwiseProduct(key_light) +
+                   0.07f * std::pow(std::max(0.0f, normal.dot(half)), 28.0f) * key_light;
+    }
+    return out;
+  }
+
+  // How much of a thin line along the triangle's edges covers the point; about one pixel wide.
+  float wire_coverage(const Surface& surface, const RTCRayHit& hit, const Vec3& direction,
+                      const float* weights) const {
+    const std::size_t t = hit.hit.primID;
+    const float pixel = 2.0f * view_.tangent * hit.ray.tfar * std::abs(direction.dot(view_.ahead)) /
+                        static_cast<float>(options_.height);
+    const double area2 = Vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z).norm();
+    float cover = 0.0f;
+    for (int c = 0; c < 3; ++c) {
+      if (!(surface.outlines[t] >> c & 1)) continue;
+      const Index a = surface.triangles(static_cast<Eigen::Index>(t), (c + 1) % 3);
+      const Index b = surface.triangles(static_cast<Eigen::Index>(t), (c + 2) % 3);
+      const double edge = (surface.positions.row(a) - surface.positions.row(b)).norm() / view_.scale;
+      const float away = weights[c] * static_cast<float>(area2 / std::max(edge, 1e-12));
+      cover = std::max(cover, std::clamp(1.1f - away / (0.75f * pixel), 0.0f, 1.0f));
+    }
+    return 0.55f * cover;
+  }
+
+  std::span<const Surface> surfaces_;
+  const View& view_;
+  const RenderOptions& options_;
+  Tracer tracer_;
+  int grid_ = 1;
+  int occlusion_rays_ = 1;
+};
+
+// Runs body(x, y) for all pixels, tile by tile.
+template <typename Body>
+void for_each_pixel(const RenderOptions& options, const Context& context, Body body) {
+  const int columns = (options.width + tile_side - 1) / tile_side;
+  const int rows = (options.height + tile_side - 1) / tile_side;
+  parallel_blocks(
+      static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t tile = begin; tile < end; ++tile) {
+          const int x0 = static_cast<int>(tile) % columns * tile_side,
+                    y0 = static_cast<int>(tile) / columns * tile_side;
+          for (int y = y0; y < std::min(y0 + tile_side, options.height); ++y)
+            for (int x = x0; x < std::min(x0 + tile_side, options.width); ++x) body(x, y);
+        }
+      },
+      context, 1);
+}
+
+// One pass of an edge-avoiding wavelet filter (Dammertz et al. 2010) over the two shares of light: means over
+// neighbours `step` pixels apart that look alike and lie in one plane.
+std::array<float, 2> smoothed_shares(const std::vector<Pixel>& pixels, const RenderOptions& options,
+                                     const View& view, int step, std::array<int, 2> xy) {
+  const auto at = [&](int i, int j) -> const Pixel& {
+    return pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(options.width) +
+                  static_cast<std::size_t>(i)];
+  };
+  const auto [x, y] = xy;
+  const Pixel& here = at(x, y);
+  if (here.normal.squaredNorm() == 0.0f) return {here.open, here.key};
+  const float spacing =
+      2.0f * view.tangent * (here.point - view.eye).norm() / static_cast<float>(options.height);
+  const auto like = [](float difference, float scale) { return difference * difference / (scale * scale); };
+  float weight_sum = 0.0f, open = 0.0f, key = 0.0f;
+  for (int dy = -2; dy <= 2; ++dy)
+    for (int dx = -2; dx <= 2; ++dx) {
+      const int i = x + step * dx, j = y + step * dy;
+      if (i < 0 || j < 0 || i >= options.width || j >= options.height) continue;
+      const Pixel& there = at(i, j);
+      float cost = 0.35f * static_cast<float>(dx * dx + dy * dy);
+      cost += (here.normal - there.normal).squaredNorm() / 0.04f;
+      cost += like(here.normal.dot(there.point - here.point), 3.0f * static_cast<float>(step) * spacing);
+      // Later passes reach further and must trust what the earlier ones have found.
+      if (step > 1) cost += like(here.open - there.open, 0.16f) + like(here.key - there.key, 0.5f);
+      const float weight = std::exp(-cost);
+      weight_sum += weight;
+      open += weight * there.open;
+      key += weight * there.key;
+    }
+  return {open / weight_sum, key / weight_sum};
+}
+
+}  // namespace
+
+Points vertex_colours(const Mesh& mesh) {
+  const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
+  Points out(0, 3);
+  if (!colour || colour->components < 3) return out;
+  const bool bytes = colour->type == ScalarType::uint8;
+  out.resize(mesh.vertex_count(), 3);
+  for (Eigen::Index v = 0; v < out.rows(); ++v)
+    for (int k = 0; k < 3; ++k) {
+      const double value = colour->values[static_cast<std::size_t>(v * colour->components + k)];
+      out(v, k) = from_srgb(std::clamp(bytes ? value / 255.0 : value, 0.0, 1.0));
+    }
+  return out;
+}
+
+Image render(std::span<const Shape> shapes, const RenderOptions& options, const Context& context) {
+  if (options.width < 1 || options.height < 1 || options.samples < 1)
+    throw Error(ErrorCode::usage, "a picture needs a positive width, height and number of samples");
+  std::vector<Surface> surfaces;
+  for (const Shape& shape : shapes) surfaces.push_back(prepare(shape, options, context));
+  if (std::none_of(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.triangles.rows() > 0; }))
+    throw Error(ErrorCode::input, "there is no face to make a picture of");
+  const View view = fit_view(surfaces, options);
+  const Painter painter(surfaces, view, options);
+
+  context.step("rendering", 0.0);
+  std::vector<Pixel> pixels(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
+  const auto slot = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(x);
+  };
+  for_each_pixel(options, context, [&](int x, int y) { pixels[slot(x, y)] = painter.pixel(x, y); });
+  context.step("rendering", 0.8);
+  std::vector<std::array<float, 2>> shares(pixels.size());
+  for (const int step : {1, 2, 4}) {
+    for_each_pixel(options, context, [&](int x, int y) {
+      shares[slot(x, y)] = smoothed_shares(pixels, options, view, step, {x, y});
+    });
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      pixels[i].open = shares[i][0];
+      pixels[i].key = shares[i][1];
+    }
+  }
+  Image image{options.width, options.height, std::vector<std::uint8_t>(3 * pixels.size())};
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Vec3 colour = pixels[i].plain + pixels[i].open * pixels[i].by_open + pixels[i].key * pixels[i].by_key;
+    for (std::size_t k = 0; k < 3; ++k)
+      image.pixels[3 * i + k] = static_cast<std::uint8_t>(
+          std::lround(255.0f * to_srgb(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0f, 1.0f))));
+  }
+  context.step("rendering", 1.0);
+  return image;
+}
+
+}  // namespace meshgraft::render

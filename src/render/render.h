@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft::render {
+
+/// One surface in a picture.
+struct Shape {
+  const Mesh* mesh = nullptr;
+  /// Colour per vertex (n×3, linear 0…1), or empty for clay; see `vertex_colours`.
+  Points colours;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+};
+
+struct Camera {
+  Eigen::Vector3d from_direction{0.5, -1.0, 0.35};  ///< seen from there; fitted to the shapes
+  Eigen::Vector3d up{0, 0, 1};
+  double field_of_view_deg = 26.0;  ///< vertical
+  /// The box that the picture shows; where low > high, the shapes' own. Pictures to be compared share one.
+  Eigen::Vector3d low{1, 1, 1}, high{0, 0, 0};
+};
+
+struct RenderOptions {
+  int width = 1200, height = 900;
+  Camera camera;
+  int samples = 4;          ///< camera rays per pixel; rounded down to a square
+  int occlusion_rays = 16;  ///< ambient-occlusion rays per pixel
+  bool smooth = true;       ///< interpolate vertex normals across edges flatter than `crease_angle_deg`
+  double crease_angle_deg = 40.0;
+  bool wireframe = false;
+  bool ground = true;  ///< a soft contact shadow below
+};
+
+/// Ray-traced picture, 8-bit sRGB, height×width×3.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+/// The mesh's vertex attribute "colour" as linear n×3; empty where it has none.
+Points vertex_colours(const Mesh& mesh);
+
+/// Renders the shapes as clay under a key and a fill light, with ambient occlusion. The same input gives the
+/// same bytes whatever the number of threads. Throws Error(usage) for an empty picture or a camera without
+/// direction, Error(input) for shapes without a face or colours of another size, Error(cancelled).
+Image render(std::span<const Shape> shapes, const RenderOptions& options = {}, const Context& context = {});
+
+/// Places images side by side with equal heights and optional captions below (printable ASCII).
+/// Throws Error(usage) if the heights differ or there are captions, but not one per image.
+Image side_by_side(std::span<const Image> images, std::span<const std::string> captions = {});
+
+/// Writes a PNG file, which appears whole or not at all. Throws Error(io).
+void write_png(const Image& image, const std::filesystem::path& path);
+
+}  // namespace meshgraft::render

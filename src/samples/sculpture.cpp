@@ -1,0 +1,299 @@
+#include "sculpture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/parallel.h>
+
+namespace meshgraft::samples {
+
+namespace {
+
+// The distances are approximate; no stroke's changes faster than this per unit of length.
+constexpr double lipschitz = 1.2;
+
+// The smaller of a and b, rounded where they differ by less than k: lower by at most k/6, twice differentiable.
+double smooth_min(double a, double b, double k) {
+  const double h = std::max(k - std::abs(a - b), 0.0);
+  return k > 0.0 ? std::min(a, b) - h * h * h / (6.0 * k * k) : std::min(a, b);
+}
+
+Vec3 any_normal_to(const Vec3& axis) {
+  const Vec3 other = std::abs(axis.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY();
+  return axis.cross(other).normalized();
+}
+
+}  // namespace
+
+void Sculpture::ellipsoid(const Vec3& centre, const Vec3& radii, const Brush& brush,
+                          const Eigen::Matrix3d& axes) {
+  Stroke stroke{Shape::ellipsoid, brush, groups_++};
+  stroke.a = centre;
+  stroke.radii = radii;
+  stroke.axes = axes;
+  strokes_.push_back(std::move(stroke));
+}
+
+void Sculpture::chain(std::span<const Knot> knots, const Brush& brush, const Ribs& ribs) {
+  const int group = groups_++;
+  Vec3 normal = Vec3::Zero();
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+    Stroke stroke{Shape::cone, brush, group};
+    stroke.a = knots[k].point;
+    stroke.b = knots[k + 1].point - knots[k].point;
+    stroke.radii = Vec3(knots[k].radius, knots[k + 1].radius, 0);
+    stroke.inverse_length2 = 1.0 / stroke.b.squaredNorm();
+    stroke.ribs = ribs;
+    const Vec3 tangent = stroke.b.normalized();
+    // Carrying the normal along keeps the ribs from twisting.
+    normal = k == 0 ? any_normal_to(tangent) : (normal - tangent * tangent.dot(normal)).normalized();
+    stroke.axes << normal, tangent.cross(normal), tangent;
+    strokes_.push_back(std::move(stroke));
+  }
+}
+
+void Sculpture::ring(const Vec3& centre, const Vec3& axis, double radius, double thickness,
+                     const Brush& brush) {
+  Stroke stroke{Shape::ring, brush, groups_++};
+  stroke.a = centre;
+  stroke.b = axis.normalized();
+  stroke.radii = Vec3(radius, thickness, 0);
+  strokes_.push_back(std::move(stroke));
+}
+
+void Sculpture::half_space(const Vec3& point, const Vec3& normal, const Brush& brush) {
+  Stroke stroke{Shape::half_space, brush, groups_++};
+  stroke.a = point;
+  stroke.b = normal.normalized();
+  strokes_.push_back(std::move(stroke));
+}
+
+void Sculpture::set_relief(std::function<double(const Vec3&)> relief, double amplitude) {
+  relief_ = std::move(relief);
+  relief_amplitude_ = amplitude;
+}
+
+void Sculpture::bounds(Vec3& low, Vec3& high) const {
+  low.setConstant(std::numeric_limits<double>::infinity());
+  high = -low;
+  for (const Stroke& stroke : strokes_) {
+    if (stroke.brush.carve || stroke.shape == Shape::half_space) continue;
+    double radius = stroke.radii.maxCoeff() + stroke.brush.blend + relief_amplitude_;
+    if (stroke.shape == Shape::ring) radius += stroke.radii[1];
+    low = low.cwiseMin((stroke.a.array() - radius).matrix());
+    high = high.cwiseMax((stroke.a.array() + radius).matrix());
+    if (stroke.shape != Shape::cone) continue;
+    low = low.cwiseMin((stroke.a + stroke.b).array().matrix() - Vec3::Constant(radius));
+    high = high.cwiseMax((stroke.a + stroke.b).array().matrix() + Vec3::Constant(radius));
+  }
+}
+
+double Sculpture::rib_depth(const Stroke& stroke, const Vec3& radial, double length) {
+  // cos(n·angle) is the real part of (u + iv)ⁿ / |u + iv|ⁿ; plain products are faster than the functions.
+  const double u = radial.dot(stroke.axes.col(0)), v = radial.dot(stroke.axes.col(1));
+  const double across2 = u * u + v * v;
+  if (across2 < 1e-20) return 0.0;
+  const double inverse = 1.0 / std::sqrt(across2);
+  const double c = u * inverse, s = v * inverse;
+  double real = 1.0, imaginary = 0.0;
+  for (int i = 0; i < stroke.ribs.count; ++i) {
+    const double next = real * c - imaginary * s;
+    imaginary = real * s + imaginary * c;
+    real = next;
+  }
+  return across2 / (length * length) * (0.5 - 0.5 * real);  // fades out towards a round end
+}
+
+double Sculpture::stroke_distance(const Stroke& stroke, const Vec3& x) {
+  switch (stroke.shape) {
+    case Shape::ellipsoid: {
+      // First-order distance: (level − 1)·level / |gradient|, exact on the surface and for a sphere.
+      const Vec3 local = stroke.axes.transpose() * (x - stroke.a);
+      const Vec3 scaled = local.cwiseQuotient(stroke.radii);
+      const double level = scaled.norm();
+      const double slope = scaled.cwiseQuotient(stroke.radii).norm();
+      return slope > 1e-12 ? level * (level - 1.0) / slope : -stroke.radii.minCoeff();
+    }
+    case Shape::cone: {
+      const Vec3 from_a = x - stroke.a;
+      const double t = std::clamp(from_a.dot(stroke.b) * stroke.inverse_length2, 0.0, 1.0);
+      const Vec3 radial = from_a - t * stroke.b;
+      const double length = radial.norm();
+      double radius = stroke.radii[0] + t * (stroke.radii[1] - stroke.radii[0]);
+      if (stroke.ribs.count > 0) radius *= 1.0 - stroke.ribs.depth_rel * rib_depth(stroke, radial, length);
+      return length - radius;
+    }
+    case Shape::ring: {
+      const Vec3 local = x - stroke.a;
+      const double along = local.dot(stroke.b);
+      const double across = (local - along * stroke.b).norm() - stroke.radii[0];
+      return std::sqrt(along * along + across * across) - stroke.radii[1];
+    }
+    case Shape::half_space: return stroke.b.dot(x - stroke.a);
+  }
+  return 0.0;
+}
+
+double Sculpture::distance(const Vec3& x, std::span<const int> active) const {
+  double d = 1e9;
+  for (std::size_t i = 0; i < active.size();) {
+    const Stroke& first = strokes_[active[i]];
+    double e = stroke_distance(first, x);
+    for (++i; i < active.size() && strokes_[active[i]].group == first.group; ++i)
+      e = std::min(e, stroke_distance(strokes_[active[i]], x));
+    d = first.brush.carve ? -smooth_min(-d, e, first.brush.blend) : smooth_min(d, e, first.brush.blend);
+  }
+  return relief_ ? d - relief_(x) : d;
+}
+
+Vec3 Sculpture::colour(const Vec3& x, std::span<const int> active) const {
+  double d = 1e9;
+  Vec3 mixed = Brush{}.colour;
+  for (std::size_t i = 0; i < active.size();) {
+    const Stroke& first = strokes_[active[i]];
+    double e = stroke_distance(first, x);
+    for (++i; i < active.size() && strokes_[active[i]].group == first.group; ++i)
+      e = std::min(e, stroke_distance(strokes_[active[i]], x));
+    const Brush& brush = first.brush;
+    const double ahead = (brush.carve ? d + e : d - e) / std::max(0.6 * brush.blend, 1e-9);
+    const double share =
+        brush.carve ? std::clamp(0.5 - 0.5 * ahead, 0.0, 1.0) : std::clamp(0.5 + 0.5 * ahead, 0.0, 1.0);
+    mixed += share * (brush.colour - mixed);
+    d = brush.carve ? -smooth_min(-d, e, brush.blend) : smooth_min(d, e, brush.blend);
+  }
+  return mixed;
+}
+
+std::vector<int> Sculpture::prune(const Vec3& centre, double radius, std::span<const int> active) const {
+  const double reach = lipschitz * radius;
+  std::vector<int> kept;
+  std::vector<double> distances;
+  double upper = 1e9;  // no point of the ball is further outside than this
+  for (std::size_t begin = 0; begin < active.size();) {
+    const Stroke& first = strokes_[active[begin]];
+    std::size_t end = begin;
+    double nearest = std::numeric_limits<double>::infinity();
+    distances.clear();
+    for (; end < active.size() && strokes_[active[end]].group == first.group; ++end) {
+      distances.push_back(stroke_distance(strokes_[active[end]], centre));
+      nearest = std::min(nearest, distances.back());
+    }
+    // An added stroke matters where it comes within its blend of the rest; a carving one near the surface.
+    const double limit = first.brush.carve ? reach + first.brush.blend : upper + first.brush.blend;
+    for (std::size_t i = begin; i < end; ++i)
+      if (distances[i - begin] - reach <= std::min(limit, nearest + reach)) kept.push_back(active[i]);
+    upper = first.brush.carve ? std::max(upper, reach - nearest) + first.brush.blend
+                              : std::min(upper, nearest + reach);
+    begin = end;
+  }
+  return kept;
+}
+
+SparseField::SparseField(const Sculpture& sculpture, double cell, const Context& context)
+    : sculpture_(sculpture), cell_(cell), everything_(sculpture.stroke_count()) {
+  for (std::size_t i = 0; i < everything_.size(); ++i) everything_[i] = static_cast<int>(i);
+  Vec3 low, high;
+  sculpture.bounds(low, high);
+  const double block_side = block_cells * cell;
+  while (blocks_per_side_ * block_side < (high - low).maxCoeff() + 4.0 * cell) blocks_per_side_ *= 2;
+  origin_ = 0.5 * (low + high) - Vec3::Constant(0.5 * blocks_per_side_ * block_side);
+
+  // One level at a time: cells that cannot meet the surface are dropped, the rest keep only the strokes that
+  // matter in them. The ball reaches half a lattice cell beyond the block, as its tetrahedra do.
+  std::vector<Block> level{{Eigen::Vector3i::Zero(), everything_}};
+  for (int side = blocks_per_side_; side > 1; side /= 2) {
+    const int half = side / 2;
+    const double radius = std::sqrt(3.0) * (0.5 * half * block_side + 0.5 * cell);
+    const std::size_t first_child = children_.size() + level.size();
+    std::vector<std::array<std::optional<Block>, 8>> found(level.size());
+    parallel_blocks(
+        level.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t n = begin; n < end; ++n)
+            for (int child = 0; child < 8; ++child) {
+              const Eigen::Vector3i position =
+                  level[n].position + half * Eigen::Vector3i(child & 1, (child >> 1) & 1, child >> 2);
+              const Vec3 centre = origin_ + block_side * (position.cast<double>() + Vec3::Constant(0.5 * half));
+              const double d = sculpture.distance(centre, level[n].active);
+              if (std::abs(d) > lipschitz * radius + 2.0 * sculpture.relief_amplitude()) continue;
+              found[n][static_cast<std::size_t>(child)] =
+                  Block{position, sculpture.prune(centre, radius, level[n].active)};
+            }
+        },
+        context, 16);
+    level.clear();
+    const std::size_t base = half > 1 ? first_child : 0;
+    for (auto& blocks : found) {
+      std::array<int, 8>& children = children_.emplace_back();
+      for (std::size_t c = 0; c < 8; ++c) {
+        children[c] = blocks[c] ? static_cast<int>(base + level.size()) : -1;
+        if (blocks[c]) level.push_back(std::move(*blocks[c]));
+      }
+    }
+  }
+  blocks_ = std::move(level);
+}
+
+std::span<const int> SparseField::active_at(const Vec3& x) const {
+  const Vec3 local = (x - origin_) / (block_cells * cell_);
+  const Eigen::Vector3i position = local.array().floor().cast<int>();
+  if (position.minCoeff() < 0 || position.maxCoeff() >= blocks_per_side_ || children_.empty())
+    return everything_;
+  int node = 0;
+  for (int half = blocks_per_side_ / 2; half > 0 && node >= 0; half /= 2) {
+    const int child =
+        (position.x() & half ? 1 : 0) | (position.y() & half ? 2 : 0) | (position.z() & half ? 4 : 0);
+    node = children_[static_cast<std::size_t>(node)][static_cast<std::size_t>(child)];
+  }
+  return node < 0 ? everything_ : blocks_[static_cast<std::size_t>(node)].active;
+}
+
+double SparseField::distance_and_gradient(const Vec3& x, Vec3& gradient) const {
+  const auto active = active_at(x);
+  const double e = 0.02 * cell_;
+  double sum = 0.0;
+  gradient.setZero();
+  for (const Vec3& corner : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)}) {
+    const double d = sculpture_.distance(x + e * corner, active);
+    sum += d;
+    gradient += d * corner;
+  }
+  gradient /= 4.0 * e;
+  return 0.25 * sum;
+}
+
+double hash_unit(unsigned a, unsigned b, unsigned c, unsigned seed) {
+  std::uint64_t h = seed;
+  for (const unsigned value : {a, b, c}) {
+    h = (h ^ value) * 0x9E3779B97F4A7C15ull;
+    h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ull;
+    h ^= h >> 27;
+  }
+  return static_cast<double>(h >> 11) * 0x1.0p-53;
+}
+
+double noise(const Vec3& x, unsigned seed) {
+  const Vec3 cell = x.array().floor();
+  Vec3 t = x - cell;
+  t = (t.array() * t.array() * t.array() * (t.array() * (t.array() * 6.0 - 15.0) + 10.0)).matrix();
+  double sum = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1.0;
+    unsigned key[3];
+    for (int k = 0; k < 3; ++k) {
+      const int bit = (corner >> k) & 1;
+      key[k] = static_cast<unsigned>(static_cast<int>(cell[k]) + bit);
+      weight *= bit ? t[k] : 1.0 - t[k];
+    }
+    sum += weight * hash_unit(key[0], key[1], key[2], seed);
+  }
+  return 2.0 * sum - 1.0;
+}
+
+}  // namespace meshgraft::samples
