@@ -1,0 +1,23 @@
+#pragma once
+
+#include "bump_edit.h"
+
+namespace meshgraft::bench {
+
+enum class CgalMethod { original_arap, spokes_and_rims, sre_arap };
+
+struct CgalTimes {
+  double construct_seconds = 0;   // the object's constructor (weights of all edges) and the constraints
+  double preprocess_seconds = 0;  // preprocess(): assembly and factorisation
+  double deform_seconds = 0;      // deform(iterations, 0)
+};
+
+struct CgalResult {
+  CgalTimes times;
+  Points positions;  // n×3
+};
+
+/// Runs the edit once through CGAL's Surface_mesh_deformation with its default weights and linear solver.
+CgalResult run_cgal(const BumpEdit& edit, CgalMethod method, unsigned iterations);
+
+}  // namespace meshgraft::bench

@@ -1,0 +1,207 @@
+// Times of set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints:
+//
+//   meshgraft_bench [--eigen_max_vertices=20000] [Google Benchmark's own flags]
+//
+// One iteration is one edit from nothing. Its stages are counters in seconds, so that the medians over
+// repetitions are each stage's own; the benchmark's time is their sum.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/quality.h>
+
+#include "../cli/blas_kernels.h"
+#include "bump_edit.h"
+#include "cgal_deformation.h"
+
+namespace meshgraft::bench {
+namespace {
+
+constexpr std::array<Index, 6> sizes{2'000, 5'000, 10'000, 20'000, 50'000, 100'000};
+constexpr unsigned cgal_iterations = 10;
+
+// Made once per size and shared by all benchmarks of that size.
+class Edits {
+ public:
+  const BumpEdit& operator[](Index size) {
+    const auto [entry, is_new] = edits_.try_emplace(size);
+    if (is_new) entry->second = make_bump_edit(size);
+    return entry->second;
+  }
+
+ private:
+  std::map<Index, BumpEdit> edits_;
+};
+
+using Stages = std::vector<std::pair<std::string, double>>;  // name, seconds
+
+void report(benchmark::State& state, const Stages& stages) {
+  double total = 0;
+  for (const auto& [name, seconds] : stages) {
+    state.counters[name] += seconds;
+    total += seconds;
+  }
+  state.SetIterationTime(total);
+}
+
+// Counters were summed over the iterations.
+void average(benchmark::State& state) {
+  for (auto& [name, counter] : state.counters) counter.value /= static_cast<double>(state.iterations());
+}
+
+Region region_of(const BumpEdit& edit) {
+  Region region;
+  region.whole = true;
+  region.fixed = edit.fixed;
+  region.handles = {Handle{"disc", HandleShape::region, edit.handle}};
+  return region;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double evaluation_seconds(const Deformer& deformer, std::span<const HandlePose> poses, Points& positions) {
+  std::vector<double> seconds;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const auto start = std::chrono::steady_clock::now();
+    deformer.evaluate(poses, positions);
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return median(std::move(seconds));
+}
+
+void run_deformer(benchmark::State& state, const BumpEdit& edit, const DeformerOptions& options) {
+  const Region region = region_of(edit);
+  std::vector<HandlePose> poses(1);
+  poses[0].transform = edit.pose;
+  Points positions(edit.positions.rows(), 3);
+  DeformerSummary summary;
+  Quality quality;
+  for ([[maybe_unused]] auto iteration : state) {
+    const Deformer deformer(edit.positions, edit.triangles, region, options);
+    summary = deformer.summary();
+    report(state, {{"assemble", summary.assemble_seconds},
+                   {"analyse", summary.analyse_seconds},
+                   {"factorise", summary.factorise_seconds},
+                   {"evaluate", evaluation_seconds(deformer, poses, positions)}});
+    quality = measure_quality(edit.positions, positions, edit.triangles, deformer.free_vertices());
+  }
+  average(state);
+  state.counters["vertices"] = static_cast<double>(edit.positions.rows());
+  state.counters["free"] = summary.free_vertices;
+  state.counters["unknowns"] = static_cast<double>(summary.solver.unknowns);
+  state.counters["factor_nonzeros"] = static_cast<double>(summary.solver.factor_nonzeros);
+  state.counters["edge_rms"] = quality.edge_rms;
+  state.counters["dihedral_p99_deg"] = quality.dihedral_p99_deg;
+}
+
+std::vector<Index> free_vertices(const BumpEdit& edit) {
+  std::vector<char> held(static_cast<std::size_t>(edit.positions.rows()), 0);
+  for (const auto* part : {&edit.fixed, &edit.handle}) {
+    for (const Index v : *part) held[v] = 1;
+  }
+  std::vector<Index> free;
+  for (Index v = 0; v < static_cast<Index>(held.size()); ++v) {
+    if (!held[v]) free.push_back(v);
+  }
+  return free;
+}
+
+void run_surface_mesh_deformation(benchmark::State& state, const BumpEdit& edit, CgalMethod method) {
+  CgalResult result;
+  for ([[maybe_unused]] auto iteration : state) {
+    result = run_cgal(edit, method, cgal_iterations);
+    report(state, {{"construct", result.times.construct_seconds},
+                   {"preprocess", result.times.preprocess_seconds},
+                   {"deform", result.times.deform_seconds}});
+  }
+  average(state);
+  const std::vector<Index> free = free_vertices(edit);
+  const Quality quality = measure_quality(edit.positions, result.positions, edit.triangles, free);
+  state.counters["vertices"] = static_cast<double>(edit.positions.rows());
+  state.counters["free"] = static_cast<double>(free.size());
+  state.counters["edge_rms"] = quality.edge_rms;
+  state.counters["dihedral_p99_deg"] = quality.dihedral_p99_deg;
+}
+
+void add(const std::string& name, const std::function<void(benchmark::State&)>& body) {
+  benchmark::RegisterBenchmark(name.c_str(), body)
+      ->UseManualTime()
+      ->Iterations(1)
+      ->Unit(benchmark::kMillisecond);
+}
+
+bool is_available(SolverBackend backend) {
+  const auto backends = available_backends();
+  return std::find(backends.begin(), backends.end(), backend) != backends.end();
+}
+
+void register_deformer(Edits& edits, Index eigen_max_vertices) {
+  for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
+    for (const auto& [backend, backend_name] :
+         {std::pair{SolverBackend::cholmod, "cholmod"}, std::pair{SolverBackend::eigen, "eigen"}}) {
+      for (const Index size : sizes) {
+        if (!is_available(backend) || (backend == SolverBackend::eigen && size > eigen_max_vertices)) continue;
+        DeformerOptions options;
+        options.operators.degenerate = treatment;
+        options.backend = backend;
+        add("meshgraft/" + std::string(to_string(treatment)) + "/" + backend_name + "/" + std::to_string(size),
+            [&edits, size, options](benchmark::State& state) { run_deformer(state, edits[size], options); });
+      }
+    }
+  }
+}
+
+void register_cgal(Edits& edits) {
+  for (const auto& [method, name] : {std::pair{CgalMethod::original_arap, "ORIGINAL_ARAP"},
+                                     std::pair{CgalMethod::spokes_and_rims, "SPOKES_AND_RIMS"},
+                                     std::pair{CgalMethod::sre_arap, "SRE_ARAP"}}) {
+    for (const Index size : sizes) {
+      add("cgal/" + std::string(name) + "/default/" + std::to_string(size),
+          [&edits, size, method = method](benchmark::State& state) {
+            run_surface_mesh_deformation(state, edits[size], method);
+          });
+    }
+  }
+}
+
+// Takes our own flag out of the arguments; the rest is Google Benchmark's.
+Index take_eigen_max_vertices(int& argc, char** argv) {
+  constexpr std::string_view flag = "--eigen_max_vertices=";
+  Index value = 20'000;
+  char** const end = std::remove_if(argv + 1, argv + argc, [&](const char* argument) {
+    if (!std::string_view(argument).starts_with(flag)) return false;
+    value = static_cast<Index>(std::strtol(argument + flag.size(), nullptr, 10));
+    return true;
+  });
+  argc = static_cast<int>(end - argv);
+  return value;
+}
+
+}  // namespace
+}  // namespace meshgraft::bench
+
+int main(int argc, char** argv) {
+  meshgraft::cli::restart_with_better_blas_kernels(argv);
+  meshgraft::bench::Edits edits;
+  const meshgraft::Index eigen_max_vertices = meshgraft::bench::take_eigen_max_vertices(argc, argv);
+  meshgraft::bench::register_deformer(edits, eigen_max_vertices);
+  meshgraft::bench::register_cgal(edits);
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

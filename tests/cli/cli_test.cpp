@@ -1,0 +1,304 @@
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+namespace {
+
+using nlohmann::json;
+
+struct Outcome {
+  int status = -1;
+  std::string out, err;
+};
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// The built program in a folder of its own, with a flat sheet and an edit of it.
+class CommandLine : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / (std::string("meshgraft_cli_") + test->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    write("sheet.obj", sheet());
+    write("edit.json", edit());
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static std::string sheet() {
+    std::string text = "# a sheet\n";
+    const int side = 8;
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x)
+        text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + (((x + y) % 3) == 0 ? "0.2" : "0") +
+                "\n";
+    text += "g sheet\n";
+    for (int y = 0; y + 1 < side; ++y)
+      for (int x = 0; x + 1 < side; ++x) {
+        const int v = y * side + x + 1;
+        text += "f " + std::to_string(v) + " " + std::to_string(v + 1) + " " + std::to_string(v + side + 1) +
+                " " + std::to_string(v + side) + "\n";
+      }
+    return text;
+  }
+
+  static std::string edit(const std::string& handle_more = "") {
+    return R"({"format": "meshgraft-edit", "version": 2, "inputs": {"sheet": {"file": "sheet.obj"}},
+      "steps": [{"kind": "deform", "mesh": "sheet",
+        "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+        "handles": [{"name": "edge", "select": {"half_space": {"point": [0, 5.5, 0], "normal": [0, 1, 0]}},
+                     "pose": {"translate": [0, 0, 2]})" +
+           handle_more + "}]}]}";
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+
+  Outcome run(const std::string& arguments) const {
+    const std::string command =
+        "cd '" + folder_.string() + "' && '" MESHGRAFT_PROGRAM "' " + arguments + " > .out 2> .err < /dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(folder_ / ".out"),
+            read_text(folder_ / ".err")};
+  }
+
+  // Everything in the folder but what the test itself put there.
+  std::vector<std::string> new_files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (name != ".out" && name != ".err" && name != "sheet.obj" && name != "edit.json") names.push_back(name);
+    }
+    return names;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(CommandLine, DeformsWritesAndReports) {
+  const Outcome outcome = run("deform edit.json -o out.obj --report report.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_NE(outcome.out.find("wrote out.obj"), std::string::npos) << outcome.out;
+  const std::string mesh = read_text(folder_ / "out.obj");
+  EXPECT_NE(mesh.find("# a sheet"), std::string::npos);
+  EXPECT_NE(mesh.find("f 1 2 10 9"), std::string::npos) << "polygons stay polygons";
+  const json report = json::parse(read_text(folder_ / "report.json"));
+  EXPECT_EQ(report["counts"]["fixed"], 16);
+  EXPECT_EQ(report["counts"]["free"], 32);
+  EXPECT_EQ(report["method"], "ft05");
+  EXPECT_EQ(report["outputs"], json({"out.obj", "report.json"}));
+  EXPECT_GT(report["seconds"]["total"], 0);
+}
+
+TEST_F(CommandLine, JsonGoesToStandardOutputAlone) {
+  const Outcome outcome = run("deform edit.json -o out.ply --json --threads 1");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)["format"], "meshgraft-report");
+  const Outcome info = run("info out.ply --json");
+  ASSERT_EQ(info.status, 0) << info.err;
+  EXPECT_EQ(json::parse(info.out)["counts"]["vertices"], 64);
+}
+
+TEST_F(CommandLine, OptionsOverrideTheFile) {
+  const Outcome outcome =
+      run("deform edit.json -o o.ply --json --method ft05 --weights cotangent --density ft05 "
+          "--degenerate ft05-noise --backend eigen");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json settings = json::parse(outcome.out)["steps"][0]["settings"];
+  EXPECT_EQ(settings["weights"], "cotangent");
+  EXPECT_EQ(settings["density"], "ft05");
+  EXPECT_EQ(settings["degenerate"], "ft05-noise");
+  EXPECT_EQ(settings["backend"], "eigen");
+}
+
+TEST_F(CommandLine, TheSameBytesWithOneThreadAndWithTwo) {
+  ASSERT_EQ(run("deform edit.json -o a.ply --threads 1").status, 0);
+  ASSERT_EQ(run("deform edit.json -o b.ply --threads 2").status, 0);
+  EXPECT_EQ(read_text(folder_ / "a.ply"), read_text(folder_ / "b.ply"));
+}
+
+TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
+  write("broken.json", "{");
+  write("loose.json", R"({"format": "meshgraft-edit", "version": 2, "inputs": {"sheet": {"file": "sheet.obj"}},
+      "steps": [{"kind": "deform", "mesh": "sheet", "handles": [
+        {"name": "h", "select": {"indices": [3]}, "constrain": "position"}]}]})");
+  write("no_mesh.json", R"({"format": "meshgraft-edit", "version": 2, "inputs": {"sheet": {"file": "no.obj"}},
+      "steps": [{"kind": "deform", "mesh": "sheet"}]})");
+  struct Case {
+    const char* arguments;
+    int status;
+    const char* message;
+  };
+  const Case cases[] = {
+      {"", 2, "subcommand"},
+      {"defrom edit.json", 2, "'defrom' is not a command"},
+      {"deform edit.json", 2, "--output"},
+      {"deform edit.json -o o.ply --weights cotan", 2, "'cotan' is not one of uniform, cotangent"},
+      {"deform edit.json -o o.ply --threads 0", 2, "not a number from 1 to 1024"},
+      {"deform edit.json -o edit.json", 2, "this is an input"},
+      {"sample", 2, "no sample is named"},
+      {"deform broken.json -o o.ply", 3, "broken.json: line 1, column 2: not valid JSON"},
+      {"deform edit.json -o o.xyz", 3, ".xyz"},
+      {"sample nothing -o o.ply", 3, "octopus"},
+      {"deform loose.json -o o.ply", 4, "loose.json: steps[0]"},
+      {"deform no.json -o o.ply", 5, "no.json"},
+      {"deform no_mesh.json -o o.ply", 5, "no_mesh.json: inputs.sheet"},
+      {"deform edit.json -o nowhere/o.ply", 5, "nowhere"},
+      {"info no.ply", 5, "no.ply"},
+  };
+  const std::vector<std::string> before = new_files();
+  for (const Case& wrong : cases) {
+    const Outcome outcome = run(wrong.arguments);
+    EXPECT_EQ(outcome.status, wrong.status) << wrong.arguments << "\n" << outcome.err;
+    EXPECT_EQ(outcome.err.find("meshgraft: error: "), 0u) << outcome.err;
+    EXPECT_NE(outcome.err.find(wrong.message), std::string::npos) << wrong.arguments << "\n" << outcome.err;
+    EXPECT_EQ(outcome.out, "") << wrong.arguments;
+    EXPECT_EQ(new_files(), before) << wrong.arguments << " left something behind";
+  }
+}
+
+TEST_F(CommandLine, AFullDiskIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  const std::string mesh = (folder_ / "sheet.obj").string();
+  const int status =
+      std::system(("'" MESHGRAFT_PROGRAM "' info '" + mesh + "' > /dev/full 2> /dev/null").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 5);
+}
+
+TEST_F(CommandLine, NeverWritesOverAnInputUnlessAsked) {
+  const std::string before = read_text(folder_ / "sheet.obj");
+  std::filesystem::create_symlink("sheet.obj", folder_ / "link.obj");
+  for (const char* output : {"sheet.obj", "./sheet.obj", "link.obj"}) {
+    const Outcome outcome = run(std::string("deform edit.json -o ") + output);
+    EXPECT_EQ(outcome.status, 2) << output;
+    EXPECT_NE(outcome.err.find("--force"), std::string::npos) << outcome.err;
+    EXPECT_EQ(read_text(folder_ / "sheet.obj"), before);
+  }
+  for (const char* option : {"--report", "--force --report"}) {
+    EXPECT_EQ(run(std::string("deform edit.json -o o.obj ") + option + " sheet.obj").status, 2);
+    EXPECT_EQ(run(std::string("deform edit.json -o o.obj ") + option + " edit.json").status, 2);
+    EXPECT_EQ(run(std::string("deform edit.json -o o.obj ") + option + " o.obj").status, 2);
+  }
+  EXPECT_EQ(run("deform edit.json --force -o edit.json").status, 2);
+  EXPECT_EQ(read_text(folder_ / "sheet.obj"), before);
+  EXPECT_EQ(read_text(folder_ / "edit.json"), edit());
+
+  const Outcome outcome = run("deform edit.json -o sheet.obj --in-place");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(read_text(folder_ / "sheet.obj"), before);
+}
+
+TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
+  write(
+      "long.json",
+      R"({"format": "meshgraft-edit", "version": 2, "inputs": {"m": {"sample": "bumpy_plane", "resolution": 1500}},
+      "steps": [{"kind": "deform", "mesh": "m", "fixed": {"loop": 0}}]})");
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
+    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "deform", "long.json", "-o", "long.ply", nullptr);
+    _exit(99);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130) << read_text(folder_ / ".err");
+  EXPECT_NE(read_text(folder_ / ".err").find("cancelled"), std::string::npos);
+  EXPECT_EQ(new_files(), std::vector<std::string>{"long.json"});
+}
+
+TEST_F(CommandLine, InfoTellsCountsLoopsAndFindings) {
+  write("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\n");
+  const Outcome outcome = run("info odd.obj --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json facts = json::parse(outcome.out);
+  EXPECT_EQ(facts["counts"]["vertices"], 4);
+  EXPECT_EQ(facts["counts"]["isolated_vertices"], 1);
+  EXPECT_EQ(facts["counts"]["faces"], 1);
+  EXPECT_EQ(facts["boundary_loops"], json({3}));
+  EXPECT_EQ(facts["genus"], 0);
+  EXPECT_EQ(facts["box"]["max"], json({9, 9, 9}));
+  EXPECT_EQ(facts["triage"][0]["name"], "isolated-vertex");
+  const Outcome text = run("info sheet.obj");
+  EXPECT_EQ(text.status, 0);
+  for (const char* part : {"64", "49 quads", "1 loop of 28 vertices", "diagonal"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+}
+
+TEST_F(CommandLine, SamplesCanBeListedAndMade) {
+  const json list = json::parse(run("sample --list --json").out);
+  ASSERT_GE(list.size(), 5u);
+  EXPECT_NE(run("sample --list").out.find(list[0]["name"].get<std::string>()), std::string::npos);
+  const Outcome outcome = run("sample bar --resolution 12 -o bar.ply --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(json::parse(run("info bar.ply --json").out)["counts"]["vertices"],
+            json::parse(outcome.out)["vertices"]);
+}
+
+std::vector<std::string> commands() { return {"info", "deform", "sample", "completion", "man"}; }
+
+TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
+  const std::string overview = run("--help").out;
+  for (const std::string& command : commands()) {
+    EXPECT_NE(overview.find("\n  " + command), std::string::npos) << overview;
+    const Outcome outcome = run(command + " --help");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.out.find("Example"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("meshgraft " + command), std::string::npos) << outcome.out;
+  }
+  EXPECT_EQ(run("--version").out.find("meshgraft "), 0u);
+}
+
+TEST_F(CommandLine, TheManualAndTheCompletionsKnowEveryCommandAndOption) {
+  const std::string manual = run("man").out;
+  EXPECT_EQ(manual.find(".TH MESHGRAFT 1"), 0u);
+  for (const std::string& command : commands())
+    EXPECT_NE(manual.find(".SS meshgraft " + command), std::string::npos) << command;
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const Outcome outcome = run(std::string("completion ") + shell);
+    EXPECT_EQ(outcome.status, 0);
+    for (const std::string& command : commands())
+      EXPECT_NE(outcome.out.find(command), std::string::npos) << shell << " " << command;
+    for (const char* option : {"degenerate", "report", "in-place", "cotangent", "octopus"})
+      EXPECT_NE(outcome.out.find(option), std::string::npos) << shell << " " << option;
+  }
+  for (const char* option : {"\\-\\-degenerate", "\\-\\-report", "\\-\\-in\\-place", "ft05\\-noise|apex|auto"})
+    EXPECT_NE(manual.find(option), std::string::npos) << option;
+}
+
+TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {
+  write("complete.sh", "source <('" MESHGRAFT_PROGRAM
+                       "' completion bash)\n"
+                       "complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _meshgraft; echo "
+                       "\"${COMPREPLY[*]}\"; }\n"
+                       "complete_words meshgraft de\n"
+                       "complete_words meshgraft deform --wei\n"
+                       "complete_words meshgraft deform --weights c\n"
+                       "complete_words meshgraft sample oct\n"
+                       "complete_words meshgraft info she\n");
+  const Outcome outcome = run("--version > /dev/null; bash complete.sh");
+  EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\n") << outcome.err;
+}
+
+}  // namespace

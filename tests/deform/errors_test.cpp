@@ -1,0 +1,154 @@
+// What cannot be solved is refused with a name, a place and a remedy.
+#include <limits>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/deformer.h>
+
+#include "support/mesh_families.h"
+#include "support/scene_edits.h"
+
+namespace meshgraft::test {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Expects an Error with this code whose message contains `words`; those about an edit also tell what to do.
+template <typename Call>
+void expect_error(ErrorCode code, const std::vector<std::string>& words, Call call) {
+  try {
+    call();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    for (const std::string& word : words)
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+    if (code == ErrorCode::unsolvable) {
+      EXPECT_FALSE(error.remedy().empty()) << error.what();
+    }
+  }
+}
+
+void make(const TestMesh& mesh, const Region& region) { Deformer(mesh.positions, mesh.triangles, region); }
+
+Region whole_with(std::vector<Handle> handles) {
+  Region region;
+  region.whole = true;
+  region.handles = std::move(handles);
+  return region;
+}
+
+TEST(Errors, CoplanarPositionsAloneDoNotFixAMap) {
+  const Scene scene = make_scene(flat_sheet(18, 12));
+  Region region = two_handles(scene);
+  for (Handle& handle : region.handles) handle.constrain_transform = false;
+  expect_error(ErrorCode::unsolvable, {"component 1", "plane", "transform"}, [&] { make(scene.mesh, region); });
+  region.handles[0].constrain_transform = true;
+  EXPECT_NO_THROW(make(scene.mesh, region));
+}
+
+TEST(Errors, CollinearAndSinglePositionsDoNotFixAMap) {
+  const TestMesh sheet = flat_sheet(10, 8), ball = bumpy_sphere(2);
+  Handle point = make_handle("point", {5});
+  point.constrain_transform = false;
+  expect_error(ErrorCode::unsolvable, {"single place"}, [&] { make(ball, whole_with({point})); });
+  TestMesh even = grid(10, 8);
+  even.positions.col(2).setZero();
+  Handle line = make_handle("line", {0, 1, 2, 3, 4});
+  line.constrain_transform = false;
+  expect_error(ErrorCode::unsolvable, {"one line"}, [&] { make(even, whole_with({line})); });
+  EXPECT_NO_THROW(make(sheet, whole_with({make_handle("point", {5})})));
+}
+
+TEST(Errors, NoConstraintAtAll) {
+  const TestMesh mesh = bumpy_sphere(2);
+  expect_error(ErrorCode::unsolvable, {"component 1", "fixed"}, [&] { make(mesh, whole_with({})); });
+  Handle turning = make_handle("turning", {1, 2, 3});
+  turning.constrain_position = false;
+  expect_error(ErrorCode::unsolvable, {"component 1"}, [&] { make(mesh, whole_with({turning})); });
+}
+
+TEST(Errors, AComponentWithoutConstraintIsNamed) {
+  const TestMesh ball = bumpy_sphere(2);
+  const Index n = ball.size();
+  TestMesh two = ball;
+  two.positions.conservativeResize(2 * n, 3);
+  two.positions.bottomRows(n) = ball.positions.array() + 5.0;
+  two.triangles.conservativeResize(2 * ball.triangles.rows(), 3);
+  two.triangles.bottomRows(ball.triangles.rows()) = ball.triangles.array() + n;
+  Region region = held_foot(make_scene(ball));
+  expect_error(ErrorCode::unsolvable, {"component 2", "vertex " + std::to_string(n)},
+               [&] { make(two, region); });
+  region.whole = false;
+  for (Index v = 0; v < n; ++v) region.vertices.push_back(v);
+  EXPECT_NO_THROW(make(two, region));
+  // A region that is all of a component touches nothing fixed.
+  Region second;
+  for (Index v = n; v < 2 * n; ++v) second.vertices.push_back(v);
+  expect_error(ErrorCode::unsolvable, {"component 1", "vertex " + std::to_string(n)},
+               [&] { make(two, second); });
+}
+
+TEST(Errors, HandlesAreNeitherEmptyNorShared) {
+  const Scene scene = make_scene(bumpy_sphere(2));
+  Region region = held_foot(scene);
+  region.handles.push_back(make_handle("nobody", {}));
+  expect_error(ErrorCode::input, {"nobody", "no vertices"}, [&] { make(scene.mesh, region); });
+  region.handles[1].vertices = {scene.head.front()};
+  expect_error(ErrorCode::input, {"nobody", "'head'"}, [&] { make(scene.mesh, region); });
+  region.handles[1].vertices = {scene.foot.front()};
+  expect_error(ErrorCode::input, {"nobody", "fixed"}, [&] { make(scene.mesh, region); });
+  region.handles[1].vertices = {scene.mesh.size()};
+  expect_error(ErrorCode::input, {"nobody"}, [&] { make(scene.mesh, region); });
+  region.handles[1].vertices = {-1};
+  expect_error(ErrorCode::input, {"nobody"}, [&] { make(scene.mesh, region); });
+}
+
+TEST(Errors, WhatIsNotFiniteIsRefusedWithinReach) {
+  Scene scene = make_scene(bumpy_sphere(3));
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Scene broken = scene;
+    broken.mesh.positions(200, 1) = value;
+    expect_error(ErrorCode::input, {"vertex 200"}, [&] { make(broken.mesh, held_foot(scene)); });
+  }
+  const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene));
+  HandlePose pose;
+  pose.transform.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  expect_error(ErrorCode::input, {}, [&] { deformer.evaluate(std::vector{pose}); });
+}
+
+TEST(Errors, CallsOfTheWrongShapeAreRefused) {
+  const Scene scene = make_scene(bumpy_sphere(2));
+  const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene));
+  expect_error(ErrorCode::usage, {}, [&] { deformer.evaluate(std::vector<HandlePose>{}); });
+  Points small(3, 3);
+  expect_error(ErrorCode::usage, {}, [&] { deformer.evaluate(std::vector{HandlePose{}}, small); });
+  TestMesh broken = scene.mesh;
+  broken.triangles(0, 0) = broken.size();
+  expect_error(ErrorCode::input, {"triangle 0"}, [&] { make(broken, held_foot(scene)); });
+  std::vector<DeformerOptions> wrong(3);
+  wrong[0].operators.apex_height_rel = -1;
+  wrong[1].operators.laplacian_order = 4;
+  wrong[2].residual_corrections = -1;
+  for (const DeformerOptions& options : wrong)
+    expect_error(ErrorCode::input, {},
+                 [&] { Deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), options); });
+}
+
+TEST(Errors, AStopIsHeeded) {
+  const Scene scene = make_scene(bumpy_sphere(3));
+  std::stop_source stop;
+  stop.request_stop();
+  Context context;
+  context.stop_token = stop.get_token();
+  expect_error(ErrorCode::cancelled, {},
+               [&] { Deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), {}, context); });
+}
+
+}  // namespace
+}  // namespace meshgraft::test

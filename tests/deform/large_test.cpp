@@ -1,0 +1,35 @@
+// Affine maps are reproduced at every size, up to 100,000 vertices.
+#include <gtest/gtest.h>
+
+#include <meshgraft/deform/deformer.h>
+
+#include "support/mesh_families.h"
+#include "support/scene_edits.h"
+
+namespace meshgraft::test {
+namespace {
+
+class Large : public testing::TestWithParam<Index> {};
+
+TEST_P(Large, AffineMapsAreReproduced) {
+  for (const TestMesh& mesh : large_families(GetParam())) {
+    SCOPED_TRACE(mesh.name + ", " + std::to_string(mesh.size()) + " vertices");
+    const Scene scene = make_scene(mesh);
+    const Deformer deformer(mesh.positions, mesh.triangles, two_handles(scene));
+    double worst = 0;
+    for (const auto& [name, linear] : linear_maps()) {
+      const Eigen::Affine3d map = about_middle(mesh, linear);
+      const Points result = deformer.evaluate(std::vector{pose_of(map), pose_of(map)});
+      const double error = largest_distance(result, image(mesh.positions, map)) / mesh.box_diagonal();
+      EXPECT_LT(error, 1e-10) << name;
+      worst = std::max(worst, error);
+    }
+    RecordProperty("error_of_box_" + std::to_string(mesh.size()), std::to_string(worst * 1e12) + "e-12");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Large, testing::Values(2500, 20000, 100000),
+                         [](const auto& size) { return std::to_string(size.param); });
+
+}  // namespace
+}  // namespace meshgraft::test

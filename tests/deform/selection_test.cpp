@@ -1,0 +1,362 @@
+#include <meshgraft/deform/selection.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+
+#include "mesh/shapes.h"
+
+namespace meshgraft {
+namespace {
+
+using Indices = std::vector<Index>;
+
+std::shared_ptr<const Selection> share(Selection::Kind kind) { return std::make_shared<const Selection>(kind); }
+
+class OnGrid : public testing::Test {
+ protected:
+  // 7×7 vertices, index 7·y + x, in the plane z = 0.
+  const Mesh mesh = shapes::grid(6, 6);
+  const SelectionContext context{mesh};
+
+  Indices select(Selection::Kind kind) const { return resolve(Selection(std::move(kind)), context, "roi"); }
+
+  Indices where(const std::function<bool(int, int)>& inside) const {
+    Indices vertices;
+    for (Index v = 0; v < 49; ++v) {
+      if (inside(v % 7, v / 7)) vertices.push_back(v);
+    }
+    return vertices;
+  }
+
+  void expect_error(Selection::Kind kind, const std::string& place, const std::string& part_of_problem) const {
+    try {
+      select(std::move(kind));
+      ADD_FAILURE() << "no error, expected '" << part_of_problem << "'";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      EXPECT_EQ(error.place(), place);
+      EXPECT_NE(error.problem().find(part_of_problem), std::string::npos) << error.problem();
+    }
+  }
+};
+
+TEST_F(OnGrid, All) {
+  EXPECT_EQ(select(Selection::All{}), where([](int, int) { return true; }));
+}
+
+TEST_F(OnGrid, IndicesKeepTheirOrderWithoutRepeats) {
+  EXPECT_EQ(select(Selection::Indices{{9, 3, 9, 48, 3}}), (Indices{9, 3, 48}));
+  expect_error(Selection::Indices{{0, 49}}, "roi.indices[1]", "index 49 is not one of the 49 vertices");
+  expect_error(Selection::Indices{{-1}}, "roi.indices[0]", "index -1");
+}
+
+TEST_F(OnGrid, BoxSphereAndHalfSpaceIncludeTheirBoundary) {
+  EXPECT_EQ(select(Selection::Box{{1, 2, -1}, {3, 2, 1}}), (Indices{15, 16, 17}));
+  EXPECT_EQ(select(Selection::Box{{1, 2, 0}, {3, 2, 0}}), (Indices{15, 16, 17}));
+  EXPECT_EQ(select(Selection::Box{{0.1, 0.1, 0}, {0.9, 0.9, 0}}), Indices{});
+  EXPECT_EQ(select(Selection::Sphere{{3, 3, 0}, 1}), (Indices{17, 23, 24, 25, 31}));
+  EXPECT_EQ(select(Selection::HalfSpace{{0, 5, 0}, {0, 9, 0}}), where([](int, int y) { return y >= 5; }));
+  expect_error(Selection::Box{{1, 0, 0}, {0, 1, 1}}, "roi.box", "'min' is greater than 'max'");
+  expect_error(Selection::Box{{NAN, 0, 0}, {0, 1, 1}}, "roi.box.min", "not a finite number");
+  expect_error(Selection::Sphere{{0, 0, 0}, -1}, "roi.sphere.radius", "not negative");
+  expect_error(Selection::HalfSpace{{0, 0, 0}, {0, 0, 0}}, "roi.half_space.normal", "no length");
+}
+
+TEST_F(OnGrid, NearestVertex) {
+  EXPECT_EQ(select(Selection::NearestVertex{{2.2, 4.4, 3}}), Indices{30});
+  EXPECT_EQ(select(Selection::NearestVertex{{0.5, 0.5, 0}}), Indices{0});  // four equals: the smallest
+  expect_error(Selection::NearestVertex{{INFINITY, 0, 0}}, "roi.nearest", "not a finite number");
+}
+
+TEST_F(OnGrid, GrowAndShrink) {
+  const auto block = share(Selection::Box{{2, 2, 0}, {4, 4, 0}});
+  EXPECT_EQ(select(Selection::Grow{block, 0}), select(block->kind));
+  EXPECT_EQ(select(Selection::Grow{block, 1}), where([](int x, int y) {
+              return std::max(std::abs(x - 3), std::abs(y - 3)) <= 2 && std::abs(x - 3) + std::abs(y - 3) <= 3;
+            }));
+  EXPECT_EQ(select(Selection::Grow{block, -1}), Indices{24});
+  EXPECT_EQ(select(Selection::Grow{block, -2}), Indices{});
+  EXPECT_EQ(select(Selection::Grow{block, std::numeric_limits<int>::min()}), Indices{});
+  EXPECT_EQ(select(Selection::Grow{block, std::numeric_limits<int>::max()}).size(), 49);
+  // The mesh's own boundary is no outside.
+  const auto upper = share(Selection::HalfSpace{{0, 4, 0}, {0, 1, 0}});
+  EXPECT_EQ(select(Selection::Grow{upper, -1}), where([](int, int y) { return y >= 5; }));
+  EXPECT_EQ(select(Selection::Grow{share(Selection::All{}), -3}).size(), 49);
+}
+
+TEST_F(OnGrid, GrowByLength) {
+  const auto centre = share(Selection::Indices{{24}});
+  const auto diamond = [&](double k) {
+    return where([&](int x, int y) { return std::abs(x - 3) + std::abs(y - 3) <= k; });
+  };
+  for (const double length : {0.0, 0.9, 1.0, 2.5, 100.0}) {
+    EXPECT_EQ(select(Selection::GrowLength{centre, length}), diamond(length));
+  }
+  expect_error(Selection::GrowLength{centre, -1}, "roi.grow_length.length", "not negative");
+  expect_error(Selection::GrowLength{share(Selection::Indices{{99}}), 1}, "roi.grow_length.of.indices[0]",
+               "99");
+}
+
+TEST_F(OnGrid, Combinations) {
+  const Selection left(Selection::HalfSpace{{3, 0, 0}, {-1, 0, 0}});
+  const Selection low(Selection::HalfSpace{{0, 3, 0}, {0, -1, 0}});
+  EXPECT_EQ(select(Selection::Union{{left, low}}), where([](int x, int y) { return x <= 3 || y <= 3; }));
+  EXPECT_EQ(select(Selection::Intersect{{left, low}}), where([](int x, int y) { return x <= 3 && y <= 3; }));
+  EXPECT_EQ(select(Selection::Minus{{left, low}}), where([](int x, int y) { return x <= 3 && y > 3; }));
+  EXPECT_EQ(select(Selection::Minus{{left}}), select(left.kind));
+  expect_error(Selection::Union{}, "roi.union", "combines no selections");
+  expect_error(Selection::Minus{{left, Selection(Selection::Sphere{{0, 0, 0}, NAN})}},
+               "roi.minus[1].sphere.radius", "finite");
+  expect_error(Selection::Grow{nullptr, 1}, "roi.grow.of", "names no selection");
+}
+
+TEST_F(OnGrid, Rim) {
+  const auto block = share(Selection::Box{{1, 1, 0}, {5, 5, 0}});
+  EXPECT_EQ(select(Selection::Rim{block, 1}),
+            where([](int x, int y) { return std::max(std::abs(x - 3), std::abs(y - 3)) == 2; }));
+  EXPECT_EQ(select(Selection::Rim{block, 3}), select(block->kind));
+  EXPECT_EQ(select(Selection::Rim{share(Selection::All{}), 2}), Indices{});
+  expect_error(Selection::Rim{block, 0}, "roi.rim.rings", "at least 1");
+}
+
+TEST_F(OnGrid, MirrorIsSymmetric) {
+  const Eigen::Vector3d centre(3, 3, 0), x_axis(-2, 0, 0);
+  const auto part = share(Selection::Indices{{0, 8, 37, 24}});
+  const auto image = share(Selection::Mirror{part, centre, x_axis});
+  EXPECT_EQ(select(image->kind), (Indices{6, 12, 24, 39}));
+  EXPECT_EQ(select(Selection::Mirror{image, centre, x_axis}), (Indices{0, 8, 24, 37}));
+  // Beyond the edge of the mesh there is nothing within the tolerance, unless it is wide.
+  const auto right = share(Selection::Indices{{4}});
+  EXPECT_EQ(select(Selection::Mirror{right, {5.05, 0, 0}, {1, 0, 0}}), Indices{});
+  EXPECT_EQ(select(Selection::Mirror{right, {5.05, 0, 0}, {1, 0, 0}, 0.1}), Indices{6});
+  expect_error(Selection::Mirror{part, centre, {0, 0, 0}}, "roi.mirror.normal", "no length");
+  expect_error(Selection::Mirror{part, centre, x_axis, -1}, "roi.mirror.tolerance_rel", "not negative");
+}
+
+void expect_path(const Indices& path, const SelectionContext& context, bool closed) {
+  EXPECT_EQ(std::set<Index>(path.begin(), path.end()).size(), path.size()) << "a vertex comes twice";
+  for (std::size_t k = 0; k + (closed ? 0 : 1) < path.size(); ++k) {
+    const auto ring = context.rings[path[k]];
+    EXPECT_TRUE(std::binary_search(ring.begin(), ring.end(), path[(k + 1) % path.size()]));
+  }
+}
+
+TEST_F(OnGrid, PathFollowsEdgesThroughItsPoints) {
+  EXPECT_EQ(select(Selection::Path{{{0.1, 2.1, 0}, {4, 1.9, 0}}}), (Indices{14, 15, 16, 17, 18}));
+  EXPECT_EQ(select(Selection::Path{{{4, 2, 0}, {0, 2, 0}}}), (Indices{18, 17, 16, 15, 14}));
+  const Indices path = select(Selection::Path{{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {6, 6, 0}}});
+  EXPECT_EQ(path.size(), 13);
+  EXPECT_EQ(path.front(), 0);
+  EXPECT_EQ(path.back(), 48);
+  expect_path(path, context, false);
+}
+
+TEST_F(OnGrid, PathCountsSuccessivePointsAtOneVertexOnce) {
+  EXPECT_EQ(select(Selection::Path{{{0, 0, 0}, {0.1, 0, 0}, {0.9, 0, 0}, {1.2, 0.2, 0}, {2, 0, 0}}}),
+            (Indices{0, 1, 2}));
+}
+
+TEST_F(OnGrid, PathClosesWithoutRepeats) {
+  const std::vector<Eigen::Vector3d> corners = {{1, 1, 0}, {5, 1, 0}, {5, 5, 0}, {1, 5, 0}};
+  for (const bool repeat_first : {false, true}) {
+    std::vector<Eigen::Vector3d> points = corners;
+    if (repeat_first) points.push_back(corners[0]);
+    const Indices path = select(Selection::Path{points, true});
+    EXPECT_EQ(path.size(), 16);
+    EXPECT_EQ(path.front(), 8);
+    expect_path(path, context, true);
+    const std::set<Index> expected = [&] {
+      const auto ring = where([](int x, int y) { return std::max(std::abs(x - 3), std::abs(y - 3)) == 2; });
+      return std::set<Index>(ring.begin(), ring.end());
+    }();
+    EXPECT_EQ(std::set<Index>(path.begin(), path.end()), expected);
+  }
+}
+
+TEST_F(OnGrid, PathKeepsOffItsOtherLegs) {
+  // The straight way from the second to the third point leads through the first leg.
+  const Indices path = select(Selection::Path{{{3, 0, 0}, {3, 4, 0}, {1, 2, 0}, {5, 2, 0}}});
+  expect_path(path, context, false);
+  for (const Index station : {3, 31, 15, 19})
+    EXPECT_TRUE(std::find(path.begin(), path.end(), station) != path.end());
+}
+
+TEST_F(OnGrid, PathNamesWhatIsWrong) {
+  expect_error(Selection::Path{{{0, 0, 0}}}, "roi.path.points", "a path needs two");
+  expect_error(Selection::Path{{{0, 0, 0}, {0.1, 0, 0}}}, "roi.path.points", "here are 1");
+  expect_error(Selection::Path{{{0, 0, 0}, {2, 0, 0}}, true}, "roi.path.points", "a closed path needs three");
+  expect_error(Selection::Path{{{0, 0, 0}, {2, 0, 0}, {0, 0, 0}}}, "roi.path.points[2]",
+               "comes back to vertex 0");
+  expect_error(Selection::Path{{{0, 0, 0}, {NAN, 0, 0}}}, "roi.path.points[1]", "not a finite number");
+  // Down the whole width at x = 3: no way across it is left.
+  expect_error(Selection::Path{{{3, 0, 0}, {3, 6, 0}, {0, 3, 0}, {6, 3, 0}}}, "roi.path", "there is no way");
+}
+
+TEST(SelectionOnParts, ComponentsAndLoops) {
+  Mesh mesh = shapes::together({shapes::tube(5, 2), shapes::tube(8, 1)});
+  shapes::add_vertex(mesh, {0, 0, 0.1});
+  const SelectionContext context(mesh);
+  const auto select = [&](Selection::Kind kind) {
+    return resolve(Selection(std::move(kind)), context, "fixed");
+  };
+  Indices second(16);
+  std::iota(second.begin(), second.end(), 15);
+  EXPECT_EQ(select(Selection::Component{1}), second);
+  ASSERT_EQ(context.loops.size(), 4);
+  for (Index k = 0; k < 4; ++k) EXPECT_EQ(select(Selection::Loop{k}), context.loops[k]);
+  EXPECT_EQ(select(Selection::Loop{3}), (Indices{10, 14, 13, 12, 11}));  // in its order, not ascending
+  // The isolated vertex is nearest, but belongs to nothing.
+  EXPECT_NE(select(Selection::NearestVertex{{0, 0, 0.1}}), Indices{31});
+
+  const auto message = [&](Selection::Kind kind) -> std::string {
+    try {
+      select(std::move(kind));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(
+      message(Selection::Component{2}),
+      "fixed.component: connected component 2 does not exist: the mesh has 2 connected components, numbered "
+      "from 0");
+  EXPECT_EQ(message(Selection::Loop{-1}),
+            "fixed.loop: boundary loop -1 does not exist: the mesh has 4 boundary loops, numbered from 0");
+}
+
+TEST(SelectionOnParts, PathNeedsOneComponent) {
+  Mesh far = shapes::tube(5, 2);
+  far.positions.rowwise() += Eigen::RowVector3d(10, 0, 0);
+  const Mesh mesh = shapes::together({shapes::tube(5, 2), far});
+  const SelectionContext context(mesh);
+  EXPECT_THROW(resolve(Selection(Selection::Path{{{1, 0, 0}, {11, 0, 0}}}), context, "curve"), Error);
+}
+
+TEST(SelectionOnParts, AMeshWithoutFacesHasOnlyVertices) {
+  Mesh points;
+  points.positions = Points::Zero(3, 3);
+  const SelectionContext context(points);
+  EXPECT_EQ(resolve(Selection(Selection::All{}), context, "roi").size(), 3);
+  EXPECT_THROW(resolve(Selection(Selection::NearestVertex{{0, 0, 0}}), context, "roi"), Error);
+  EXPECT_THROW(resolve(Selection(Selection::Component{0}), context, "roi"), Error);
+  EXPECT_THROW(resolve(Selection(Selection::Path{{{0, 0, 0}, {1, 0, 0}}}), context, "roi"), Error);
+}
+
+TEST(SelectionMirror, FindsTheOtherSideOfATorus) {
+  const Mesh torus = shapes::torus(16, 9);
+  const SelectionContext context(torus);
+  const auto upper = std::make_shared<const Selection>(Selection::Sphere{{3, 0, 0}, 1.5});
+  const Eigen::Vector3d origin(0, 0, 0), normal(1, 0, 0);
+  const Indices rest = resolve(*upper, context, "handle");
+  ASSERT_GT(rest.size(), 5);
+  const auto image = std::make_shared<const Selection>(Selection::Mirror{upper, origin, normal});
+  EXPECT_EQ(resolve(*image, context, "handle"),
+            resolve(Selection(Selection::Sphere{{-3, 0, 0}, 1.5}), context, "x"));
+  EXPECT_EQ(resolve(Selection(Selection::Mirror{image, origin, normal}), context, "handle"), rest);
+}
+
+std::string problem_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::input);
+    return error.place() + ": " + error.problem();
+  }
+  return "no error";
+}
+
+TEST(ParseSel, SortsVerticesByTheirNumber) {
+  const SelFile sel = parse_sel("# status\r\n0 1 2\n\n2 # handle\n1\n", 5, "bar.sel");
+  EXPECT_EQ(sel.fixed, Indices{0});
+  EXPECT_EQ(sel.free, (Indices{1, 4}));
+  EXPECT_EQ(sel.handle, (Indices{2, 3}));
+}
+
+TEST(ParseSel, NamesTheLine) {
+  EXPECT_EQ(problem_of([] { parse_sel("0\n1\n3\n", 3, "bar.sel"); }),
+            "bar.sel, line 3: '3' is not 0 (fixed), 1 (free) or 2 (handle)");
+  EXPECT_EQ(problem_of([] { parse_sel("0\n# x\n1.5\n", 2, "bar.sel"); }),
+            "bar.sel, line 3: '1.5' is not 0 (fixed), 1 (free) or 2 (handle)");
+  EXPECT_EQ(problem_of([] { parse_sel("0\n1", 3, "bar.sel"); }),
+            "bar.sel: has 2 numbers, but the mesh has 3 vertices");
+  EXPECT_EQ(problem_of([] { parse_sel("0\n1\n2", 2, "bar.sel"); }),
+            "bar.sel, line 3: has more numbers than the mesh has vertices (2)");
+}
+
+TEST(ParseIndices, KeepsTheOrderWithoutRepeats) {
+  EXPECT_EQ(parse_indices("5\n3 # nose\n\n  5\t0\n", 6, "ear.txt"), (Indices{5, 3, 0}));
+  EXPECT_EQ(parse_indices("", 6, "ear.txt"), Indices{});
+}
+
+TEST(ParseIndices, NamesTheLine) {
+  EXPECT_EQ(problem_of([] { parse_indices("1\n\nx7\n", 9, "ear.txt"); }),
+            "ear.txt, line 3: 'x7' is not a vertex index");
+  EXPECT_EQ(problem_of([] { parse_indices("1\n9\n", 9, "ear.txt"); }),
+            "ear.txt, line 2: index 9 is not one of the 9 vertices");
+  EXPECT_EQ(problem_of([] { parse_indices("-1\n", 9, "ear.txt"); }),
+            "ear.txt, line 1: index -1 is not one of the 9 vertices");
+  EXPECT_EQ(problem_of([] { parse_indices("1,2\n", 9, "ear.txt"); }),
+            "ear.txt, line 1: '1,2' is not a vertex index");
+}
+
+TEST(ParseDef, ReadsTheMatrixRowByRow) {
+  const Eigen::Matrix4d matrix =
+      parse_def("# handle\n-0.5 0 +2e-1 5.25\n0 1 0 0\n1 0 -0.5 9\n0.000000 0 0 1.0\n", "bar.def");
+  Eigen::Matrix4d expected;
+  expected << -0.5, 0, 0.2, 5.25, 0, 1, 0, 0, 1, 0, -0.5, 9, 0, 0, 0, 1;
+  EXPECT_EQ(matrix, expected);
+}
+
+TEST(ParseDef, NamesTheLine) {
+  EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 oops\n", "bar.def"); }),
+            "bar.def, line 2: 'oops' is not a finite number");
+  EXPECT_EQ(problem_of([] { parse_def("1 0 0 nan\n", "bar.def"); }),
+            "bar.def, line 1: 'nan' is not a finite number");
+  EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 0\n", "bar.def"); }),
+            "bar.def: has 8 numbers, a matrix has 16");
+  EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0.5 1\n", "bar.def"); }),
+            "bar.def, line 4: the last row is not 0 0 0 1");
+  EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n2", "bar.def"); }),
+            "bar.def, line 5: has more than 16 numbers");
+}
+
+TEST(ParseSelAndDef, ReadTheFilesOfTheStandardTests) {
+  const char* variable = std::getenv("MESHGRAFT_DATA");
+  const std::filesystem::path data = variable ? std::filesystem::path(variable)
+                                              : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / "../shared/data";
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no test data in " << data << "; set MESHGRAFT_DATA";
+  const auto text_of = [&](const std::string& file) {
+    std::ifstream in(data / "botsch-sorkine" / file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  // The rotation in each matrix, as the tests are known by.
+  const std::vector<std::pair<std::string, double>> tests = {
+      {"bar", 135}, {"cactus", 70}, {"cylinder", 120}, {"plane", 0}};
+  for (const auto& [name, angle_deg] : tests) {
+    SCOPED_TRACE(name);
+    std::istringstream off(text_of(name + ".off").substr(4));
+    Index vertices = 0;
+    off >> vertices;
+    const SelFile sel = parse_sel(text_of(name + ".sel"), vertices, name + ".sel");
+    EXPECT_EQ(static_cast<Index>(sel.fixed.size() + sel.free.size() + sel.handle.size()), vertices);
+    EXPECT_FALSE(sel.fixed.empty() || sel.free.empty() || sel.handle.empty());
+    const Eigen::Matrix4d matrix = parse_def(text_of(name + ".def"), name + ".def");
+    const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
+    EXPECT_NEAR(std::acos((turn.trace() - 1) / 2) * 180 / std::numbers::pi, angle_deg, 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft

@@ -1,0 +1,275 @@
+#include <meshgraft/edit/run_edit.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "edit/sha256.h"
+
+namespace meshgraft {
+namespace {
+
+// A folder that is gone after the test, with a bumpy sheet of 12 × 12 vertices in it.
+class RunEdit : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / (std::string("meshgraft_run_edit_") + test->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    write_mesh(sheet(), folder_ / "sheet.ply");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static constexpr Index side = 12;
+
+  static Mesh sheet() {
+    Points positions(side * side, 3);
+    Triangles triangles(2 * (side - 1) * (side - 1), 3);
+    Index t = 0;
+    for (Index y = 0; y < side; ++y) {
+      for (Index x = 0; x < side; ++x) {
+        positions.row(y * side + x) << x, y, 0.3 * std::sin(1.3 * x + 0.7 * y);
+        if (x + 1 == side || y + 1 == side) continue;
+        const Index v = y * side + x;
+        triangles.row(t++) << v, v + 1, v + side + 1;
+        triangles.row(t++) << v, v + side + 1, v + side;
+      }
+    }
+    return make_mesh(positions, triangles);
+  }
+
+  // Two rows held at y = 0, two moved at the other end.
+  static std::string step(const std::string& more = "",
+                          const std::string& pose = R"({"translate": [0, 0, 3]})") {
+    return R"({"kind": "deform", "mesh": "sheet",
+      "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+      "handles": [{"name": "edge", "select": {"half_space": {"point": [0, 9.5, 0], "normal": [0, 1, 0]}}, "pose": )" +
+           pose + "}]" + more + "}";
+  }
+
+  EditFile edit(const std::string& steps, const std::string& input = R"({"file": "sheet.ply"})") const {
+    return parse_edit(R"({"format": "meshgraft-edit", "version": 2, "inputs": {"sheet": )" + input +
+                          R"(}, "steps": [)" + steps + "]}",
+                      "edit.json", folder_);
+  }
+
+  static std::string refusal(const EditFile& file) {
+    try {
+      run_edit(file);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "(accepted)";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(RunEdit, MovesHandlesExactlyKeepsTheFixedAndBendsTheRest) {
+  const EditResult result = run_edit(edit(step()));
+  const Points& rest = result.rest;
+  const Points& edited = result.mesh.positions;
+  for (Index v = 0; v < 2 * side; ++v) EXPECT_EQ(edited.row(v), rest.row(v));
+  for (Index v = 10 * side; v < 12 * side; ++v)
+    EXPECT_EQ(edited.row(v), rest.row(v) + Eigen::RowVector3d(0, 0, 3));
+  const double middle = edited(5 * side + 6, 2) - rest(5 * side + 6, 2);
+  EXPECT_GT(middle, 0.5);
+  EXPECT_LT(middle, 2.5);
+  EXPECT_EQ(result.report.counts.free, 8 * side);
+  EXPECT_EQ(result.report.counts.fixed, 2 * side);
+  EXPECT_EQ(result.report.counts.handle, 2 * side);
+  EXPECT_DOUBLE_EQ(result.report.max_displacement, 3);
+  EXPECT_LT(result.report.residual, 1e-8);
+}
+
+TEST_F(RunEdit, FollowsAnAffineMapOfAllConstraintsExactly) {
+  const std::string matrix = "[[1.2, 0.3, 0, 1], [-0.1, 0.8, 0.4, 2], [0.2, 0, 1.5, -3], [0, 0, 0, 1]]";
+  const std::string both =
+      R"({"kind": "deform", "mesh": "sheet", "handles": [
+      {"name": "a", "select": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}}, "pose": {"matrix": )" +
+      matrix + R"(}}, {"name": "b", "select": {"indices": [70]}, "shape": "vertex", "pose": {"matrix": )" +
+      matrix + "}}]";
+  Eigen::Matrix4d m;
+  m << 1.2, 0.3, 0, 1, -0.1, 0.8, 0.4, 2, 0.2, 0, 1.5, -3, 0, 0, 0, 1;
+  for (const char* more :
+       {"}", R"(, "settings": {"refine_boundary": 2}})", R"(, "settings": {"laplacian_order": 2}})"}) {
+    const EditResult result = run_edit(edit(both + more));
+    const Points expected = (result.rest.rowwise().homogeneous() * m.transpose()).leftCols<3>();
+    EXPECT_LT((result.mesh.positions - expected).cwiseAbs().maxCoeff(), 1e-9) << more;
+  }
+}
+
+TEST_F(RunEdit, TargetsPerVertexDoWhatAHandleDoes) {
+  const EditResult by_handle = run_edit(edit(step()));
+  std::string targets, transforms;
+  for (Index v = 10 * side; v < 12 * side; ++v) {
+    const Eigen::RowVector3d u = by_handle.mesh.positions.row(v);
+    const std::string separator = targets.empty() ? "" : ",";
+    targets += separator + nlohmann::json{{"vertex", v}, {"position", {u(0), u(1), u(2)}}}.dump();
+    transforms +=
+        separator + R"({"vertex": )" + std::to_string(v) + R"(, "matrix": [[1,0,0],[0,1,0],[0,0,1]]})";
+  }
+  const EditResult by_target = run_edit(edit(R"({"kind": "deform", "mesh": "sheet",
+      "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}}, "targets": [)" +
+                                             targets + R"(], "transforms": [)" + transforms + "]}"));
+  EXPECT_LT((by_handle.mesh.positions - by_target.mesh.positions).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+TEST_F(RunEdit, GivesTheSameBytesWhateverTheThreads) {
+  Context one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const EditFile file = edit(step());
+  EXPECT_EQ(run_edit(file, {}, one).mesh.positions, run_edit(file, {}, two).mesh.positions);
+}
+
+TEST_F(RunEdit, AWrittenEditGivesTheSameResult) {
+  const EditFile file = edit(step(R"(, "anchors": [{"select": {"indices": [60]}}])",
+                                  R"({"rotate": {"axis": [1, 0.3, 0], "angle_deg": 40}, "scale": 1.3})"));
+  const EditFile again = parse_edit(write_edit(file), "edit.json", folder_);
+  EXPECT_EQ(run_edit(file).mesh.positions, run_edit(again).mesh.positions);
+}
+
+TEST_F(RunEdit, StepsContinueWhereTheLastOneEnded) {
+  const EditResult twice = run_edit(edit(step() + "," + step()));
+  EXPECT_EQ(twice.mesh.positions.row(11 * side), twice.rest.row(11 * side) + Eigen::RowVector3d(0, 0, 6));
+  ASSERT_EQ(twice.report.steps.size(), 2u);
+  EXPECT_DOUBLE_EQ(twice.report.max_displacement, 6);
+  EXPECT_DOUBLE_EQ(twice.report.steps[1].max_displacement, 3);
+
+  EditFile branched = edit(step(R"(, "result": "bent")") + "," + step());
+  branched.output = "bent";
+  EXPECT_EQ(run_edit(branched).mesh.positions, run_edit(edit(step())).mesh.positions);
+}
+
+TEST_F(RunEdit, WithoutAFixedPartTheRimOfTheRegionStays) {
+  const EditResult result = run_edit(edit(R"({"kind": "deform", "mesh": "sheet",
+      "region": {"sphere": {"centre": [5.5, 5.5, 0], "radius": 4.6}},
+      "handles": [{"name": "centre", "select": {"sphere": {"centre": [5.5, 5.5, 0], "radius": 1.2}},
+                   "pose": {"translate": [0, 0, 2]}}]})"));
+  EXPECT_GT(result.report.counts.fixed, 20);
+  EXPECT_EQ(result.mesh.positions.row(0), result.rest.row(0));
+  EXPECT_GT(result.report.counts.free, 4);
+}
+
+TEST_F(RunEdit, RedrawnCurvesGoWhereTheyAreDrawn) {
+  const EditResult result = run_edit(edit(R"({"kind": "deform", "mesh": "sheet",
+      "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+      "handles": [{"name": "line", "shape": "curve",
+                   "select": {"path": {"points": [[0, 11, 0], [11, 11, 0]]}},
+                   "pose": {"curve": [[0, 11, 4], [11, 11, 4]]}}]})"));
+  for (Index x = 0; x < side; ++x) EXPECT_NEAR(result.mesh.positions(11 * side + x, 2), 4, 1e-12);
+}
+
+TEST_F(RunEdit, ChecksTheHashOfAFile) {
+  const std::string good = sha256(read_file(folder_ / "sheet.ply"));
+  const std::string input = R"({"file": "sheet.ply", "sha256": ")";
+  EXPECT_NO_THROW(run_edit(edit(step(), input + good + "\"}")));
+  const std::string bad(64, 'a');
+  const std::string message = refusal(edit(step(), input + bad + "\"}"));
+  for (const std::string& part : {std::string("inputs.sheet.sha256"), good, bad})
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST_F(RunEdit, NamesTheFieldThatDoesNotFitTheMesh) {
+  const auto says = [&](const std::string& steps, const std::string& part) {
+    const std::string message = refusal(edit(steps));
+    EXPECT_NE(message.find(part), std::string::npos) << message << "\nnot: " << part;
+  };
+  says(R"({"kind": "deform", "mesh": "sheet", "region": {"indices": [9999]}})", "steps[0].region");
+  says(R"({"kind": "deform", "mesh": "sheet", "handles": [{"name": "h", "select":
+        {"sphere": {"centre": [99, 0, 0], "radius": 1}}}]})",
+       "steps[0].handles[0].select: the handle 'h' has no vertices");
+  says(step(R"(, "counts": {"vertices": 7})"), "steps[0].counts.vertices: 7 expected, 144 found");
+  says(step(R"(, "counts": {"free": 7})"), "steps[0].counts.free: 7 expected, 96 found");
+  says(step(R"(, "targets": [{"vertex": 0, "position": [0, 0, 0]}])"), "targets[0]: vertex 0 is already fixed");
+  says(step(R"(, "targets": [{"vertex": 140, "position": [0, 0, 0]}])"), "already part of the handle 'edge'");
+  says(step(R"(, "targets": [{"vertex": 144, "position": [0, 0, 0]}])"),
+       "targets[0]: vertex 144 does not exist");
+  says(R"({"kind": "deform", "mesh": "sheet", "region": {"indices": [1, 2]},
+        "handles": [{"name": "h", "select": {"indices": [3]}}]})",
+       "lie outside the region");
+  says(R"({"kind": "deform", "mesh": "sheet", "handles": [{"name": "h", "select": {"indices": [3]}},
+        {"name": "g", "select": {"indices": [3, 4]}}]})",
+       "handles[1].select: vertex 3 is already part of the handle 'h'");
+  says(R"({"kind": "deform", "mesh": "sheet", "region": {"file": "no.txt"}})", "steps[0].region");
+  says(R"({"kind": "deform", "mesh": "sheet", "region": {"produced": {"step": "x", "what": "y"}}})",
+       "steps[0].region: the step 'x' produces no selection 'y'");
+}
+
+TEST_F(RunEdit, SaysWhichStepCannotBeSolved) {
+  try {
+    run_edit(edit(R"({"kind": "deform", "mesh": "sheet", "handles": [{"name": "h", "select": {"indices": [3]},
+                      "constrain": "position"}]})"));
+    FAIL() << "one position leaves the rest without an answer";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::unsolvable);
+    EXPECT_NE(std::string(error.what()).find("edit.json: steps[0]"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(RunEdit, StopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  Context context;
+  context.stop_token = stop.get_token();
+  try {
+    run_edit(edit(step()), {}, context);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::cancelled);
+  }
+}
+
+TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
+  RunOptions options;
+  options.overrides.weights = WeightScheme::cotangent;
+  options.overrides.degenerate = DegenerateTreatment::ft05_noise;
+  options.overrides.density = Density::ft05;
+  options.overrides.backend = SolverBackend::eigen;
+  options.estimate_condition = false;
+  const EditReport report = run_edit(edit(step() + "," + step()), options).report;
+  for (const StepReport& done : report.steps) {
+    EXPECT_EQ(done.settings.deformer.operators.weights, WeightScheme::cotangent);
+    EXPECT_EQ(done.settings.deformer.operators.degenerate, DegenerateTreatment::ft05_noise);
+    EXPECT_EQ(done.settings.deformer.operators.density, Density::ft05);
+    EXPECT_EQ(done.solver.backend, "eigen");
+    EXPECT_FALSE(done.condition_estimate.has_value());
+  }
+}
+
+TEST_F(RunEdit, ReportsEverythingThatIsDocumented) {
+  const auto json = nlohmann::json::parse(write_report(run_edit(edit(step())).report));
+  for (const char* field : {"counts", "method", "seconds", "solver", "residual", "max_transform_deviation",
+                            "condition_estimate", "quality", "steps", "inputs"})
+    EXPECT_TRUE(json.contains(field)) << field;
+  for (const char* count : {"vertices", "faces", "free", "fixed", "handle", "degenerate"})
+    EXPECT_TRUE(json["counts"].contains(count)) << count;
+  for (const char* stage :
+       {"read", "triage", "assemble", "analyse", "factorise", "basis", "solve", "write", "total"})
+    EXPECT_TRUE(json["seconds"].contains(stage)) << stage;
+  EXPECT_GT(json["solver"]["factor_nonzeros"], 0);
+  EXPECT_GT(json["condition_estimate"], 1);
+  EXPECT_TRUE(json["quality"]["volume_ratio"].is_null());
+  EXPECT_GT(json["quality"]["sigma"]["min"], 0);
+  EXPECT_EQ(json["steps"][0]["settings"]["weights"], "uniform");
+}
+
+TEST(Sha256, MatchesThePublishedVectors) {
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256(std::string(1'000'000, 'a')),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+}  // namespace
+}  // namespace meshgraft

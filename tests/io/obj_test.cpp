@@ -1,0 +1,358 @@
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tiny_obj_loader.h>
+
+#include <meshgraft/core/error.h>
+
+#include "expect_error.h"
+#include "temporary_folder.h"
+
+namespace meshgraft {
+namespace {
+
+using test::expect_error;
+using test::TemporaryFolder;
+
+/// A cube's corner with everything: seams, shared normals, groups, relative indices, lines of other kinds.
+const std::string rich =
+    "# made by hand, saved as C:\\\n"
+    "mtllib skin and bones.mtl\n"
+    "o  Figure one \n"
+    "v 0 0 0 0.5 0.25 1\n"
+    "v 1.000 0 0 1 1 1\n"
+    "v 1 1. +0 0 0 0\n"
+    "v 0 1e0 -0\t.1 .2 .3   # a corner\n"
+    "v 0.5 0.5 1 0 0 1\n"
+    "vt 0 0\n"
+    "vt 1 0 0\n"
+    "vt 1 1\n"
+    "vt 0.75 0.75\n"
+    "vn 0 0 1\n"
+    "vn 0 -1 0\n"
+    "vp 0.1 0.2\n"
+    "g lower half\n"
+    "usemtl skin\n"
+    "s 1\n"
+    "f 1/1/1 2/2/1 3/3/1 4//1\n"
+    "g upper\n"
+    "s off\n"
+    "usemtl bones\n"
+    "f -5/4/-1 \\\n"
+    "  2/2/2 5//2\n"
+    "f 2 3 5\n"
+    "l 1 2 3\n"
+    "p 1\n"
+    "curv 0 1 1 2\n"
+    "unheard-of 1 2 3\n";
+
+std::string with_line_ends(const std::string& text, const std::string& line_end) {
+  std::string result;
+  for (const char c : text) result += c == '\n' ? line_end : std::string(1, c);
+  return result;
+}
+
+void expect_labels(const Mesh& mesh, const char* name, const std::vector<double>& values,
+                   const std::vector<std::string>& labels) {
+  const Attribute* attribute = mesh.find_attribute(Domain::face, name);
+  ASSERT_NE(attribute, nullptr) << name;
+  EXPECT_EQ(attribute->values, values) << name;
+  EXPECT_EQ(attribute->labels, labels) << name;
+  EXPECT_EQ(attribute->interpolation, Interpolation::nearest) << name;
+}
+
+void expect_rich_mesh(const Mesh& mesh) {
+  ASSERT_EQ(mesh.vertex_count(), 5);
+  ASSERT_EQ(mesh.face_count(), 3);
+  EXPECT_EQ(mesh.faces.corners(), (std::vector<Index>{0, 1, 2, 3, 0, 1, 4, 1, 2, 4}));
+  EXPECT_EQ(mesh.faces.offsets(), (std::vector<Index>{0, 4, 7, 10}));
+  EXPECT_EQ(mesh.positions.row(4), Eigen::RowVector3d(0.5, 0.5, 1));
+
+  const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
+  ASSERT_NE(colour, nullptr);
+  EXPECT_EQ(colour->components, 3);
+  EXPECT_EQ(colour->values[1], 0.25);
+  const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
+  ASSERT_NE(uv, nullptr);
+  ASSERT_EQ(uv->values.size(), 20u);
+  EXPECT_EQ(uv->values[0], 0);     // vertex 0 in the first face
+  EXPECT_EQ(uv->values[8], 0.75);  // and in the second: a seam
+  EXPECT_TRUE(std::isnan(uv->values[6]));
+  EXPECT_TRUE(std::isnan(uv->values[14]));
+  const Attribute* normal = mesh.find_attribute(Domain::corner, "normal");
+  ASSERT_NE(normal, nullptr);
+  EXPECT_EQ(normal->interpolation, Interpolation::direction);
+  EXPECT_EQ(normal->values[2], 1);
+  EXPECT_EQ(normal->values[3 * 4 + 1], -1);  // the relative index -1: the second vn line
+  EXPECT_TRUE(std::isnan(normal->values[3 * 7]));
+  expect_labels(mesh, "group", {0, 1, 1}, {"lower half", "upper"});
+  expect_labels(mesh, "material", {0, 1, 1}, {"skin", "bones"});
+  expect_labels(mesh, "object", {0, 0, 0}, {"Figure one"});
+  expect_labels(mesh, "smoothing", {1, 0, 0}, {});
+}
+
+TEST(Obj, AllLineEndsReadAlikeAndComeBackByteForByte) {
+  const TemporaryFolder folder;
+  for (const char* line_end : {"\n", "\r\n", "\r"}) {
+    for (const char* mark : {"", "\xEF\xBB\xBF"}) {
+      for (const bool last_line_end : {true, false}) {
+        std::string file = rich;
+        if (!last_line_end) file.pop_back();
+        file = mark + with_line_ends(file, line_end);
+        const Mesh mesh = folder.mesh("in.obj", file);
+        expect_rich_mesh(mesh);
+        EXPECT_EQ(folder.written(mesh, "out.obj"), file);
+      }
+    }
+  }
+}
+
+TEST(Obj, AnEditChangesTheWordsOfMovedCoordinatesOnly) {
+  const TemporaryFolder folder;
+  for (const char* line_end : {"\n", "\r\n", "\r"}) {
+    Mesh mesh = folder.mesh("in.obj", with_line_ends(rich, line_end));
+    mesh.positions(1, 1) = 1.0 / 3;
+    mesh.positions(3, 2) = -2.5e-7;
+    std::string expected = rich;
+    expected.replace(expected.find("v 1.000 0 0 1 1 1"), 17, "v 1.000 0.3333333333333333 0 1 1 1");
+    expected.replace(expected.find("v 0 1e0 -0\t.1"), 13, "v 0 1e0 -2.5e-07\t.1");
+    const std::string written = folder.written(mesh, "out.obj");
+    EXPECT_EQ(written, with_line_ends(expected, line_end));
+    EXPECT_TRUE(folder.mesh("again.obj", written).positions == mesh.positions);
+  }
+}
+
+Attribute& normals_of(Mesh& mesh) {
+  for (Attribute& attribute : mesh.attributes) {
+    if (attribute.name == "normal") return attribute;
+  }
+  throw Error(ErrorCode::internal, "no normals");
+}
+
+TEST(Obj, ANormalThatAllItsCornersAgreeOnIsRewrittenInPlace) {
+  const TemporaryFolder folder;
+  Mesh mesh = folder.mesh("in.obj", rich);
+  for (int corner = 0; corner < 4; ++corner) normals_of(mesh).values[3 * corner] = 0.6;
+  std::string expected = rich;
+  expected.replace(expected.find("vn 0 0 1"), 8, "vn 0.6 0 1");
+  EXPECT_EQ(folder.written(mesh, "out.obj"), expected);
+}
+
+TEST(Obj, ANormalThatItsCornersDisagreeOnGetsNewLines) {
+  const TemporaryFolder folder;
+  Mesh mesh = folder.mesh("in.obj", rich);
+  Attribute& normals = normals_of(mesh);
+  normals.values[0] = 0.5;                                   // corner 0 leaves line 1, which others keep
+  for (int c = 4; c < 7; ++c) normals.values[3 * c] = 0.25;  // line 2 as a whole
+  normals.values[3 * 6 + 2] = 0.75;                          // and its last corner again
+  std::string expected = rich;
+  expected.replace(expected.find("vn 0 -1 0\n"), 10, "vn 0.25 -1 0\nvn 0.5 0 1\nvn 0.25 -1 0.75\n");
+  expected.replace(expected.find("1/1/1"), 5, "1/1/3");
+  expected.replace(expected.find("-5/4/-1"), 7, "-5/4/-3");  // still line 2, two new ones lie between
+  expected.replace(expected.find("5//2"), 4, "5//4");
+  const std::string written = folder.written(mesh, "out.obj");
+  EXPECT_EQ(written, expected);
+  Mesh again = folder.mesh("again.obj", written);
+  for (std::size_t k = 0; k < 3 * 7; ++k) EXPECT_EQ(normals_of(again).values[k], normals_of(mesh).values[k]);
+  EXPECT_TRUE(again.faces == mesh.faces);
+}
+
+TEST(Obj, NormalsBetweenFacesMayBeSplitToo) {
+  const TemporaryFolder folder;
+  const std::string file =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//-1 2//-1 3//1\nvn 0 1 0\nf 3//-1 2//-2 1//2";
+  Mesh mesh = folder.mesh("in.obj", file);
+  normals_of(mesh).values = {.5, 0, 1, 0, 0, 1, 0, .5, 1, 0, 1, 0, 0, 0, 1, 0, 1, .5};
+  Mesh again = folder.mesh("again.obj", folder.written(mesh, "out.obj"));
+  EXPECT_EQ(normals_of(again).values, normals_of(mesh).values);
+  EXPECT_TRUE(again.faces == mesh.faces);
+}
+
+TEST(Obj, RoundingDoesNotSplitNormals) {
+  const TemporaryFolder folder;
+  Mesh mesh = folder.mesh("in.obj", rich);
+  for (int corner = 0; corner < 4; ++corner) normals_of(mesh).values[3 * corner] = 0.6 + 1e-16 * corner;
+  EXPECT_EQ(folder.written(mesh, "out.obj").size(), rich.size() + 2);
+}
+
+TEST(Obj, HomogeneousAndColouredVerticesKeepTheirTails) {
+  const TemporaryFolder folder;
+  const std::string file = "v 0 0 0 1.0\nv 1 0 0 .5 .5 .5 .25\nv 0 1 0\n";
+  Mesh mesh = folder.mesh("in.obj", file);
+  const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
+  ASSERT_NE(colour, nullptr);
+  ASSERT_EQ(colour->components, 4);
+  EXPECT_TRUE(std::isnan(colour->values[0]));
+  EXPECT_EQ(colour->values[7], 0.25);
+  EXPECT_TRUE(std::isnan(colour->values[8]));
+  mesh.positions.col(2).setConstant(2);
+  EXPECT_EQ(folder.written(mesh, "out.obj"), "v 0 0 2 1.0\nv 1 0 2 .5 .5 .5 .25\nv 0 1 2\n");
+}
+
+TEST(Obj, FacesMayComeBeforeTheirVertices) {
+  const TemporaryFolder folder;
+  const std::string file = "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const Mesh mesh = folder.mesh("in.obj", file);
+  EXPECT_EQ(mesh.faces.corners(), (std::vector<Index>{0, 1, 2}));
+  EXPECT_EQ(folder.written(mesh, "out.obj"), file);
+}
+
+TEST(Obj, SpecialNumbersAreReadAsSuch) {
+  const TemporaryFolder folder;
+  const std::string file = "v nan -inf 1.#QNAN\n";
+  const Mesh mesh = folder.mesh("in.obj", file);
+  EXPECT_TRUE(std::isnan(mesh.positions(0, 0)));
+  EXPECT_EQ(mesh.positions(0, 1), -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(mesh.positions(0, 2)));
+  EXPECT_EQ(folder.written(mesh, "out.obj"), file);
+}
+
+TEST(Obj, AMeshWithoutAFileIsComposedWithItsAttributes) {
+  const TemporaryFolder folder;
+  Mesh mesh = folder.mesh("in.obj", rich);
+  mesh.source = nullptr;
+  const std::string written = folder.written(mesh, "out.obj");
+  EXPECT_EQ(written.find("mtllib"), std::string::npos);
+  const Mesh again = folder.mesh("again.obj", written);
+  expect_rich_mesh(again);
+  EXPECT_TRUE(again.positions == mesh.positions);
+}
+
+TEST(Obj, AChangedTopologyKeepsTheMaterialLibrary) {
+  const TemporaryFolder folder;
+  Mesh mesh = folder.mesh("in.obj", rich);
+  Faces faces;
+  faces.push_back(std::array<Index, 3>{0, 1, 2});
+  mesh.faces = faces;
+  mesh.attributes.clear();
+  const std::string written = folder.written(mesh, "out.obj");
+  EXPECT_EQ(written.find("mtllib skin and bones.mtl\n"), 0u);
+  EXPECT_TRUE(folder.mesh("again.obj", written).faces == faces);
+}
+
+TEST(Obj, AttributesSurviveTheWayThroughPlyAndBack) {
+  const TemporaryFolder folder;
+  const Mesh mesh = folder.mesh("in.obj", rich);
+  const Mesh ply = folder.mesh("middle.ply", folder.written(mesh, "out.ply"));
+  Mesh again = folder.mesh("again.obj", folder.written(ply, "out.obj"));
+  EXPECT_TRUE(again.positions == mesh.positions);
+  EXPECT_TRUE(again.faces == mesh.faces);
+  expect_labels(again, "group", {0, 1, 1}, {"lower half", "upper"});
+  expect_labels(again, "material", {0, 1, 1}, {"skin", "bones"});
+  const Attribute* uv = again.find_attribute(Domain::corner, "uv");
+  ASSERT_NE(uv, nullptr);
+  EXPECT_EQ(uv->values[8], 0.75);
+  const Attribute* colour = again.find_attribute(Domain::vertex, "colour");
+  ASSERT_NE(colour, nullptr);
+  EXPECT_NEAR(colour->values[1], 0.25, 0.5 / 255);
+}
+
+TEST(Obj, FacesBeforeTheFirstGroupHaveNone) {
+  const TemporaryFolder folder;
+  const std::string file = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ng late\nf 3 2 1\n";
+  const Mesh mesh = folder.mesh("in.obj", file);
+  const Mesh ply = folder.mesh("middle.ply", folder.written(mesh, "out.ply"));
+  for (const Mesh* each : {&mesh, &ply}) {
+    const Attribute* group = each->find_attribute(Domain::face, "group");
+    ASSERT_NE(group, nullptr);
+    EXPECT_TRUE(std::isnan(group->values[0]));
+    EXPECT_EQ(group->values[1], 0);
+    EXPECT_EQ(group->labels, std::vector<std::string>{"late"});
+  }
+  EXPECT_EQ(folder.written(ply, "again.ply"), read_file(folder / "middle.ply"));
+}
+
+TEST(Obj, AgreesWithTinyobjloader) {
+  const TemporaryFolder folder;
+  const std::string file =
+      "v 0 0 0\nv 1.5 0 0\nv 1 1e-3 0\nv 0 1 0\nvt 0 0\nvt .5 0\nvt 0 .25\nvn 0 0 1\n"
+      "f 1/1/1 2/2/1 3/3/1 4/1/1\nv 3 3 3\nf -1/-1/-1 -2/-2/-1 -3/-3/-1\n";
+  const Mesh mesh = folder.mesh("in.obj", file);
+  tinyobj::ObjReaderConfig config;
+  config.triangulate = false;
+  tinyobj::ObjReader reader;
+  ASSERT_TRUE(reader.ParseFromString(file, "", config)) << reader.Error();
+  const tinyobj::attrib_t& other = reader.GetAttrib();
+  ASSERT_EQ(other.vertices.size(), static_cast<std::size_t>(3 * mesh.vertex_count()));
+  for (std::size_t k = 0; k < other.vertices.size(); ++k) {
+    EXPECT_NEAR(mesh.positions.data()[k], other.vertices[k], 1e-6);
+  }
+  const tinyobj::mesh_t& shape = reader.GetShapes().at(0).mesh;
+  ASSERT_EQ(shape.indices.size(), static_cast<std::size_t>(mesh.faces.corner_count()));
+  const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
+  ASSERT_NE(uv, nullptr);
+  for (std::size_t c = 0; c < shape.indices.size(); ++c) {
+    EXPECT_EQ(mesh.faces.corners()[c], shape.indices[c].vertex_index);
+    EXPECT_NEAR(uv->values[2 * c], other.texcoords[2 * shape.indices[c].texcoord_index], 1e-6);
+    EXPECT_NEAR(uv->values[2 * c + 1], other.texcoords[2 * shape.indices[c].texcoord_index + 1], 1e-6);
+  }
+}
+
+struct BadFile {
+  const char* what;
+  std::string content;
+  std::vector<std::string> words;  // of the message
+};
+
+TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const std::vector<BadFile> bad_files = {
+      {"index 0", triangle + "f 0 1 2\n", {"line 4", "index 0", "count from 1"}},
+      {"out of range", triangle + "f 1 2 4\n", {"line 4", "index 4", "3 'v' lines"}},
+      {"relative out of range", triangle + "f -1 -2 -4\n", {"line 4", "index -4", "3 'v' lines before it"}},
+      {"relative to later lines", "f -1 -2 -3\n" + triangle, {"line 1", "index -1", "0 'v' lines before it"}},
+      {"uv out of range", triangle + "vt 0 0\nf 1/1 2/2 3/1\n", {"line 5", "index 2", "1 'vt' lines"}},
+      {"normal out of range", triangle + "f 1//1 2//1 3//1\n", {"line 4", "index 1", "0 'vn' lines"}},
+      {"huge index", triangle + "f 1 2 5000000000\n", {"line 4", "5000000000"}},
+      {"endless index", triangle + "f 1 2 99999999999999999999\n", {"line 4", "99999999999999999999"}},
+      {"no index", triangle + "f 1 2 x\n", {"line 4", "'x'"}},
+      {"four parts", triangle + "f 1/1/1/1 2 3\n", {"line 4", "'1/1/1/1'"}},
+      {"empty face", triangle + "f\n", {"line 4", "without corners"}},
+      {"after CR", with_line_ends(triangle + "f 1 2 x\n", "\r"), {"line 4", "'x'"}},
+      {"after CRLF", with_line_ends(triangle + "f 1 2 x\n", "\r\n"), {"line 4", "'x'"}},
+      {"two coordinates", "v 0 0 0\nv 1 2\n", {"line 2", "x, y and z"}},
+      {"too many values", "v 1 2 3 4 5 6 7 8\n", {"line 1", "more than 7"}},
+      {"no number", "v 0 zero 0\n", {"line 1", "'zero'"}},
+      {"decimal comma", "v 0,5 1 2\n", {"line 1", "'0,5'", "decimal point"}},
+      {"too large", "v 1e400 1 2\n", {"line 1", "'1e400'", "range"}},
+      {"short normal", "vn 1 2\n", {"line 1", "3 values"}},
+      {"empty uv", "vt\n", {"line 1", "texture coordinate"}},
+      {"no vertices", "# nothing\n", {"no vertices"}},
+      {"not text", std::string("v 0 0 0\n\0\1\2", 11), {"byte 8", "not text"}},
+  };
+  const TemporaryFolder folder;
+  for (const BadFile& bad : bad_files) {
+    SCOPED_TRACE(bad.what);
+    const auto path = folder.file("bad.obj", bad.content);
+    std::vector<std::string> words = bad.words;
+    words.push_back("bad.obj");
+    const Error error = expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    EXPECT_FALSE(error.remedy().empty());
+  }
+}
+
+TEST(Obj, DamagedBytesNeverCrash) {
+  const TemporaryFolder folder;
+  for (std::size_t at = 0; at < rich.size(); ++at) {
+    for (const char damage : {'\xFF', '\\', '-', '/', '9', '\r', ' '}) {
+      std::string damaged = rich;
+      damaged[at] = damage;
+      const auto path = folder.file("damaged.obj", damaged);
+      try {
+        const Mesh mesh = read_mesh(path);
+        if (at % 16 == 0) {
+          EXPECT_EQ(folder.written(mesh, "out.obj"), damaged);
+        }
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input) << error.what();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft

@@ -1,0 +1,166 @@
+#include <meshgraft/linalg/linear_solver.h>
+
+#include <cstring>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/linalg/sparse.h>
+
+namespace meshgraft {
+namespace {
+
+/// A 2D bi-Laplacian on a k×k grid plus a little of the identity: positive definite, irregular enough.
+NormalMatrix grid_matrix(int k, double shift = 1e-3) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto at = [k](int x, int y) { return y * k + x; };
+  for (int y = 0; y < k; ++y) {
+    for (int x = 0; x < k; ++x) {
+      entries.emplace_back(at(x, y), at(x, y), 4.0);
+      if (x > 0) entries.emplace_back(at(x, y), at(x - 1, y), -1.0);
+      if (x + 1 < k) entries.emplace_back(at(x, y), at(x + 1, y), -1.0);
+      if (y > 0) entries.emplace_back(at(x, y), at(x, y - 1), -1.0);
+      if (y + 1 < k) entries.emplace_back(at(x, y), at(x, y + 1), -1.0);
+    }
+  }
+  SparseRows laplacian(k * k, k * k);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  SparseRows diagonal(k * k, k * k);
+  diagonal.setIdentity();
+  diagonal *= shift;
+  return lower_triangle_of_sum(transpose(laplacian), laplacian, diagonal, diagonal);
+}
+
+Eigen::MatrixXd dense(const NormalMatrix& lower) {
+  const Eigen::MatrixXd half = Eigen::MatrixXd(lower);
+  return Eigen::MatrixXd(half.selfadjointView<Eigen::Lower>());
+}
+
+class EveryBackend : public testing::TestWithParam<SolverBackend> {};
+
+TEST_P(EveryBackend, SolvesSeveralColumnsAtOnce) {
+  for (int k : {1, 2, 7, 30, 64}) {  // the last is large enough for nested dissection
+    const NormalMatrix matrix = grid_matrix(k);
+    auto solver = make_solver(GetParam());
+    solver->analyse(matrix);
+    solver->factorise(matrix);
+    const Eigen::MatrixXd x = Eigen::MatrixXd::Random(k * k, 3);
+    const Eigen::MatrixXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
+    EXPECT_LT((solver->solve(rhs) - x).norm(), 1e-6 * x.norm()) << k;
+    EXPECT_EQ(solver->statistics().unknowns, k * k);
+    EXPECT_GE(solver->statistics().factor_nonzeros, matrix.nonZeros());
+  }
+}
+
+TEST_P(EveryBackend, TakesNewValuesWithoutAnotherAnalysis) {
+  NormalMatrix matrix = grid_matrix(12);
+  auto solver = make_solver(GetParam());
+  solver->analyse(matrix);
+  solver->factorise(matrix);
+  matrix *= 4.0;
+  solver->factorise(matrix);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(144);
+  const Eigen::VectorXd rhs = matrix.selfadjointView<Eigen::Lower>() * ones;
+  EXPECT_LT((solver->solve(rhs) - ones).norm(), 1e-6);
+}
+
+TEST_P(EveryBackend, RefusesWhatIsNotPositiveDefinite) {
+  const NormalMatrix matrix = grid_matrix(6, 0.0) * -1.0;
+  auto solver = make_solver(GetParam());
+  solver->analyse(matrix);
+  try {
+    solver->factorise(matrix);
+    FAIL() << "accepted a negative definite matrix";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::unsolvable);
+    EXPECT_FALSE(error.remedy().empty());
+  }
+}
+
+TEST_P(EveryBackend, SolvesFromSeveralThreadsToTheSameBytes) {
+  const NormalMatrix matrix = grid_matrix(40);
+  auto solver = make_solver(GetParam());
+  solver->analyse(matrix);
+  solver->factorise(matrix);
+  const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(1600, 3);
+  Eigen::MatrixXd first, second;
+  std::thread other([&] { first = solver->solve(rhs); });
+  second = solver->solve(rhs);
+  other.join();
+  EXPECT_EQ(std::memcmp(first.data(), second.data(), sizeof(double) * first.size()), 0);
+}
+
+TEST_P(EveryBackend, StopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  Context context;
+  context.stop_token = stop.get_token();
+  auto solver = make_solver(GetParam());
+  EXPECT_THROW(solver->analyse(grid_matrix(5), context), Error);
+}
+
+TEST_P(EveryBackend, EstimatesTheConditionNumberFromBelow) {
+  const NormalMatrix matrix = grid_matrix(9);
+  auto solver = make_solver(GetParam());
+  solver->analyse(matrix);
+  solver->factorise(matrix);
+  const Eigen::MatrixXd full = dense(matrix);
+  const double norm = full.cwiseAbs().colwise().sum().maxCoeff();
+  const double exact = norm * full.inverse().cwiseAbs().colwise().sum().maxCoeff();
+  EXPECT_NEAR(one_norm(matrix), norm, 1e-9 * norm);
+  const double estimate = estimate_condition(norm, *solver);
+  EXPECT_LE(estimate, exact * (1 + 1e-6));
+  EXPECT_GE(estimate, exact / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, testing::ValuesIn(available_backends()),
+                         [](const auto& backend) {
+                           return backend.param == SolverBackend::cholmod ? "cholmod" : "eigen";
+                         });
+
+TEST(Backends, OneThatIsNotBuiltInIsRefusedByName) {
+  const auto backends = available_backends();
+  if (std::find(backends.begin(), backends.end(), SolverBackend::cholmod) != backends.end()) {
+    EXPECT_NO_THROW(make_solver(SolverBackend::cholmod));
+  } else {
+    EXPECT_THROW(make_solver(SolverBackend::cholmod), Error);
+  }
+  EXPECT_NO_THROW(make_solver(SolverBackend::automatic));
+}
+
+TEST(SparseProducts, AgreeWithEigenAndDoNotDependOnThreads) {
+  std::srand(7);
+  std::vector<Eigen::Triplet<double>> a_entries, b_entries;
+  for (int k = 0; k < 20000; ++k) {
+    a_entries.emplace_back(std::rand() % 1500, std::rand() % 900, std::rand() / double(RAND_MAX) - 0.5);
+    b_entries.emplace_back(std::rand() % 900, std::rand() % 1100, std::rand() / double(RAND_MAX) - 0.5);
+  }
+  SparseRows a(1500, 900), b(900, 1100);
+  a.setFromTriplets(a_entries.begin(), a_entries.end());
+  b.setFromTriplets(b_entries.begin(), b_entries.end());
+  const SparseRows one = multiply(a, b, Context{.threads = 1});
+  const SparseRows two = multiply(a, b, Context{.threads = 2});
+  const SparseRows eigen = a * b;
+  EXPECT_LT((one - eigen).norm(), 1e-12 * eigen.norm());
+  ASSERT_EQ(one.nonZeros(), two.nonZeros());
+  EXPECT_EQ(std::memcmp(one.valuePtr(), two.valuePtr(), sizeof(double) * one.nonZeros()), 0);
+  EXPECT_EQ(std::memcmp(one.innerIndexPtr(), two.innerIndexPtr(), sizeof(int) * one.nonZeros()), 0);
+
+  for (int columns : {1, 3, 8}) {
+    const Columns x = Columns::Random(900, columns);
+    EXPECT_LT((multiply(a, x) - a * x).norm(), 1e-12 * x.norm());
+  }
+}
+
+TEST(SparseProducts, LowerTriangleIsThatOfTheFullSum) {
+  const NormalMatrix lower = grid_matrix(8);
+  const Eigen::MatrixXd half = Eigen::MatrixXd(lower);
+  EXPECT_EQ(half.triangularView<Eigen::StrictlyUpper>().toDenseMatrix().norm(), 0);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(lower)).eigenvalues()[0], 0);
+}
+
+}  // namespace
+}  // namespace meshgraft

@@ -1,0 +1,128 @@
+#include <meshgraft/mesh/triage.h>
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+
+#include "mesh/shapes.h"
+
+namespace meshgraft {
+namespace {
+
+using Indices = std::vector<Index>;
+
+void expect_finding(const Mesh& mesh, const std::string& name, Severity severity, Index count, Domain domain,
+                    const Indices& indices) {
+  SCOPED_TRACE(name);
+  const TriageReport report = triage(mesh);
+  const Finding* finding = report.find(name);
+  ASSERT_NE(finding, nullptr);
+  EXPECT_EQ(finding->severity, severity);
+  EXPECT_EQ(finding->count, count);
+  EXPECT_EQ(finding->domain, domain);
+  EXPECT_EQ(finding->indices, indices);
+  EXPECT_TRUE(finding->description.starts_with(std::to_string(count) + " ")) << finding->description;
+}
+
+TEST(Triage, FindsNothingInGoodTriangles) {
+  for (const Mesh& mesh :
+       {Mesh{}, shapes::torus(7, 5, true), shapes::grid(3, 3, true), shapes::tube(5, 2, true)}) {
+    EXPECT_TRUE(triage(mesh).clean());
+  }
+}
+
+TEST(Triage, NamesEachDefect) {
+  Mesh non_finite = shapes::cube();
+  non_finite.positions(3, 1) = std::nan("");
+  non_finite.positions(5, 0) = INFINITY;
+  expect_finding(non_finite, "non-finite", Severity::refused, 2, Domain::vertex, {3, 5});
+
+  Mesh out_of_range = shapes::cube();
+  out_of_range.faces.push_back(Indices{0, 1, 8});
+  out_of_range.faces.push_back(Indices{0, -1, 2});
+  expect_finding(out_of_range, "index-out-of-range", Severity::refused, 2, Domain::face, {6, 7});
+
+  Mesh degenerate = shapes::cube();
+  degenerate.faces.push_back(Indices{0, 1});
+  degenerate.faces.push_back(Indices{2, 2, 3});
+  degenerate.faces.push_back(Indices{0, 1, 0, 4});
+  degenerate.faces.push_back({});
+  expect_finding(degenerate, "degenerate-face", Severity::repaired, 4, Domain::face, {6, 7, 8, 9});
+
+  const Mesh no_area = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  expect_finding(no_area, "zero-area-face", Severity::repaired, 1, Domain::face, {0});
+
+  Mesh isolated = shapes::cube();
+  shapes::add_vertex(isolated, {0, 0, 7});
+  expect_finding(isolated, "isolated-vertex", Severity::repaired, 1, Domain::vertex, {8});
+
+  expect_finding(shapes::three_on_an_edge(), "non-manifold-edge", Severity::note, 1, Domain::vertex, {0, 1});
+  expect_finding(shapes::bow_tie(), "non-manifold-vertex", Severity::note, 1, Domain::vertex, {2});
+  expect_finding(shapes::cube(), "polygon", Severity::note, 6, Domain::face, {0, 1, 2, 3, 4, 5});
+
+  Mesh wound_against = shapes::grid(2, 1);
+  wound_against.faces = {};
+  wound_against.faces.push_back(Indices{0, 1, 4, 3});
+  wound_against.faces.push_back(Indices{1, 4, 5, 2});
+  expect_finding(wound_against, "inconsistent-winding", Severity::note, 1, Domain::vertex, {1, 4});
+}
+
+TEST(Triage, MeasuresAreaAgainstTheFaceAndThePrecision) {
+  const auto sliver = [](double size, double height, double offset) {
+    return shapes::polygons({{offset, 0, 0}, {offset + size, 0, 0}, {offset + size / 2, height, 0}},
+                            {{0, 1, 2}});
+  };
+  // Tiny models and thin CAD fans have area …
+  EXPECT_TRUE(triage(sliver(1e-9, 1e-9, 0)).clean());
+  EXPECT_TRUE(triage(sliver(1, 1e-6, 0)).clean());
+  EXPECT_TRUE(triage(sliver(1e6, 1, 1e9)).clean());
+  // … a height that the coordinates cannot tell from zero is none.
+  EXPECT_NE(triage(sliver(1, 1e-14, 0)).find("zero-area-face"), nullptr);
+  EXPECT_NE(triage(sliver(1e-3, 1e-7, 1e9)).find("zero-area-face"), nullptr);
+}
+
+TEST(Triage, PutsTheWorstFirst) {
+  Mesh mesh = shapes::together({shapes::cube(), shapes::three_on_an_edge()});
+  shapes::add_vertex(mesh, {0, 0, std::nan("")});
+  mesh.faces.push_back(Indices{0, 1, 99});
+  const TriageReport report = triage(mesh);
+  ASSERT_GE(report.findings.size(), 4);
+  for (std::size_t k = 1; k < report.findings.size(); ++k) {
+    EXPECT_GE(static_cast<int>(report.findings[k - 1].severity), static_cast<int>(report.findings[k].severity));
+  }
+  EXPECT_EQ(report.find("no such finding"), nullptr);
+}
+
+TEST(RequireUsable, RefusesOnlyWithinReach) {
+  Mesh mesh = shapes::together({shapes::cube(), shapes::cube()});
+  mesh.positions(3, 0) = std::nan("");
+  mesh.faces.push_back(Indices{1, 2, 99});
+  const TriageReport report = triage(mesh);
+  EXPECT_NO_THROW(require_usable(report, mesh, Indices{8, 9, 15}, "model.ply"));
+  try {
+    require_usable(report, mesh, Indices{3, 9}, "model.ply");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::input);
+    EXPECT_EQ(error.place(), "model.ply");
+    EXPECT_EQ(error.problem(),
+              "1 vertex has a coordinate that is not a finite number (within reach: vertex 3)");
+    EXPECT_FALSE(error.remedy().empty());
+  }
+  EXPECT_THROW(require_usable(report, mesh, Indices{2}, "model.ply"), Error);
+  EXPECT_THROW(require_usable(report, mesh, {}, "model.ply"), Error);
+}
+
+TEST(RequireUsable, AcceptsWhatIsWorkedAround) {
+  Mesh mesh = shapes::together({shapes::three_on_an_edge(), shapes::bow_tie(), shapes::cube()});
+  shapes::add_vertex(mesh, {1, 2, 3});
+  mesh.faces.push_back(Indices{0, 0, 1});
+  const TriageReport report = triage(mesh);
+  EXPECT_FALSE(report.clean());
+  EXPECT_NO_THROW(require_usable(report, mesh, {}, "model.ply"));
+}
+
+}  // namespace
+}  // namespace meshgraft

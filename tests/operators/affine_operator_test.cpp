@@ -1,0 +1,196 @@
+#include <meshgraft/operators/affine_operator.h>
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/operators/laplacian.h>
+
+#include "support/mesh_families.h"
+
+namespace meshgraft {
+namespace {
+
+/// Families at the unit scale that the operator is used at.
+std::vector<test::TestMesh> families() {
+  std::vector<test::TestMesh> meshes;
+  for (test::TestMesh& mesh : test::mesh_families()) {
+    const double diagonal = mesh.box_diagonal();
+    if (mesh.positions.cwiseAbs().maxCoeff() < 1e3 * diagonal && diagonal > 1e-3)
+      meshes.push_back(std::move(mesh));
+  }
+  return meshes;
+}
+
+std::vector<OperatorOptions> all_options() {
+  std::vector<OperatorOptions> all;
+  for (auto weights : {WeightScheme::uniform, WeightScheme::cotangent})
+    for (auto density : {Density::ft05, Density::aware})
+      for (auto degenerate : {DegenerateTreatment::ft05_noise, DegenerateTreatment::apex})
+        for (int order : {1, 2, 3})
+          all.push_back(
+              {.weights = weights, .density = density, .degenerate = degenerate, .laplacian_order = order});
+  return all;
+}
+
+std::string name_of(const OperatorOptions& options) {
+  return std::string(to_string(options.weights)) + " " + std::string(to_string(options.density)) + " " +
+         std::string(to_string(options.degenerate)) + " order " + std::to_string(options.laplacian_order);
+}
+
+TEST(Umbrella, RowsSumToZeroAndFollowTheRing) {
+  for (const auto& mesh : families()) {
+    const IndexLists rings = vertex_rings(mesh.size(), mesh.triangles);
+    for (auto weights : {WeightScheme::uniform, WeightScheme::cotangent}) {
+      const SparseRows D = umbrella_operator(mesh.positions, mesh.triangles, rings, weights);
+      EXPECT_LT((D * Eigen::VectorXd::Ones(mesh.size())).cwiseAbs().maxCoeff(), 1e-14) << mesh.name;
+      for (Index i = 0; i < mesh.size(); ++i) {
+        for (SparseRows::InnerIterator it(D, i); it; ++it) {
+          if (it.col() == i)
+            EXPECT_EQ(it.value(), 1);
+          else
+            EXPECT_LE(it.value(), 0) << mesh.name << " vertex " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(Umbrella, CotangentWeightsOfARegularHexagonAreEven) {
+  Points points(7, 3);
+  Triangles triangles(6, 3);
+  points.row(0).setZero();
+  for (int k = 0; k < 6; ++k) {
+    points.row(k + 1) << std::cos(k * M_PI / 3), std::sin(k * M_PI / 3), 0;
+    triangles.row(k) << 0, k + 1, (k + 1) % 6 + 1;
+  }
+  const IndexLists rings = vertex_rings(7, triangles);
+  const SparseRows D = umbrella_operator(points, triangles, rings, WeightScheme::cotangent);
+  for (int k = 1; k <= 6; ++k) EXPECT_NEAR(D.coeff(0, k), -1.0 / 6, 1e-15);
+}
+
+TEST(LocalMaps, ReproduceAffineMapsWithoutConstants) {
+  Eigen::Matrix3d B;
+  B << 1.3, -0.4, 0.2, 0.7, -0.8, 0.1, 0.05, 0.6, 2.0;  // a shear, a reflection and scales in one
+  const Eigen::RowVector3d t(3, -2, 5);
+  for (const auto& mesh : families()) {
+    for (const auto& options : all_options()) {
+      if (options.laplacian_order > 1) continue;
+      const AffineOperator op(mesh.positions, mesh.triangles, options);
+      const Columns x = (op.nodes().positions * B.transpose()).rowwise() + t;
+      const Columns m = multiply(op.H(), x);
+      for (Index i = 0; i < mesh.size(); ++i) {
+        if (op.rings()[i].empty()) continue;
+        if (options.degenerate == DegenerateTreatment::ft05_noise && mesh.size() <= 12)
+          continue;  // too few to span
+        EXPECT_LT((m.middleRows<3>(3 * i) - B.transpose()).norm(), 1e-7)
+            << mesh.name << " " << name_of(options) << " vertex " << i;
+      }
+    }
+  }
+}
+
+TEST(Rows, VanishOnAffineImages) {
+  Eigen::Matrix3d B;
+  B << 0.6, 0.4, -0.2, 0.1, 1.8, 0.3, -0.5, 0.2, 0.9;
+  for (const auto& mesh : families()) {
+    for (const auto& options : all_options()) {
+      if (options.degenerate == DegenerateTreatment::ft05_noise && mesh.size() <= 12) continue;
+      const AffineOperator op(mesh.positions, mesh.triangles, options);
+      const Columns x = (op.nodes().positions * B.transpose()).rowwise() + Eigen::RowVector3d(1, 2, 3);
+      const SparseRows A = op.A();
+      const Columns residual = multiply(A, x);
+      for (Eigen::Index row = 0; row < A.rows(); ++row)
+        ASSERT_LT(residual.row(row).norm(), 1e-8 * (1 + A.row(row).norm()))
+            << mesh.name << " " << name_of(options) << " row " << row;
+    }
+  }
+}
+
+TEST(Rows, AreTheEnergysTerms) {
+  for (const auto& mesh : test::small_families()) {
+    OperatorOptions options;
+    const AffineOperator op(mesh.positions, mesh.triangles, options);
+    const Columns x = Columns::Random(op.nodes().positions.rows(), 3);
+    const Columns m = multiply(op.H(), x);
+    const Columns laplacian = multiply(op.L(), x) - multiply(op.delta(), m);
+    const Columns smoothness = multiply(op.P(), m);
+    const Columns all = multiply(op.A(), x);
+    ASSERT_EQ(all.rows(), laplacian.rows() + smoothness.rows());
+    const double scale = 1 + all.norm();
+    EXPECT_LT((all.topRows(laplacian.rows()) - laplacian).norm(), 1e-10 * scale) << mesh.name;
+    EXPECT_LT((all.bottomRows(smoothness.rows()) - smoothness).norm(), 1e-10 * scale) << mesh.name;
+  }
+}
+
+TEST(Rows, AreTheSameBytesOnOneThreadAndTwo) {
+  const auto mesh = test::irregular_grid(40, 40);
+  for (const auto& options : all_options()) {
+    const SparseRows one =
+        AffineOperator(mesh.positions, mesh.triangles, options, {}, {.threads = 1}).A({.threads = 1});
+    const SparseRows two =
+        AffineOperator(mesh.positions, mesh.triangles, options, {}, {.threads = 2}).A({.threads = 2});
+    ASSERT_EQ(one.nonZeros(), two.nonZeros());
+    EXPECT_EQ(std::memcmp(one.valuePtr(), two.valuePtr(), sizeof(double) * one.nonZeros()), 0)
+        << name_of(options);
+  }
+}
+
+TEST(SmoothnessPairs, AreEdgesAndPairsOppositeAcrossThem) {
+  const auto tetrahedron = test::tetrahedron();
+  const std::vector<std::uint8_t> all(4, 1);
+  const IndexLists faces_at = vertex_triangles(4, tetrahedron.triangles);
+  const auto pairs =
+      smoothness_pairs(tetrahedron.triangles, faces_at, vertex_rings(4, tetrahedron.triangles), all);
+  EXPECT_EQ(pairs.size(), 6u);  // opposite pairs are edges here
+
+  const auto quad = test::two_triangles();
+  const std::vector<std::uint8_t> four(4, 1);
+  const auto quad_pairs = smoothness_pairs(quad.triangles, vertex_triangles(4, quad.triangles),
+                                           vertex_rings(4, quad.triangles), four);
+  EXPECT_EQ(quad_pairs.size(), 6u);  // five edges and the pair across the diagonal
+}
+
+TEST(Degenerate, FlatRingsAreFoundAndNoiseMovesOnlyThem) {
+  OperatorOptions options;
+  options.degenerate = DegenerateTreatment::ft05_noise;
+  const auto sheet = test::flat_sheet(12, 12);
+  const AffineOperator flat(sheet.positions, sheet.triangles, options);
+  EXPECT_EQ(static_cast<Index>(flat.nodes().moved.size()), sheet.size());
+  double above = 0, below = 0;
+  for (Index v : flat.nodes().moved) {
+    const double height = flat.nodes().positions(v, 2) - sheet.positions(v, 2);
+    EXPECT_NEAR(std::abs(height), options.noise_length_rel * flat.edge_lengths()[v], 1e-12);
+    (height > 0 ? above : below) += 1;
+  }
+  EXPECT_GT(above, 0.3 * sheet.size());  // on both sides
+  EXPECT_GT(below, 0.3 * sheet.size());
+
+  const auto ball = test::icosphere(2);
+  const AffineOperator round(ball.positions, ball.triangles, options);
+  EXPECT_TRUE(round.nodes().moved.empty());
+}
+
+TEST(Options, OutOfRangeAreNamed) {
+  const auto mesh = test::octahedron();
+  for (auto [field, change] : std::initializer_list<std::pair<const char*, void (*)(OperatorOptions&)>>{
+           {"apex_height_rel", [](OperatorOptions& o) { o.apex_height_rel = 0; }},
+           {"noise_length_rel", [](OperatorOptions& o) { o.noise_length_rel = -1; }},
+           {"flatness", [](OperatorOptions& o) { o.flatness = std::nan(""); }},
+           {"laplacian_weight", [](OperatorOptions& o) { o.laplacian_weight = 0; }},
+           {"laplacian_order", [](OperatorOptions& o) { o.laplacian_order = 9; }}}) {
+    OperatorOptions options;
+    change(options);
+    try {
+      AffineOperator(mesh.positions, mesh.triangles, options);
+      FAIL() << field;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      EXPECT_EQ(error.place(), field);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft

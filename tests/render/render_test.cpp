@@ -1,0 +1,117 @@
+#include "render/render.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/samples/samples.h>
+
+namespace meshgraft::render {
+namespace {
+
+RenderOptions small_picture() {
+  RenderOptions options;
+  options.width = 96;
+  options.height = 72;
+  return options;
+}
+
+std::vector<int> pixel(const Image& image, int x, int y) {
+  const auto* p = image.pixels.data() + 3 * (y * image.width + x);
+  return {p[0], p[1], p[2]};
+}
+
+TEST(Render, IsTheSameForAnyNumberOfThreads) {
+  const Mesh mesh = make_sample("torus", 24);
+  const Shape shape{&mesh, {}};
+  Context one;
+  one.threads = 1;
+  EXPECT_EQ(render({&shape, 1}, small_picture(), one).pixels, render({&shape, 1}, small_picture()).pixels);
+}
+
+TEST(Render, FitsTheShapeIntoThePictureWhereverItIs) {
+  Mesh mesh = make_sample("bar", 8);
+  const Shape near{&mesh, {}};
+  const Image here = render({&near, 1}, small_picture());
+  const Shape far{&mesh, {}, {1e6, -1e6, 1e6}};
+  const Image there = render({&far, 1}, small_picture());
+  // Light background in the corner, clay in the middle; the same far away.
+  EXPECT_GT(pixel(here, 1, 1)[0], 215);
+  EXPECT_LT(pixel(here, 48, 36)[2], 200);
+  EXPECT_GT(pixel(here, 48, 36)[0], pixel(here, 48, 36)[2]);
+  EXPECT_NEAR(pixel(here, 48, 36)[0], pixel(there, 48, 36)[0], 12);
+}
+
+TEST(Render, ShowsColours) {
+  const Mesh mesh = make_sample("bar", 8);
+  Shape shape{&mesh, Points::Zero(mesh.vertex_count(), 3)};
+  shape.colours.col(1).setOnes();
+  const auto middle = pixel(render({&shape, 1}, small_picture()), 48, 36);
+  EXPECT_GT(middle[1], 2 * middle[0]);
+  shape.colours.resize(3, 3);
+  EXPECT_THROW(render({&shape, 1}, small_picture()), Error);
+}
+
+TEST(Render, ReadsTheColourAttributeAsLinear) {
+  Mesh mesh = make_sample("bar", 4);
+  EXPECT_EQ(vertex_colours(mesh).rows(), 0);
+  Attribute colour;
+  colour.name = "colour";
+  colour.type = ScalarType::uint8;
+  colour.components = 3;
+  colour.values.assign(3 * static_cast<std::size_t>(mesh.vertex_count()), 255.0);
+  colour.values[0] = 188.0;
+  mesh.attributes.push_back(colour);
+  const Points linear = vertex_colours(mesh);
+  ASSERT_EQ(linear.rows(), mesh.vertex_count());
+  EXPECT_NEAR(linear(0, 0), 0.5, 0.01);
+  EXPECT_DOUBLE_EQ(linear(1, 1), 1.0);
+}
+
+TEST(Render, RefusesAnEmptyScene) {
+  EXPECT_THROW(render({}, small_picture()), Error);
+  const Mesh mesh;
+  const Shape shape{&mesh, {}};
+  EXPECT_THROW(render({&shape, 1}, small_picture()), Error);
+}
+
+TEST(SideBySide, KeepsThePicturesAndDrawsCaptions) {
+  Image red{40, 30, std::vector<std::uint8_t>(3 * 40 * 30, 0)};
+  for (std::size_t i = 0; i < red.pixels.size(); i += 3) red.pixels[i] = 255;
+  const std::vector<Image> two{red, red};
+  const Image plain = side_by_side(two);
+  EXPECT_EQ(plain.height, 30);
+  EXPECT_GE(plain.width, 80);
+  EXPECT_EQ(pixel(plain, 0, 0), pixel(red, 0, 0));
+  EXPECT_EQ(pixel(plain, plain.width - 1, 29), pixel(red, 39, 29));
+  const std::vector<std::string> blank{"", ""}, words{"before", "after"}, one{"before"};
+  const Image without = side_by_side(two, blank), with = side_by_side(two, words);
+  EXPECT_GT(with.height, 30);
+  EXPECT_EQ(with.height, without.height);
+  EXPECT_NE(with.pixels, without.pixels);
+  EXPECT_THROW(side_by_side(two, one), Error);
+}
+
+TEST(WritePng, WritesAWholeFileOrNone) {
+  const std::filesystem::path folder = testing::TempDir();
+  const Image image{2, 2, std::vector<std::uint8_t>(12, 128)};
+  write_png(image, folder / "picture.png");
+  std::ifstream file(folder / "picture.png", std::ios::binary);
+  std::string head(8, ' ');
+  file.read(head.data(), 8);
+  EXPECT_EQ(head, std::string("\x89PNG\r\n\x1a\n", 8));
+  EXPECT_FALSE(std::filesystem::exists(folder / "picture.png.partial"));
+  try {
+    write_png(image, folder / "no such folder" / "picture.png");
+    FAIL() << "no exception";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::io);
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft::render

@@ -1,0 +1,109 @@
+"""tools/bootstrap.sh on made-up systems: folders with just the commands that such a system has."""
+
+import os
+import shutil
+import stat
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BASICS = ("bash", "env", "awk", "sed", "grep", "dirname", "cat")
+
+
+def packages(*groups):
+    lines = (ROOT / "tools/packages.txt").read_text(encoding="utf-8").splitlines()
+    fields = [line.split() for line in lines if line and not line.startswith("#")]
+    return list(dict.fromkeys(name for group, name, *_ in fields if group in groups))
+
+
+class Bootstrap(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.bin = Path(folder.name)
+        for name in BASICS:
+            (self.bin / name).symlink_to(shutil.which(name))
+        self.calls = self.bin / "calls"
+        self.calls.touch()
+
+    def command(self, name, script=""):
+        """A command that notes its call and then does `script`."""
+        path = self.bin / name
+        path.write_text(f'#!/usr/bin/env bash\necho "{name} $*" >> "{self.calls}"\n{script}\n', encoding="utf-8")
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+
+    def debian(self, installed, user=0, sudo=True, apt="exit 0"):
+        table = self.bin / "installed"
+        table.write_text("".join(f"installed {name}\n" for name in installed), encoding="utf-8")
+        self.command("dpkg-query", f'cat "{table}"')
+        self.command("apt-get", apt)
+        self.command("id", f"echo {user}")
+        if sudo:
+            self.command("sudo", '"$@"')
+
+    def run_for(self, *groups, **variables):
+        # bash by its full path: PATH here is the made-up system's
+        result = subprocess.run([shutil.which("bash"), ROOT / "tools/bootstrap.sh", *groups], text=True,
+                                capture_output=True, env={"PATH": str(self.bin), **variables})
+        calls = [line for line in self.calls.read_text().splitlines() if not line.startswith(("dpkg-query", "id"))]
+        return result, calls
+
+    def test_silent_where_all_is_there(self):
+        self.debian(packages("build", "test"))
+        result, calls = self.run_for("build", "test")
+        self.assertEqual((result.returncode, result.stdout, result.stderr, calls), (0, "", "", []))
+
+    def test_installs_only_what_is_missing_and_says_why(self):
+        self.debian([name for name in packages("build") if name not in ("libtbb-dev", "libpng-dev")])
+        result, calls = self.run_for("build")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"libtbb-dev +threads")
+        self.assertNotIn("libeigen3-dev", result.stdout)
+        self.assertEqual(calls, ["apt-get update -qq",
+                                 "apt-get install -y -qq --no-install-recommends libtbb-dev libpng-dev"])
+
+    def test_asks_for_root_through_sudo(self):
+        self.debian([], user=1000)
+        result, calls = self.run_for("test")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(calls[0], "sudo apt-get update -qq")
+        self.assertTrue(calls[2].startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install"), calls)
+
+    def test_neither_root_nor_sudo(self):
+        self.debian([], user=1000, sudo=False)
+        result, calls = self.run_for("test")
+        self.assertEqual((result.returncode, calls), (1, []))
+        self.assertIn("apt-get install " + " ".join(packages("test")), result.stderr)
+
+    def test_update_may_fail_install_may_not(self):
+        self.debian([], apt='[ "$1" = install ]')
+        self.assertEqual(self.run_for("test")[0].returncode, 0)
+        self.debian([], apt='[ "$1" = update ]')
+        result, _ = self.run_for("test")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("by hand", result.stderr)
+
+    def test_system_without_apt_gets_the_list(self):
+        result, _ = self.run_for("build")
+        self.assertEqual(result.returncode, 1)
+        for name in packages("build"):
+            self.assertIn(name, result.stderr)
+
+    def test_system_without_apt_that_has_the_tools_goes_on(self):
+        for name in ("g++", "cmake", "ninja"):
+            self.command(name)
+        self.assertEqual(self.run_for("build")[0].returncode, 0)
+
+    def test_switched_off(self):
+        self.assertEqual(self.run_for("build", MESHGRAFT_BOOTSTRAP="off")[0].returncode, 0)
+
+    def test_unknown_group(self):
+        self.debian([])
+        result, calls = self.run_for("built")
+        self.assertEqual((result.returncode, calls), (2, []))
+
+
+if __name__ == "__main__":
+    unittest.main()

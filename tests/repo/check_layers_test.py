@@ -1,0 +1,89 @@
+"""tools/check_layers.py on small made-up trees: it finds what it should, and nothing else."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+import check_layers  # noqa: E402
+
+
+class CheckLayers(unittest.TestCase):
+    def violations(self, files):
+        """Violations of a tree given as {path: text}."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            for name, text in files.items():
+                path = root / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+            return check_layers.check(root)
+
+    def assert_one(self, files, *parts):
+        problems = self.violations(files)
+        self.assertEqual(len(problems), 1, problems)
+        for part in parts:
+            self.assertIn(part, problems[0])
+
+    def test_downward_and_sideways_within_a_layer_is_fine(self):
+        self.assertEqual(
+            self.violations({
+                "include/meshgraft/core/error.h": "#include <string>\n",
+                "include/meshgraft/mesh/mesh.h": "#include <meshgraft/core/error.h>\n",
+                "src/mesh/table.h": "",
+                "src/mesh/mesh.cpp": '#include <meshgraft/mesh/mesh.h>\n#include "table.h"\n#include "mesh/table.h"\n',
+                "src/deform/deformer.cpp": "#include <meshgraft/mesh/mesh.h>\n",
+                "cli/main.cpp": '#include <meshgraft/mesh/mesh.h>\n',
+                "tests/mesh/mesh_test.cpp": "#include <meshgraft/deform/deformer.h>\n",
+            }), [])
+
+    def test_upward_include(self):
+        self.assert_one({
+            "include/meshgraft/deform/deformer.h": "",
+            "src/mesh/mesh.cpp": "#include <string>\n\n#include <meshgraft/deform/deformer.h>\n",
+        }, "src/mesh/mesh.cpp:3", "mesh must not use deform")
+
+    def test_upward_include_of_a_header_that_does_not_exist_yet(self):
+        self.assert_one({"src/core/error.cpp": "#include <meshgraft/mesh/mesh.h>\n"}, "core must not use mesh")
+
+    def test_upward_include_by_a_private_path(self):
+        for line in ('#include "../deform/rows.h"', '#include "deform/rows.h"', '  #  include "deform/rows.h"'):
+            self.assert_one({"src/deform/rows.h": "", "src/operators/a.cpp": line + "\n"},
+                            "src/operators/a.cpp:1", "operators must not use deform")
+
+    def test_sideways_include(self):
+        self.assert_one({"src/render/a.cpp": "#include <meshgraft/samples/samples.h>\n"}, "render must not use samples")
+        self.assert_one({"src/linalg/a.cpp": "#include <meshgraft/io/mesh_io.h>\n"}, "linalg must not use io")
+
+    def test_public_header_with_a_private_one(self):
+        self.assert_one({
+            "src/mesh/table.h": "",
+            "include/meshgraft/mesh/mesh.h": '#include "mesh/table.h"\n',
+        }, "a public header includes the private src/mesh/table.h")
+
+    def test_cholmod_in_one_source_only(self):
+        one = {"src/linalg/cholmod_solver.cpp": "#include <cholmod.h>\n"}
+        self.assertEqual(self.violations(one), [])
+        self.assert_one(one | {"src/linalg/other.cpp": "#include <suitesparse/cholmod.h>\n"},
+                        "cholmod.h is included by 2 files", "cholmod_solver.cpp:1", "other.cpp:1")
+        self.assert_one({"include/meshgraft/linalg/linear_solver.h": "#include <cholmod.h>\n"},
+                        "a public header includes cholmod.h")
+
+    def test_folder_that_is_no_layer(self):
+        self.assert_one({"src/misc/a.cpp": ""}, "src/misc/a.cpp", "not in a known layer")
+
+    def test_no_layer_uses_one_that_uses_it(self):
+        def reach(layer):
+            return set().union(*({used} | reach(used) for used in check_layers.USES[layer]))
+        for layer in check_layers.USES:
+            self.assertNotIn(layer, reach(layer))
+
+    def test_an_empty_tree_is_a_failure(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(check_layers.main([folder]), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <meshgraft/deform/constraints.h>
+
+#include "support/mesh_families.h"
+
+namespace meshgraft::test {
+
+/// Small edits of a row mesh: the first tenth of its length is held, the last tenth is moved.
+enum class RowEdit {
+  stretch,  ///< along its length, by 0.3 of it
+  bend,     ///< by 20° about an axis across its middle
+  twist,    ///< by 20° about its length
+};
+
+const char* to_string(RowEdit edit);
+
+std::vector<VertexConstraint> row_constraints(const RowMesh& rows, RowEdit edit);
+
+/// What an edit did to each row: its mean displacement along the length (stretch, relative to the length)
+/// or across it (bend, the same), or its turn about the length (twist, radians).
+std::vector<double> row_profile(const RowMesh& rows, RowEdit edit, const Points& edited);
+
+/// Solves for the positions of a mesh under several sets of constraints on the same vertices.
+using SolveRows =
+    std::function<std::vector<Points>(const TestMesh&, const std::vector<std::vector<VertexConstraint>>&)>;
+
+/// Largest difference of the profiles of a mesh with unlike halves (1 : ratio) and of even ones of the same
+/// shape, at the same places along the length, relative to the profile's amplitude. `cells_along` is that of
+/// the coarser half.
+struct DensityDeviation {
+  RowShape shape = RowShape::bar;
+  RowEdit edit = RowEdit::stretch;
+  int cells_along = 0;
+  int ratio = 0;
+  double deviation = 0;
+};
+
+inline constexpr RowShape all_row_shapes[] = {RowShape::bar, RowShape::tube, RowShape::plane};
+
+/// Every edit of the shapes: halves 1:2 and 1:4, then even meshes of other resolutions, against an even one of
+/// 40 cells along the length.
+std::vector<DensityDeviation> density_deviations(const SolveRows& solve,
+                                                 std::span<const RowShape> shapes = all_row_shapes);
+
+}  // namespace meshgraft::test
