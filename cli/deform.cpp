@@ -114,8 +114,17 @@ void run_deform(const DeformArguments& arguments, Context context) {
 }
 
 void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
-  add_choice<DeformMethod>(command, "--method", overrides.method, {{"ft05", DeformMethod::ft05}},
-                           "The method; overrides the edit file, as the next four do");
+  add_choice<DeformMethod>(command, "--method", overrides.method,
+                           {{"ft05", DeformMethod::ft05},
+                            {"rotation-aware", DeformMethod::rotation_aware},
+                            {"corotational", DeformMethod::corotational}},
+                           "The method; overrides the edit file, as the next six do");
+  command.add_option("--stiffness", overrides.stiffness, "How strongly lengths are kept, from 0 on")
+      ->type_name("X")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("--iterations", overrides.iterations, "Most co-rotational steps")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000));
   add_choice<DegenerateTreatment>(command, "--degenerate", overrides.degenerate,
                                   {{"ft05-noise", DegenerateTreatment::ft05_noise},
                                    {"apex", DegenerateTreatment::apex},

@@ -42,7 +42,9 @@ ConstrainedSystem::ConstrainedSystem(const Points& points, const Triangles& tria
   take_anchors(all_anchors, states);
   if (patch_.size() > 0) {
     build_operators(options.operators, context);
-    build_system(options.operators.density, context);
+    region_size_ = std::sqrt(free_area());
+    build_system(options.operators.density, options.method == DeformMethod::ft05 ? 0 : options.stiffness,
+                 context);
     summary.degenerate_vertices = count_degenerate();
   }
   summary.free_vertices = static_cast<Index>(free_.size());
@@ -128,12 +130,34 @@ double ConstrainedSystem::free_area() const {
   return area > 0 ? area : 1;
 }
 
+/// Rows w (x_i − x_j) of the edges with a free end, toward w ½(F_i + F_j)(p_i − p_j). With `aware` their sum
+/// approximates μ²/D² ∫ ‖∂x − F‖², D the region's size, beside E_R's ∫ ‖∂M − ∂F‖²: neither size nor
+/// tessellation counts.
+SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) {
+  const AffineOperator& op = *operators_;
+  const double scale = density == Density::aware ? op.mean_edge_length() / region_size_ : 1.0;
+  if (stiffness > 0) {
+    for (Index i = 0; i < patch_.size(); ++i)
+      for (const Index j : op.rings()[i])
+        if (i < j && (!known_.position[i] || !known_.position[j])) bars_.push_back({{i, j}, stiffness * scale});
+  }
+  SparseRows rows(static_cast<Eigen::Index>(bars_.size()), op.nodes().positions.rows());
+  rows.reserve(std::vector<int>(bars_.size(), 2));
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    const auto row = static_cast<Eigen::Index>(b);
+    rows.insertBackUncompressed(row, bars_[b].ends[0]) = bars_[b].weight;
+    rows.insertBackUncompressed(row, bars_[b].ends[1]) = -bars_[b].weight;
+  }
+  rows.makeCompressed();
+  return rows;
+}
+
 /// Soft rows weight · (x_i − target). Where i was moved off its plane, x_i is the place it comes back to
 /// (FT05 equation 8). With `aware`, the rows of anchors spread over a surface approximate an integral like
 /// those of E_L and E_R, measured by the free area so that neither size nor tessellation counts.
 SparseRows ConstrainedSystem::anchor_rows(Density density) {
   const AffineOperator& op = *operators_;
-  const double area = free_area();
+  const double area = region_size_ * region_size_;
   SparseRows rows(static_cast<Eigen::Index>(anchors_.size()), E_.cols());
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
@@ -156,7 +180,7 @@ SparseRows ConstrainedSystem::anchor_rows(Density density) {
 
 /// Columns: each free vertex and its apex in turn, then four for each feature (three of the map, one of the
 /// translation).
-void ConstrainedSystem::build_system(Density density, const Context& context) {
+void ConstrainedSystem::build_system(Density density, double stiffness, const Context& context) {
   const AffineOperator& op = *operators_;
   const Index n = patch_.size();
   const Eigen::Index node_count = op.nodes().positions.rows();
@@ -196,7 +220,8 @@ void ConstrainedSystem::build_system(Density density, const Context& context) {
   G_ = SparseRows(multiply(op.H(), E_, context) + F);
   A_L_ = SparseRows(multiply(op.L(), E_, context) - multiply(op.delta(), G_, context));
 
-  A_L_ = stack(A_L_, anchor_rows(density));
+  bar_rows_ = stiffness_rows(density, stiffness);
+  A_L_ = stack(stack(A_L_, multiply(bar_rows_, E_, context)), anchor_rows(density));
   A_L_transposed_ = transpose(A_L_);
   G_transposed_ = transpose(G_);
   P_transposed_ = transpose(op.P());
@@ -239,8 +264,7 @@ ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexC
   return values;
 }
 
-ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values,
-                                                           std::span<const Eigen::Matrix3d> field,
+ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
   const AffineOperator& op = *operators_;
   const Columns m = multiply(op.H(), values.x, context) + values.m;
@@ -248,19 +272,29 @@ ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values,
   const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
   rhs.laplacian.resize(A_L_.rows(), 3);
   rhs.laplacian.topRows(laplacian.rows()) = laplacian;
+  if (!bars_.empty()) {
+    auto bars = rhs.laplacian.middleRows(laplacian.rows(), static_cast<Eigen::Index>(bars_.size()));
+    bars = -multiply(bar_rows_, values.x, context);
+    for (std::size_t b = 0; b < bars_.size() && !field.stretch.empty(); ++b) {
+      const auto [i, j] = bars_[b].ends;
+      const Eigen::Matrix3d change = (field.stretch[i] + field.stretch[j]) / 2 - Eigen::Matrix3d::Identity();
+      const Eigen::RowVector3d d = op.nodes().positions.row(i) - op.nodes().positions.row(j);
+      bars.row(static_cast<Eigen::Index>(b)) += bars_[b].weight * d * change.transpose();
+    }
+  }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Eigen::RowVector3d p = rest_.row(anchors_[a].vertex);
     const Eigen::RowVector3d move = anchors_[a].target ? Eigen::RowVector3d(anchors_[a].target->transpose() - p)
                                                        : Eigen::RowVector3d::Zero();
     const Index v = patch_.local(anchors_[a].vertex);
     const Eigen::RowVector3d back = patch_.points.row(v) - op.nodes().positions.row(v);
-    rhs.laplacian.row(laplacian.rows() + static_cast<Eigen::Index>(a)) =
+    rhs.laplacian.row(laplacian.rows() + static_cast<Eigen::Index>(bars_.size() + a)) =
         anchor_weights_[a] * (move / patch_.scale - back * m.middleRows<3>(3 * v));
   }
   Columns target = -m;
-  if (!field.empty()) {
+  if (!field.smoothness.empty()) {
     for (Index v = 0; v < patch_.size(); ++v)
-      target.middleRows<3>(3 * v) += (field[patch_.vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
+      target.middleRows<3>(3 * v) += (field.smoothness[v] - Eigen::Matrix3d::Identity()).transpose();
   }
   rhs.smoothness = multiply(op.P(), target, context);
   return rhs;
@@ -278,14 +312,23 @@ ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const 
 }
 
 /// y = (AᵀA)⁻¹ Aᵀ b, then corrections with the residual of the rectangular system.
-Columns ConstrainedSystem::solve(const Rows& rhs, const Context& context) const {
+Columns ConstrainedSystem::solve(const Rows& rhs, int corrections, const Context& context) const {
   const auto back_substitute = [&](const Rows& rows) {
     return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), context));
   };
   Columns y = back_substitute(rhs);
-  for (int correction = 0; correction < residual_corrections_; ++correction)
+  for (int correction = 0; correction < corrections; ++correction)
     y += back_substitute(residual_rows(rhs, y, context));
   return y;
+}
+
+Columns ConstrainedSystem::solve(const Known& values, const MapField& field, int corrections,
+                                 const Context& context) const {
+  return solve(right_hand_side(values, field, context), corrections, context);
+}
+
+Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Context& context) const {
+  return multiply(G_, y, context) + multiply(operators_->H(), values.x, context) + values.m;
 }
 
 void ConstrainedSystem::place(const Columns& y, const Known& values,
@@ -297,7 +340,7 @@ void ConstrainedSystem::place(const Columns& y, const Known& values,
     const StencilNodes& nodes = operators_->nodes();
     if (!nodes.moved.empty()) {
       // FT05 equation 8: x = M (p − p') + x' for vertices that were moved off their plane.
-      const Columns m = multiply(G_, y, context) + multiply(operators_->H(), values.x, context) + values.m;
+      const Columns m = maps(y, values, context);
       for (Index v : nodes.moved) {
         const Eigen::RowVector3d back = patch_.points.row(v) - nodes.positions.row(v);
         x.row(v) += back * m.middleRows<3>(3 * v);
@@ -338,32 +381,21 @@ double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstrai
   return largest;
 }
 
-void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints,
-                                 std::span<const Eigen::Matrix3d> field, Points& out,
-                                 const Context& context) const {
+void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, const MapField& field,
+                                 Points& out, EvaluationReport* report, const Context& context) const {
   if (!solver_) {
     place(Columns(0, 3), {}, constraints, out, context);
     return;
   }
   const Known values = known_values(constraints);
-  const Columns y = solve(right_hand_side(values, field, context), context);
-  place(y, values, constraints, out, context);
-}
-
-EvaluationReport ConstrainedSystem::inspect(std::span<const VertexConstraint> constraints,
-                                            std::span<const Eigen::Matrix3d> field,
-                                            const Context& context) const {
-  EvaluationReport report;
-  if (!solver_) return report;
-  const Known values = known_values(constraints);
   const Rows rhs = right_hand_side(values, field, context);
-  const Columns y = solve(rhs, context);
+  const Columns y = solve(rhs, residual_corrections_, context);
+  place(y, values, constraints, out, context);
+  if (report == nullptr) return;
   const double scale = apply_transposed(rhs, context).norm();
-  if (scale > 0) report.residual = apply_transposed(residual_rows(rhs, y, context), context).norm() / scale;
-  Points positions;
-  place(y, values, constraints, positions, context);
-  report.max_transform_deviation = max_transform_deviation(constraints, positions);
-  return report;
+  report->residual =
+      scale > 0 ? apply_transposed(residual_rows(rhs, y, context), context).norm() / scale : 0.0;
+  report->max_transform_deviation = max_transform_deviation(constraints, out);
 }
 
 double ConstrainedSystem::condition_estimate(const Context& context) const {

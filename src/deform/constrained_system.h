@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -27,6 +28,12 @@ struct VertexStates {
 /// Throws Error(input) at `place` unless 0 ≤ vertex < count.
 void require_vertex(Index vertex, Index count, const std::string& place);
 
+/// Maps F_i per vertex of the patch on the right-hand side; an empty field stands for I everywhere.
+struct MapField {
+  std::vector<Eigen::Matrix3d> smoothness;  ///< of E_R: (M_i − M_j) d = (F_i − F_j) d
+  std::vector<Eigen::Matrix3d> stretch;     ///< of the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
+};
+
 /// The least-squares problem of a deformation with constraints per vertex: assembled and factorised by the
 /// constructor, solved for any values of the constraints.
 ///
@@ -38,6 +45,8 @@ void require_vertex(Index vertex, Index count, const std::string& place);
 ///
 ///   E_L rows:  A_L y = −(L x_known − Δ (H x_known + m_known)),   A_L = L E − Δ (H E + F)
 ///   E_R rows:  P G y = P (r − H x_known − m_known),              G = H E + F
+///
+/// Rows of stiffness and anchors stand below those of E_L.
 class ConstrainedSystem {
  public:
   /// Fills the free and degenerate counts, the seconds and the solver's facts of `summary`.
@@ -45,16 +54,28 @@ class ConstrainedSystem {
                     std::span<const Anchor> anchors, const DeformerOptions& options, DeformerSummary& summary,
                     const Context& context);
 
-  /// Positions (n×3) for constraints that fit `states`; `field` has n rotations or none.
-  void evaluate(std::span<const VertexConstraint> constraints, std::span<const Eigen::Matrix3d> field,
-                Points& out, const Context& context) const;
-  EvaluationReport inspect(std::span<const VertexConstraint> constraints,
-                           std::span<const Eigen::Matrix3d> field, const Context& context) const;
+  /// Known displacements of nodes and known maps less I, from constraints.
+  struct Known {
+    Columns x, m;
+  };
+  Known known_values(std::span<const VertexConstraint> constraints) const;
+
+  /// The unknowns; `corrections` with the residual of the rectangular system follow the back-substitution.
+  Columns solve(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// The local maps of a solution less I: rows 3v … 3v+2 are (M_v − I)ᵀ.
+  Columns maps(const Columns& y, const Known& values, const Context& context) const;
+
+  /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one.
+  void evaluate(std::span<const VertexConstraint> constraints, const MapField& field, Points& out,
+                EvaluationReport* report, const Context& context) const;
   NormalMatrix normal_matrix(const Context& context) const;
   double condition_estimate(const Context& context) const;
 
   const Points& rest() const { return rest_; }
   const Patch& patch() const { return patch_; }
+  const KnownParts& known() const { return known_; }
+  /// √ of the area of the faces that touch a free vertex, in the patch's units.
+  double region_size() const { return region_size_; }
   const std::vector<Index>& free_vertices() const { return free_; }
   const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
 
@@ -64,27 +85,21 @@ class ConstrainedSystem {
                  const Context& context);
   void take_anchors(std::span<const Anchor> all_anchors, const VertexStates& states);
   void build_operators(const OperatorOptions& options, const Context& context);
-  void build_system(Density density, const Context& context);
+  void build_system(Density density, double stiffness, const Context& context);
   double free_area() const;
+  SparseRows stiffness_rows(Density density, double stiffness);
   SparseRows anchor_rows(Density density);
   void factorise(SolverBackend backend, DeformerSummary& summary, const Context& context);
   Index count_degenerate() const;
-
-  /// Known displacements of nodes and known maps less I, from constraints.
-  struct Known {
-    Columns x, m;
-  };
-  Known known_values(std::span<const VertexConstraint> constraints) const;
 
   /// One column block for the rows of E_L and anchors, one for those of E_R: right-hand sides or residuals.
   struct Rows {
     Columns laplacian, smoothness;
   };
-  Rows right_hand_side(const Known& values, std::span<const Eigen::Matrix3d> field,
-                       const Context& context) const;
+  Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
-  Columns solve(const Rows& rhs, const Context& context) const;
+  Columns solve(const Rows& rhs, int corrections, const Context& context) const;
   void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints, Points& out,
              const Context& context) const;
   double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
@@ -93,6 +108,14 @@ class ConstrainedSystem {
   std::vector<Index> free_;  ///< global indices, ascending
   Patch patch_;
   KnownParts known_;
+  double region_size_ = 1;
+  /// Edges with rows of stiffness.
+  struct Bar {
+    std::array<Index, 2> ends;
+    double weight;
+  };
+  std::vector<Bar> bars_;
+  SparseRows bar_rows_;                 ///< rows × nodes
   std::vector<Anchor> anchors_;         ///< on vertices whose position is unknown
   std::vector<double> anchor_weights_;  ///< of their rows
   std::unique_ptr<AffineOperator> operators_;

@@ -10,8 +10,34 @@
 #include <meshgraft/mesh/normals.h>
 
 #include "constrained_system.h"
+#include "rotation_field.h"
 
 namespace meshgraft {
+
+namespace {
+
+void validate(const DeformerOptions& options) {
+  const auto require = [](bool good, const std::string& what, const char* field) {
+    if (!good) throw Error(ErrorCode::input, what, field);
+  };
+  require(options.stiffness >= 0 && options.stiffness <= 1e6,
+          fmt::format("{} is not between 0 and 1e6", options.stiffness), "stiffness");
+  require(options.iterations >= 0 && options.iterations <= 1000,
+          fmt::format("{} is not between 0 and 1000", options.iterations), "iterations");
+  require(options.smoothing_length_rel >= 0 && options.smoothing_length_rel <= 10,
+          fmt::format("{} is not between 0 and 10", options.smoothing_length_rel), "smoothing_length_rel");
+}
+
+}  // namespace
+
+std::string_view to_string(DeformMethod value) {
+  switch (value) {
+    case DeformMethod::ft05: return "ft05";
+    case DeformMethod::rotation_aware: return "rotation-aware";
+    case DeformMethod::corotational: return "corotational";
+  }
+  return "";
+}
 
 /// Handles and checks of the caller's input; the problem itself is the system's.
 struct Deformer::Impl {
@@ -21,11 +47,24 @@ struct Deformer::Impl {
   std::vector<std::uint8_t> gives_position, gives_transform;
   DeformerSummary summary;
   std::unique_ptr<ConstrainedSystem> system;
+  std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
 
+  void build(const Points& rest, const Triangles& triangles, const VertexStates& states,
+             std::span<const Anchor> anchors, const DeformerOptions& options, const Context& context);
   void constrain(Index vertex, bool position, bool transform, VertexStates& states);
-  void require_matching(std::span<const VertexConstraint> constraints,
-                        std::span<const Eigen::Matrix3d> field) const;
+  void require_matching(std::span<const VertexConstraint> constraints) const;
+  void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
+                const Context& context) const;
 };
+
+void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
+                           std::span<const Anchor> anchors, const DeformerOptions& options,
+                           const Context& context) {
+  validate(options);
+  system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, options, summary, context);
+  if (options.method != DeformMethod::ft05 && system->operators() != nullptr)
+    rotations = std::make_unique<RotationField>(*system, options, context);
+}
 
 void Deformer::Impl::constrain(Index vertex, bool position, bool transform, VertexStates& states) {
   // Outside the region both are known already, and the part that is not given stays at rest.
@@ -36,8 +75,7 @@ void Deformer::Impl::constrain(Index vertex, bool position, bool transform, Vert
   gives_transform.push_back(transform);
 }
 
-void Deformer::Impl::require_matching(std::span<const VertexConstraint> constraints,
-                                      std::span<const Eigen::Matrix3d> field) const {
+void Deformer::Impl::require_matching(std::span<const VertexConstraint> constraints) const {
   if (constraints.size() != constrained.size())
     throw Error(ErrorCode::usage, fmt::format("{} constraints were given where the set-up has {}",
                                               constraints.size(), constrained.size()));
@@ -53,12 +91,18 @@ void Deformer::Impl::require_matching(std::span<const VertexConstraint> constrai
       throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
                   fmt::format("the constraint of vertex {}", constraint.vertex));
   }
-  for (std::size_t v = 0; v < field.size(); ++v)
-    if (!field[v].allFinite())
-      throw Error(ErrorCode::input, "the rotation is not finite", fmt::format("field, vertex {}", v));
-  if (!field.empty() && static_cast<Eigen::Index>(field.size()) != system->rest().rows())
-    throw Error(ErrorCode::usage, fmt::format("the rotation field has {} matrices for {} vertices",
-                                              field.size(), system->rest().rows()));
+}
+
+/// The method: the field of maps first, then the solve with it.
+void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Points& out,
+                              EvaluationReport* report, const Context& context) const {
+  RotationField::Result found;
+  if (rotations) found = rotations->find(constraints, context);
+  system->evaluate(constraints, found.field, out, report, context);
+  if (report == nullptr) return;
+  report->iterations = found.iterations;
+  report->last_rotation_change = found.change;
+  report->fell_back_to_linear = found.linear;
 }
 
 Deformer::Deformer() : impl_(std::make_unique<Impl>()) {}
@@ -161,8 +205,7 @@ Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region&
   add_features(region.features, states);
   d.summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.system =
-      std::make_unique<ConstrainedSystem>(rest, triangles, states, region.anchors, options, d.summary, context);
+  d.build(rest, triangles, states, region.anchors, options, context);
 }
 
 Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangles,
@@ -189,7 +232,7 @@ Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangl
   }
   add_features(features, states);
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, options, d.summary, context);
+  d.build(rest, triangles, states, anchors, options, context);
   return deformer;
 }
 
@@ -214,42 +257,59 @@ std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> 
     for (Index v : handle.vertices) {
       VertexConstraint constraint{v, {}, {}};
       if (handle.constrain_position) constraint.position = poses[h].transform * rest.row(v).transpose();
-      if (handle.constrain_transform) constraint.transform = poses[h].transform.linear();
+      if (handle.constrain_transform) {
+        constraint.transform = poses[h].transform.linear();
+        constraint.rotation = poses[h].rotation;
+      }
       constraints.push_back(constraint);
     }
   }
   return constraints;
 }
 
-void Deformer::evaluate(std::span<const HandlePose> poses, Points& positions_out,
-                        const Context& context) const {
+void Deformer::evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context,
+                        EvaluationReport* report) const {
   const Eigen::Index vertices = impl_->system->rest().rows();
   if (positions_out.rows() != vertices)
     throw Error(ErrorCode::usage,
                 fmt::format("the output has {} rows for {} vertices", positions_out.rows(), vertices));
   const std::vector<VertexConstraint> posed = constraints(poses);
-  impl_->require_matching(posed, {});
-  impl_->system->evaluate(posed, {}, positions_out, context);
+  impl_->require_matching(posed);
+  impl_->evaluate(posed, positions_out, report, context);
 }
 
-Points Deformer::evaluate(std::span<const HandlePose> poses, const Context& context) const {
+Points Deformer::evaluate(std::span<const HandlePose> poses, const Context& context,
+                          EvaluationReport* report) const {
   Points positions(impl_->system->rest().rows(), 3);
-  evaluate(poses, positions, context);
+  evaluate(poses, positions, context, report);
   return positions;
 }
 
-Points Deformer::evaluate(std::span<const VertexConstraint> constraints, std::span<const Eigen::Matrix3d> field,
-                          const Context& context) const {
-  impl_->require_matching(constraints, field);
+Points Deformer::evaluate(std::span<const VertexConstraint> constraints, const Context& context,
+                          EvaluationReport* report) const {
+  impl_->require_matching(constraints);
   Points positions;
-  impl_->system->evaluate(constraints, field, positions, context);
+  impl_->evaluate(constraints, positions, report, context);
   return positions;
 }
 
-EvaluationReport Deformer::inspect(std::span<const VertexConstraint> constraints,
-                                   std::span<const Eigen::Matrix3d> field, const Context& context) const {
-  impl_->require_matching(constraints, field);
-  return impl_->system->inspect(constraints, field, context);
+Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constraints,
+                                     std::span<const Eigen::Matrix3d> field, const Context& context,
+                                     EvaluationReport* report) const {
+  impl_->require_matching(constraints);
+  const ConstrainedSystem& system = *impl_->system;
+  if (static_cast<Eigen::Index>(field.size()) != system.rest().rows())
+    throw Error(ErrorCode::usage,
+                fmt::format("the field has {} maps for {} vertices", field.size(), system.rest().rows()));
+  for (std::size_t v = 0; v < field.size(); ++v)
+    if (!field[v].allFinite())
+      throw Error(ErrorCode::input, "the map is not finite", fmt::format("field, vertex {}", v));
+  MapField local;
+  for (const Index v : system.patch().vertices) local.smoothness.push_back(field[v]);
+  local.stretch = local.smoothness;
+  Points positions;
+  system.evaluate(constraints, local, positions, report, context);
+  return positions;
 }
 
 NormalMatrix Deformer::normal_matrix(const Context& context) const {

@@ -256,14 +256,22 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
 }
 
 DeformSettings parse_settings(const Value& value) {
-  const Object fields(value, {"method", "weights", "density", "degenerate", "apex_height_rel",
+  const Object fields(value, {"method", "stiffness", "iterations", "smoothing_length_rel", "weights", "density", "degenerate", "apex_height_rel",
                               "noise_length_rel", "flatness", "seed", "laplacian_weight", "laplacian_order",
                               "residual_corrections", "backend", "refine_boundary"});
   DeformSettings settings;
   OperatorOptions& operators = settings.deformer.operators;
   fields.optional("method", [&](const Value& v) {
-    settings.method = v.choice<DeformMethod>({{"ft05", DeformMethod::ft05}});
+    settings.deformer.method = v.choice<DeformMethod>({{"ft05", DeformMethod::ft05},
+                                                       {"rotation-aware", DeformMethod::rotation_aware},
+                                                       {"corotational", DeformMethod::corotational}});
   });
+  fields.optional("stiffness", [&](const Value& v) { settings.deformer.stiffness = v.number_in(0, 1e6); });
+  fields.optional("iterations", [&](const Value& v) {
+    settings.deformer.iterations = static_cast<int>(v.integer_in(0, 1000));
+  });
+  fields.optional("smoothing_length_rel",
+                  [&](const Value& v) { settings.deformer.smoothing_length_rel = v.number_in(0, 10); });
   fields.optional("weights", [&](const Value& v) {
     operators.weights =
         v.choice<WeightScheme>({{"uniform", WeightScheme::uniform}, {"cotangent", WeightScheme::cotangent}});
@@ -542,6 +550,7 @@ EditFile parse_version_1(const Value& root) {
 
   DeformStep step;
   step.mesh = input.name;
+  step.settings.deformer.method = DeformMethod::ft05;
   const Value roi = fields.required("roi");
   if (roi.is_string()) {
     if (roi.string() != "all") roi.fail("expected a list of vertices or 'all'");
@@ -608,13 +617,6 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
       if (const auto* def = std::get_if<PoseSpec::DefFile>(&handle.pose.kind)) add(def->file);
   }
   return files;
-}
-
-std::string_view to_string(DeformMethod value) {
-  switch (value) {
-    case DeformMethod::ft05: return "ft05";
-  }
-  return "";
 }
 
 std::string_view to_string(SelectionSpec::SelPart value) {

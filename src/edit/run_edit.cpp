@@ -100,7 +100,9 @@ std::map<std::string, Scene> load_inputs(const EditFile& edit, EditReport& repor
 
 DeformSettings effective_settings(DeformSettings settings, const SettingsOverrides& overrides) {
   OperatorOptions& operators = settings.deformer.operators;
-  settings.method = overrides.method.value_or(settings.method);
+  settings.deformer.method = overrides.method.value_or(settings.deformer.method);
+  settings.deformer.stiffness = overrides.stiffness.value_or(settings.deformer.stiffness);
+  settings.deformer.iterations = overrides.iterations.value_or(settings.deformer.iterations);
   operators.weights = overrides.weights.value_or(operators.weights);
   operators.density = overrides.density.value_or(operators.density);
   operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
@@ -170,15 +172,11 @@ Solution solve(const DeformProblem& problem, const DeformSettings& settings, con
   Stopwatch watch;
   context.step("solve");
   Solution solution;
-  solution.positions = by_handles ? deformer.evaluate(problem.deform.poses, context)
-                                  : deformer.evaluate(constraints, {}, context);
+  solution.positions = by_handles ? deformer.evaluate(problem.deform.poses, context, &report.evaluation)
+                                  : deformer.evaluate(constraints, context, &report.evaluation);
   report.seconds.solve = watch.lap();
 
   context.step("measure");
-  if (by_handles) constraints = deformer.constraints(problem.deform.poses);
-  const EvaluationReport evaluation = deformer.inspect(constraints, {}, context);
-  report.residual = evaluation.residual;
-  report.max_transform_deviation = evaluation.max_transform_deviation;
   if (options.estimate_condition) report.condition_estimate = deformer.condition_estimate(context);
   solution.free.assign(deformer.free_vertices().begin(), deformer.free_vertices().end());
   report.counts.degenerate = summary.degenerate_vertices;
@@ -267,8 +265,9 @@ void sum_up(EditReport& report) {
       report.counts = step.counts;
       report.solver = step.solver;
     }
-    report.residual = std::max(report.residual, step.residual);
-    report.max_transform_deviation = std::max(report.max_transform_deviation, step.max_transform_deviation);
+    report.evaluation.residual = std::max(report.evaluation.residual, step.evaluation.residual);
+    report.evaluation.max_transform_deviation =
+        std::max(report.evaluation.max_transform_deviation, step.evaluation.max_transform_deviation);
     if (step.condition_estimate)
       report.condition_estimate = std::max(report.condition_estimate.value_or(0), *step.condition_estimate);
   }

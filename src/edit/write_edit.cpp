@@ -178,7 +178,10 @@ Json input_json(const EditInput& input) {
 Json settings_json(const DeformSettings& settings) {
   const OperatorOptions& operators = settings.deformer.operators;
   const bool automatic = operators.degenerate == DegenerateTreatment::automatic;
-  return {{"method", std::string(to_string(settings.method))},
+  return {{"method", std::string(to_string(settings.deformer.method))},
+          {"stiffness", settings.deformer.stiffness},
+          {"iterations", settings.deformer.iterations},
+          {"smoothing_length_rel", settings.deformer.smoothing_length_rel},
           {"weights", operators.weights == WeightScheme::cotangent ? "cotangent" : "uniform"},
           {"density", operators.density == Density::aware ? "aware" : "ft05"},
           {"degenerate", automatic                                           ? "auto"

@@ -40,6 +40,24 @@ SparseRows umbrella_pattern(const IndexLists& rings) {
   return pattern;
 }
 
+/// ½(cot α + cot β) on every edge of the pattern.
+void add_half_cotangents(const Points& points, const Triangles& triangles, SparseRows& matrix) {
+  double* values = matrix.valuePtr();
+  for (Index t = 0; t < triangles.rows(); ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Index i = triangles(t, corner), j = triangles(t, (corner + 1) % 3),
+                  k = triangles(t, (corner + 2) % 3);
+      if (i == j || j == k || k == i) continue;
+      const Eigen::RowVector3d a = points.row(i) - points.row(k), b = points.row(j) - points.row(k);
+      const double area2 = a.cross(b).norm();
+      if (area2 <= 0) continue;
+      const double half_cotangent = 0.5 * a.dot(b) / area2;
+      values[entry_of(matrix, i, j)] += half_cotangent;
+      values[entry_of(matrix, j, i)] += half_cotangent;
+    }
+  }
+}
+
 }  // namespace
 
 SparseRows umbrella_operator(const Points& points, const Triangles& triangles, const IndexLists& rings,
@@ -47,21 +65,7 @@ SparseRows umbrella_operator(const Points& points, const Triangles& triangles, c
   context.throw_if_stopped();
   SparseRows D = umbrella_pattern(rings);
   double* values = D.valuePtr();
-  if (weights == WeightScheme::cotangent) {
-    for (Index t = 0; t < triangles.rows(); ++t) {
-      for (int corner = 0; corner < 3; ++corner) {
-        const Index i = triangles(t, corner), j = triangles(t, (corner + 1) % 3),
-                    k = triangles(t, (corner + 2) % 3);
-        if (i == j || j == k || k == i) continue;
-        const Eigen::RowVector3d a = points.row(i) - points.row(k), b = points.row(j) - points.row(k);
-        const double area2 = a.cross(b).norm();
-        if (area2 <= 0) continue;
-        const double half_cotangent = 0.5 * a.dot(b) / area2;
-        values[entry_of(D, i, j)] += half_cotangent;
-        values[entry_of(D, j, i)] += half_cotangent;
-      }
-    }
-  }
+  if (weights == WeightScheme::cotangent) add_half_cotangents(points, triangles, D);
   for (Index i = 0; i < rings.size(); ++i) {
     if (rings[i].empty()) continue;
     const int self = entry_of(D, i, i);
@@ -74,6 +78,34 @@ SparseRows umbrella_operator(const Points& points, const Triangles& triangles, c
     values[self] = 1;
   }
   return D;
+}
+
+SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                            const Context& context) {
+  context.throw_if_stopped();
+  SparseRows K = umbrella_pattern(rings);
+  add_half_cotangents(points, triangles, K);
+  double* values = K.valuePtr();
+  for (Index i = 0; i < rings.size(); ++i) {
+    if (rings[i].empty()) continue;
+    double sum = 0;
+    for (int entry = K.outerIndexPtr()[i]; entry < K.outerIndexPtr()[i + 1]; ++entry) {
+      values[entry] = -std::max(values[entry], 0.0);
+      sum -= values[entry];
+    }
+    values[entry_of(K, i, i)] = sum;
+  }
+  return K;
+}
+
+std::vector<double> vertex_areas(const Points& points, const Triangles& triangles) {
+  std::vector<double> areas(static_cast<std::size_t>(points.rows()), 0.0);
+  for (const auto& t : triangles.rowwise()) {
+    const Eigen::RowVector3d a = points.row(t[1]) - points.row(t[0]), b = points.row(t[2]) - points.row(t[0]);
+    const double third = a.cross(b).norm() / 6;
+    for (int corner = 0; corner < 3; ++corner) areas[t[corner]] += third;
+  }
+  return areas;
 }
 
 std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& rings) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <meshgraft/mesh/mesh.h>
 
@@ -14,6 +15,9 @@ struct VertexConstraint {
   Index vertex = -1;
   std::optional<Eigen::Vector3d> position{};   ///< edited position u, model units
   std::optional<Eigen::Matrix3d> transform{};  ///< local transform W (rest → edited)
+  /// The rotation inside `transform` with all its turns (radians), where it is known: 270° or 720° then spread
+  /// as such. Absent: the turn of less than half a circle.
+  std::optional<Eigen::AngleAxisd> rotation{};
 };
 
 /// A stationary anchor (FT05 section 6): a vertex that is drawn to a place by a soft row. Under

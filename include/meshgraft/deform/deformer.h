@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <meshgraft/core/context.h>
@@ -26,7 +27,25 @@ struct Region {
   std::vector<Feature> features{};
 };
 
+/// How rotations spread from the constraints (docs/methods.md). The matrix is the same but for `stiffness`;
+/// what differs is the field of maps F_i on the right-hand side of E_R, ‖(M_i − M_j) d − (F_i − F_j) d‖².
+enum class DeformMethod {
+  ft05,            ///< F = I: maps are blended linearly (Fu & Tai 2005)
+  rotation_aware,  ///< F blends the logarithms of the constraints' rotations and stretches
+  corotational,    ///< starts there, then F follows the rotations of the surface itself
+};
+
+std::string_view to_string(DeformMethod value);
+
 struct DeformerOptions {
+  // The method.
+  DeformMethod method = DeformMethod::corotational;
+  /// μ ≥ 0 of extra rows on edges that keep lengths (not of `ft05`): 0 bends most evenly, more is more rigid.
+  /// Under `Density::aware` relative to bending over the region's size, else as plain rows of weight μ.
+  double stiffness = 60;
+  int iterations = 20;  ///< most co-rotational steps
+  /// Length over which the co-rotational field is kept smooth, × the region's size √(free area).
+  double smoothing_length_rel = 0.08;
   // The operator.
   OperatorOptions operators{};
   // The solve.
@@ -50,6 +69,10 @@ struct DeformerSummary {
 struct EvaluationReport {
   double residual = 0;                 ///< ‖Aᵀ(b − A x)‖ / ‖Aᵀ b‖, 0 for a zero right-hand side
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
+  int iterations = 0;                  ///< co-rotational steps that were made
+  double last_rotation_change = 0;     ///< in the last of them, root mean square, radians
+  /// A constraint reflects or flattens: its rotation has no logarithm, and all was solved as by `ft05`.
+  bool fell_back_to_linear = false;
 };
 
 /// Deforms a region of a mesh by its handles (Fu & Tai 2005, sections 3 and 4). The constructor validates,
@@ -73,23 +96,26 @@ class Deformer {
   Deformer& operator=(Deformer&&) noexcept;
   ~Deformer();
 
-  /// New positions, n×3, for one pose per handle. Vertices outside the region keep their bits; handle
-  /// vertices are exactly at `pose · p`.
-  Points evaluate(std::span<const HandlePose> poses, const Context& context = {}) const;
+  /// New positions, n×3, for one pose per handle, by the method of the options. Vertices outside the region
+  /// keep their bits; handle vertices are exactly at `pose · p`. Measures what it did where there is a `report`.
+  Points evaluate(std::span<const HandlePose> poses, const Context& context = {},
+                  EvaluationReport* report = nullptr) const;
   /// The same into the caller's memory (n×3; throws Error(usage) for another shape).
-  void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {}) const;
+  void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {},
+                EvaluationReport* report = nullptr) const;
 
-  /// New positions for constraints per vertex, in the order they were given to `with_constraints`. `field` is
-  /// the per-vertex rotation field R (n matrices, or none for R = I).
-  Points evaluate(std::span<const VertexConstraint> constraints, std::span<const Eigen::Matrix3d> field,
-                  const Context& context = {}) const;
+  /// New positions for constraints per vertex, in the order they were given to `with_constraints`.
+  Points evaluate(std::span<const VertexConstraint> constraints, const Context& context = {},
+                  EvaluationReport* report = nullptr) const;
+
+  /// The same with the caller's field F (n maps, one per vertex of the mesh) in the place of the method's:
+  /// ‖(M_i − M_j) d − (F_i − F_j) d‖², one linear solve.
+  Points evaluate_with_field(std::span<const VertexConstraint> constraints,
+                             std::span<const Eigen::Matrix3d> field, const Context& context = {},
+                             EvaluationReport* report = nullptr) const;
 
   /// The constraints that handle poses amount to.
   std::vector<VertexConstraint> constraints(std::span<const HandlePose> poses) const;
-
-  /// Measures what `evaluate` makes of `constraints`; costs one evaluation.
-  EvaluationReport inspect(std::span<const VertexConstraint> constraints,
-                           std::span<const Eigen::Matrix3d> field = {}, const Context& context = {}) const;
 
   /// Lower bound of the condition number of AᵀA; costs a few solves.
   double condition_estimate(const Context& context = {}) const;

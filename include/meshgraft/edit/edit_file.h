@@ -127,10 +127,7 @@ struct ExpectedCounts {
   std::optional<Index> vertices, faces, region, fixed, handle, free;
 };
 
-enum class DeformMethod { ft05 };
-
 struct DeformSettings {
-  DeformMethod method = DeformMethod::ft05;
   DeformerOptions deformer;
   /// How often the surroundings of handles and of the fixed rim are halved for the solve (FT05 section 6); the
   /// result has the original vertices only.
@@ -183,7 +180,7 @@ EditFile read_edit_file(const std::filesystem::path& path);
 /// The edit that `text` (JSON, UTF-8) describes. Throws Error(input) whose place is `place` and the path of the
 /// field, e.g. "edit.json: steps[0].handles[1].pose.rotate.axis", for anything that is not as
 /// docs/edit-file.md says: unknown, missing or repeated fields, wrong types and ranges, names that nothing
-/// has. A version 1 file becomes one step.
+/// has. A version 1 file becomes one step by the method `ft05`, for which the format was made.
 EditFile parse_edit(std::string_view text, const std::string& place,
                     const std::filesystem::path& base_folder = {});
 
@@ -193,7 +190,6 @@ std::string write_edit(const EditFile& edit);
 /// Every file that running the edit reads, as given in it joined with the base folder, without repeats.
 std::vector<std::filesystem::path> referenced_files(const EditFile& edit);
 
-std::string_view to_string(DeformMethod value);
 std::string_view to_string(SelectionSpec::SelPart value);
 
 }  // namespace meshgraft

@@ -40,8 +40,7 @@ struct StepReport {
   DeformCounts counts;
   StageSeconds seconds;
   SolverStatistics solver;
-  double residual = 0;
-  double max_transform_deviation = 0;
+  EvaluationReport evaluation;
   std::optional<double> condition_estimate;  ///< of AᵀA; absent if it was not asked for
   double max_displacement = 0;               ///< model units
   Quality quality;
@@ -61,8 +60,7 @@ struct EditReport {
   DeformCounts counts;                       ///< of the step with the most free vertices
   StageSeconds seconds;                      ///< sums
   SolverStatistics solver;                   ///< of the step with the most free vertices
-  double residual = 0;                       ///< the largest
-  double max_transform_deviation = 0;        ///< the largest
+  EvaluationReport evaluation;               ///< the largest residual and deviation
   std::optional<double> condition_estimate;  ///< the largest
   double max_displacement = 0;               ///< from the result mesh's input, model units
   Quality quality;                           ///< the result against its input

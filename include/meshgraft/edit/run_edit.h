@@ -13,6 +13,8 @@ namespace meshgraft {
 /// Settings that replace those of every step.
 struct SettingsOverrides {
   std::optional<DeformMethod> method;
+  std::optional<double> stiffness;
+  std::optional<int> iterations;
   std::optional<WeightScheme> weights;
   std::optional<Density> density;
   std::optional<DegenerateTreatment> degenerate;

@@ -17,6 +17,15 @@ namespace meshgraft {
 SparseRows umbrella_operator(const Points& points, const Triangles& triangles, const IndexLists& rings,
                              WeightScheme weights, const Context& context = {});
 
+/// Symmetric positive semi-definite n×n matrix of the Dirichlet energy: −½(cot α + cot β) at (i, j), sums on
+/// the diagonal (Pinkall & Polthier 1993). Negative cotangent weights are clamped to 0, so that a harmonic
+/// function stays within its boundary values.
+SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                            const Context& context = {});
+
+/// A third of the area of the faces at each vertex (n), squared model units.
+std::vector<double> vertex_areas(const Points& points, const Triangles& triangles);
+
 /// Mean length of the edges at each vertex (n), model units; 0 where there are none.
 std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& rings);
 

@@ -1,0 +1,188 @@
+#include "rotation_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <meshgraft/core/parallel.h>
+
+#include "rotations.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Rotation vector (3) and logarithm of the stretch (6) of a transform.
+using Logarithm = Eigen::Matrix<double, 1, 9>;
+
+template <class Body>
+void for_each_vertex(Index count, const Context& context, const Body& body) {
+  parallel_blocks(
+      static_cast<std::size_t>(count),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) body(v);
+      },
+      context);
+}
+
+}  // namespace
+
+RotationField::RotationField(const ConstrainedSystem& system, const DeformerOptions& options,
+                             const Context& context)
+    : system_(system),
+      iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
+      fields_(system.patch().points, system.patch().triangles, system.operators()->rings(),
+              system.known().transform, options.smoothing_length_rel * system.region_size(), options.backend,
+              context) {}
+
+RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints,
+                                          const Context& context) const {
+  Result result;
+  Blend blended;
+  if (!blend(constraints, blended, context)) {
+    result.linear = true;
+    result.field = linear_field(constraints, context);
+    return result;
+  }
+  result.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+  if (iterations_ > 0) follow(system_.known_values(constraints), blended, result, context);
+  return result;
+}
+
+/// The logarithms of the known transforms, spread over the surface. False where one of them has none.
+bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& blended,
+                          const Context& context) const {
+  const Patch& patch = system_.patch();
+  const Index n = patch.size();
+  const KnownParts& known = system_.known();
+  const IndexLists& rings = system_.operators()->rings();
+
+  // Turns count from rest where something stays there, or where they are given with all their turns. Else
+  // (a part that is carried away as a whole) from the mean turn: its pose at rest then does not matter.
+  struct Given {
+    Index vertex = -1;
+    const VertexConstraint* constraint = nullptr;
+    PolarParts parts;
+  };
+  std::vector<Given> given;
+  std::vector<std::uint8_t> constrained(static_cast<std::size_t>(n), 0);
+  bool from_rest = false;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const VertexConstraint& constraint : constraints) {
+    const Index v = patch.local(constraint.vertex);
+    if (v < 0 || !constraint.transform) continue;
+    given.push_back({v, &constraint, {}});
+    if (!polar_decompose(*constraint.transform, given.back().parts)) return false;
+    constrained[v] = 1;
+    from_rest |= constraint.rotation.has_value();
+    sum += fields_.areas()[v] * *constraint.transform;
+  }
+  for (Index v = 0; v < n; ++v) from_rest |= known.transform[v] && !constrained[v] && !rings[v].empty();
+  const Eigen::Matrix3d reference = from_rest ? Eigen::Matrix3d::Identity() : nearest_rotation(sum);
+
+  Columns logs = Columns::Zero(n, 9);
+  for (std::size_t g = 0; g < given.size(); ++g) {
+    const auto& [v, constraint, parts] = given[g];
+    Eigen::Vector3d turn = rotation_log(parts.rotation * reference.transpose());
+    if (constraint->rotation) {
+      turn = nearest_turn(turn, constraint->rotation->angle() * constraint->rotation->axis());
+    } else if (g > 0 && std::binary_search(rings[v].begin(), rings[v].end(), given[g - 1].vertex)) {
+      turn = nearest_turn(turn, logs.block<1, 3>(given[g - 1].vertex, 0).transpose());  // along a curve
+    }
+    logs.row(v) << turn.transpose(), stretch_log(parts.stretch).transpose();
+  }
+  // Spread as differences from their mean: what is the same everywhere stays so to the last bit.
+  Logarithm mean = Logarithm::Zero();
+  double weight = 0;
+  for (Index v = 0; v < n; ++v) {
+    if (!known.transform[v] || rings[v].empty()) continue;
+    mean += fields_.areas()[v] * logs.row(v);
+    weight += fields_.areas()[v];
+  }
+  if (weight > 0) mean /= weight;
+  for (Index v = 0; v < n; ++v) logs.row(v) -= mean;
+  logs = fields_.spread(logs, context);
+
+  blended.rotation.resize(static_cast<std::size_t>(n));
+  blended.stretch.resize(static_cast<std::size_t>(n));
+  for_each_vertex(n, context, [&](Index v) {
+    const Logarithm log = logs.row(v) + mean;
+    blended.rotation[v] = rotation_exp(log.head<3>().transpose()) * reference;
+    blended.stretch[v] = stretch_exp(log.tail<6>().transpose());
+  });
+  return true;
+}
+
+/// FT05's right-hand side; edges keep the linearly blended transforms where there is stiffness.
+MapField RotationField::linear_field(std::span<const VertexConstraint> constraints,
+                                     const Context& context) const {
+  const Index n = system_.patch().size();
+  const Eigen::Matrix<double, 1, 9> identity = Eigen::Matrix3d::Identity().reshaped().transpose();
+  Columns entries = Columns::Zero(n, 9);
+  for (Index v = 0; v < n; ++v) entries.row(v) = identity;
+  for (const VertexConstraint& constraint : constraints)
+    if (const Index v = system_.patch().local(constraint.vertex); v >= 0 && constraint.transform)
+      entries.row(v) = constraint.transform->reshaped().transpose();
+  entries = fields_.spread(entries, context);
+  MapField field;
+  for (Index v = 0; v < n; ++v) field.stretch.emplace_back(entries.row(v).transpose().reshaped(3, 3));
+  return field;
+}
+
+MapField RotationField::compose(const Blend& blended, const Columns& deviation, const Context& context) const {
+  MapField field;
+  field.smoothness.resize(blended.rotation.size());
+  for_each_vertex(static_cast<Index>(blended.rotation.size()), context, [&](Index v) {
+    field.smoothness[v] =
+        rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
+  });
+  field.stretch = field.smoothness;
+  return field;
+}
+
+/// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend; smooth
+/// them; solve again. Not a descent: a step that changes more than the one before is damped.
+void RotationField::follow(const ConstrainedSystem::Known& values, const Blend& blended, Result& result,
+                           const Context& context) const {
+  constexpr double settled = 1e-3;  // radians
+  Columns deviation = Columns::Zero(system_.patch().size(), 3);
+  double pace = 1, previous = std::numeric_limits<double>::infinity();
+  while (result.iterations < iterations_) {
+    const Columns y = system_.solve(values, result.field, 0, context);
+    const Columns raw = surface_deviation(system_.maps(y, values, context), blended, deviation, context);
+    const Columns step = fields_.smooth(raw, context) - deviation;
+    result.change = root_mean_square(step);
+    if (result.change > previous) pace = std::max(pace / 2, 0.125);
+    previous = result.change;
+    deviation += pace * step;
+    result.field = compose(blended, deviation, context);
+    ++result.iterations;
+    context.step("rotations", static_cast<double>(result.iterations) / iterations_);
+    if (result.change < settled) break;
+  }
+}
+
+/// Rotation vectors that take the blended rotations to those of the maps, each near the current one.
+Columns RotationField::surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
+                                         const Context& context) const {
+  Columns deviation(current.rows(), 3);
+  for_each_vertex(static_cast<Index>(current.rows()), context, [&](Index v) {
+    const Eigen::Matrix3d map = maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d rotation = nearest_rotation(map * blended.stretch[v].inverse());
+    const Eigen::Vector3d turn = rotation_log(rotation * blended.rotation[v].transpose());
+    deviation.row(v) = nearest_turn(turn, current.row(v).transpose()).transpose();
+  });
+  return deviation;
+}
+
+double RotationField::root_mean_square(const Columns& deviation) const {
+  double sum = 0, area = 0;
+  for (Index v = 0; v < system_.patch().size(); ++v) {
+    if (system_.known().transform[v]) continue;
+    sum += fields_.areas()[v] * deviation.row(v).squaredNorm();
+    area += fields_.areas()[v];
+  }
+  return area > 0 ? std::sqrt(sum / area) : 0;
+}
+
+}  // namespace meshgraft

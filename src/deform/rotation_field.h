@@ -1,0 +1,47 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <meshgraft/deform/deformer.h>
+
+#include "constrained_system.h"
+#include "surface_fields.h"
+
+namespace meshgraft {
+
+/// Finds the field of maps F = R U (rotation, stretch) that takes the place of the identity on the right-hand
+/// side of a `ConstrainedSystem`, so that large turns do not shrink the surface. The matrix stays the same.
+class RotationField {
+ public:
+  /// `system` must outlive it.
+  RotationField(const ConstrainedSystem& system, const DeformerOptions& options, const Context& context);
+
+  struct Result {
+    MapField field;
+    int iterations = 0;   ///< co-rotational steps that were made
+    double change = 0;    ///< of the field in the last of them, radians (root mean square)
+    bool linear = false;  ///< a constraint reflects or flattens, so that there are no logarithms to blend
+  };
+  Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
+
+ private:
+  /// Logarithms at the vertices whose transform is known.
+  struct Blend {
+    std::vector<Eigen::Matrix3d> rotation, stretch;
+  };
+  bool blend(std::span<const VertexConstraint> constraints, Blend& blended, const Context& context) const;
+  MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
+  MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
+  void follow(const ConstrainedSystem::Known& values, const Blend& blended, Result& result,
+              const Context& context) const;
+  Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
+                            const Context& context) const;
+  double root_mean_square(const Columns& deviation) const;
+
+  const ConstrainedSystem& system_;
+  int iterations_ = 0;
+  SurfaceFields fields_;
+};
+
+}  // namespace meshgraft

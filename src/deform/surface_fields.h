@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/linalg/linear_solver.h>
+#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft {
+
+/// Scalar fields on a surface, given at some vertices: spread from there as smoothly as can be, or made smooth
+/// elsewhere. Both minimise integrals over the surface (K the Dirichlet matrix, M the vertex areas), so that
+/// the answer does not depend on how finely the surface is triangulated.
+class SurfaceFields {
+ public:
+  /// `given` flags per vertex; `smoothing_length` in the units of `points`.
+  SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                std::span<const std::uint8_t> given, double smoothing_length, SolverBackend backend,
+                const Context& context = {});
+
+  /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere; 0 on components
+  /// where nothing is given.
+  Columns spread(const Columns& values, const Context& context = {}) const;
+
+  /// Fields (n×k) that are 0 where values are given, and minimise ∫ |f − values|² + ℓ⁴ |Δf|² elsewhere.
+  Columns smooth(const Columns& values, const Context& context = {}) const;
+
+  const std::vector<double>& areas() const { return areas_; }
+
+ private:
+  void place(const Eigen::MatrixXd& unknown, Columns& fields) const;
+
+  std::vector<double> areas_;
+  std::vector<Index> unknown_;  ///< vertices of faces whose value is not given
+  SparseRows spread_given_;     ///< unknown × n: what given values contribute
+  std::unique_ptr<LinearSolver> spread_solver_, smooth_solver_;
+};
+
+}  // namespace meshgraft
