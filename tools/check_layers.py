@@ -27,8 +27,8 @@ USES = {
 }
 USES["editor"] = USES["python"] = USES["cli"]
 
-# Headers that only one source file may include: they stand behind one of our own interfaces.
-SINGLE_USE = {"cholmod.h"}
+# Headers, and folders of them, that only one source file may include: they stand behind one of our own interfaces.
+SINGLE_USE = {"cholmod.h", "CGAL", "boost"}
 
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
@@ -82,8 +82,8 @@ def check(root):
                 continue
             place = f"{source}:{number}"
             name = match[2]
-            if Path(name).name in SINGLE_USE:
-                single_users.setdefault(Path(name).name, {})[source] = place
+            for single in SINGLE_USE.intersection((Path(name).parts[0], Path(name).name)):
+                single_users.setdefault(single, {})[source] = place
                 if source.parts[0] == "include":
                     problems.append(f"{place}: a public header includes {name}")
             included = find_included(root, source, match[1], name)
@@ -94,7 +94,7 @@ def check(root):
                 problems.append(f"{place}: a public header includes the private {included}")
             if used != layer and used not in USES[layer]:
                 problems.append(f"{place}: {layer} must not use {used} ({name})")
-    for header, users in single_users.items():
+    for header, users in sorted(single_users.items()):
         if len(users) > 1:
             problems.append(f"{header} is included by {len(users)} files, one is allowed: {', '.join(users.values())}")
     return problems

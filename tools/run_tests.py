@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 # Preset of CMakePresets.json: what it is for.
 CONFIGURATIONS = {
     "release": "everything",
-    "no-cholmod": "the solver and all above it with Eigen's Cholesky alone",
+    "no-cholmod": "the solver and all above it with Eigen's Cholesky alone and without CGAL",
     "asan": "the tests labelled small, with address and undefined-behaviour sanitizers",
     "tsan": "the tests labelled threads, with the thread sanitizer",
 }

@@ -6,15 +6,16 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
+#include <meshgraft/deform/intersections.h>
 #include <meshgraft/mesh/topology.h>
+
+#include "free_vertices.h"
 
 namespace meshgraft {
 
@@ -363,26 +364,12 @@ void count_flipped(const std::vector<FaceMeasure>& faces, const Triangles& trian
   quality.flipped_faces = static_cast<Index>(std::count(flipped.begin(), flipped.end(), char{1}));
 }
 
-std::vector<char> flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices) {
-  std::vector<char> is_free(static_cast<std::size_t>(vertex_count), 0);
-  for (const Index v : free_vertices) {
-    if (v < 0 || v >= vertex_count) {
-      throw Error(ErrorCode::usage, "free vertex " + std::to_string(v) + " is not one of the " +
-                                        std::to_string(vertex_count) + " vertices");
-    }
-    is_free[v] = 1;
-  }
-  return is_free;
-}
-
 }  // namespace
 
 Quality measure_quality(const Points& rest, const Points& edited, const Triangles& triangles,
-                        std::span<const Index> free_vertices, const Context& context) {
-  if (rest.rows() != edited.rows()) {
-    throw Error(ErrorCode::usage, "rest has " + std::to_string(rest.rows()) + " vertices, edited " +
-                                      std::to_string(edited.rows()));
-  }
+                        std::span<const Index> free_vertices, const QualityOptions& options,
+                        const Context& context) {
+  require_same_vertices(rest, edited);
   const std::vector<char> is_free = flag_free(rest.rows(), free_vertices);
   const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
   const auto [rest_pose, edited_pose] = make_poses(rest, edited, faces_around);
@@ -397,6 +384,10 @@ Quality measure_quality(const Points& rest, const Points& edited, const Triangle
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
   count_flipped(faces, triangles, faces_around, context, quality);
+  if (options.self_intersections) {
+    if (const auto pairs = new_self_intersections(rest, edited, triangles, free_vertices, context))
+      quality.new_self_intersections = static_cast<Index>(pairs->size());
+  }
   return quality;
 }
 

@@ -241,7 +241,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   for (const Index v : solution.free) scene.was_free[v] = 1;
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
-  report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, context);
+  report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();
   return report;
@@ -286,8 +286,9 @@ void measure_result(EditReport& report, const Scene& scene, const Context& conte
     Mesh before;
     before.positions = scene.rest;
     before.faces = scene.mesh.faces;
-    report.quality = measure_quality(scene.rest, scene.mesh.positions,
-                                     triangulate(before, {.skip_out_of_range = true}).triangles, free, context);
+    report.quality =
+        measure_quality(scene.rest, scene.mesh.positions,
+                        triangulate(before, {.skip_out_of_range = true}).triangles, free, {}, context);
     report.max_displacement = largest_displacement(scene.rest, scene.mesh.positions);
   }
   report.seconds.measure += watch.lap();

@@ -106,6 +106,8 @@ TEST_F(CommandLine, DeformsWritesAndReports) {
   EXPECT_EQ(report["method"], "ft05");
   EXPECT_EQ(report["outputs"], json({"out.obj", "report.json"}));
   EXPECT_GT(report["seconds"]["total"], 0);
+  const json& intersections = report["quality"]["new_self_intersections"];
+  EXPECT_EQ(outcome.out.find(" new self-intersections") == std::string::npos, intersections.is_null());
 }
 
 TEST_F(CommandLine, JsonGoesToStandardOutputAlone) {

@@ -403,7 +403,7 @@ TEST(Quality, TheNumberOfThreadsDoesNotMatter) {
   const auto with_threads = [&](int threads) {
     Context context;
     context.threads = threads;
-    return numbers(measure_quality(ring.positions, edited, ring.triangles, all_vertices(ring), context));
+    return numbers(measure_quality(ring.positions, edited, ring.triangles, all_vertices(ring), {}, context));
   };
   EXPECT_EQ(with_threads(1), with_threads(2));
   EXPECT_EQ(with_threads(1), with_threads(0));

@@ -245,6 +245,21 @@ TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
   }
 }
 
+TEST_F(RunEdit, ReportsWhereTheSurfaceWentThroughItself) {
+  // Nothing moves, then the far edge goes through the held one.
+  const std::string still = step("", R"({"translate": [0, 0, 0]})");
+  const std::string through = step("", R"({"translate": [0, -10, 0.25]})");
+  const EditReport report = run_edit(edit(still + "," + through)).report;
+  ASSERT_EQ(report.steps.size(), 2u);
+  const auto count = report.steps[1].quality.new_self_intersections;
+  if (!count) GTEST_SKIP() << "built without CGAL";
+  EXPECT_GT(*count, 0);
+  EXPECT_EQ(report.steps[0].quality.new_self_intersections, 0);
+  EXPECT_EQ(report.quality.new_self_intersections, count);
+  const auto json = nlohmann::json::parse(write_report(report));
+  EXPECT_EQ(json["quality"]["new_self_intersections"], *count);
+}
+
 TEST_F(RunEdit, ReportsEverythingThatIsDocumented) {
   const auto json = nlohmann::json::parse(write_report(run_edit(edit(step())).report));
   for (const char* field : {"counts", "method", "seconds", "solver", "residual", "max_transform_deviation",
@@ -259,6 +274,10 @@ TEST_F(RunEdit, ReportsEverythingThatIsDocumented) {
   EXPECT_GT(json["condition_estimate"], 1);
   EXPECT_TRUE(json["quality"]["volume_ratio"].is_null());
   EXPECT_GT(json["quality"]["sigma"]["min"], 0);
+  ASSERT_TRUE(json["quality"].contains("new_self_intersections"));
+  if (!json["quality"]["new_self_intersections"].is_null()) {  // a build without CGAL
+    EXPECT_EQ(json["quality"]["new_self_intersections"], 0);
+  }
   EXPECT_EQ(json["steps"][0]["settings"]["weights"], "uniform");
 }
 

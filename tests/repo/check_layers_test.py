@@ -71,6 +71,12 @@ class CheckLayers(unittest.TestCase):
         self.assert_one({"include/meshgraft/linalg/linear_solver.h": "#include <cholmod.h>\n"},
                         "a public header includes cholmod.h")
 
+    def test_cgal_in_one_source_only(self):
+        one = {"src/deform/a.cpp": "#include <CGAL/intersections.h>\n#include <CGAL/enum.h>\n"}
+        self.assertEqual(self.violations(one), [])
+        self.assert_one(one | {"src/deform/b.cpp": "#include <CGAL/enum.h>\n"},
+                        "CGAL is included by 2 files", "a.cpp:2", "b.cpp:1")
+
     def test_folder_that_is_no_layer(self):
         self.assert_one({"src/misc/a.cpp": ""}, "src/misc/a.cpp", "not in a known layer")
 

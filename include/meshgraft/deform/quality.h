@@ -28,12 +28,21 @@ struct Quality {
   /// Free faces turned by > 90° against the mean normal of the faces around their corners (weighted by area at
   /// rest), and not so at rest.
   Index flipped_faces = 0;
+  /// Pairs of faces, at least one of them free, that intersect and did not at rest (deform/intersections.h).
+  /// Absent where that was not asked for or cannot be told.
+  std::optional<Index> new_self_intersections;
+};
+
+struct QualityOptions {
+  bool self_intersections = true;  ///< takes several times as long as all the rest
 };
 
 /// Compares two states of a surface: `rest` and `edited` n×3 (model units), `triangles` m×3, `free_vertices`
-/// ascending. Linear time; the result does not depend on the number of threads. Throws Error(usage) if the
-/// shapes differ or a free vertex does not exist, Error(input) for a triangle's index out of range.
+/// ascending. Linear time, but for self-intersections; the result does not depend on the number of threads.
+/// Throws Error(usage) if the shapes differ or a free vertex does not exist, Error(input) for a triangle's
+/// index out of range.
 Quality measure_quality(const Points& rest, const Points& edited, const Triangles& triangles,
-                        std::span<const Index> free_vertices, const Context& context = {});
+                        std::span<const Index> free_vertices, const QualityOptions& options = {},
+                        const Context& context = {});
 
 }  // namespace meshgraft
