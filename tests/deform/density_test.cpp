@@ -7,6 +7,7 @@
 #include <meshgraft/deform/deformer.h>
 
 #include "support/density_cases.h"
+#include "support/variants.h"
 
 namespace meshgraft::test {
 namespace {
@@ -15,9 +16,9 @@ std::vector<DensityDeviation> deviations_of(const OperatorOptions& options,
                                             std::span<const RowShape> shapes = all_row_shapes) {
   const auto solve = [&](const TestMesh& mesh, const std::vector<std::vector<VertexConstraint>>& edits) {
     const Deformer deformer = Deformer::with_constraints(mesh.positions, mesh.triangles, {}, edits.front(), {},
-                                                         {}, {.operators = options});
+                                                         {}, linear_method(options));
     std::vector<Points> results;
-    for (const auto& edit : edits) results.push_back(deformer.evaluate(edit, {}));
+    for (const auto& edit : edits) results.push_back(deformer.evaluate(edit));
     return results;
   };
   return density_deviations(solve, shapes);

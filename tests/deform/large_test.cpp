@@ -5,6 +5,7 @@
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
+#include "support/variants.h"
 
 namespace meshgraft::test {
 namespace {
@@ -15,7 +16,7 @@ TEST_P(Large, AffineMapsAreReproduced) {
   for (const TestMesh& mesh : large_families(GetParam())) {
     SCOPED_TRACE(mesh.name + ", " + std::to_string(mesh.size()) + " vertices");
     const Scene scene = make_scene(mesh);
-    const Deformer deformer(mesh.positions, mesh.triangles, two_handles(scene));
+    const Deformer deformer(mesh.positions, mesh.triangles, two_handles(scene), linear_method());
     double worst = 0;
     for (const auto& [name, linear] : linear_maps()) {
       const Eigen::Affine3d map = about_middle(mesh, linear);

@@ -8,6 +8,7 @@
 
 #include "support/mesh_families.h"
 #include "support/oracle.h"
+#include "support/variants.h"
 
 namespace meshgraft::test {
 namespace {
@@ -90,9 +91,9 @@ Solved solve(const Scene& scene, const Setting& setting) {
   const TestMesh& mesh = scene.mesh;
   const auto constraints = constraints_of(scene, setting.given);
   const Deformer deformer = Deformer::with_constraints(mesh.positions, mesh.triangles, {}, constraints, {}, {},
-                                                       {.operators = setting.operators});
+                                                       linear_method(setting.operators));
   Solved solved;
-  solved.positions = deformer.evaluate(constraints, {});
+  solved.positions = deformer.evaluate(constraints);
   OracleProblem& problem = solved.problem;
   problem.rest = mesh.positions;
   problem.triangles = mesh.triangles;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/deform/deformer.h>
 #include <meshgraft/operators/options.h>
 
 namespace meshgraft::test {
@@ -10,6 +11,11 @@ namespace meshgraft::test {
 inline std::string describe(const OperatorOptions& options) {
   return std::string(to_string(options.degenerate)) + ", " + std::string(to_string(options.weights)) + ", " +
          std::string(to_string(options.density));
+}
+
+/// The linear method, whose laws hold in every pose.
+inline DeformerOptions linear_method(const OperatorOptions& options = {}) {
+  return {.method = DeformMethod::ft05, .operators = options};
 }
 
 /// Every combination of weights and densities under the given treatments.

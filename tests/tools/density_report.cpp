@@ -6,6 +6,7 @@
 #include <meshgraft/deform/deformer.h>
 
 #include "support/density_cases.h"
+#include "support/variants.h"
 
 namespace {
 
@@ -14,9 +15,9 @@ using namespace meshgraft;
 void print_table(const OperatorOptions& options) {
   const auto solve = [&](const test::TestMesh& mesh, const std::vector<std::vector<VertexConstraint>>& edits) {
     const Deformer deformer = Deformer::with_constraints(mesh.positions, mesh.triangles, {}, edits.front(), {},
-                                                         {}, {.operators = options});
+                                                         {}, test::linear_method(options));
     std::vector<Points> results;
-    for (const auto& edit : edits) results.push_back(deformer.evaluate(edit, {}));
+    for (const auto& edit : edits) results.push_back(deformer.evaluate(edit));
     return results;
   };
   std::printf("\ndensity %s, treatment %s, weights %s\n", to_string(options.density).data(),
