@@ -47,6 +47,7 @@ struct BaselineOptions {
   int harmonic_order = 2;
   /// botsch-kobbelt-2004: wavelength, × mean edge length, below which shape counts as detail. With 0 all does,
   /// as in the paper: the base is then k-harmonic itself, which on a limb collapses to a thread without frames.
+  /// Only with 0 is a rigid motion of all constraints reproduced exactly.
   double detail_size_rel = 30;
   int normal_rings = 16;                                  ///< lipman-2004: over which normals are averaged
   WeightScheme lipman_weights = WeightScheme::cotangent;  ///< of the Laplacian
