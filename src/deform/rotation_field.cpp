@@ -32,8 +32,7 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
     : system_(system),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
       fields_(system.patch().points, system.patch().triangles, system.operators()->rings(),
-              system.known().transform, options.smoothing_length_rel * system.region_size(), options.backend,
-              context) {}
+              system.known().transform, options.smoothing_length_rel, options.backend, context) {}
 
 RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints,
                                           const Context& context) const {

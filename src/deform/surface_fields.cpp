@@ -55,7 +55,7 @@ std::unique_ptr<LinearSolver> factorise(const NormalMatrix& matrix, SolverBacken
 }  // namespace
 
 SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             std::span<const std::uint8_t> given, double smoothing_length,
+                             std::span<const std::uint8_t> given, double smoothing_length_rel,
                              SolverBackend backend, const Context& context)
     : areas_(vertex_areas(points, triangles)) {
   for (Index v = 0; v < rings.size(); ++v)
@@ -75,9 +75,19 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   const SparseRows spreading = select_rows(bending + diagonal(areas_, regular), unknown_);
   spread_given_ = spreading;
   spread_solver_ = factorise(square_part(spreading, unknown_), backend, context);
-  const double weight = std::pow(smoothing_length, 4);
+  const double weight = std::pow(smoothing_length_rel * free_width(total, context), 4);
   const SparseRows smoothing = select_rows(diagonal(areas_) + weight * bending, unknown_);
   smooth_solver_ = factorise(square_part(smoothing, unknown_), backend, context);
+}
+
+/// How wide the surface is between the places where values are given: a plate of width w that is clamped there
+/// sags by w⁴/720 in the mean under a uniform load (Euler and Bernoulli's beam).
+double SurfaceFields::free_width(double total_area, const Context& context) const {
+  Eigen::MatrixXd load(static_cast<Eigen::Index>(unknown_.size()), 1);
+  for (std::size_t k = 0; k < unknown_.size(); ++k) load(static_cast<Eigen::Index>(k), 0) = areas_[unknown_[k]];
+  const double mean_sag = load.col(0).dot(spread_solver_->solve(load, context).col(0)) / load.sum();
+  const double widest = 4 * std::sqrt(total_area);  // where nothing is given, nothing holds the plate
+  return std::min(std::pow(720 * std::max(mean_sag, 0.0), 0.25), widest);
 }
 
 Columns SurfaceFields::spread(const Columns& values, const Context& context) const {

@@ -18,9 +18,10 @@ namespace meshgraft {
 /// the answer does not depend on how finely the surface is triangulated.
 class SurfaceFields {
  public:
-  /// `given` flags per vertex; `smoothing_length` in the units of `points`.
+  /// `given` flags per vertex; the smoothing length ℓ is relative to the width of the surface between the
+  /// places where values are given.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                std::span<const std::uint8_t> given, double smoothing_length, SolverBackend backend,
+                std::span<const std::uint8_t> given, double smoothing_length_rel, SolverBackend backend,
                 const Context& context = {});
 
   /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere; 0 on components
@@ -33,6 +34,7 @@ class SurfaceFields {
   const std::vector<double>& areas() const { return areas_; }
 
  private:
+  double free_width(double total_area, const Context& context) const;
   void place(const Eigen::MatrixXd& unknown, Columns& fields) const;
 
   std::vector<double> areas_;

@@ -44,8 +44,8 @@ struct DeformerOptions {
   /// Under `Density::aware` relative to bending over the region's size, else as plain rows of weight μ.
   double stiffness = 60;
   int iterations = 20;  ///< most co-rotational steps
-  /// Length over which the co-rotational field is kept smooth, × the region's size √(free area).
-  double smoothing_length_rel = 0.08;
+  /// Length over which the co-rotational field is kept smooth, × the width of the surface between constraints.
+  double smoothing_length_rel = 0.09;
   // The operator.
   OperatorOptions operators{};
   // The solve.
