@@ -393,8 +393,7 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   place(y, values, constraints, out, context);
   if (report == nullptr) return;
   const double scale = apply_transposed(rhs, context).norm();
-  report->residual =
-      scale > 0 ? apply_transposed(residual_rows(rhs, y, context), context).norm() / scale : 0.0;
+  report->residual = scale > 0 ? apply_transposed(residual_rows(rhs, y, context), context).norm() / scale : 0.0;
   report->max_transform_deviation = max_transform_deviation(constraints, out);
 }
 

@@ -90,22 +90,12 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& 
     }
     logs.row(v) << turn.transpose(), stretch_log(parts.stretch).transpose();
   }
-  // Spread as differences from their mean: what is the same everywhere stays so to the last bit.
-  Logarithm mean = Logarithm::Zero();
-  double weight = 0;
-  for (Index v = 0; v < n; ++v) {
-    if (!known.transform[v] || rings[v].empty()) continue;
-    mean += fields_.areas()[v] * logs.row(v);
-    weight += fields_.areas()[v];
-  }
-  if (weight > 0) mean /= weight;
-  for (Index v = 0; v < n; ++v) logs.row(v) -= mean;
   logs = fields_.spread(logs, context);
 
   blended.rotation.resize(static_cast<std::size_t>(n));
   blended.stretch.resize(static_cast<std::size_t>(n));
   for_each_vertex(n, context, [&](Index v) {
-    const Logarithm log = logs.row(v) + mean;
+    const Logarithm log = logs.row(v);
     blended.rotation[v] = rotation_exp(log.head<3>().transpose()) * reference;
     blended.stretch[v] = stretch_exp(log.tail<6>().transpose());
   });
@@ -132,8 +122,7 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
   MapField field;
   field.smoothness.resize(blended.rotation.size());
   for_each_vertex(static_cast<Index>(blended.rotation.size()), context, [&](Index v) {
-    field.smoothness[v] =
-        rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
+    field.smoothness[v] = rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
   });
   field.stretch = field.smoothness;
   return field;

@@ -23,8 +23,8 @@ Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3
   constexpr double circle = 2 * std::numbers::pi;
   const double angle = vector.norm();
   // A full turn may be about any axis.
-  const Eigen::Vector3d axis = angle > 1e-12 ? Eigen::Vector3d(vector / angle)
-                                             : Eigen::Vector3d(other.stableNormalized());
+  const Eigen::Vector3d axis =
+      angle > 1e-12 ? Eigen::Vector3d(vector / angle) : Eigen::Vector3d(other.stableNormalized());
   const double along = axis.dot(other);
   return (angle + circle * std::round((along - angle) / circle)) * axis;
 }

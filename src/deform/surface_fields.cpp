@@ -59,7 +59,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
                              SolverBackend backend, const Context& context)
     : areas_(vertex_areas(points, triangles)) {
   for (Index v = 0; v < rings.size(); ++v)
-    if (!given[v] && !rings[v].empty()) unknown_.push_back(v);
+    if (!rings[v].empty()) (given[v] ? given_ : unknown_).push_back(v);
   if (unknown_.empty()) return;
 
   double total = 0;
@@ -72,9 +72,8 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   const SparseRows bending = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
   // The share of M makes components without a given value regular; it is too small to be felt elsewhere.
   const double regular = 1e-9 / (total * total);
-  const SparseRows spreading = select_rows(bending + diagonal(areas_, regular), unknown_);
-  spread_given_ = spreading;
-  spread_solver_ = factorise(square_part(spreading, unknown_), backend, context);
+  spread_rows_ = select_rows(bending + diagonal(areas_, regular), unknown_);
+  spread_solver_ = factorise(square_part(spread_rows_, unknown_), backend, context);
   const double weight = std::pow(smoothing_length_rel * free_width(total, context), 4);
   const SparseRows smoothing = select_rows(diagonal(areas_) + weight * bending, unknown_);
   smooth_solver_ = factorise(square_part(smoothing, unknown_), backend, context);
@@ -91,11 +90,21 @@ double SurfaceFields::free_width(double total_area, const Context& context) cons
 }
 
 Columns SurfaceFields::spread(const Columns& values, const Context& context) const {
-  Columns fields = values;
+  if (unknown_.empty()) return values;
+  // As differences from the mean of what is given: a constant stays one to the last bit.
+  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(values.cols());
+  double area = 0;
+  for (const Index v : given_) {
+    mean += areas_[v] * values.row(v);
+    area += areas_[v];
+  }
+  if (area > 0) mean /= area;
+  Columns fields = values.rowwise() - mean;
   for (const Index v : unknown_) fields.row(v).setZero();
-  if (unknown_.empty()) return fields;
-  const Eigen::MatrixXd right = -multiply(spread_given_, fields, context);
-  place(spread_solver_->solve(right, context), fields);
+  for (int pass = 0; pass < 2; ++pass)  // the second is a correction with the residual of the first
+    add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, fields, context)), context), fields);
+  fields.rowwise() += mean;
+  for (const Index v : given_) fields.row(v) = values.row(v);
   return fields;
 }
 
@@ -105,13 +114,13 @@ Columns SurfaceFields::smooth(const Columns& values, const Context& context) con
   Eigen::MatrixXd weighted(static_cast<Eigen::Index>(unknown_.size()), values.cols());
   for (std::size_t k = 0; k < unknown_.size(); ++k)
     weighted.row(static_cast<Eigen::Index>(k)) = areas_[unknown_[k]] * values.row(unknown_[k]);
-  place(smooth_solver_->solve(weighted, context), fields);
+  add(smooth_solver_->solve(weighted, context), fields);
   return fields;
 }
 
-void SurfaceFields::place(const Eigen::MatrixXd& unknown, Columns& fields) const {
+void SurfaceFields::add(const Eigen::MatrixXd& unknown, Columns& fields) const {
   for (std::size_t k = 0; k < unknown_.size(); ++k)
-    fields.row(unknown_[k]) = unknown.row(static_cast<Eigen::Index>(k));
+    fields.row(unknown_[k]) += unknown.row(static_cast<Eigen::Index>(k));
 }
 
 }  // namespace meshgraft

@@ -24,8 +24,8 @@ class SurfaceFields {
                 std::span<const std::uint8_t> given, double smoothing_length_rel, SolverBackend backend,
                 const Context& context = {});
 
-  /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere; 0 on components
-  /// where nothing is given.
+  /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere; their mean on
+  /// components where nothing is given.
   Columns spread(const Columns& values, const Context& context = {}) const;
 
   /// Fields (n×k) that are 0 where values are given, and minimise ∫ |f − values|² + ℓ⁴ |Δf|² elsewhere.
@@ -35,11 +35,11 @@ class SurfaceFields {
 
  private:
   double free_width(double total_area, const Context& context) const;
-  void place(const Eigen::MatrixXd& unknown, Columns& fields) const;
+  void add(const Eigen::MatrixXd& unknown, Columns& fields) const;
 
   std::vector<double> areas_;
-  std::vector<Index> unknown_;  ///< vertices of faces whose value is not given
-  SparseRows spread_given_;     ///< unknown × n: what given values contribute
+  std::vector<Index> given_, unknown_;  ///< vertices of faces
+  SparseRows spread_rows_;              ///< unknown × n, of the system that `spread` solves
   std::unique_ptr<LinearSolver> spread_solver_, smooth_solver_;
 };
 

@@ -113,7 +113,9 @@ void add_measures(Json& json, const Report& report) {
 Json notes_of(const StepReport& step) {
   Json notes = Json::array();
   if (step.evaluation.fell_back_to_linear)
-    notes.push_back("a handle mirrors or flattens what it holds: there is no rotation to follow, so the edit was solved as by ft05");
+    notes.push_back(
+        "a handle mirrors or flattens what it holds: there is no rotation to follow, so the edit was solved as "
+        "by ft05");
   return notes;
 }
 
@@ -136,7 +138,8 @@ std::string write_report(const EditReport& report) {
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION}};
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
-  json["method"] = report.steps.empty() ? "" : std::string(to_string(report.steps.front().settings.deformer.method));
+  json["method"] =
+      report.steps.empty() ? "" : std::string(to_string(report.steps.front().settings.deformer.method));
   add_measures(json, report);
   json["inputs"] = Json::array();
   for (const EditReport::Input& input : report.inputs)

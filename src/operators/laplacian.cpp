@@ -83,6 +83,7 @@ SparseRows umbrella_operator(const Points& points, const Triangles& triangles, c
 SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
                             const Context& context) {
   context.throw_if_stopped();
+  constexpr double largest_weight = 4;
   SparseRows K = umbrella_pattern(rings);
   add_half_cotangents(points, triangles, K);
   double* values = K.valuePtr();
@@ -90,7 +91,7 @@ SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, co
     if (rings[i].empty()) continue;
     double sum = 0;
     for (int entry = K.outerIndexPtr()[i]; entry < K.outerIndexPtr()[i + 1]; ++entry) {
-      values[entry] = -std::max(values[entry], 0.0);
+      values[entry] = -std::clamp(values[entry], 0.0, largest_weight);
       sum -= values[entry];
     }
     values[entry_of(K, i, i)] = sum;

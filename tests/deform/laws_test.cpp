@@ -221,12 +221,14 @@ TEST(Laws, HandlesAndVertexConstraintsAreTheSameEdit) {
   const Deformer by_handles = make_deformer(scene, two_handles(scene));
   const std::vector poses{HandlePose{}, pose_of(head_move(scene))};
   const auto constraints = by_handles.constraints(poses);
-  const Deformer by_vertices =
-      Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, {}, constraints, {}, {}, linear_method());
+  const Deformer by_vertices = Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, {},
+                                                          constraints, {}, {}, linear_method());
   EXPECT_TRUE(same_bytes(by_vertices.evaluate(constraints), by_handles.evaluate(poses)));
   // A field of identities is FT05, too.
   const std::vector<Matrix3d> identities(static_cast<std::size_t>(scene.mesh.size()), Matrix3d::Identity());
-  EXPECT_LT(largest_distance(by_vertices.evaluate_with_field(constraints, identities), by_handles.evaluate(poses)), 1e-12);
+  EXPECT_LT(
+      largest_distance(by_vertices.evaluate_with_field(constraints, identities), by_handles.evaluate(poses)),
+      1e-12);
 }
 
 TEST(Laws, ResultsAreLinearInThePose) {
@@ -554,8 +556,8 @@ TEST(Laws, HalfAConstraintOutsideTheRegionFreesNothing) {
   for (Index v : scene.foot)
     constraints.push_back({v, Vector3d(scene.mesh.positions.row(v)), Matrix3d(Matrix3d::Identity())});
   for (Index v : scene.head) constraints.push_back({v, {}, Matrix3d(2 * Matrix3d::Identity())});
-  const Deformer deformer =
-      Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, region, constraints, {}, {}, linear_method());
+  const Deformer deformer = Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, region,
+                                                       constraints, {}, {}, linear_method());
   const Points result = deformer.evaluate(constraints);
   for (Index v : scene.head) EXPECT_EQ(result.row(v), scene.mesh.positions.row(v));
 }

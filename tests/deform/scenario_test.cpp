@@ -193,9 +193,10 @@ TEST_P(Selections, RebuildTheScenario) {
   EXPECT_EQ(overlap(region.vertices, scenario.region.vertices), 1.0);
   EXPECT_GT(overlap(region.fixed, scenario.region.fixed), 0.9);
 
-  const Points rebuilt = Deformer(scenario.mesh.positions, scenario.triangles, region, linear_method()).evaluate(scenario.poses);
-  const Points told =
-      Deformer(scenario.mesh.positions, scenario.triangles, scenario.region, linear_method()).evaluate(scenario.poses);
+  const Points rebuilt =
+      Deformer(scenario.mesh.positions, scenario.triangles, region, linear_method()).evaluate(scenario.poses);
+  const Points told = Deformer(scenario.mesh.positions, scenario.triangles, scenario.region, linear_method())
+                          .evaluate(scenario.poses);
   EXPECT_LT(largest_distance(rebuilt, told), 0.01 * scenario.diagonal());
 }
 

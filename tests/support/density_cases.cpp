@@ -12,18 +12,18 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double stretch_rel = 0.3;
-constexpr double angle = 20 * std::numbers::pi / 180;
+constexpr double degree = std::numbers::pi / 180;
 
-Eigen::Affine3d edit_map(const RowMesh& rows, RowEdit edit) {
+Eigen::Affine3d edit_map(const RowMesh& rows, RowEdit edit, const RowTurns& turns) {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
   const Vector3d middle(0, 0, rows.length / 2);
   switch (edit) {
     case RowEdit::stretch: map.translate(stretch_rel * rows.length * Vector3d::UnitZ()); break;
     case RowEdit::bend:
-      map = Eigen::Translation3d(middle) * Eigen::AngleAxisd(angle, Vector3d::UnitX()) *
+      map = Eigen::Translation3d(middle) * Eigen::AngleAxisd(turns.bend_deg * degree, Vector3d::UnitX()) *
             Eigen::Translation3d(-middle);
       break;
-    case RowEdit::twist: map.rotate(Eigen::AngleAxisd(angle, Vector3d::UnitZ())); break;
+    case RowEdit::twist: map.rotate(Eigen::AngleAxisd(turns.twist_deg * degree, Vector3d::UnitZ())); break;
   }
   return map;
 }
@@ -46,8 +46,8 @@ const char* to_string(RowEdit edit) {
   return "";
 }
 
-std::vector<VertexConstraint> row_constraints(const RowMesh& rows, RowEdit edit) {
-  const Eigen::Affine3d map = edit_map(rows, edit);
+std::vector<VertexConstraint> row_constraints(const RowMesh& rows, RowEdit edit, const RowTurns& turns) {
+  const Eigen::Affine3d map = edit_map(rows, edit, turns);
   const double tenth = rows.length / 10, slack = 1e-9 * rows.length;
   std::vector<VertexConstraint> constraints;
   for (const Row& row : rows.rows) {
@@ -91,9 +91,9 @@ struct Profiled {
   std::vector<std::vector<double>> profiles;  // beside `edits`
 };
 
-Profiled profile_of(RowMesh rows, const SolveRows& solve) {
+Profiled profile_of(RowMesh rows, const SolveRows& solve, const RowTurns& turns) {
   std::vector<std::vector<VertexConstraint>> constraints;
-  for (const RowEdit edit : edits) constraints.push_back(row_constraints(rows, edit));
+  for (const RowEdit edit : edits) constraints.push_back(row_constraints(rows, edit, turns));
   const std::vector<Points> edited = solve(rows.mesh, constraints);
   Profiled result{std::move(rows), {}};
   for (std::size_t e = 0; e < std::size(edits); ++e)
@@ -115,7 +115,8 @@ DensityDeviation compare(const Profiled& tested, const Profiled& even, std::size
 
 }  // namespace
 
-std::vector<DensityDeviation> density_deviations(const SolveRows& solve, std::span<const RowShape> shapes) {
+std::vector<DensityDeviation> density_deviations(const SolveRows& solve, std::span<const RowShape> shapes,
+                                                 const RowTurns& turns) {
   constexpr int coarse = 20;
   struct Case {
     int cells_along, ratio;
@@ -123,9 +124,9 @@ std::vector<DensityDeviation> density_deviations(const SolveRows& solve, std::sp
   constexpr Case cases[] = {{coarse, 2}, {coarse, 4}, {coarse, 1}, {3 * coarse / 2, 1}, {3 * coarse, 1}};
   std::vector<DensityDeviation> result;
   for (const RowShape shape : shapes) {
-    const Profiled even = profile_of(graded_rows(shape, 2 * coarse, 1), solve);
+    const Profiled even = profile_of(graded_rows(shape, 2 * coarse, 1), solve, turns);
     for (const auto& [cells_along, ratio] : cases) {
-      const Profiled tested = profile_of(graded_rows(shape, cells_along, ratio), solve);
+      const Profiled tested = profile_of(graded_rows(shape, cells_along, ratio), solve, turns);
       for (std::size_t e = 0; e < std::size(edits); ++e) {
         DensityDeviation entry = compare(tested, even, e);
         entry.shape = shape;

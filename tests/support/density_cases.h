@@ -11,16 +11,21 @@
 
 namespace meshgraft::test {
 
-/// Small edits of a row mesh: the first tenth of its length is held, the last tenth is moved.
+/// Edits of a row mesh: the first tenth of its length is held, the last tenth is moved.
 enum class RowEdit {
   stretch,  ///< along its length, by 0.3 of it
-  bend,     ///< by 20° about an axis across its middle
-  twist,    ///< by 20° about its length
+  bend,     ///< about an axis across its middle
+  twist,    ///< about its length
+};
+
+/// How far it is bent and twisted; small enough for a linear method.
+struct RowTurns {
+  double bend_deg = 20, twist_deg = 20;
 };
 
 const char* to_string(RowEdit edit);
 
-std::vector<VertexConstraint> row_constraints(const RowMesh& rows, RowEdit edit);
+std::vector<VertexConstraint> row_constraints(const RowMesh& rows, RowEdit edit, const RowTurns& turns = {});
 
 /// What an edit did to each row: its mean displacement along the length (stretch, relative to the length)
 /// or across it (bend, the same), or its turn about the length (twist, radians).
@@ -46,6 +51,7 @@ inline constexpr RowShape all_row_shapes[] = {RowShape::bar, RowShape::tube, Row
 /// Every edit of the shapes: halves 1:2 and 1:4, then even meshes of other resolutions, against an even one of
 /// 40 cells along the length.
 std::vector<DensityDeviation> density_deviations(const SolveRows& solve,
-                                                 std::span<const RowShape> shapes = all_row_shapes);
+                                                 std::span<const RowShape> shapes = all_row_shapes,
+                                                 const RowTurns& turns = {});
 
 }  // namespace meshgraft::test

@@ -97,7 +97,8 @@ class Deformer {
   ~Deformer();
 
   /// New positions, n×3, for one pose per handle, by the method of the options. Vertices outside the region
-  /// keep their bits; handle vertices are exactly at `pose · p`. Measures what it did where there is a `report`.
+  /// keep their bits; handle vertices are exactly at `pose · p`. Measures what it did where there is a
+  /// `report`.
   Points evaluate(std::span<const HandlePose> poses, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
   /// The same into the caller's memory (n×3; throws Error(usage) for another shape).
