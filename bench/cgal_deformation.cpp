@@ -19,7 +19,7 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-SurfaceMesh make_surface_mesh(const BumpEdit& edit) {
+SurfaceMesh make_surface_mesh(const BenchEdit& edit) {
   SurfaceMesh mesh;
   mesh.reserve(edit.positions.rows(), edit.positions.rows() + edit.triangles.rows(), edit.triangles.rows());
   for (const auto& p : edit.positions.rowwise()) mesh.add_vertex(Point(p[0], p[1], p[2]));
@@ -31,7 +31,7 @@ SurfaceMesh make_surface_mesh(const BumpEdit& edit) {
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
-CgalResult run(const BumpEdit& edit, unsigned iterations) {
+CgalResult run(const BenchEdit& edit, unsigned iterations) {
   SurfaceMesh mesh = make_surface_mesh(edit);
 
   const auto start = Clock::now();
@@ -63,7 +63,7 @@ CgalResult run(const BumpEdit& edit, unsigned iterations) {
 
 }  // namespace
 
-CgalResult run_cgal(const BumpEdit& edit, CgalMethod method, unsigned iterations) {
+CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations) {
   switch (method) {
     case CgalMethod::original_arap: return run<CGAL::ORIGINAL_ARAP>(edit, iterations);
     case CgalMethod::spokes_and_rims: return run<CGAL::SPOKES_AND_RIMS>(edit, iterations);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bump_edit.h"
+#include "bench_edit.h"
 
 namespace meshgraft::bench {
 
@@ -18,6 +18,6 @@ struct CgalResult {
 };
 
 /// Runs the edit once through CGAL's Surface_mesh_deformation with its default weights and linear solver.
-CgalResult run_cgal(const BumpEdit& edit, CgalMethod method, unsigned iterations);
+CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations);
 
 }  // namespace meshgraft::bench

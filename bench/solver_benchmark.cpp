@@ -21,7 +21,7 @@
 #include <meshgraft/deform/quality.h>
 
 #include "../cli/blas_kernels.h"
-#include "bump_edit.h"
+#include "bench_edit.h"
 #include "cgal_deformation.h"
 
 namespace meshgraft::bench {
@@ -33,14 +33,14 @@ constexpr unsigned cgal_iterations = 10;
 // Made once per size and shared by all benchmarks of that size.
 class Edits {
  public:
-  const BumpEdit& operator[](Index size) {
+  const BenchEdit& operator[](Index size) {
     const auto [entry, is_new] = edits_.try_emplace(size);
     if (is_new) entry->second = make_bump_edit(size);
     return entry->second;
   }
 
  private:
-  std::map<Index, BumpEdit> edits_;
+  std::map<Index, BenchEdit> edits_;
 };
 
 using Stages = std::vector<std::pair<std::string, double>>;  // name, seconds
@@ -59,7 +59,7 @@ void average(benchmark::State& state) {
   for (auto& [name, counter] : state.counters) counter.value /= static_cast<double>(state.iterations());
 }
 
-Region region_of(const BumpEdit& edit) {
+Region region_of(const BenchEdit& edit) {
   Region region;
   region.whole = true;
   region.fixed = edit.fixed;
@@ -83,7 +83,7 @@ double evaluation_seconds(const Deformer& deformer, std::span<const HandlePose> 
   return median(std::move(seconds));
 }
 
-void run_deformer(benchmark::State& state, const BumpEdit& edit, const DeformerOptions& options) {
+void run_deformer(benchmark::State& state, const BenchEdit& edit, const DeformerOptions& options) {
   const Region region = region_of(edit);
   std::vector<HandlePose> poses(1);
   poses[0].transform = edit.pose;
@@ -109,7 +109,7 @@ void run_deformer(benchmark::State& state, const BumpEdit& edit, const DeformerO
   state.counters["dihedral_p99_deg"] = quality.dihedral_p99_deg;
 }
 
-std::vector<Index> free_vertices(const BumpEdit& edit) {
+std::vector<Index> free_vertices(const BenchEdit& edit) {
   std::vector<char> held(static_cast<std::size_t>(edit.positions.rows()), 0);
   for (const auto* part : {&edit.fixed, &edit.handle}) {
     for (const Index v : *part) held[v] = 1;
@@ -121,7 +121,7 @@ std::vector<Index> free_vertices(const BumpEdit& edit) {
   return free;
 }
 
-void run_surface_mesh_deformation(benchmark::State& state, const BumpEdit& edit, CgalMethod method) {
+void run_surface_mesh_deformation(benchmark::State& state, const BenchEdit& edit, CgalMethod method) {
   CgalResult result;
   for ([[maybe_unused]] auto iteration : state) {
     result = run_cgal(edit, method, cgal_iterations);
@@ -158,12 +158,21 @@ void register_deformer(Edits& edits, Index eigen_max_vertices) {
       for (const Index size : sizes) {
         if (!is_available(backend) || (backend == SolverBackend::eigen && size > eigen_max_vertices)) continue;
         DeformerOptions options;
+        options.method = DeformMethod::ft05;
         options.operators.degenerate = treatment;
         options.backend = backend;
         add("meshgraft/" + std::string(to_string(treatment)) + "/" + backend_name + "/" + std::to_string(size),
             [&edits, size, options](benchmark::State& state) { run_deformer(state, edits[size], options); });
       }
     }
+  }
+}
+
+// The default method: its set-up has two scalar systems more, its evaluation a solve per step.
+void register_corotational(Edits& edits) {
+  for (const Index size : sizes) {
+    add("meshgraft/corotational/default/" + std::to_string(size),
+        [&edits, size](benchmark::State& state) { run_deformer(state, edits[size], {}); });
   }
 }
 
@@ -201,6 +210,7 @@ int main(int argc, char** argv) {
   meshgraft::bench::Edits edits;
   const meshgraft::Index eigen_max_vertices = meshgraft::bench::take_eigen_max_vertices(argc, argv);
   meshgraft::bench::register_deformer(edits, eigen_max_vertices);
+  meshgraft::bench::register_corotational(edits);
   meshgraft::bench::register_cgal(edits);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -41,7 +41,7 @@ double density_scale(double length_ratio) {
 
 std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
                                                    const IndexLists& vertex_triangles, const IndexLists& rings,
-                                                   std::span<const std::uint8_t> active,
+                                                   std::span<const std::uint8_t> active, bool opposite_pairs,
                                                    const Context& context) {
   context.throw_if_stopped();
   std::vector<std::array<Index, 2>> pairs;
@@ -53,6 +53,7 @@ std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
     for (Index j : rings[i]) {
       if (j < i) continue;
       add(i, j);
+      if (!opposite_pairs) continue;
       // Every two faces on the edge (i, j) contribute the pair of their third corners.
       opposite.clear();
       for (Index t : vertex_triangles[i]) {
@@ -96,7 +97,7 @@ AffineOperator::AffineOperator(const Points& points, const Triangles& triangles,
   H_ = local_map_operator(nodes_, rings_, fitted, context);
   context.step("assemble", 0.4);
   build_laplacian_rows(points, triangles, options, rows, context);
-  pairs_ = smoothness_pairs(triangles, faces_at, rings_, unknown, context);
+  pairs_ = smoothness_pairs(triangles, faces_at, rings_, unknown, options.opposite_pairs, context);
   build_smoothness_rows(normals, options);
 }
 

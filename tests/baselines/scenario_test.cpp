@@ -12,6 +12,7 @@
 
 #include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
+#include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/deform/selection.h>
 
@@ -105,6 +106,43 @@ INSTANTIATE_TEST_SUITE_P(BotschSorkine, StandardTests,
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+/// What the default method owes on each test (docs/methods.md has the whole table).
+struct Standing {
+  const char* test;
+  double best_product_of_cgal;  ///< edge RMS × dihedral p99 of the better of SRE_ARAP and SPOKES_AND_RIMS, 5.5
+  double largest_share;         ///< of it that ours may have
+};
+
+class DefaultMethod : public testing::TestWithParam<Standing> {};
+
+TEST_P(DefaultMethod, IsNotBeatenInBothMeasuresAtOnceAndDoesNotFold) {
+  const Standing& standing = GetParam();
+  if (!std::filesystem::exists(data_folder() / (std::string(standing.test) + ".off")))
+    GTEST_SKIP() << "no test data in " << data_folder() << "; set MESHGRAFT_DATA";
+  const StandardTest test(standing.test);
+  const auto quality_of = [&](const Points& edited, bool self_intersections) {
+    return measure_quality(test.rest, edited, test.triangles, test.selection.free,
+                           {.self_intersections = self_intersections});
+  };
+  const Deformer deformer = Deformer::with_constraints(test.rest, test.triangles, {}, test.constraints, {}, {});
+  const Quality ours = quality_of(deformer.evaluate(test.constraints), true);
+  EXPECT_EQ(ours.new_self_intersections.value_or(0), 0);
+  EXPECT_EQ(ours.flipped_faces, 0);
+  EXPECT_LT(ours.edge_rms * ours.dihedral_p99_deg, standing.largest_share * standing.best_product_of_cgal);
+  for (const Baseline method : {Baseline::botsch_kobbelt_2004, Baseline::lipman_2004, Baseline::sorkine_2004,
+                                Baseline::yu_2004, Baseline::sorkine_alexa_2007}) {
+    const Quality other = quality_of(deform_by(method, test.rest, test.triangles, {}, test.constraints), false);
+    EXPECT_FALSE(other.edge_rms < ours.edge_rms && other.dihedral_p99_deg < ours.dihedral_p99_deg)
+        << to_string(method) << ": " << other.edge_rms << " / " << other.dihedral_p99_deg << " against "
+        << ours.edge_rms << " / " << ours.dihedral_p99_deg;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BotschSorkine, DefaultMethod,
+                         testing::Values(Standing{"plane", 0.113, 0.4}, Standing{"cylinder", 1.385, 0.4},
+                                         Standing{"bar", 1.019, 0.4}, Standing{"cactus", 0.346, 0.47}),
+                         [](const auto& standing) { return std::string(standing.param.test); });
 
 }  // namespace
 }  // namespace meshgraft::test

@@ -16,10 +16,10 @@ namespace meshgraft {
 
 /// Unordered pairs of vertices that two faces with a common edge contain: the edges and the pairs opposite
 /// across an edge (SF of FT05 equation 11). Ascending, without repeats; only pairs with a vertex in `active`
-/// (flags per vertex).
+/// (flags per vertex); without `opposite` the edges alone.
 std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
                                                    const IndexLists& vertex_triangles, const IndexLists& rings,
-                                                   std::span<const std::uint8_t> active,
+                                                   std::span<const std::uint8_t> active, bool opposite = true,
                                                    const Context& context = {});
 
 /// The rows of the method's energy over a mesh (or a patch of one), in the notation

@@ -28,6 +28,7 @@ struct OperatorOptions {
   double flatness = 5e-5;          ///< smallest/largest eigenvalue of P Pᵀ below which a ring counts as flat
   std::uint64_t seed = 1;          ///< of the noise's signs
   double laplacian_weight = 20;    ///< λ of the energy λ E_L + E_R; FT05 has 1 (docs/method.md says why not)
+  bool opposite_pairs = true;      ///< SF has the pairs opposite across an edge beside the edges, as in FT05
   int laplacian_order = 1;         ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
 };
 

@@ -1,4 +1,4 @@
-#include "bump_edit.h"
+#include "bench_edit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,10 +42,10 @@ Triangles irregular_triangles(Index side, std::mt19937_64& random) {
 
 }  // namespace
 
-BumpEdit make_bump_edit(Index vertex_count) {
+BenchEdit make_bump_edit(Index vertex_count) {
   const auto side = static_cast<Index>(std::lround(std::sqrt(vertex_count)));
   std::mt19937_64 random(1);
-  BumpEdit edit;
+  BenchEdit edit;
   edit.positions = bumpy_sheet(side, random);
   edit.triangles = irregular_triangles(side, random);
   const Eigen::Vector3d centre(0.5, 0.5, 0);
