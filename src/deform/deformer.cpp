@@ -1,6 +1,7 @@
 #include <meshgraft/deform/deformer.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -62,8 +63,10 @@ void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const
                            const Context& context) {
   validate(options);
   system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, options, summary, context);
-  if (options.method != DeformMethod::ft05 && system->operators() != nullptr)
-    rotations = std::make_unique<RotationField>(*system, options, context);
+  if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
+  const auto start = std::chrono::steady_clock::now();
+  rotations = std::make_unique<RotationField>(*system, options, context);
+  summary.factorise_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void Deformer::Impl::constrain(Index vertex, bool position, bool transform, VertexStates& states) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <meshgraft/core/parallel.h>
+#include <meshgraft/mesh/normals.h>
 
 #include "rotations.h"
 
@@ -14,6 +15,16 @@ namespace {
 
 /// Rotation vector (3) and logarithm of the stretch (6) of a transform.
 using Logarithm = Eigen::Matrix<double, 1, 9>;
+
+/// `map` with the image of the normal at right angles to the surface's image: where nothing but a flat ring
+/// was fitted, it could be anything.
+Eigen::Matrix3d with_normal(const Eigen::Matrix3d& map, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
+  const Eigen::Vector3d across = (map * u).cross(map * v);
+  const double length = across.norm();
+  if (!(length > 0)) return map;
+  return map + (across / std::sqrt(length) - map * normal) * normal.transpose();
+}
 
 template <class Body>
 void for_each_vertex(Index count, const Context& context, const Body& body) {
@@ -32,7 +43,11 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
     : system_(system),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
       fields_(system.patch().points, system.patch().triangles, system.operators()->rings(),
-              system.known().transform, options.smoothing_length_rel, options.backend, context) {}
+              system.known().transform, options.smoothing_length_rel, options.backend, context) {
+  const Patch& patch = system.patch();
+  normals_ = vertex_normals(patch.points, patch.triangles,
+                            vertex_triangles(patch.size(), patch.triangles, context), context);
+}
 
 RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints,
                                           const Context& context) const {
@@ -153,10 +168,14 @@ void RotationField::follow(const ConstrainedSystem::Known& values, const Blend& 
 /// Rotation vectors that take the blended rotations to those of the maps, each near the current one.
 Columns RotationField::surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                                          const Context& context) const {
+  const std::vector<Index>& apex = system_.operators()->nodes().apex;
   Columns deviation(current.rows(), 3);
   for_each_vertex(static_cast<Index>(current.rows()), context, [&](Index v) {
-    const Eigen::Matrix3d map = maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity();
-    const Eigen::Matrix3d rotation = nearest_rotation(map * blended.stretch[v].inverse());
+    const Eigen::Matrix3d unstretch = blended.stretch[v].inverse();
+    Eigen::Matrix3d map = (maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity()) * unstretch;
+    const Eigen::Vector3d normal = unstretch * normals_.row(v).transpose();  // of the stretched surface
+    if (apex[v] < 0 && !normal.isZero(0)) map = with_normal(map, normal.normalized());
+    const Eigen::Matrix3d rotation = nearest_rotation(map);
     const Eigen::Vector3d turn = rotation_log(rotation * blended.rotation[v].transpose());
     deviation.row(v) = nearest_turn(turn, current.row(v).transpose()).transpose();
   });

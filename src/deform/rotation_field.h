@@ -42,6 +42,7 @@ class RotationField {
   const ConstrainedSystem& system_;
   int iterations_ = 0;
   SurfaceFields fields_;
+  Points normals_;  ///< of the patch at rest
 };
 
 }  // namespace meshgraft

@@ -61,7 +61,7 @@ struct DeformerSummary {
   Index degenerate_vertices = 0;  ///< free vertices with a flat or near-flat neighbourhood
   double assemble_seconds = 0;
   double analyse_seconds = 0;
-  double factorise_seconds = 0;
+  double factorise_seconds = 0;  ///< with the scalar systems that spread rotations
   SolverStatistics solver{};
 };
 
