@@ -256,9 +256,10 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
 }
 
 DeformSettings parse_settings(const Value& value) {
-  const Object fields(value, {"method", "stiffness", "iterations", "smoothing_length_rel", "weights", "density", "degenerate", "apex_height_rel",
-                              "noise_length_rel", "flatness", "seed", "laplacian_weight", "laplacian_order",
-                              "residual_corrections", "backend", "refine_boundary"});
+  const Object fields(
+      value, {"method", "stiffness", "iterations", "smoothing_length_rel", "weights", "density", "degenerate",
+              "apex_height_rel", "noise_length_rel", "flatness", "seed", "laplacian_weight", "laplacian_order",
+              "residual_corrections", "backend", "refine_boundary"});
   DeformSettings settings;
   OperatorOptions& operators = settings.deformer.operators;
   fields.optional("method", [&](const Value& v) {

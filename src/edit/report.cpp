@@ -110,13 +110,6 @@ void add_measures(Json& json, const Report& report) {
   json["quality"] = quality_json(report.quality);
 }
 
-Json notes_of(const StepReport& step) {
-  Json notes = Json::array();
-  if (step.evaluation.fell_back_to_linear)
-    notes.push_back("a handle mirrors or flattens what it holds: there is no rotation to follow, so the edit was solved as by ft05");
-  return notes;
-}
-
 Json step_json(const StepReport& step) {
   Json json = {{"kind", "deform"}, {"name", step.name}, {"mesh", step.mesh}};
   json["method"] = std::string(to_string(step.settings.deformer.method));
@@ -124,7 +117,7 @@ Json step_json(const StepReport& step) {
   add_measures(json, step);
   json["iterations"] = step.evaluation.iterations;
   json["last_rotation_change"] = step.evaluation.last_rotation_change;
-  json["notes"] = notes_of(step);
+  json["notes"] = step.notes;
   return json;
 }
 
@@ -136,7 +129,8 @@ std::string write_report(const EditReport& report) {
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION}};
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
-  json["method"] = report.steps.empty() ? "" : std::string(to_string(report.steps.front().settings.deformer.method));
+  json["method"] =
+      report.steps.empty() ? "" : std::string(to_string(report.steps.front().settings.deformer.method));
   add_measures(json, report);
   json["inputs"] = Json::array();
   for (const EditReport::Input& input : report.inputs)

@@ -116,31 +116,21 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
   require_usable(scene.triage, scene.mesh, vertices, scene.label);
 }
 
-std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
-                                                 const DeformProblem& problem) {
-  if (pose.curve) {
-    const IndexLists faces = vertex_triangles(static_cast<Index>(problem.rest.rows()), problem.triangles);
-    const Points normals = vertex_normals(problem.rest, problem.triangles, faces);
-    return curve_constraints(handle, problem.rest, normals, *pose.curve);
-  }
-  std::vector<VertexConstraint> constraints;
-  for (const Index v : handle.vertices) {
-    VertexConstraint constraint{v, {}, {}};
-    if (handle.constrain_position) constraint.position = pose.transform * problem.rest.row(v).transpose();
-    if (handle.constrain_transform) constraint.transform = pose.transform.linear();
-    constraints.push_back(constraint);
-  }
-  return constraints;
-}
-
 // All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
-std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem) {
+std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, const Context& context) {
   const Region& region = problem.deform.region;
+  const std::vector<HandlePose>& poses = problem.deform.poses;
+  Points normals;
+  if (std::any_of(poses.begin(), poses.end(), [](const HandlePose& pose) { return pose.curve.has_value(); })) {
+    const auto count = static_cast<Index>(problem.rest.rows());
+    normals = vertex_normals(problem.rest, problem.triangles,
+                             vertex_triangles(count, problem.triangles, context), context);
+  }
   std::vector<VertexConstraint> constraints;
   for (const Index v : region.fixed)
     constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity()});
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
-    const auto held = handle_constraints(region.handles[h], problem.deform.poses[h], problem);
+    const auto held = handle_constraints(region.handles[h], poses[h], problem.rest, normals);
     constraints.insert(constraints.end(), held.begin(), held.end());
   }
   constraints.insert(constraints.end(), problem.deform.constraints.begin(), problem.deform.constraints.end());
@@ -158,7 +148,7 @@ Solution solve(const DeformProblem& problem, const DeformSettings& settings, con
   const Region& region = problem.deform.region;
   const bool by_handles = problem.deform.constraints.empty();
   std::vector<VertexConstraint> constraints;
-  if (!by_handles) constraints = joined_constraints(problem);
+  if (!by_handles) constraints = joined_constraints(problem, context);
   const Deformer deformer =
       by_handles ? Deformer(problem.rest, problem.triangles, region, settings.deformer, context)
                  : Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
@@ -182,6 +172,15 @@ Solution solve(const DeformProblem& problem, const DeformSettings& settings, con
   report.counts.degenerate = summary.degenerate_vertices;
   report.seconds.measure = watch.lap();
   return solution;
+}
+
+std::vector<std::string> notes_of(const StepReport& report) {
+  std::vector<std::string> notes;
+  if (report.evaluation.fell_back_to_linear)
+    notes.emplace_back(
+        "a handle mirrors or flattens what it holds, so there is no rotation to follow; maps were blended "
+        "linearly, as by ft05");
+  return notes;
 }
 
 double largest_displacement(const Points& rest, const Points& edited) {
@@ -242,6 +241,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
   report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
+  report.notes = notes_of(report);
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();
   return report;

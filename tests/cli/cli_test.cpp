@@ -103,7 +103,7 @@ TEST_F(CommandLine, DeformsWritesAndReports) {
   const json report = json::parse(read_text(folder_ / "report.json"));
   EXPECT_EQ(report["counts"]["fixed"], 16);
   EXPECT_EQ(report["counts"]["free"], 32);
-  EXPECT_EQ(report["method"], "ft05");
+  EXPECT_EQ(report["method"], "corotational");
   EXPECT_EQ(report["outputs"], json({"out.obj", "report.json"}));
   EXPECT_GT(report["seconds"]["total"], 0);
   const json& intersections = report["quality"]["new_self_intersections"];
@@ -129,6 +129,36 @@ TEST_F(CommandLine, OptionsOverrideTheFile) {
   EXPECT_EQ(settings["density"], "ft05");
   EXPECT_EQ(settings["degenerate"], "ft05-noise");
   EXPECT_EQ(settings["backend"], "eigen");
+
+  const Outcome turned =
+      run("deform edit.json -o o.ply --json --method rotation-aware --stiffness 2.5 --iterations 3");
+  ASSERT_EQ(turned.status, 0) << turned.err;
+  const json step = json::parse(turned.out)["steps"][0];
+  EXPECT_EQ(step["method"], "rotation-aware");
+  EXPECT_EQ(step["settings"]["stiffness"], 2.5);
+  EXPECT_EQ(step["settings"]["iterations"], 3);
+}
+
+TEST_F(CommandLine, VersionOneFilesAreSolvedByFt05UnlessAskedOtherwise) {
+  write("one.json", R"({"format": "meshgraft-edit", "version": 1, "kind": "deform", "mesh": "sheet.obj",
+      "roi": "all", "fixed": [0, 1, 2, 3, 4, 5, 6, 7], "handles": [{"name": "h", "shape": "region",
+      "vertices": [60, 61, 62], "transform": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 2], [0, 0, 0, 1]]}]})");
+  const Outcome plain = run("deform one.json -o o.ply --json");
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  EXPECT_EQ(json::parse(plain.out)["method"], "ft05");
+  EXPECT_EQ(json::parse(run("deform one.json -o o.ply --json --method corotational").out)["method"],
+            "corotational");
+}
+
+TEST_F(CommandLine, TheSummarySaysThatAMirroringHandleIsFollowedLinearly) {
+  std::string mirroring = edit();
+  const std::string pose = R"({"translate": [0, 0, 2]})";
+  mirroring.replace(mirroring.find(pose), pose.size(), R"({"scale": [-1, 1, 1]})");
+  write("mirror.json", mirroring);
+  const Outcome outcome = run("deform mirror.json -o o.ply");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("note: a handle mirrors or flattens"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run("deform edit.json -o o.ply").out.find("note:"), std::string::npos);
 }
 
 TEST_F(CommandLine, TheSameBytesWithOneThreadAndWithTwo) {
@@ -154,6 +184,12 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"defrom edit.json", 2, "'defrom' is not a command"},
       {"deform edit.json", 2, "--output"},
       {"deform edit.json -o o.ply --weights cotan", 2, "'cotan' is not one of uniform, cotangent"},
+      {"deform edit.json -o o.ply --method linear", 2,
+       "'linear' is not one of ft05, rotation-aware, corotational"},
+      {"deform edit.json -o o.ply --stiffness -1", 2, "--stiffness"},
+      {"deform edit.json -o o.ply --stiffness soft", 2, "--stiffness"},
+      {"deform edit.json -o o.ply --iterations 1001", 2, "--iterations"},
+      {"deform edit.json -o o.ply --iterations 1.5", 2, "--iterations"},
       {"deform edit.json -o o.ply --threads 0", 2, "not a number from 1 to 1024"},
       {"deform edit.json -o edit.json", 2, "this is an input"},
       {"sample", 2, "no sample is named"},

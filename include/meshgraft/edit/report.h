@@ -44,6 +44,7 @@ struct StepReport {
   std::optional<double> condition_estimate;  ///< of AᵀA; absent if it was not asked for
   double max_displacement = 0;               ///< model units
   Quality quality;
+  std::vector<std::string> notes;  ///< sentences for people about what went another way than asked
 };
 
 /// What a whole edit did. Fields beside `steps` sum them up as docs/report.md says.
