@@ -21,9 +21,10 @@ USES = {
     "render": {"core", "mesh"},
     "operators": {"core", "mesh", "linalg"},
     "deform": {"core", "mesh", "linalg", "operators"},
+    "baselines": {"core", "mesh", "linalg", "operators", "deform"},
     "merge": {"core", "mesh", "linalg", "operators", "deform"},
-    "edit": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "merge"},
-    "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "merge", "edit"},
+    "edit": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
+    "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "edit"},
 }
 USES["editor"] = USES["python"] = USES["cli"]
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include <meshgraft/baselines/baselines.h>
+
+#include "edit_problem.h"
+
+namespace meshgraft::baselines {
+
+// Each gives the positions of the patch's vertices, n×3, at the patch's scale.
+
+Points deform_botsch_kobbelt_2004(const EditProblem& problem, const BaselineOptions& options,
+                                  const Context& context);
+Points deform_lipman_2004(const EditProblem& problem, const BaselineOptions& options, const Context& context);
+Points deform_sorkine_2004(const EditProblem& problem, const BaselineOptions& options, const Context& context);
+Points deform_yu_2004(const EditProblem& problem, const BaselineOptions& options, const Context& context);
+
+struct ArapResult {
+  Points positions;
+  std::vector<double> energies;  ///< E of the paper's equation 3 at the start and after each iteration
+};
+ArapResult deform_arap_2007(const EditProblem& problem, const BaselineOptions& options, const Context& context);
+
+/// ‖D x − δ‖² → min with the Laplacian D and the detail vectors δ = D p turned by nothing: the naive editing
+/// that several methods begin with.
+class NaiveLaplacian {
+ public:
+  NaiveLaplacian(const EditProblem& problem, WeightScheme weights, SolverBackend backend,
+                 const Context& context);
+  const Columns& delta() const { return delta_; }
+  /// Positions for other detail vectors (n×3).
+  Points solve(const Columns& delta, const Context& context) const;
+
+ private:
+  const EditProblem& problem_;
+  SparseRows D_, D_transposed_;
+  Columns delta_;
+  std::unique_ptr<KnownRowsSolver> solver_;
+};
+
+}  // namespace meshgraft::baselines

@@ -1,0 +1,110 @@
+// The four standard tests of Botsch and Sorkine (On linear variational surface deformation methods, 2008).
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/baselines/baselines.h>
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/quality.h>
+#include <meshgraft/deform/selection.h>
+
+namespace meshgraft::test {
+namespace {
+
+std::filesystem::path data_folder() {
+  const char* variable = std::getenv("MESHGRAFT_DATA");
+  const std::filesystem::path data =
+      variable != nullptr ? std::filesystem::path(variable)
+                          : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
+  return data / "botsch-sorkine";
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// A mesh in the OFF format with the `.sel` and `.def` of the same name.
+struct StandardTest {
+  Points rest;
+  Triangles triangles;
+  SelFile selection;
+  std::vector<VertexConstraint> constraints;
+
+  explicit StandardTest(const std::string& name) {
+    std::ifstream off(data_folder() / (name + ".off"));
+    std::string word;
+    Index vertices = 0, faces = 0, edges = 0, corners = 0;
+    off >> word >> vertices >> faces >> edges;
+    rest.resize(vertices, 3);
+    triangles.resize(faces, 3);
+    for (double& value : rest.reshaped<Eigen::RowMajor>()) off >> value;
+    for (Index t = 0; t < faces; ++t) off >> corners >> triangles(t, 0) >> triangles(t, 1) >> triangles(t, 2);
+    if (!off) throw Error(ErrorCode::input, "the OFF file cannot be read", name);
+    selection = parse_sel(read_text(data_folder() / (name + ".sel")), vertices, name);
+    const Eigen::Affine3d move(parse_def(read_text(data_folder() / (name + ".def")), name));
+    for (Index v : selection.fixed)
+      constraints.push_back({v, Eigen::Vector3d(rest.row(v)), Eigen::Matrix3d::Identity()});
+    for (Index v : selection.handle)
+      constraints.push_back({v, move * Eigen::Vector3d(rest.row(v)), move.linear()});
+  }
+};
+
+/// Figures measured once, with the default options.
+struct Expected {
+  const char* test;
+  Baseline method;
+  double edge_rms, dihedral_p99_deg;
+};
+
+class StandardTests : public testing::TestWithParam<Expected> {};
+
+TEST_P(StandardTests, GiveTheKnownQuality) {
+  const Expected& expected = GetParam();
+  if (!std::filesystem::exists(data_folder() / (std::string(expected.test) + ".off")))
+    GTEST_SKIP() << "no test data in " << data_folder() << "; set MESHGRAFT_DATA";
+  const StandardTest test(expected.test);
+  const Points edited = deform_by(expected.method, test.rest, test.triangles, {}, test.constraints);
+  const Quality quality = measure_quality(test.rest, edited, test.triangles, test.selection.free);
+  EXPECT_NEAR(quality.edge_rms, expected.edge_rms, 0.2 * expected.edge_rms);
+  EXPECT_NEAR(quality.dihedral_p99_deg, expected.dihedral_p99_deg, 0.2 * expected.dihedral_p99_deg);
+}
+
+INSTANTIATE_TEST_SUITE_P(BotschSorkine, StandardTests,
+                         testing::Values(Expected{"bar", Baseline::botsch_kobbelt_2004, 0.1284, 24.35},
+                                         Expected{"bar", Baseline::lipman_2004, 0.1534, 21.42},
+                                         Expected{"bar", Baseline::sorkine_2004, 0.3691, 41.75},
+                                         Expected{"bar", Baseline::yu_2004, 0.0659, 6.61},
+                                         Expected{"bar", Baseline::sorkine_alexa_2007, 0.0389, 26.95},
+                                         Expected{"cactus", Baseline::botsch_kobbelt_2004, 0.1482, 16.84},
+                                         Expected{"cactus", Baseline::lipman_2004, 0.1275, 8.25},
+                                         Expected{"cactus", Baseline::sorkine_2004, 1.9632, 7.48},
+                                         Expected{"cactus", Baseline::yu_2004, 0.0696, 2.30},
+                                         Expected{"cactus", Baseline::sorkine_alexa_2007, 0.0327, 14.92},
+                                         Expected{"cylinder", Baseline::botsch_kobbelt_2004, 0.2527, 19.68},
+                                         Expected{"cylinder", Baseline::lipman_2004, 0.2694, 2.59},
+                                         Expected{"cylinder", Baseline::sorkine_2004, 0.3657, 16.22},
+                                         Expected{"cylinder", Baseline::yu_2004, 0.1768, 1.78},
+                                         Expected{"cylinder", Baseline::sorkine_alexa_2007, 0.0310, 23.49},
+                                         Expected{"plane", Baseline::botsch_kobbelt_2004, 0.1031, 6.86},
+                                         Expected{"plane", Baseline::lipman_2004, 0.1247, 4.50},
+                                         Expected{"plane", Baseline::sorkine_2004, 0.1399, 2.82},
+                                         Expected{"plane", Baseline::yu_2004, 0.1228, 5.34},
+                                         Expected{"plane", Baseline::sorkine_alexa_2007, 0.0066, 5.16}),
+                         [](const auto& expected) {
+                           std::string name = expected.param.test + std::string("_") +
+                                              std::string(to_string(expected.param.method));
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace meshgraft::test
