@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -192,6 +193,12 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"deform edit.json -o o.ply --iterations 1.5", 2, "--iterations"},
       {"deform edit.json -o o.ply --threads 0", 2, "not a number from 1 to 1024"},
       {"deform edit.json -o edit.json", 2, "this is an input"},
+      {"compare", 2, "edit"},
+      {"compare edit.json --methods ft05,arpa-2007", 2, "Did you mean 'arap-2007'? Known are corotational"},
+      {"compare edit.json --methods ft05,,arap-2007", 2, "there is no method named ''"},
+      {"compare edit.json --methods ft05,ft05", 2, "'ft05' is given twice"},
+      {"compare edit.json -o sheet.obj", 5, "this is not a folder"},
+      {"compare edit.json -o nowhere/there", 5, "nowhere"},
       {"sample", 2, "no sample is named"},
       {"deform broken.json -o o.ply", 3, "broken.json: line 1, column 2: not valid JSON"},
       {"deform edit.json -o o.xyz", 3, ".xyz"},
@@ -199,6 +206,7 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"deform loose.json -o o.ply", 4, "loose.json: steps[0]"},
       {"deform no.json -o o.ply", 5, "no.json"},
       {"deform no_mesh.json -o o.ply", 5, "no_mesh.json: inputs.sheet"},
+      {"compare no_mesh.json -o there", 5, "no_mesh.json: inputs.sheet"},
       {"deform edit.json -o nowhere/o.ply", 5, "nowhere"},
       {"info no.ply", 5, "no.ply"},
   };
@@ -249,21 +257,94 @@ TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
       "long.json",
       R"({"format": "meshgraft-edit", "version": 2, "inputs": {"m": {"sample": "bumpy_plane", "resolution": 1500}},
       "steps": [{"kind": "deform", "mesh": "m", "fixed": {"loop": 0}}]})");
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
-    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "deform", "long.json", "-o", "long.ply", nullptr);
-    _exit(99);
+  for (const char* command : {"deform", "compare"}) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
+      execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, command, "long.json", "-o", "long.ply", nullptr);
+      _exit(99);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    kill(child, SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFEXITED(status)) << command;
+    EXPECT_EQ(WEXITSTATUS(status), 130) << command << read_text(folder_ / ".err");
+    EXPECT_NE(read_text(folder_ / ".err").find("cancelled"), std::string::npos) << command;
+    EXPECT_EQ(new_files(), std::vector<std::string>{"long.json"}) << command;
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130) << read_text(folder_ / ".err");
-  EXPECT_NE(read_text(folder_ / ".err").find("cancelled"), std::string::npos);
-  EXPECT_EQ(new_files(), std::vector<std::string>{"long.json"});
+}
+
+TEST_F(CommandLine, CompareTellsMethodsApart) {
+  const Outcome table = run("compare edit.json --methods ft05,arap-2007");
+  ASSERT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("\n| ft05 "), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("\n| arap-2007 "), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("corotational"), std::string::npos) << table.out;
+  EXPECT_TRUE(new_files().empty());
+
+  const json all = json::parse(run("compare edit.json --json --threads 1").out);
+  EXPECT_EQ(all["format"], "meshgraft-comparison");
+  ASSERT_EQ(all["methods"].size(), 8u);
+  for (const json& method : all["methods"]) {
+    EXPECT_TRUE(method["failure"].is_null()) << method;
+    EXPECT_GT(method["quality"]["area_ratio"], 0) << method;
+    EXPECT_EQ(method["counts"]["free"], 32) << method;
+  }
+}
+
+TEST_F(CommandLine, CompareWritesAFolderAndOnlyItsOwnFilesIntoIt) {
+  const bool pictures = run("render --help").status == 0;
+  const std::string command = "compare edit.json --methods corotational,yu-2004 -o both/" +
+                              std::string(pictures ? " --width 40 --height 30" : "");
+  const Outcome outcome = run(command);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  std::vector<std::string> expected{"compare.json", "compare.md", "corotational.obj", "yu-2004.obj"};
+  if (pictures) expected.insert(expected.end(), {"compare.png", "corotational.png", "yu-2004.png"});
+  std::sort(expected.begin(), expected.end());
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "both"))
+    found.push_back(entry.path().filename().string());
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+  const json written = json::parse(read_text(folder_ / "both/compare.json"));
+  EXPECT_EQ(written["methods"][1]["outputs"][0], "both/yu-2004.obj");
+  const std::string text = read_text(folder_ / "both/compare.md");
+  for (const std::string& name : expected)
+    EXPECT_EQ(text.find("(" + name + ")") != std::string::npos,
+              !name.starts_with("compare.") || name == "compare.png")
+        << name;
+  ASSERT_EQ(run("deform edit.json -o alone.obj").status, 0);
+  EXPECT_EQ(read_text(folder_ / "both/corotational.obj"), read_text(folder_ / "alone.obj"));
+
+  // Again into the same folder, beside a file that is nobody's business.
+  write("both/mine.txt", "mine");
+  EXPECT_EQ(run(command).status, 0);
+  EXPECT_EQ(read_text(folder_ / "both/mine.txt"), "mine");
+
+  // A file of somebody else's that is in the way.
+  std::filesystem::create_directory(folder_ / "other");
+  write("other/yu-2004.obj", "mine");
+  const Outcome refused = run("compare edit.json --methods ft05,yu-2004 -o other");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("other/yu-2004.obj"), std::string::npos) << refused.err;
+  EXPECT_EQ(read_text(folder_ / "other/yu-2004.obj"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "other/compare.json"));
+}
+
+TEST_F(CommandLine, CompareNeverWritesOverAnInput) {
+  // An edit of an earlier comparison's result, compared into the same folder.
+  ASSERT_EQ(run("compare edit.json --methods ft05 -o f").status, 0);
+  std::string again = edit();
+  const std::string input = R"("file": "sheet.obj")";
+  again.replace(again.find(input), input.size(), R"("file": "f/ft05.obj")");
+  write("again.json", again);
+  const std::string before = read_text(folder_ / "f/ft05.obj");
+  const Outcome outcome = run("compare again.json --methods ft05 -o f");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("this is an input"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_text(folder_ / "f/ft05.obj"), before);
 }
 
 TEST_F(CommandLine, InfoTellsCountsLoopsAndFindings) {
@@ -294,7 +375,7 @@ TEST_F(CommandLine, SamplesCanBeListedAndMade) {
             json::parse(outcome.out)["vertices"]);
 }
 
-std::vector<std::string> commands() { return {"info", "deform", "sample", "completion", "man"}; }
+std::vector<std::string> commands() { return {"info", "deform", "compare", "sample", "completion", "man"}; }
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   const std::string overview = run("--help").out;
@@ -334,9 +415,10 @@ TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {
                        "complete_words meshgraft deform --wei\n"
                        "complete_words meshgraft deform --weights c\n"
                        "complete_words meshgraft sample oct\n"
-                       "complete_words meshgraft info she\n");
+                       "complete_words meshgraft info she\n"
+                       "complete_words meshgraft compare --methods ar\n");
   const Outcome outcome = run("--version > /dev/null; bash complete.sh");
-  EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\n") << outcome.err;
+  EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\narap-2007\n") << outcome.err;
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST_F(RunEdit, MovesHandlesExactlyKeepsTheFixedAndBendsTheRest) {
   EXPECT_EQ(result.report.counts.fixed, 2 * side);
   EXPECT_EQ(result.report.counts.handle, 2 * side);
   EXPECT_DOUBLE_EQ(result.report.max_displacement, 3);
-  EXPECT_LT(result.report.evaluation.residual, 1e-8);
+  EXPECT_LT(result.report.evaluation->residual, 1e-8);
 }
 
 TEST_F(RunEdit, FollowsAnAffineMapOfAllConstraintsExactly) {
@@ -268,7 +268,7 @@ TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
   options.estimate_condition = false;
   const EditReport report = run_edit(edit(step() + "," + step()), options).report;
   for (const StepReport& done : report.steps) {
-    EXPECT_EQ(done.settings.deformer.method, DeformMethod::rotation_aware);
+    EXPECT_EQ(done.method, Method(DeformMethod::rotation_aware));
     EXPECT_EQ(done.settings.deformer.stiffness, 3);
     EXPECT_EQ(done.settings.deformer.iterations, 5);
     EXPECT_EQ(done.settings.deformer.operators.weights, WeightScheme::cotangent);
