@@ -158,8 +158,8 @@ std::string text_of(const Comparison& comparison, const ComparisonFiles& files) 
 }
 
 // Everything is computed before anything is written; once begun, writing is brought to its end.
-void write_folder(Comparison& comparison, const ComparisonFiles& files, const CompareArguments& arguments,
-                  const Context& context) {
+void write_folder(Comparison& comparison, const ComparisonFiles& files,
+                  [[maybe_unused]] const CompareArguments& arguments, const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   const Pictures pictures = draw(comparison, arguments.view, context);
 #endif
@@ -223,7 +223,7 @@ void add_compare(CLI::App& program, Action& action) {
   for (const Method& method : all_methods()) names.emplace_back(to_string(method));
   command->add_option("--methods", arguments->methods, "Some of them, separated by commas (default: all)")
       ->type_name(CLI::detail::join(names, "|"));
-  CLI::Option* folder =
+  [[maybe_unused]] CLI::Option* folder =
       command->add_option("-o,--output", arguments->folder, "A folder for tables, meshes and pictures")
           ->type_name("FOLDER");
 #ifdef MESHGRAFT_HAS_RENDER
