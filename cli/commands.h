@@ -14,6 +14,7 @@ using Action = std::function<void(const Context&)>;
 // Each adds one command to the program and, when it is chosen, sets `action`.
 void add_info(CLI::App& program, Action& action);
 void add_deform(CLI::App& program, Action& action);
+void add_compare(CLI::App& program, Action& action);
 void add_sample(CLI::App& program, Action& action);
 void add_render(CLI::App& program, Action& action);  ///< only where the renderer was built
 void add_completion(CLI::App& program, Action& action);

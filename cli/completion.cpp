@@ -20,7 +20,7 @@ enum class Shell { bash, zsh, fish };
 
 bool wants_file(const CLI::Option& option) {
   const std::string type = option.get_type_name();
-  return type == "FILE" || type == "MESH" || type == "EDIT.json";
+  return type == "FILE" || type == "FOLDER" || type == "MESH" || type == "EDIT.json";
 }
 
 // Words that a command's first argument can be, where they are known.

@@ -63,6 +63,7 @@ void print_summary(const EditReport& report, const Points& rest) {
       fmt::print(
           "  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
           name);
+    for (const std::string& note : step.notes) fmt::print("  {}note: {}\n", name, note);
   }
   const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   const Quality& quality = report.quality;
@@ -118,11 +119,11 @@ void run_deform(const DeformArguments& arguments, Context context) {
 }
 
 void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
-  add_choice<DeformMethod>(command, "--method", overrides.method,
-                           {{"ft05", DeformMethod::ft05},
-                            {"rotation-aware", DeformMethod::rotation_aware},
-                            {"corotational", DeformMethod::corotational}},
-                           "The method; overrides the edit file, as the next six do");
+  add_choice<Method>(command, "--method", overrides.method,
+                     {{"ft05", DeformMethod::ft05},
+                      {"rotation-aware", DeformMethod::rotation_aware},
+                      {"corotational", DeformMethod::corotational}},
+                     "The method; overrides the edit file, as the next ones do");
   command.add_option("--stiffness", overrides.stiffness, "How strongly lengths are kept, from 0 on")
       ->type_name("X")
       ->check(CLI::Range(0.0, 1e6));

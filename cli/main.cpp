@@ -31,6 +31,7 @@ void add_commands(CLI::App& program, cli::Action& action) {
       "'meshgraft COMMAND --help' tells more about a command.");
   cli::add_info(program, action);
   cli::add_deform(program, action);
+  cli::add_compare(program, action);
   cli::add_sample(program, action);
 #ifdef MESHGRAFT_HAS_RENDER
   cli::add_render(program, action);

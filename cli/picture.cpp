@@ -1,12 +1,40 @@
 #include "picture.h"
 
+#include <algorithm>
 #include <limits>
+
+#include <fmt/format.h>
 
 namespace meshgraft::cli {
 
-void write_picture(std::span<const Mesh* const> meshes, std::span<const std::string> captions,
-                   const render::RenderOptions& options, const std::filesystem::path& path,
-                   const Context& context) {
+std::vector<CLI::Option*> add_view(CLI::App& command, View& view) {
+  return {
+      command.add_option("--from", view.from, "Direction from the model to the eye (default 0.5 -1 0.35)")
+          ->expected(3)
+          ->type_name("X Y Z"),
+      command.add_option("--up", view.up, "Direction that is up in the picture (default 0 0 1)")
+          ->expected(3)
+          ->type_name("X Y Z"),
+      command.add_option("--width", view.width, fmt::format("Pixels per picture (default {})", view.width))
+          ->type_name("N")
+          ->check(CLI::Range(16, 4096)),
+      command.add_option("--height", view.height, fmt::format("Pixels (default {})", view.height))
+          ->type_name("N")
+          ->check(CLI::Range(16, 4096)),
+  };
+}
+
+render::RenderOptions options_of(const View& view) {
+  render::RenderOptions options;
+  options.width = view.width;
+  options.height = view.height;
+  options.camera.from_direction = Eigen::Map<const Eigen::Vector3d>(view.from.data());
+  options.camera.up = Eigen::Map<const Eigen::Vector3d>(view.up.data());
+  return options;
+}
+
+std::vector<render::Image> make_pictures(std::span<const Mesh* const> meshes,
+                                         const render::RenderOptions& options, const Context& context) {
   render::RenderOptions shared = options;
   shared.camera.low.setConstant(std::numeric_limits<double>::infinity());
   shared.camera.high.setConstant(-std::numeric_limits<double>::infinity());
@@ -22,6 +50,25 @@ void write_picture(std::span<const Mesh* const> meshes, std::span<const std::str
     const render::Shape shape{mesh, render::vertex_colours(*mesh)};
     images.push_back(render::render({&shape, 1}, shared, context));
   }
+  return images;
+}
+
+render::Image contact_sheet(std::span<const render::Image> images, std::span<const std::string> captions,
+                            std::size_t columns) {
+  const std::size_t row_count = (images.size() + columns - 1) / columns;
+  const std::size_t row_length = (images.size() + row_count - 1) / row_count;
+  std::vector<render::Image> rows;
+  for (std::size_t first = 0; first < images.size(); first += row_length) {
+    const std::size_t length = std::min(row_length, images.size() - first);
+    rows.push_back(render::side_by_side(images.subspan(first, length), captions.subspan(first, length)));
+  }
+  return render::stacked(rows);
+}
+
+void write_picture(std::span<const Mesh* const> meshes, std::span<const std::string> captions,
+                   const render::RenderOptions& options, const std::filesystem::path& path,
+                   const Context& context) {
+  const std::vector<render::Image> images = make_pictures(meshes, options, context);
   render::write_png(images.size() == 1 ? images.front() : render::side_by_side(images, captions), path);
 }
 

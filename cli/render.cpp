@@ -19,18 +19,13 @@ namespace {
 struct RenderArguments {
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path output;
-  std::vector<double> from{0.5, -1.0, 0.35}, up{0, 0, 1};
-  int width = 1200, height = 900;
+  View view;
   bool wireframe = false, flat = false, no_ground = false;
   int threads = 0;
 };
 
 render::RenderOptions options_of(const RenderArguments& arguments) {
-  render::RenderOptions options;
-  options.width = arguments.width;
-  options.height = arguments.height;
-  options.camera.from_direction = Eigen::Map<const Eigen::Vector3d>(arguments.from.data());
-  options.camera.up = Eigen::Map<const Eigen::Vector3d>(arguments.up.data());
+  render::RenderOptions options = options_of(arguments.view);
   options.wireframe = arguments.wireframe;
   options.smooth = !arguments.flat;
   options.ground = !arguments.no_ground;
@@ -65,18 +60,7 @@ void add_render(CLI::App& program, Action& action) {
       ->type_name("MESH")
       ->expected(1, 8);
   command->add_option("-o,--output", arguments->output, "The PNG file to write")->required()->type_name("FILE");
-  command->add_option("--from", arguments->from, "Direction from the model to the eye (default 0.5 -1 0.35)")
-      ->expected(3)
-      ->type_name("X Y Z");
-  command->add_option("--up", arguments->up, "Direction that is up in the picture (default 0 0 1)")
-      ->expected(3)
-      ->type_name("X Y Z");
-  command->add_option("--width", arguments->width, "Pixels per picture (default 1200)")
-      ->type_name("N")
-      ->check(CLI::Range(16, 4096));
-  command->add_option("--height", arguments->height, "Pixels (default 900)")
-      ->type_name("N")
-      ->check(CLI::Range(16, 4096));
+  add_view(*command, arguments->view);
   command->add_flag("--wireframe", arguments->wireframe, "Draw the edges");
   command->add_flag("--flat", arguments->flat, "Shade every face by its own normal");
   command->add_flag("--no-ground", arguments->no_ground, "Leave the shadow on the ground out");

@@ -248,24 +248,8 @@ std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> 
   std::vector<VertexConstraint> constraints;
   constraints.reserve(d.constrained.size());
   for (std::size_t h = 0; h < poses.size(); ++h) {
-    const Handle& handle = d.handles[h];
-    if (poses[h].curve) {
-      for (VertexConstraint& constraint : curve_constraints(handle, rest, d.normals, *poses[h].curve)) {
-        if (!handle.constrain_position) constraint.position.reset();
-        if (!handle.constrain_transform) constraint.transform.reset();
-        constraints.push_back(constraint);
-      }
-      continue;
-    }
-    for (Index v : handle.vertices) {
-      VertexConstraint constraint{v, {}, {}};
-      if (handle.constrain_position) constraint.position = poses[h].transform * rest.row(v).transpose();
-      if (handle.constrain_transform) {
-        constraint.transform = poses[h].transform.linear();
-        constraint.rotation = poses[h].rotation;
-      }
-      constraints.push_back(constraint);
-    }
+    const auto held = handle_constraints(d.handles[h], poses[h], rest, d.normals);
+    constraints.insert(constraints.end(), held.begin(), held.end());
   }
   return constraints;
 }

@@ -234,4 +234,21 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
   return constraints;
 }
 
+std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
+                                                 const Points& rest, const Points& rest_normals) {
+  if (pose.curve) return curve_constraints(handle, rest, rest_normals, *pose.curve);
+  std::vector<VertexConstraint> constraints;
+  constraints.reserve(handle.vertices.size());
+  for (const Index v : handle.vertices) {
+    VertexConstraint constraint{.vertex = v};
+    if (handle.constrain_position) constraint.position = pose.transform * rest.row(v).transpose();
+    if (handle.constrain_transform) {
+      constraint.transform = pose.transform.linear();
+      constraint.rotation = pose.rotation;
+    }
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
 }  // namespace meshgraft

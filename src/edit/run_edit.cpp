@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
@@ -18,6 +19,7 @@
 #include <meshgraft/samples/samples.h>
 
 #include "refine_boundary.h"
+#include "run_steps.h"
 #include "sha256.h"
 
 namespace meshgraft {
@@ -36,15 +38,6 @@ class Stopwatch {
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now(), lap_ = start_;
-};
-
-// A mesh in the course of an edit.
-struct Scene {
-  Mesh mesh;
-  Points rest;        // before the first step
-  std::string label;  // the file or sample it came from
-  TriageReport triage;
-  std::vector<std::uint8_t> was_free;  // per vertex, in any step
 };
 
 // Rings around the region that the solve looks at beyond it: stencils of stencils, and their normals.
@@ -79,28 +72,10 @@ std::string label_of(const EditInput& input) {
                                : fmt::format("sample {} at resolution {}", input.sample, input.resolution);
 }
 
-std::map<std::string, Scene> load_inputs(const EditFile& edit, EditReport& report, const Context& context) {
-  std::map<std::string, Scene> scenes;
-  for (const EditInput& input : edit.inputs) {
-    Stopwatch watch;
-    context.step("read");
-    Scene scene{load(input, edit, context), {}, label_of(input), {}, {}};
-    report.seconds.read += watch.lap();
-    context.step("check");
-    scene.triage = triage(scene.mesh, context);
-    scene.rest = scene.mesh.positions;
-    scene.was_free.assign(static_cast<std::size_t>(scene.mesh.vertex_count()), 0);
-    report.seconds.triage += watch.lap();
-    report.inputs.push_back(
-        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.triage});
-    scenes.emplace(input.name, std::move(scene));
-  }
-  return scenes;
-}
-
 DeformSettings effective_settings(DeformSettings settings, const SettingsOverrides& overrides) {
   OperatorOptions& operators = settings.deformer.operators;
-  settings.deformer.method = overrides.method.value_or(settings.deformer.method);
+  if (overrides.method)
+    if (const auto* method = std::get_if<DeformMethod>(&*overrides.method)) settings.deformer.method = *method;
   settings.deformer.stiffness = overrides.stiffness.value_or(settings.deformer.stiffness);
   settings.deformer.iterations = overrides.iterations.value_or(settings.deformer.iterations);
   operators.weights = overrides.weights.value_or(operators.weights);
@@ -116,31 +91,21 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
   require_usable(scene.triage, scene.mesh, vertices, scene.label);
 }
 
-std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
-                                                 const DeformProblem& problem) {
-  if (pose.curve) {
-    const IndexLists faces = vertex_triangles(static_cast<Index>(problem.rest.rows()), problem.triangles);
-    const Points normals = vertex_normals(problem.rest, problem.triangles, faces);
-    return curve_constraints(handle, problem.rest, normals, *pose.curve);
-  }
-  std::vector<VertexConstraint> constraints;
-  for (const Index v : handle.vertices) {
-    VertexConstraint constraint{v, {}, {}};
-    if (handle.constrain_position) constraint.position = pose.transform * problem.rest.row(v).transpose();
-    if (handle.constrain_transform) constraint.transform = pose.transform.linear();
-    constraints.push_back(constraint);
-  }
-  return constraints;
-}
-
 // All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
-std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem) {
+std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, const Context& context) {
   const Region& region = problem.deform.region;
+  const std::vector<HandlePose>& poses = problem.deform.poses;
+  Points normals;
+  if (std::any_of(poses.begin(), poses.end(), [](const HandlePose& pose) { return pose.curve.has_value(); })) {
+    const auto count = static_cast<Index>(problem.rest.rows());
+    normals = vertex_normals(problem.rest, problem.triangles,
+                             vertex_triangles(count, problem.triangles, context), context);
+  }
   std::vector<VertexConstraint> constraints;
   for (const Index v : region.fixed)
     constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity()});
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
-    const auto held = handle_constraints(region.handles[h], problem.deform.poses[h], problem);
+    const auto held = handle_constraints(region.handles[h], poses[h], problem.rest, normals);
     constraints.insert(constraints.end(), held.begin(), held.end());
   }
   constraints.insert(constraints.end(), problem.deform.constraints.begin(), problem.deform.constraints.end());
@@ -152,28 +117,62 @@ struct Solution {
   std::vector<Index> free;
 };
 
+// What a published method solves for: as `Deformer::free_vertices`.
+std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const VertexConstraint> constraints) {
+  const Region& region = problem.deform.region;
+  std::vector<std::uint8_t> is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
+  for (const Index v : region.vertices) is_free[v] = 1;
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.position) is_free[constraint.vertex] = 0;
+  std::vector<Index> free(problem.triangles.data(), problem.triangles.data() + problem.triangles.size());
+  std::erase_if(free, [&](Index v) { return !is_free[v]; });
+  std::sort(free.begin(), free.end());
+  free.erase(std::unique(free.begin(), free.end()), free.end());
+  return free;
+}
+
+Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const DeformSettings& settings,
+                           StepReport& report, const Context& context) {
+  const Region& region = problem.deform.region;
+  if (!region.anchors.empty())
+    throw Error(ErrorCode::input, fmt::format("the method '{}' knows no anchors", to_string(method)), "anchors",
+                "Leave them out, or compare without this method.");
+  Stopwatch watch;
+  context.step("solve");
+  const std::vector<VertexConstraint> constraints = joined_constraints(problem, context);
+  BaselineOptions options;
+  options.backend = settings.deformer.backend;
+  Solution solution;
+  solution.positions =
+      deform_by(method, problem.rest, problem.triangles, region.vertices, constraints, options, context);
+  report.seconds.solve = watch.lap();
+  solution.free = free_vertices(problem, constraints);
+  return solution;
+}
+
 // Factorises, solves and measures: by handles, or vertex by vertex where some are constrained by themselves.
 Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
                StepReport& report, const Context& context) {
   const Region& region = problem.deform.region;
   const bool by_handles = problem.deform.constraints.empty();
   std::vector<VertexConstraint> constraints;
-  if (!by_handles) constraints = joined_constraints(problem);
+  Stopwatch watch;
+  if (!by_handles) constraints = joined_constraints(problem, context);
   const Deformer deformer =
       by_handles ? Deformer(problem.rest, problem.triangles, region, settings.deformer, context)
                  : Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
                                               region.anchors, region.features, settings.deformer, context);
   const DeformerSummary& summary = deformer.summary();
-  report.seconds.assemble = summary.assemble_seconds;
   report.seconds.analyse = summary.analyse_seconds;
   report.seconds.factorise = summary.factorise_seconds;
+  report.seconds.assemble = std::max(0.0, watch.lap() - summary.analyse_seconds - summary.factorise_seconds);
   report.solver = summary.solver;
 
-  Stopwatch watch;
   context.step("solve");
   Solution solution;
-  solution.positions = by_handles ? deformer.evaluate(problem.deform.poses, context, &report.evaluation)
-                                  : deformer.evaluate(constraints, context, &report.evaluation);
+  EvaluationReport& evaluation = report.evaluation.emplace();
+  solution.positions = by_handles ? deformer.evaluate(problem.deform.poses, context, &evaluation)
+                                  : deformer.evaluate(constraints, context, &evaluation);
   report.seconds.solve = watch.lap();
 
   context.step("measure");
@@ -182,6 +181,15 @@ Solution solve(const DeformProblem& problem, const DeformSettings& settings, con
   report.counts.degenerate = summary.degenerate_vertices;
   report.seconds.measure = watch.lap();
   return solution;
+}
+
+std::vector<std::string> notes_of(const StepReport& report) {
+  std::vector<std::string> notes;
+  if (report.evaluation && report.evaluation->fell_back_to_linear)
+    notes.emplace_back(
+        "a handle mirrors or flattens what it holds, so there is no rotation to follow; maps were blended "
+        "linearly, as by ft05");
+  return notes;
 }
 
 double largest_displacement(const Points& rest, const Points& edited) {
@@ -203,6 +211,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   StepReport report;
   report.mesh = step.mesh;
   report.settings = effective_settings(step.settings, options.overrides);
+  report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
   context.step("select");
   DeformProblem problem;
@@ -227,7 +236,9 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
 
   Solution solution;
   try {
-    solution = solve(problem, report.settings, options, report, context);
+    const auto* baseline = std::get_if<Baseline>(&report.method);
+    solution = baseline ? solve_by_baseline(*baseline, problem, report.settings, report, context)
+                        : solve(problem, report.settings, options, report, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw error.within(place);
@@ -242,6 +253,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
   report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
+  report.notes = notes_of(report);
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();
   return report;
@@ -265,9 +277,13 @@ void sum_up(EditReport& report) {
       report.counts = step.counts;
       report.solver = step.solver;
     }
-    report.evaluation.residual = std::max(report.evaluation.residual, step.evaluation.residual);
-    report.evaluation.max_transform_deviation =
-        std::max(report.evaluation.max_transform_deviation, step.evaluation.max_transform_deviation);
+    if (step.evaluation) {
+      if (!report.evaluation) report.evaluation.emplace();
+      EvaluationReport& largest = *report.evaluation;
+      largest.residual = std::max(largest.residual, step.evaluation->residual);
+      largest.max_transform_deviation =
+          std::max(largest.max_transform_deviation, step.evaluation->max_transform_deviation);
+    }
     if (step.condition_estimate)
       report.condition_estimate = std::max(report.condition_estimate.value_or(0), *step.condition_estimate);
   }
@@ -296,12 +312,35 @@ void measure_result(EditReport& report, const Scene& scene, const Context& conte
 
 }  // namespace
 
-EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
+  LoadedInputs inputs;
+  for (const EditInput& input : edit.inputs) {
+    Stopwatch watch;
+    context.step("read");
+    Scene scene{load(input, edit, context), {}, label_of(input), {}, {}};
+    inputs.read_seconds += watch.lap();
+    context.step("check");
+    scene.triage = triage(scene.mesh, context);
+    scene.rest = scene.mesh.positions;
+    scene.was_free.assign(static_cast<std::size_t>(scene.mesh.vertex_count()), 0);
+    inputs.triage_seconds += watch.lap();
+    inputs.reports.push_back(
+        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.triage});
+    inputs.scenes.emplace(input.name, std::move(scene));
+  }
+  return inputs;
+}
+
+EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,
+                     const Context& context) {
   Stopwatch watch;
   EditResult result;
   EditReport& report = result.report;
   report.edit = edit.place;
-  std::map<std::string, Scene> scenes = load_inputs(edit, report, context);
+  report.inputs = std::move(inputs.reports);
+  report.seconds.read = inputs.read_seconds;
+  report.seconds.triage = inputs.triage_seconds;
+  std::map<std::string, Scene>& scenes = inputs.scenes;
 
   std::string output;
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
@@ -317,8 +356,12 @@ EditResult run_edit(const EditFile& edit, const RunOptions& options, const Conte
   measure_result(report, scene, context);
   result.mesh = std::move(scene.mesh);
   result.rest = std::move(scene.rest);
-  report.seconds.total = watch.seconds();
+  report.seconds.total = inputs.read_seconds + inputs.triage_seconds + watch.seconds();
   return result;
+}
+
+EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+  return run_steps(edit, load_inputs(edit, context), options, context);
 }
 
 }  // namespace meshgraft

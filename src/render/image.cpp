@@ -136,6 +136,23 @@ Image side_by_side(std::span<const Image> images, std::span<const std::string> c
   return out;
 }
 
+Image stacked(std::span<const Image> images) {
+  if (images.empty()) throw Error(ErrorCode::usage, "there is no picture to place");
+  Image out;
+  for (const Image& image : images) {
+    out.width = std::max(out.width, image.width);
+    out.height += image.height;
+  }
+  out.pixels.assign(3 * static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), paper);
+  auto to = out.pixels.begin();
+  for (const Image& image : images) {
+    const auto row_bytes = 3 * static_cast<std::ptrdiff_t>(image.width);
+    for (int y = 0; y < image.height; ++y, to += 3 * static_cast<std::ptrdiff_t>(out.width))
+      std::copy_n(image.pixels.begin() + y * row_bytes, row_bytes, to);
+  }
+  return out;
+}
+
 void write_png(const Image& image, const std::filesystem::path& path) {
   const auto failed = [&](const std::string& why) {
     return Error(ErrorCode::io, "cannot write the picture: " + why, path.string());

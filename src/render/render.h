@@ -58,6 +58,9 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options = {}, c
 /// Throws Error(usage) if the heights differ or there are captions, but not one per image.
 Image side_by_side(std::span<const Image> images, std::span<const std::string> captions = {});
 
+/// Places images below each other, each at the left edge. Throws Error(usage) where there are none.
+Image stacked(std::span<const Image> images);
+
 /// Writes a PNG file, which appears whole or not at all. Throws Error(io).
 void write_png(const Image& image, const std::filesystem::path& path);
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -103,7 +104,7 @@ TEST_F(CommandLine, DeformsWritesAndReports) {
   const json report = json::parse(read_text(folder_ / "report.json"));
   EXPECT_EQ(report["counts"]["fixed"], 16);
   EXPECT_EQ(report["counts"]["free"], 32);
-  EXPECT_EQ(report["method"], "ft05");
+  EXPECT_EQ(report["method"], "corotational");
   EXPECT_EQ(report["outputs"], json({"out.obj", "report.json"}));
   EXPECT_GT(report["seconds"]["total"], 0);
   const json& intersections = report["quality"]["new_self_intersections"];
@@ -129,6 +130,36 @@ TEST_F(CommandLine, OptionsOverrideTheFile) {
   EXPECT_EQ(settings["density"], "ft05");
   EXPECT_EQ(settings["degenerate"], "ft05-noise");
   EXPECT_EQ(settings["backend"], "eigen");
+
+  const Outcome turned =
+      run("deform edit.json -o o.ply --json --method rotation-aware --stiffness 2.5 --iterations 3");
+  ASSERT_EQ(turned.status, 0) << turned.err;
+  const json step = json::parse(turned.out)["steps"][0];
+  EXPECT_EQ(step["method"], "rotation-aware");
+  EXPECT_EQ(step["settings"]["stiffness"], 2.5);
+  EXPECT_EQ(step["settings"]["iterations"], 3);
+}
+
+TEST_F(CommandLine, VersionOneFilesAreSolvedByFt05UnlessAskedOtherwise) {
+  write("one.json", R"({"format": "meshgraft-edit", "version": 1, "kind": "deform", "mesh": "sheet.obj",
+      "roi": "all", "fixed": [0, 1, 2, 3, 4, 5, 6, 7], "handles": [{"name": "h", "shape": "region",
+      "vertices": [60, 61, 62], "transform": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 2], [0, 0, 0, 1]]}]})");
+  const Outcome plain = run("deform one.json -o o.ply --json");
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  EXPECT_EQ(json::parse(plain.out)["method"], "ft05");
+  EXPECT_EQ(json::parse(run("deform one.json -o o.ply --json --method corotational").out)["method"],
+            "corotational");
+}
+
+TEST_F(CommandLine, TheSummarySaysThatAMirroringHandleIsFollowedLinearly) {
+  std::string mirroring = edit();
+  const std::string pose = R"({"translate": [0, 0, 2]})";
+  mirroring.replace(mirroring.find(pose), pose.size(), R"({"scale": [-1, 1, 1]})");
+  write("mirror.json", mirroring);
+  const Outcome outcome = run("deform mirror.json -o o.ply");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("note: a handle mirrors or flattens"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run("deform edit.json -o o.ply").out.find("note:"), std::string::npos);
 }
 
 TEST_F(CommandLine, TheSameBytesWithOneThreadAndWithTwo) {
@@ -154,8 +185,20 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"defrom edit.json", 2, "'defrom' is not a command"},
       {"deform edit.json", 2, "--output"},
       {"deform edit.json -o o.ply --weights cotan", 2, "'cotan' is not one of uniform, cotangent"},
+      {"deform edit.json -o o.ply --method linear", 2,
+       "'linear' is not one of ft05, rotation-aware, corotational"},
+      {"deform edit.json -o o.ply --stiffness -1", 2, "--stiffness"},
+      {"deform edit.json -o o.ply --stiffness soft", 2, "--stiffness"},
+      {"deform edit.json -o o.ply --iterations 1001", 2, "--iterations"},
+      {"deform edit.json -o o.ply --iterations 1.5", 2, "--iterations"},
       {"deform edit.json -o o.ply --threads 0", 2, "not a number from 1 to 1024"},
       {"deform edit.json -o edit.json", 2, "this is an input"},
+      {"compare", 2, "edit"},
+      {"compare edit.json --methods ft05,arpa-2007", 2, "Did you mean 'arap-2007'? Known are corotational"},
+      {"compare edit.json --methods ft05,,arap-2007", 2, "there is no method named ''"},
+      {"compare edit.json --methods ft05,ft05", 2, "'ft05' is given twice"},
+      {"compare edit.json -o sheet.obj", 5, "this is not a folder"},
+      {"compare edit.json -o nowhere/there", 5, "nowhere"},
       {"sample", 2, "no sample is named"},
       {"deform broken.json -o o.ply", 3, "broken.json: line 1, column 2: not valid JSON"},
       {"deform edit.json -o o.xyz", 3, ".xyz"},
@@ -163,6 +206,7 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"deform loose.json -o o.ply", 4, "loose.json: steps[0]"},
       {"deform no.json -o o.ply", 5, "no.json"},
       {"deform no_mesh.json -o o.ply", 5, "no_mesh.json: inputs.sheet"},
+      {"compare no_mesh.json -o there", 5, "no_mesh.json: inputs.sheet"},
       {"deform edit.json -o nowhere/o.ply", 5, "nowhere"},
       {"info no.ply", 5, "no.ply"},
   };
@@ -213,21 +257,94 @@ TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
       "long.json",
       R"({"format": "meshgraft-edit", "version": 2, "inputs": {"m": {"sample": "bumpy_plane", "resolution": 1500}},
       "steps": [{"kind": "deform", "mesh": "m", "fixed": {"loop": 0}}]})");
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
-    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "deform", "long.json", "-o", "long.ply", nullptr);
-    _exit(99);
+  for (const char* command : {"deform", "compare"}) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
+      execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, command, "long.json", "-o", "long.ply", nullptr);
+      _exit(99);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    kill(child, SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFEXITED(status)) << command;
+    EXPECT_EQ(WEXITSTATUS(status), 130) << command << read_text(folder_ / ".err");
+    EXPECT_NE(read_text(folder_ / ".err").find("cancelled"), std::string::npos) << command;
+    EXPECT_EQ(new_files(), std::vector<std::string>{"long.json"}) << command;
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130) << read_text(folder_ / ".err");
-  EXPECT_NE(read_text(folder_ / ".err").find("cancelled"), std::string::npos);
-  EXPECT_EQ(new_files(), std::vector<std::string>{"long.json"});
+}
+
+TEST_F(CommandLine, CompareTellsMethodsApart) {
+  const Outcome table = run("compare edit.json --methods ft05,arap-2007");
+  ASSERT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("\n| ft05 "), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("\n| arap-2007 "), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("corotational"), std::string::npos) << table.out;
+  EXPECT_TRUE(new_files().empty());
+
+  const json all = json::parse(run("compare edit.json --json --threads 1").out);
+  EXPECT_EQ(all["format"], "meshgraft-comparison");
+  ASSERT_EQ(all["methods"].size(), 8u);
+  for (const json& method : all["methods"]) {
+    EXPECT_TRUE(method["failure"].is_null()) << method;
+    EXPECT_GT(method["quality"]["area_ratio"], 0) << method;
+    EXPECT_EQ(method["counts"]["free"], 32) << method;
+  }
+}
+
+TEST_F(CommandLine, CompareWritesAFolderAndOnlyItsOwnFilesIntoIt) {
+  const bool pictures = run("render --help").status == 0;
+  const std::string command = "compare edit.json --methods corotational,yu-2004 -o both/" +
+                              std::string(pictures ? " --width 40 --height 30" : "");
+  const Outcome outcome = run(command);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  std::vector<std::string> expected{"compare.json", "compare.md", "corotational.obj", "yu-2004.obj"};
+  if (pictures) expected.insert(expected.end(), {"compare.png", "corotational.png", "yu-2004.png"});
+  std::sort(expected.begin(), expected.end());
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "both"))
+    found.push_back(entry.path().filename().string());
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+  const json written = json::parse(read_text(folder_ / "both/compare.json"));
+  EXPECT_EQ(written["methods"][1]["outputs"][0], "both/yu-2004.obj");
+  const std::string text = read_text(folder_ / "both/compare.md");
+  for (const std::string& name : expected)
+    EXPECT_EQ(text.find("(" + name + ")") != std::string::npos,
+              !name.starts_with("compare.") || name == "compare.png")
+        << name;
+  ASSERT_EQ(run("deform edit.json -o alone.obj").status, 0);
+  EXPECT_EQ(read_text(folder_ / "both/corotational.obj"), read_text(folder_ / "alone.obj"));
+
+  // Again into the same folder, beside a file that is nobody's business.
+  write("both/mine.txt", "mine");
+  EXPECT_EQ(run(command).status, 0);
+  EXPECT_EQ(read_text(folder_ / "both/mine.txt"), "mine");
+
+  // A file of somebody else's that is in the way.
+  std::filesystem::create_directory(folder_ / "other");
+  write("other/yu-2004.obj", "mine");
+  const Outcome refused = run("compare edit.json --methods ft05,yu-2004 -o other");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("other/yu-2004.obj"), std::string::npos) << refused.err;
+  EXPECT_EQ(read_text(folder_ / "other/yu-2004.obj"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "other/compare.json"));
+}
+
+TEST_F(CommandLine, CompareNeverWritesOverAnInput) {
+  // An edit of an earlier comparison's result, compared into the same folder.
+  ASSERT_EQ(run("compare edit.json --methods ft05 -o f").status, 0);
+  std::string again = edit();
+  const std::string input = R"("file": "sheet.obj")";
+  again.replace(again.find(input), input.size(), R"("file": "f/ft05.obj")");
+  write("again.json", again);
+  const std::string before = read_text(folder_ / "f/ft05.obj");
+  const Outcome outcome = run("compare again.json --methods ft05 -o f");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("this is an input"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_text(folder_ / "f/ft05.obj"), before);
 }
 
 TEST_F(CommandLine, InfoTellsCountsLoopsAndFindings) {
@@ -258,7 +375,7 @@ TEST_F(CommandLine, SamplesCanBeListedAndMade) {
             json::parse(outcome.out)["vertices"]);
 }
 
-std::vector<std::string> commands() { return {"info", "deform", "sample", "completion", "man"}; }
+std::vector<std::string> commands() { return {"info", "deform", "compare", "sample", "completion", "man"}; }
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   const std::string overview = run("--help").out;
@@ -298,9 +415,10 @@ TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {
                        "complete_words meshgraft deform --wei\n"
                        "complete_words meshgraft deform --weights c\n"
                        "complete_words meshgraft sample oct\n"
-                       "complete_words meshgraft info she\n");
+                       "complete_words meshgraft info she\n"
+                       "complete_words meshgraft compare --methods ar\n");
   const Outcome outcome = run("--version > /dev/null; bash complete.sh");
-  EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\n") << outcome.err;
+  EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\narap-2007\n") << outcome.err;
 }
 
 }  // namespace

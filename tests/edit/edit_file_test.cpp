@@ -61,7 +61,8 @@ TEST(EditFile, ReadsBackWhatItWritesForEverySelectionPoseAndSetting) {
       "targets": [{"vertex": 1, "position": [0.1, 0.2, 0.3]}],
       "transforms": [{"vertex": 1, "matrix": [[1, 0, 0], [0, 2, 0], [0, 0, 3]]}],
       "anchors": [{"select": "top", "weight": 0.3}],
-      "settings": {"method": "ft05", "weights": "cotangent", "density": "ft05", "degenerate": "ft05-noise",
+      "settings": {"method": "rotation-aware", "stiffness": 0.5, "iterations": 7, "smoothing_length_rel": 0.2,
+                   "weights": "cotangent", "density": "ft05", "degenerate": "ft05-noise",
                    "apex_height_rel": 0.7, "noise_length_rel": 0.1, "flatness": 1e-4,
                    "seed": 18446744073709551615, "laplacian_weight": 3, "laplacian_order": 2, "residual_corrections": 3,
                    "backend": "eigen", "refine_boundary": 1},
@@ -72,6 +73,10 @@ TEST(EditFile, ReadsBackWhatItWritesForEverySelectionPoseAndSetting) {
   EXPECT_EQ(write_edit(parse_edit(written, "edit.json", "folder")), written);
 
   const DeformStep& step = first_step(edit);
+  EXPECT_EQ(step.settings.deformer.method, DeformMethod::rotation_aware);
+  EXPECT_EQ(step.settings.deformer.stiffness, 0.5);
+  EXPECT_EQ(step.settings.deformer.iterations, 7);
+  EXPECT_EQ(step.settings.deformer.smoothing_length_rel, 0.2);
   EXPECT_EQ(step.settings.deformer.operators.seed, 18446744073709551615u);
   EXPECT_EQ(step.settings.deformer.operators.laplacian_weight, 3);
   EXPECT_EQ(step.settings.deformer.operators.degenerate, DegenerateTreatment::ft05_noise);
@@ -89,6 +94,10 @@ TEST(EditFile, AppliesTheDocumentedDefaults) {
   EXPECT_TRUE(std::holds_alternative<Selection::All>(step.region.kind));
   EXPECT_FALSE(step.fixed.has_value());
   EXPECT_EQ(step.settings.refine_boundary, 0);
+  EXPECT_EQ(step.settings.deformer.method, DeformMethod::corotational);
+  EXPECT_EQ(step.settings.deformer.stiffness, 60);
+  EXPECT_EQ(step.settings.deformer.iterations, 20);
+  EXPECT_EQ(step.settings.deformer.smoothing_length_rel, 0.08);
   const HandleSpec& only = step.handles.at(0);
   EXPECT_EQ(only.shape, HandleShape::region);
   EXPECT_TRUE(only.constrain_position && only.constrain_transform);
@@ -107,6 +116,7 @@ TEST(EditFile, ReadsVersionOneAsOneStep) {
   EXPECT_EQ(std::get<Selection::Indices>(step.region.kind).vertices, (std::vector<Index>{4, 5, 6}));
   EXPECT_EQ(std::get<Eigen::Matrix4d>(step.handles.at(0).pose.kind)(2, 3), 2);
   EXPECT_EQ(*step.counts.region, 3);
+  EXPECT_EQ(step.settings.deformer.method, DeformMethod::ft05);
   const std::string as_version_2 = write_edit(edit);
   EXPECT_NE(as_version_2.find("\"version\": 2"), std::string::npos);
   EXPECT_EQ(write_edit(parse_edit(as_version_2, "e.json")), as_version_2);
@@ -191,6 +201,14 @@ TEST(EditFile, NamesTheFieldThatIsWrong) {
        "transforms[0].matrix: expected 3 rows of 3 numbers"},
       {file_with_step(R"("anchors": [{"select": "top", "weight": 0}])"), "anchors[0].weight: must be positive"},
       {file_with_step(R"("settings": {"weights": "cotan"})"), "settings.weights: unknown word 'cotan'"},
+      {file_with_step(R"("settings": {"method": "corotationl"})"),
+       "settings.method: unknown word 'corotationl'. Did you mean 'corotational'?"},
+      {file_with_step(R"("settings": {"stiffness": -0.5})"), "settings.stiffness: must be from 0 to"},
+      {file_with_step(R"("settings": {"iterations": 1001})"),
+       "settings.iterations: must be from 0 to 1000, is 1001"},
+      {file_with_step(R"("settings": {"iterations": 2.5})"), "settings.iterations: expected an integer"},
+      {file_with_step(R"("settings": {"smoothing_length_rel": 11})"),
+       "settings.smoothing_length_rel: must be from 0 to 10, is 11"},
       {file_with_step(R"("settings": {"laplacian_order": 4})"),
        "settings.laplacian_order: must be from 1 to 3, is 4"},
       {file_with_step(R"("settings": {"seed": -1})"), "settings.seed: expected an integer from 0 on"},

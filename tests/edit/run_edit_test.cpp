@@ -86,7 +86,7 @@ TEST_F(RunEdit, MovesHandlesExactlyKeepsTheFixedAndBendsTheRest) {
   EXPECT_EQ(result.report.counts.fixed, 2 * side);
   EXPECT_EQ(result.report.counts.handle, 2 * side);
   EXPECT_DOUBLE_EQ(result.report.max_displacement, 3);
-  EXPECT_LT(result.report.residual, 1e-8);
+  EXPECT_LT(result.report.evaluation->residual, 1e-8);
 }
 
 TEST_F(RunEdit, FollowsAnAffineMapOfAllConstraintsExactly) {
@@ -120,6 +120,34 @@ TEST_F(RunEdit, TargetsPerVertexDoWhatAHandleDoes) {
       "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}}, "targets": [)" +
                                              targets + R"(], "transforms": [)" + transforms + "]}"));
   EXPECT_LT((by_handle.mesh.positions - by_target.mesh.positions).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+// A target where its vertex goes anyhow changes nothing, unless the handle's turn was cut to less than half a
+// circle.
+TEST_F(RunEdit, TurnsOfMoreThanHalfACircleSurviveTargetsPerVertex) {
+  const std::string method = R"(, "settings": {"method": "rotation-aware"})";
+  const std::string turn = R"({"rotate": {"axis": [0, 1, 0], "angle_deg": 270}})";
+  const Index middle = 5 * side + 6;
+  const EditResult by_handle = run_edit(edit(step(method, turn)));
+  const Eigen::RowVector3d u = by_handle.mesh.positions.row(middle);
+  const std::string target = nlohmann::json{{"vertex", middle}, {"position", {u(0), u(1), u(2)}}}.dump();
+  const EditResult with_target = run_edit(edit(step(method + ", \"targets\": [" + target + "]", turn)));
+  EXPECT_LT((by_handle.mesh.positions - with_target.mesh.positions).cwiseAbs().maxCoeff(), 1e-6);
+
+  const EditResult the_short_way =
+      run_edit(edit(step(method, R"({"rotate": {"axis": [0, 1, 0], "angle_deg": -90}})")));
+  EXPECT_GT((by_handle.mesh.positions - the_short_way.mesh.positions).cwiseAbs().maxCoeff(), 1);
+}
+
+TEST_F(RunEdit, NotesThatAMirroringHandleHasNoRotationToFollow) {
+  const std::string mirror = R"({"scale": [-1, 1, 1]})";
+  for (const char* method : {"corotational", "rotation-aware", "ft05"}) {
+    const std::string settings = R"(, "settings": {"method": ")" + std::string(method) + "\"}";
+    const EditReport mirrored = run_edit(edit(step(settings, mirror))).report;
+    const auto json = nlohmann::json::parse(write_report(mirrored));
+    EXPECT_EQ(json["steps"][0]["notes"].size(), std::string(method) == "ft05" ? 0u : 1u) << method;
+    EXPECT_TRUE(run_edit(edit(step(settings))).report.steps[0].notes.empty()) << method;
+  }
 }
 
 TEST_F(RunEdit, GivesTheSameBytesWhateverTheThreads) {
@@ -230,6 +258,9 @@ TEST_F(RunEdit, StopsWhenAsked) {
 
 TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
   RunOptions options;
+  options.overrides.method = DeformMethod::rotation_aware;
+  options.overrides.stiffness = 3;
+  options.overrides.iterations = 5;
   options.overrides.weights = WeightScheme::cotangent;
   options.overrides.degenerate = DegenerateTreatment::ft05_noise;
   options.overrides.density = Density::ft05;
@@ -237,6 +268,9 @@ TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
   options.estimate_condition = false;
   const EditReport report = run_edit(edit(step() + "," + step()), options).report;
   for (const StepReport& done : report.steps) {
+    EXPECT_EQ(done.method, Method(DeformMethod::rotation_aware));
+    EXPECT_EQ(done.settings.deformer.stiffness, 3);
+    EXPECT_EQ(done.settings.deformer.iterations, 5);
     EXPECT_EQ(done.settings.deformer.operators.weights, WeightScheme::cotangent);
     EXPECT_EQ(done.settings.deformer.operators.degenerate, DegenerateTreatment::ft05_noise);
     EXPECT_EQ(done.settings.deformer.operators.density, Density::ft05);
@@ -278,7 +312,13 @@ TEST_F(RunEdit, ReportsEverythingThatIsDocumented) {
   if (!json["quality"]["new_self_intersections"].is_null()) {  // a build without CGAL
     EXPECT_EQ(json["quality"]["new_self_intersections"], 0);
   }
-  EXPECT_EQ(json["steps"][0]["settings"]["weights"], "uniform");
+  const auto& only = json["steps"][0];
+  EXPECT_EQ(only["settings"]["weights"], "uniform");
+  EXPECT_EQ(only["method"], "corotational");
+  EXPECT_EQ(only["settings"]["method"], "corotational");
+  EXPECT_GE(only["iterations"], 1);
+  EXPECT_TRUE(only["last_rotation_change"].is_number());
+  EXPECT_EQ(only["notes"], nlohmann::json::array());
 }
 
 TEST(Sha256, MatchesThePublishedVectors) {

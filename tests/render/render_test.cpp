@@ -96,6 +96,20 @@ TEST(SideBySide, KeepsThePicturesAndDrawsCaptions) {
   EXPECT_THROW(side_by_side(two, one), Error);
 }
 
+TEST(Stacked, PlacesPicturesBelowEachOtherAtTheLeft) {
+  const Image wide{40, 30, std::vector<std::uint8_t>(3 * 40 * 30, 10)};
+  const Image narrow{20, 5, std::vector<std::uint8_t>(3 * 20 * 5, 90)};
+  const std::vector<Image> two{wide, narrow};
+  const Image both = stacked(two);
+  ASSERT_EQ(both.width, 40);
+  ASSERT_EQ(both.height, 35);
+  EXPECT_EQ(pixel(both, 39, 29), pixel(wide, 0, 0));
+  EXPECT_EQ(pixel(both, 0, 30), pixel(narrow, 0, 0));
+  EXPECT_EQ(pixel(both, 19, 34), pixel(narrow, 0, 0));
+  EXPECT_NE(pixel(both, 20, 34), pixel(narrow, 0, 0));
+  EXPECT_THROW(stacked({}), Error);
+}
+
 TEST(WritePng, WritesAWholeFileOrNone) {
   const std::filesystem::path folder = testing::TempDir();
   const Image image{2, 2, std::vector<std::uint8_t>(12, 128)};

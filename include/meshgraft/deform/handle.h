@@ -72,4 +72,11 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
 std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Points& rest,
                                                 const Points& rest_normals, const Points& redrawn);
 
+/// What a pose asks of a handle's vertices, in their order, as far as the handle constrains it: u = pose · p,
+/// and for W the pose's linear part with its rotation and all its turns; for a redrawn curve, its
+/// `curve_constraints`. `rest` is n×3, `rest_normals` too; the latter are used for redrawn curves alone. Throws
+/// what `curve_constraints` throws.
+std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
+                                                 const Points& rest, const Points& rest_normals);
+
 }  // namespace meshgraft

@@ -7,6 +7,7 @@
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/edit/edit_file.h>
+#include <meshgraft/edit/method.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/triage.h>
 
@@ -15,9 +16,9 @@ namespace meshgraft {
 /// Wall-clock seconds per stage.
 struct StageSeconds {
   double read = 0;
-  double triage = 0;  ///< with triangulation
-  double select = 0;  ///< resolving selections and poses, boundary refinement
-  double assemble = 0;
+  double triage = 0;    ///< with triangulation
+  double select = 0;    ///< resolving selections and poses, boundary refinement
+  double assemble = 0;  ///< all of the set-up but the next two
   double analyse = 0;
   double factorise = 0;
   double basis = 0;  ///< columns that make later evaluations cheap
@@ -36,14 +37,16 @@ struct DeformCounts {
 struct StepReport {
   std::string name;
   std::string mesh;
-  DeformSettings settings;
+  Method method;
+  DeformSettings settings;  ///< of which a published method takes the backend and `refine_boundary`
   DeformCounts counts;
   StageSeconds seconds;
   SolverStatistics solver;
-  EvaluationReport evaluation;
-  std::optional<double> condition_estimate;  ///< of AᵀA; absent if it was not asked for
-  double max_displacement = 0;               ///< model units
+  std::optional<EvaluationReport> evaluation;  ///< absent, as what tells of the solver, for a published method
+  std::optional<double> condition_estimate;    ///< of AᵀA; absent if it was not asked for
+  double max_displacement = 0;                 ///< model units
   Quality quality;
+  std::vector<std::string> notes;  ///< sentences for people about what went another way than asked
 };
 
 /// What a whole edit did. Fields beside `steps` sum them up as docs/report.md says.
@@ -57,13 +60,13 @@ struct EditReport {
   };
   std::vector<Input> inputs;
   std::vector<StepReport> steps;
-  DeformCounts counts;                       ///< of the step with the most free vertices
-  StageSeconds seconds;                      ///< sums
-  SolverStatistics solver;                   ///< of the step with the most free vertices
-  EvaluationReport evaluation;               ///< the largest residual and deviation
-  std::optional<double> condition_estimate;  ///< the largest
-  double max_displacement = 0;               ///< from the result mesh's input, model units
-  Quality quality;                           ///< the result against its input
+  DeformCounts counts;                         ///< of the step with the most free vertices
+  StageSeconds seconds;                        ///< sums
+  SolverStatistics solver;                     ///< of the step with the most free vertices
+  std::optional<EvaluationReport> evaluation;  ///< the largest residual and deviation
+  std::optional<double> condition_estimate;    ///< the largest
+  double max_displacement = 0;                 ///< from the result mesh's input, model units
+  Quality quality;                             ///< the result against its input
 };
 
 /// The report as JSON (docs/report.md). Non-finite numbers are written as null.

@@ -5,6 +5,7 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/edit/edit_file.h>
+#include <meshgraft/edit/method.h>
 #include <meshgraft/edit/report.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -12,7 +13,7 @@ namespace meshgraft {
 
 /// Settings that replace those of every step.
 struct SettingsOverrides {
-  std::optional<DeformMethod> method;
+  std::optional<Method> method;
   std::optional<double> stiffness;
   std::optional<int> iterations;
   std::optional<WeightScheme> weights;

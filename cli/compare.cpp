@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/edit/compare.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "choices.h"
+#include "commands.h"
+#include "outputs.h"
+#ifdef MESHGRAFT_HAS_RENDER
+#include "picture.h"
+#endif
+
+namespace meshgraft::cli {
+
+namespace {
+
+struct CompareArguments {
+  std::filesystem::path edit, folder;
+  std::string methods;  // separated by commas; empty = all
+  int threads = 0;
+  bool json = false;
+#ifdef MESHGRAFT_HAS_RENDER
+  View view{.width = 800, .height = 600};
+#endif
+};
+
+std::vector<Method> methods_of(const std::string& list) {
+  if (list.empty()) return all_methods();
+  std::vector<Method> methods;
+  for (const std::string& name : CLI::detail::split(list, ',')) methods.push_back(method_named(name));
+  return methods;
+}
+
+// The extension of the mesh file that the edit's result goes back to; ".ply" where it is a sample.
+std::string mesh_extension(const EditFile& edit) {
+  const auto& last = std::get<DeformStep>(edit.steps.back().action);
+  std::string name = !edit.output.empty() ? edit.output : !last.result.empty() ? last.result : last.mesh;
+  for (auto step = edit.steps.rbegin(); step != edit.steps.rend(); ++step) {
+    const auto& deform = std::get<DeformStep>(step->action);
+    if (deform.result == name) name = deform.mesh;
+  }
+  const auto input = std::find_if(edit.inputs.begin(), edit.inputs.end(),
+                                  [&](const EditInput& candidate) { return candidate.name == name; });
+  if (input == edit.inputs.end() || input->file.empty()) return ".ply";
+  return std::filesystem::path(input->file).extension().string();
+}
+
+// What a comparison writes into its folder.
+struct ComparisonFiles {
+  std::filesystem::path folder;
+  std::string extension;
+
+  std::filesystem::path text() const { return folder / "compare.md"; }
+  std::filesystem::path json() const { return folder / "compare.json"; }
+  std::filesystem::path sheet() const { return folder / "compare.png"; }
+  std::filesystem::path mesh(const Method& method) const { return folder / (name(method) + extension); }
+  std::filesystem::path picture(const Method& method) const { return folder / (name(method) + ".png"); }
+
+  std::vector<std::filesystem::path> all(const std::vector<Method>& methods) const {
+    std::vector<std::filesystem::path> files{text(), json(), sheet()};
+    for (const Method& method : methods) {
+      files.push_back(mesh(method));
+      files.push_back(picture(method));
+    }
+    return files;
+  }
+
+ private:
+  static std::string name(const Method& method) { return std::string(to_string(method)); }
+};
+
+bool is_comparison(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) return false;
+  const auto json = nlohmann::json::parse(read_file(file), nullptr, false);
+  return json.is_object() && json.contains("format") && json["format"] == "meshgraft-comparison";
+}
+
+// Files in the folder are replaced only if an earlier comparison wrote them, and no input ever is.
+void require_writable(const ComparisonFiles& files, const std::vector<Method>& methods,
+                      const CompareArguments& arguments, const EditFile& edit) {
+  require_folder(files.folder);
+  if (!std::filesystem::exists(files.folder)) return;
+  if (!std::filesystem::is_directory(files.folder))
+    throw Error(ErrorCode::io, "this is not a folder", files.folder.string(), "Choose another name.");
+  std::vector<std::filesystem::path> inputs = referenced_files(edit);
+  inputs.push_back(arguments.edit);
+  const bool ours = is_comparison(files.json());
+  for (const std::filesystem::path& file : files.all(methods)) {
+    require_not_an_input(file, inputs, "Choose another folder.");
+    if (!ours && std::filesystem::exists(std::filesystem::symlink_status(file)))
+      throw Error(ErrorCode::usage, "it is there already, and not from an earlier comparison", file.string(),
+                  "Choose another folder, or move the file away.");
+  }
+}
+
+#ifdef MESHGRAFT_HAS_RENDER
+struct Pictures {
+  std::vector<render::Image> of_methods;  // of those that have a result
+  render::Image sheet;                    // all, the rest shape first
+};
+
+Pictures draw(const Comparison& comparison, const View& view, const Context& context) {
+  std::vector<const Mesh*> meshes{nullptr};
+  std::vector<std::string> captions{"rest"};
+  Mesh rest;
+  for (const MethodOutcome& outcome : comparison.outcomes) {
+    if (!outcome.result) continue;
+    if (rest.vertex_count() == 0) {
+      rest = outcome.result->mesh;
+      rest.positions = outcome.result->rest;
+    }
+    meshes.push_back(&outcome.result->mesh);
+    captions.emplace_back(to_string(outcome.method));
+  }
+  meshes.front() = &rest;
+  std::vector<render::Image> images = make_pictures(meshes, options_of(view), context);
+  Pictures pictures;
+  pictures.sheet = contact_sheet(images, captions, 4);
+  images.erase(images.begin());
+  pictures.of_methods = std::move(images);
+  return pictures;
+}
+#endif
+
+// The table, and the pictures and meshes of the folder.
+std::string text_of(const Comparison& comparison, const ComparisonFiles& files) {
+  std::string text = fmt::format("# {} by several methods\n\n", comparison.edit);
+  const EditReport* any = nullptr;
+  for (const MethodOutcome& outcome : comparison.outcomes)
+    if (outcome.result && any == nullptr) any = &outcome.result->report;
+  for (const EditReport::Input& input : any->inputs)
+    text += fmt::format("{}: {} vertices, {} faces.\n", input.source, input.vertices, input.faces);
+  text += fmt::format("{} free vertices follow {} held by handles; {} stay fixed.\n\n", any->counts.free,
+                      any->counts.handle, any->counts.fixed);
+#ifdef MESHGRAFT_HAS_RENDER
+  text += fmt::format("![At rest, and by each method]({})\n\n", files.sheet().filename().string());
+#endif
+  text += comparison_table(comparison);
+  for (const MethodOutcome& outcome : comparison.outcomes) {
+    if (!outcome.result) continue;
+    const std::string mesh = files.mesh(outcome.method).filename().string();
+    text += fmt::format("\n## {}\n\n[{}]({})\n", to_string(outcome.method), mesh, mesh);
+#ifdef MESHGRAFT_HAS_RENDER
+    text += fmt::format("\n![{}]({})\n", to_string(outcome.method),
+                        files.picture(outcome.method).filename().string());
+#endif
+  }
+  return text;
+}
+
+// Everything is computed before anything is written; once begun, writing is brought to its end.
+void write_folder(Comparison& comparison, const ComparisonFiles& files,
+                  [[maybe_unused]] const CompareArguments& arguments, const Context& context) {
+#ifdef MESHGRAFT_HAS_RENDER
+  const Pictures pictures = draw(comparison, arguments.view, context);
+#endif
+  context.step("write");
+  Context unstoppable = context;
+  unstoppable.stop_token = {};
+  std::error_code failure;
+  std::filesystem::create_directory(files.folder, failure);
+  if (failure) throw Error(ErrorCode::io, failure.message(), files.folder.string());
+  comparison.outputs = {files.json().string(), files.text().string()};
+#ifdef MESHGRAFT_HAS_RENDER
+  comparison.outputs.push_back(files.sheet().string());
+#endif
+  for (MethodOutcome& outcome : comparison.outcomes) {
+    if (!outcome.result) continue;
+    outcome.result->report.outputs = {files.mesh(outcome.method).string()};
+#ifdef MESHGRAFT_HAS_RENDER
+    outcome.result->report.outputs.push_back(files.picture(outcome.method).string());
+#endif
+  }
+  write_file_atomically(files.json(), write_comparison(comparison));  // first: it marks the folder as ours
+  write_file_atomically(files.text(), text_of(comparison, files));
+#ifdef MESHGRAFT_HAS_RENDER
+  render::write_png(pictures.sheet, files.sheet());
+  auto picture = pictures.of_methods.begin();
+#endif
+  for (const MethodOutcome& outcome : comparison.outcomes) {
+    if (!outcome.result) continue;
+    write_mesh(outcome.result->mesh, files.mesh(outcome.method), {}, unstoppable);
+#ifdef MESHGRAFT_HAS_RENDER
+    render::write_png(*picture++, files.picture(outcome.method));
+#endif
+  }
+}
+
+void run_compare(const CompareArguments& arguments, Context context) {
+  context.threads = arguments.threads;
+  const std::vector<Method> methods = methods_of(arguments.methods);
+  const EditFile edit = read_edit_file(arguments.edit);
+  const bool ends_in_slash = !arguments.folder.has_filename();
+  const ComparisonFiles files{ends_in_slash ? arguments.folder.parent_path() : arguments.folder,
+                              mesh_extension(edit)};
+  if (!arguments.folder.empty()) require_writable(files, methods, arguments, edit);
+  Comparison comparison = compare_methods(edit, methods, context);
+  if (!arguments.folder.empty()) write_folder(comparison, files, arguments, context);
+  if (arguments.json) {
+    fmt::print("{}", write_comparison(comparison));
+    return;
+  }
+  fmt::print("{}", comparison_table(comparison));
+  if (!arguments.folder.empty()) fmt::print("\nwrote {}\n", files.text().string());
+}
+
+}  // namespace
+
+void add_compare(CLI::App& program, Action& action) {
+  const auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* command = program.add_subcommand("compare", "Run an edit file by several methods, side by side");
+  command->add_option("edit", arguments->edit, "The edit file")->required()->type_name("EDIT.json");
+  std::vector<std::string> names;
+  for (const Method& method : all_methods()) names.emplace_back(to_string(method));
+  command->add_option("--methods", arguments->methods, "Some of them, separated by commas (default: all)")
+      ->type_name(CLI::detail::join(names, "|"));
+  [[maybe_unused]] CLI::Option* folder =
+      command->add_option("-o,--output", arguments->folder, "A folder for tables, meshes and pictures")
+          ->type_name("FOLDER");
+#ifdef MESHGRAFT_HAS_RENDER
+  for (CLI::Option* option : add_view(*command, arguments->view)) option->needs(folder);
+#endif
+  add_threads(*command, arguments->threads);
+  command->add_flag("--json", arguments->json, "Print JSON instead of the table");
+  command->footer(
+      "Example:\n  meshgraft compare examples/octopus_wave.json --methods corotational,ft05,arap-2007 -o "
+      "octopus");
+  command->callback([arguments, &action] {
+    action = [arguments](const Context& context) { run_compare(*arguments, context); };
+  });
+}
+
+}  // namespace meshgraft::cli
