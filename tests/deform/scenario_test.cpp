@@ -129,7 +129,7 @@ TEST_P(Scenarios, MeetWhatTheirFilesExpect) {
       ASSERT_EQ(result.row(v), rest.row(v)) << "vertex " << v;
     }
   }
-  EXPECT_LT(edit.report.residual, 1e-10);
+  EXPECT_LT(edit.report.evaluation.value().residual, 1e-10);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Scenarios, testing::ValuesIn(deform_scenarios()),
