@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pictures of docs/method.md with the built program (tools/docs_pictures.sh calls it).
+"""Makes the pictures of docs/method.md and docs/methods.md with the built program (tools/docs_pictures.sh calls it).
 
     tools/method_pictures.py build/release/meshgraft docs/images
 """
@@ -48,7 +48,7 @@ def picture(program, out, source, step, variants, view):
         meshes = []
         for name, settings in variants.items():
             edit = {"format": "meshgraft-edit", "version": 2, "inputs": {"mesh": source},
-                    "steps": [{"kind": "deform", "mesh": "mesh", "settings": settings, **step}]}
+                    "steps": [{"kind": "deform", "mesh": "mesh", "settings": {"method": "ft05", **settings}, **step}]}
             edit_file, mesh = Path(folder, "edit.json"), Path(folder, name + ".ply")
             edit_file.write_text(json.dumps(edit))
             subprocess.run([program, "deform", edit_file, "-o", mesh], check=True, stdout=subprocess.DEVNULL)
@@ -56,7 +56,46 @@ def picture(program, out, source, step, variants, view):
         subprocess.run([program, "render", *meshes, "-o", out, "--flat", "--no-ground", *view], check=True)
 
 
+def ends(low, high):
+    """The foot below `low` fixed, the top above `high` a handle."""
+    return ({"half_space": {"point": [0, 0, low], "normal": [0, 0, -1]}},
+            {"half_space": {"point": [0, 0, high], "normal": [0, 0, 1]}})
+
+
+def turn(sample, low, high, axis, angle_deg, pivot, view):
+    fixed, top = ends(low, high)
+    pose = {"rotate": {"axis": axis, "angle_deg": angle_deg}, "pivot": pivot}
+    return sample, {"fixed": fixed, "handles": [{"name": "top", "select": top, "pose": pose}]}, view
+
+
+# The four tests of Botsch and Sorkine on samples: name, sample, step, view.
+STANDARD_TESTS = {
+    "methods_plane": ("bumpy_plane", {
+        "fixed": {"minus": ["all", {"box": {"min": [-0.45, -0.45, -1], "max": [0.45, 0.45, 1]}}]},
+        "handles": [{"name": "disc", "select": {"sphere": {"centre": [0, 0, 0], "radius": 0.12}},
+                     "pose": {"translate": [0, 0, 0.2]}}]}, ["--from", "0.5", "-1", "0.6"]),
+    "methods_cylinder": turn("cylinder", 0.4, 3.6, [1, 0, 0], 120, [0, 0, 2], ["--from", "1", "-0.2", "0.2"]),
+    "methods_bar": turn("bar", 0.4, 3.6, [0, 0, 1], 135, [0, 0, 2], ["--from", "1", "-0.6", "0.2"]),
+    "methods_cactus": turn("cactus", 0.25, 2.45, [-1, 0, 0], 70, [0, 0, 1], ["--from", "1", "-0.5", "0.3"]),
+}
+METHODS = "corotational,rotation-aware,ft05,yu-2004,arap-2007"
+
+
+def comparison(program, out, sample, step, view):
+    """One picture of a sample and of what several methods make of an edit of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        edit = {"format": "meshgraft-edit", "version": 2, "inputs": {"mesh": {"sample": sample}},
+                "steps": [{"kind": "deform", "mesh": "mesh", **step}]}
+        edit_file, result = Path(folder, "edit.json"), Path(folder, "compared")
+        edit_file.write_text(json.dumps(edit))
+        subprocess.run([program, "compare", edit_file, "--methods", METHODS, "-o", result, "--width", "420",
+                        "--height", "420", *view], check=True, stdout=subprocess.DEVNULL)
+        Path(out).write_bytes(Path(result, "compare.png").read_bytes())
+
+
 def main(program, folder):
+    for name, test in STANDARD_TESTS.items():
+        comparison(program, Path(folder, name + ".png"), *test)
     with tempfile.TemporaryDirectory() as scratch:
         sheet = Path(scratch, "sheet.obj")
         irregular_sheet(sheet)
