@@ -88,6 +88,10 @@ void Deformer::Impl::require_matching(std::span<const VertexConstraint> constrai
         constraint.transform.has_value() != (gives_transform[c] != 0))
       throw Error(ErrorCode::usage,
                   fmt::format("constraint {} does not constrain what it did in the set-up", c));
+    if (constraint.rotation &&
+        !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
+      throw Error(ErrorCode::input, "its rotation is not finite",
+                  fmt::format("the constraint of vertex {}", constraint.vertex));
     constexpr double largest = 1e100;  // squares and volumes stay finite
     if ((constraint.position && !(constraint.position->cwiseAbs().maxCoeff() < largest)) ||
         (constraint.transform && !(constraint.transform->cwiseAbs().maxCoeff() < largest)))

@@ -43,7 +43,8 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
     : system_(system),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
       fields_(system.patch().points, system.patch().triangles, system.operators()->rings(),
-              system.known().transform, options.smoothing_length_rel, options.backend, context) {
+              system.known().transform, iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend,
+              context) {
   const Patch& patch = system.patch();
   normals_ = vertex_normals(patch.points, patch.triangles,
                             vertex_triangles(patch.size(), patch.triangles, context), context);
@@ -89,7 +90,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& 
     if (!polar_decompose(*constraint.transform, given.back().parts)) return false;
     constrained[v] = 1;
     from_rest |= constraint.rotation.has_value();
-    sum += fields_.areas()[v] * *constraint.transform;
+    sum += fields_.areas()[v] * given.back().parts.rotation;
   }
   for (Index v = 0; v < n; ++v) from_rest |= known.transform[v] && !constrained[v] && !rings[v].empty();
   const Eigen::Matrix3d reference = from_rest ? Eigen::Matrix3d::Identity() : nearest_rotation(sum);
@@ -105,6 +106,19 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& 
     }
     logs.row(v) << turn.transpose(), stretch_log(parts.stretch).transpose();
   }
+  // A component of positions alone starts from the affine map that fits them.
+  const std::vector<Eigen::Matrix3d> fits = fitted_maps(constraints);
+  std::vector<Logarithm> fit_logs;
+  for (const Eigen::Matrix3d& fit : fits) {
+    PolarParts parts;
+    if (!polar_decompose(fit, parts)) return false;
+    fit_logs.emplace_back();
+    fit_logs.back() << rotation_log(parts.rotation * reference.transpose()).transpose(),
+        stretch_log(parts.stretch).transpose();
+  }
+  for (Index v = 0; v < n; ++v)
+    if (const Index c = fields_.component()[v]; c >= 0 && !fields_.component_holds()[c])
+      logs.row(v) = fit_logs[c];
   logs = fields_.spread(logs, context);
 
   blended.rotation.resize(static_cast<std::size_t>(n));
@@ -117,13 +131,47 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& 
   return true;
 }
 
-/// FT05's right-hand side; edges keep the linearly blended transforms where there is stiffness.
+/// Per component, the affine map (its linear part) that fits the given positions best where no transform is
+/// given; I elsewhere.
+std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexConstraint> constraints) const {
+  const Patch& patch = system_.patch();
+  const std::vector<std::uint8_t>& holds = fields_.component_holds();
+  std::vector<std::vector<Eigen::Matrix<double, 1, 6>>> moves(holds.size());  // place at rest, displacement
+  for (const VertexConstraint& constraint : constraints) {
+    const Index v = patch.local(constraint.vertex);
+    const Index component = v < 0 ? -1 : fields_.component()[v];
+    if (component < 0 || holds[component] || !constraint.position) continue;
+    moves[component].emplace_back();
+    moves[component].back() << patch.points.row(v),
+        (constraint.position->transpose() - system_.rest().row(constraint.vertex)) / patch.scale;
+  }
+  std::vector<Eigen::Matrix3d> maps(holds.size(), Eigen::Matrix3d::Identity());
+  for (std::size_t c = 0; c < holds.size(); ++c) {
+    const auto count = static_cast<Eigen::Index>(moves[c].size());
+    if (count < 4) continue;
+    Eigen::MatrixXd places(count, 3), displacements(count, 3);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      places.row(k) = moves[c][static_cast<std::size_t>(k)].head<3>();
+      displacements.row(k) = moves[c][static_cast<std::size_t>(k)].tail<3>();
+    }
+    places.rowwise() -= places.colwise().mean().eval();
+    displacements.rowwise() -= displacements.colwise().mean().eval();
+    maps[c] += places.completeOrthogonalDecomposition().solve(displacements).transpose();
+  }
+  return maps;
+}
+
+/// The right-hand side of a linear blend; edges keep the linearly blended transforms where there is stiffness.
 MapField RotationField::linear_field(std::span<const VertexConstraint> constraints,
                                      const Context& context) const {
   const Index n = system_.patch().size();
   const Eigen::Matrix<double, 1, 9> identity = Eigen::Matrix3d::Identity().reshaped().transpose();
   Columns entries = Columns::Zero(n, 9);
-  for (Index v = 0; v < n; ++v) entries.row(v) = identity;
+  const std::vector<Eigen::Matrix3d> fits = fitted_maps(constraints);
+  for (Index v = 0; v < n; ++v) {
+    const Index c = fields_.component()[v];
+    entries.row(v) = c < 0 ? identity : fits[c].reshaped().transpose();
+  }
   for (const VertexConstraint& constraint : constraints)
     if (const Index v = system_.patch().local(constraint.vertex); v >= 0 && constraint.transform)
       entries.row(v) = constraint.transform->reshaped().transpose();
@@ -143,22 +191,36 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
   return field;
 }
 
+namespace {
+
+/// Full steps while they go one way, shorter ones where they turn back, by how much they do, and longer again
+/// afterwards. Continuous, so that neighbouring frames stay neighbours.
+double damped_pace(double pace, const Columns& step, const Columns& previous) {
+  constexpr double shortest = 0.1;
+  const double length = previous.squaredNorm();
+  if (!(length > 0)) return pace;
+  const double ahead = previous.cwiseProduct(step).sum() / length;
+  return std::clamp(ahead < 0 ? pace / (1 - ahead) : pace * (1 + ahead), shortest, 1.0);
+}
+
+}  // namespace
+
 /// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend; smooth
-/// them; solve again. Not a descent: a step that changes more than the one before is damped.
+/// them; solve again. Not a descent: steps that oscillate are damped.
 void RotationField::follow(const ConstrainedSystem::Known& values, const Blend& blended, Result& result,
                            const Context& context) const {
   constexpr double settled = 1e-3;  // radians
-  Columns deviation = Columns::Zero(system_.patch().size(), 3);
-  double pace = 1, previous = std::numeric_limits<double>::infinity();
+  Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;
+  double pace = 1;
   while (result.iterations < iterations_) {
     const Columns y = system_.solve(values, result.field, 0, context);
     const Columns raw = surface_deviation(system_.maps(y, values, context), blended, deviation, context);
     const Columns step = fields_.smooth(raw, context) - deviation;
-    result.change = root_mean_square(step);
-    if (result.change > previous) pace = std::max(pace / 2, 0.125);
-    previous = result.change;
+    if (result.iterations > 0) pace = damped_pace(pace, step, previous);
+    previous = step;
     deviation += pace * step;
     result.field = compose(blended, deviation, context);
+    result.change = root_mean_square(step);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled) break;

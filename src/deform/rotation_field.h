@@ -20,7 +20,7 @@ class RotationField {
   struct Result {
     MapField field;
     int iterations = 0;   ///< co-rotational steps that were made
-    double change = 0;    ///< of the field in the last of them, radians (root mean square)
+    double change = 0;    ///< that the last of them asked for, radians (root mean square)
     bool linear = false;  ///< a constraint reflects or flattens, so that there are no logarithms to blend
   };
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
@@ -31,6 +31,7 @@ class RotationField {
     std::vector<Eigen::Matrix3d> rotation, stretch;
   };
   bool blend(std::span<const VertexConstraint> constraints, Blend& blended, const Context& context) const;
+  std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
   MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
   void follow(const ConstrainedSystem::Known& values, const Blend& blended, Result& result,

@@ -58,69 +58,118 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
                              std::span<const std::uint8_t> given, double smoothing_length_rel,
                              SolverBackend backend, const Context& context)
     : areas_(vertex_areas(points, triangles)) {
-  for (Index v = 0; v < rings.size(); ++v)
-    if (!rings[v].empty()) (given[v] ? given_ : unknown_).push_back(v);
-  if (unknown_.empty()) return;
+  find_components(rings, given);
+  if (free_.empty()) return;
 
   double total = 0;
   for (const double area : areas_) total += area;
-  const double smallest = 1e-6 * total / static_cast<double>(areas_.size());
+  const double smallest = total > 0 ? 1e-6 * total / static_cast<double>(areas_.size()) : 1.0;
   std::vector<double> inverse_areas;
   for (double& area : areas_) inverse_areas.push_back(1 / (area = std::max(area, smallest)));
 
   const SparseRows K = dirichlet_matrix(points, triangles, rings, context);
   const SparseRows bending = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
-  // The share of M makes components without a given value regular; it is too small to be felt elsewhere.
-  const double regular = 1e-9 / (total * total);
-  spread_rows_ = select_rows(bending + diagonal(areas_, regular), unknown_);
-  spread_solver_ = factorise(square_part(spread_rows_, unknown_), backend, context);
-  const double weight = std::pow(smoothing_length_rel * free_width(total, context), 4);
-  const SparseRows smoothing = select_rows(diagonal(areas_) + weight * bending, unknown_);
-  smooth_solver_ = factorise(square_part(smoothing, unknown_), backend, context);
+  if (!held_.empty()) {
+    spread_rows_ = select_rows(bending, held_);
+    spread_solver_ = factorise(square_part(spread_rows_, held_), backend, context);
+  }
+  if (smoothing_length_rel < 0) return;
+  std::vector<double> weights = free_widths(context);
+  for (double& width : weights) width = std::pow(smoothing_length_rel * width, 4);
+  std::vector<double> vertex_weights;
+  for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
+  // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
+  const SparseRows smoothing =
+      select_rows(diagonal(areas_) + multiply(diagonal(vertex_weights), bending, context), free_);
+  smooth_solver_ = factorise(square_part(smoothing, free_), backend, context);
 }
 
-/// How wide the surface is between the places where values are given: a plate of width w that is clamped there
-/// sags by w⁴/720 in the mean under a uniform load (Euler and Bernoulli's beam).
-double SurfaceFields::free_width(double total_area, const Context& context) const {
-  Eigen::MatrixXd load(static_cast<Eigen::Index>(unknown_.size()), 1);
-  for (std::size_t k = 0; k < unknown_.size(); ++k) load(static_cast<Eigen::Index>(k), 0) = areas_[unknown_[k]];
-  const double mean_sag = load.col(0).dot(spread_solver_->solve(load, context).col(0)) / load.sum();
-  const double widest = 4 * std::sqrt(total_area);  // where nothing is given, nothing holds the plate
-  return std::min(std::pow(720 * std::max(mean_sag, 0.0), 0.25), widest);
+void SurfaceFields::find_components(const IndexLists& rings, std::span<const std::uint8_t> given) {
+  component_.assign(static_cast<std::size_t>(rings.size()), -1);
+  std::vector<Index> queue;
+  for (Index start = 0; start < rings.size(); ++start) {
+    if (rings[start].empty() || component_[start] >= 0) continue;
+    const Index number = static_cast<Index>(holds_.size());
+    holds_.push_back(0);
+    component_[start] = number;
+    queue.assign(1, start);
+    while (!queue.empty()) {
+      const Index v = queue.back();
+      queue.pop_back();
+      holds_[number] |= given[v];
+      for (const Index w : rings[v]) {
+        if (component_[w] >= 0) continue;
+        component_[w] = number;
+        queue.push_back(w);
+      }
+    }
+  }
+  for (Index v = 0; v < rings.size(); ++v) {
+    if (component_[v] < 0) continue;
+    if (given[v]) {
+      given_.push_back(v);
+    } else {
+      free_.push_back(v);
+      if (holds_[component_[v]]) held_.push_back(v);
+    }
+  }
+}
+
+/// Per component, how wide the surface is between the places where values are given: a plate of width w that is
+/// clamped there sags by w⁴/720 in the mean under a uniform load (Euler and Bernoulli's beam). √(area) where
+/// nothing is given.
+std::vector<double> SurfaceFields::free_widths(const Context& context) const {
+  std::vector<double> areas(holds_.size(), 0.0), sags(holds_.size(), 0.0), widths;
+  for (const Index v : free_) areas[component_[v]] += areas_[v];
+  if (!held_.empty()) {
+    Eigen::MatrixXd load(static_cast<Eigen::Index>(held_.size()), 1);
+    for (std::size_t k = 0; k < held_.size(); ++k) load(static_cast<Eigen::Index>(k), 0) = areas_[held_[k]];
+    const Eigen::MatrixXd sag = spread_solver_->solve(load, context);
+    for (std::size_t k = 0; k < held_.size(); ++k)
+      sags[component_[held_[k]]] += areas_[held_[k]] * sag(static_cast<Eigen::Index>(k), 0);
+  }
+  for (std::size_t c = 0; c < holds_.size(); ++c) {
+    const double mean_sag = holds_[c] && areas[c] > 0 ? sags[c] / areas[c] : areas[c] * areas[c] / 720;
+    widths.push_back(std::pow(720 * std::max(mean_sag, 0.0), 0.25));
+  }
+  return widths;
 }
 
 Columns SurfaceFields::spread(const Columns& values, const Context& context) const {
-  if (unknown_.empty()) return values;
-  // As differences from the mean of what is given: a constant stays one to the last bit.
-  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(values.cols());
-  double area = 0;
+  if (held_.empty()) return values;
+  // As differences from the mean of what is given to the component: a constant stays one to the last bit.
+  const Eigen::Index columns = values.cols();
+  Columns means = Columns::Zero(static_cast<Eigen::Index>(holds_.size()), columns);
+  std::vector<double> areas(holds_.size(), 0.0);
   for (const Index v : given_) {
-    mean += areas_[v] * values.row(v);
-    area += areas_[v];
+    means.row(component_[v]) += areas_[v] * values.row(v);
+    areas[component_[v]] += areas_[v];
   }
-  if (area > 0) mean /= area;
-  Columns fields = values.rowwise() - mean;
-  for (const Index v : unknown_) fields.row(v).setZero();
+  for (std::size_t c = 0; c < holds_.size(); ++c)
+    if (areas[c] > 0) means.row(static_cast<Eigen::Index>(c)) /= areas[c];
+  Columns differences = Columns::Zero(values.rows(), columns);
+  for (const Index v : given_) differences.row(v) = values.row(v) - means.row(component_[v]);
   for (int pass = 0; pass < 2; ++pass)  // the second is a correction with the residual of the first
-    add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, fields, context)), context), fields);
-  fields.rowwise() += mean;
-  for (const Index v : given_) fields.row(v) = values.row(v);
+    add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, differences, context)), context), held_,
+        differences);
+  Columns fields = values;
+  for (const Index v : held_) fields.row(v) = differences.row(v) + means.row(component_[v]);
   return fields;
 }
 
 Columns SurfaceFields::smooth(const Columns& values, const Context& context) const {
   Columns fields = Columns::Zero(values.rows(), values.cols());
-  if (unknown_.empty()) return fields;
-  Eigen::MatrixXd weighted(static_cast<Eigen::Index>(unknown_.size()), values.cols());
-  for (std::size_t k = 0; k < unknown_.size(); ++k)
-    weighted.row(static_cast<Eigen::Index>(k)) = areas_[unknown_[k]] * values.row(unknown_[k]);
-  add(smooth_solver_->solve(weighted, context), fields);
+  if (free_.empty()) return fields;
+  Eigen::MatrixXd weighted(static_cast<Eigen::Index>(free_.size()), values.cols());
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    weighted.row(static_cast<Eigen::Index>(k)) = areas_[free_[k]] * values.row(free_[k]);
+  add(smooth_solver_->solve(weighted, context), free_, fields);
   return fields;
 }
 
-void SurfaceFields::add(const Eigen::MatrixXd& unknown, Columns& fields) const {
-  for (std::size_t k = 0; k < unknown_.size(); ++k)
-    fields.row(unknown_[k]) += unknown.row(static_cast<Eigen::Index>(k));
+void SurfaceFields::add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields) {
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    fields.row(vertices[k]) += solution.row(static_cast<Eigen::Index>(k));
 }
 
 }  // namespace meshgraft

@@ -19,27 +19,34 @@ namespace meshgraft {
 class SurfaceFields {
  public:
   /// `given` flags per vertex; the smoothing length ℓ is relative to the width of the surface between the
-  /// places where values are given.
+  /// places where values are given. Negative: `smooth` will not be called.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
                 std::span<const std::uint8_t> given, double smoothing_length_rel, SolverBackend backend,
                 const Context& context = {});
 
-  /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere; their mean on
-  /// components where nothing is given.
+  /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere. On components
+  /// where nothing is given, all of `values` as they are.
   Columns spread(const Columns& values, const Context& context = {}) const;
 
   /// Fields (n×k) that are 0 where values are given, and minimise ∫ |f − values|² + ℓ⁴ |Δf|² elsewhere.
   Columns smooth(const Columns& values, const Context& context = {}) const;
 
   const std::vector<double>& areas() const { return areas_; }
+  /// Connected components: of each vertex (-1 for isolated ones), and whether a value is given in it.
+  const std::vector<Index>& component() const { return component_; }
+  const std::vector<std::uint8_t>& component_holds() const { return holds_; }
 
  private:
-  double free_width(double total_area, const Context& context) const;
-  void add(const Eigen::MatrixXd& unknown, Columns& fields) const;
+  void find_components(const IndexLists& rings, std::span<const std::uint8_t> given);
+  std::vector<double> free_widths(const Context& context) const;
+  static void add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields);
 
   std::vector<double> areas_;
-  std::vector<Index> given_, unknown_;  ///< vertices of faces
-  SparseRows spread_rows_;              ///< unknown × n, of the system that `spread` solves
+  std::vector<Index> component_;
+  std::vector<std::uint8_t> holds_;
+  std::vector<Index> given_, free_;  ///< vertices of faces, by whether a value is given
+  std::vector<Index> held_;          ///< of `free_`, those in components where something is given
+  SparseRows spread_rows_;           ///< held × n, of the system that `spread` solves
   std::unique_ptr<LinearSolver> spread_solver_, smooth_solver_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -103,7 +104,8 @@ std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, c
   }
   std::vector<VertexConstraint> constraints;
   for (const Index v : region.fixed)
-    constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity()});
+    constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity(),
+                           Eigen::AngleAxisd(0, Eigen::Vector3d::UnitZ())});
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
     const auto held = handle_constraints(region.handles[h], poses[h], problem.rest, normals);
     constraints.insert(constraints.end(), held.begin(), held.end());
@@ -188,7 +190,13 @@ std::vector<std::string> notes_of(const StepReport& report) {
   if (report.evaluation && report.evaluation->fell_back_to_linear)
     notes.emplace_back(
         "a handle mirrors or flattens what it holds, so there is no rotation to follow; maps were blended "
-        "linearly, as by ft05");
+        "linearly");
+  constexpr double settled_enough = 0.02;  // radians: about one degree
+  if (report.evaluation && report.evaluation->last_rotation_change > settled_enough)
+    notes.push_back(fmt::format(
+        "the rotations had not settled after {} steps (they would have changed by another "
+        "{:.1f}°); more 'iterations' or less of a turn helps",
+        report.evaluation->iterations, report.evaluation->last_rotation_change * 180 / std::numbers::pi));
   return notes;
 }
 

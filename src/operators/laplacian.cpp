@@ -83,18 +83,20 @@ SparseRows umbrella_operator(const Points& points, const Triangles& triangles, c
 SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
                             const Context& context) {
   context.throw_if_stopped();
-  constexpr double largest_weight = 4;
+  constexpr double smallest_weight = 1e-3, largest_weight = 4;
   SparseRows K = umbrella_pattern(rings);
   add_half_cotangents(points, triangles, K);
   double* values = K.valuePtr();
   for (Index i = 0; i < rings.size(); ++i) {
     if (rings[i].empty()) continue;
+    const int self = entry_of(K, i, i);
     double sum = 0;
     for (int entry = K.outerIndexPtr()[i]; entry < K.outerIndexPtr()[i + 1]; ++entry) {
-      values[entry] = -std::clamp(values[entry], 0.0, largest_weight);
+      if (entry == self) continue;
+      values[entry] = -std::clamp(values[entry], smallest_weight, largest_weight);
       sum -= values[entry];
     }
-    values[entry_of(K, i, i)] = sum;
+    values[self] = sum;
   }
   return K;
 }

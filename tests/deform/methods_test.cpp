@@ -272,6 +272,80 @@ TEST(Methods, TurnsAreContinuousAndUnreduced) {
   }
 }
 
+/// A bend is where steps may oscillate: frames that differ by little look alike.
+TEST(Methods, BendsDoNotJump) {
+  const Scene scene = make_scene(tube(12, 18));
+  const auto bend = [](double angle_deg) {
+    HandleMotion motion;
+    motion.axis = Vector3d::UnitX();
+    motion.angle_deg = angle_deg;
+    return std::vector{make_pose(motion, Vector3d(0, 0, 2))};
+  };
+  const Deformer deformer = make_deformer(scene, held_foot(scene), {});
+  for (double angle = 90; angle < 300; angle += 7) {
+    const double jump =
+        relative_distance(scene.mesh, deformer.evaluate(bend(angle + 1e-4)), deformer.evaluate(bend(angle)));
+    EXPECT_LT(jump, 0.01) << angle;
+  }
+}
+
+TEST(Methods, SimilaritiesAreReproducedFromPositionsAlone) {
+  for (const TestMesh& mesh : {bumpy_sphere(3), bar(3, 14), tube(14, 30), irregular_grid(22, 16)}) {
+    const Scene scene = make_scene(mesh);
+    Region region = two_handles(scene);
+    for (Handle& handle : region.handles) handle.constrain_transform = false;
+    for (const DeformerOptions& options : method_variants())
+      for (const auto& [name, linear] : linear_maps()) {
+        SCOPED_TRACE(mesh.name + ", " + describe(options) + ", " + name);
+        const Affine3d map = about_middle(mesh, linear);
+        const Points result =
+            make_deformer(scene, region, options).evaluate(std::vector{pose_of(map), pose_of(map)});
+        EXPECT_LT(relative_distance(mesh, result, image(mesh.positions, map)), 1e-9);
+      }
+  }
+}
+
+/// Two parts have nothing to do with each other, however the other is held and turned.
+TEST(Methods, UnrelatedPartsHaveNoSay) {
+  const Scene scene = make_scene(tube(10, 16));
+  const Index n = scene.mesh.size();
+  const TestMesh other =
+      transformed(tube(8, 24), Affine3d(Eigen::Translation3d(40, 0, 0) * Eigen::Scaling(3.0)), "");
+  TestMesh both = scene.mesh;
+  both.positions.conservativeResize(n + other.size(), Eigen::NoChange);
+  both.positions.bottomRows(other.size()) = other.positions;
+  const auto faces = both.triangles.rows();
+  both.triangles.conservativeResize(faces + other.triangles.rows(), Eigen::NoChange);
+  both.triangles.bottomRows(other.triangles.rows()) = other.triangles.array() + n;
+  Region alone;
+  alone.fixed = scene.foot;
+  for (Index v = 0; v < n; ++v) alone.vertices.push_back(v);
+  alone.handles.push_back(make_handle("head", scene.head));
+  Region with_other = alone;
+  with_other.whole = true;
+  Scene other_scene = make_scene(other);
+  for (auto* end : {&other_scene.foot, &other_scene.head}) {
+    for (Index& v : *end) v += n;
+    with_other.handles.push_back(make_handle("other " + std::to_string(with_other.handles.size()), *end));
+    with_other.handles.back().constrain_transform = false;
+  }
+  for (DeformerOptions options : method_variants()) {
+    // The rows of stiffness are measured by the area of all that is free.
+    options.stiffness = 0;
+    const HandlePose head = turned(scene, 120, Vector3d::UnitX()), still;
+    const Points a = Deformer(both.positions, both.triangles, alone, options).evaluate(std::vector{head});
+    const Points b =
+        Deformer(both.positions, both.triangles, with_other, options).evaluate(std::vector{head, still, still});
+    // The co-rotational steps of all parts stop together.
+    const double tolerance = options.method == DeformMethod::corotational ? 1e-3 : 1e-9;
+    EXPECT_LT(largest_distance(a, b), tolerance * scene.mesh.box_diagonal()) << describe(options);
+  }
+  const Points stiff =
+      Deformer(both.positions, both.triangles, with_other)
+          .evaluate(std::vector{turned(scene, 120, Vector3d::UnitX()), HandlePose{}, HandlePose{}});
+  EXPECT_LT(largest_distance(stiff.bottomRows(other.size()), other.positions), 1e-9 * other.box_diagonal());
+}
+
 /// What the methods are for: a bar twisted by 135° keeps its thickness.
 TEST(Methods, LargeTurnsDoNotShrink) {
   const Scene scene = make_scene(bar(6, 36));

@@ -70,13 +70,13 @@ struct EvaluationReport {
   double residual = 0;                 ///< ‖Aᵀ(b − A x)‖ / ‖Aᵀ b‖, 0 for a zero right-hand side
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
   int iterations = 0;                  ///< co-rotational steps that were made
-  double last_rotation_change = 0;     ///< in the last of them, root mean square, radians
+  double last_rotation_change = 0;     ///< of the field that the last of them asked for, RMS, radians
   /// A constraint reflects or flattens: its rotation has no logarithm, and all was solved as by `ft05`.
   bool fell_back_to_linear = false;
 };
 
 /// Deforms a region of a mesh by its handles (Fu & Tai 2005, sections 3 and 4). The constructor validates,
-/// assembles and factorises; evaluation is two back-substitutions.
+/// assembles and factorises; evaluation is back-substitutions: two, and one per co-rotational step.
 class Deformer {
  public:
   /// `rest` n×3, `triangles` m×3. Throws Error(input) for bad indices, an empty or overlapping handle, a

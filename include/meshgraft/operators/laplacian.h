@@ -18,8 +18,8 @@ SparseRows umbrella_operator(const Points& points, const Triangles& triangles, c
                              WeightScheme weights, const Context& context = {});
 
 /// Symmetric positive semi-definite n×n matrix of the Dirichlet energy: −½(cot α + cot β) at (i, j), sums on
-/// the diagonal (Pinkall & Polthier 1993). Weights are clamped to 0 … 4: a harmonic function then stays within
-/// its boundary values, and triangles like needles do not spoil the conditioning.
+/// the diagonal (Pinkall & Polthier 1993). Weights are clamped to 0.001 … 4: a harmonic function then stays
+/// within its boundary values, every edge connects, and triangles like needles do not spoil the conditioning.
 SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
                             const Context& context = {});
 
