@@ -74,8 +74,6 @@ class ConstrainedSystem {
   const Points& rest() const { return rest_; }
   const Patch& patch() const { return patch_; }
   const KnownParts& known() const { return known_; }
-  /// √ of the area of the faces that touch a free vertex, in the patch's units.
-  double region_size() const { return region_size_; }
   const std::vector<Index>& free_vertices() const { return free_; }
   const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
 
@@ -108,7 +106,7 @@ class ConstrainedSystem {
   std::vector<Index> free_;  ///< global indices, ascending
   Patch patch_;
   KnownParts known_;
-  double region_size_ = 1;
+  double region_size_ = 1;  ///< √ of the area of the faces that touch a free vertex
   /// Edges with rows of stiffness.
   struct Bar {
     std::array<Index, 2> ends;

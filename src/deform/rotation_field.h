@@ -26,7 +26,7 @@ class RotationField {
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
 
  private:
-  /// Logarithms at the vertices whose transform is known.
+  /// What the constraints alone say of each vertex: F = rotation · stretch.
   struct Blend {
     std::vector<Eigen::Matrix3d> rotation, stretch;
   };

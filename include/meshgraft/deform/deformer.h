@@ -71,7 +71,7 @@ struct EvaluationReport {
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
   int iterations = 0;                  ///< co-rotational steps that were made
   double last_rotation_change = 0;     ///< of the field that the last of them asked for, RMS, radians
-  /// A constraint reflects or flattens: its rotation has no logarithm, and all was solved as by `ft05`.
+  /// A constraint reflects or flattens: there is no logarithm, and transforms were blended linearly.
   bool fell_back_to_linear = false;
 };
 
