@@ -142,6 +142,7 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
         if (i < j && (!known_.position[i] || !known_.position[j])) bars_.push_back({{i, j}, stiffness * scale});
   }
   SparseRows rows(static_cast<Eigen::Index>(bars_.size()), op.nodes().positions.rows());
+  if (bars_.empty()) return rows;  // Eigen's makeCompressed does not take a matrix without rows
   rows.reserve(std::vector<int>(bars_.size(), 2));
   for (std::size_t b = 0; b < bars_.size(); ++b) {
     const auto row = static_cast<Eigen::Index>(b);
