@@ -1,10 +1,10 @@
 #include <meshgraft/mesh/refine.h>
 
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/carry.h>
 
 #include "edge_table.h"
 
@@ -12,8 +12,9 @@ namespace meshgraft {
 
 namespace {
 
-// An element of the refined mesh as the middle of two old ones (or one old one, given twice).
-using Origin = std::array<Index, 2>;
+// An element of the refined mesh: an old one, or the middle of two.
+Between same(Index element) { return {element, element, 0}; }
+Between middle_of(Index a, Index b) { return {a, b, 0.5}; }
 
 std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
   std::vector<bool> marked(vertex_count, false);
@@ -31,9 +32,9 @@ std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
 struct TracedFaces {
   Faces faces;
   std::vector<Index> face_origin;
-  std::vector<Origin> corner_origin;
+  std::vector<Between> corner_origin;
 
-  void add(std::span<const Index> face, std::span<const Origin> corners, Index origin) {
+  void add(std::span<const Index> face, std::span<const Between> corners, Index origin) {
     faces.push_back(face);
     corner_origin.insert(corner_origin.end(), corners.begin(), corners.end());
     face_origin.push_back(origin);
@@ -62,20 +63,20 @@ TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, co
   for (Index f = 0; f < mesh.face_count(); ++f) {
     const std::size_t first = t;
     while (t < pieces.face.size() && pieces.face[t] == f) ++t;
-    std::vector<Origin> corners;
+    std::vector<Between> corners;
     if (mesh.faces[f].size() > 3 && has_split_edge(mesh, f, table, marked)) {
       for (std::size_t k = first; k < t; ++k) {
         const auto triangle = pieces.triangles.row(static_cast<Eigen::Index>(k));
         corners.clear();
         for (int c = 0; c < 3; ++c) {
           const Index corner = corner_of(mesh, f, triangle[c]);
-          corners.push_back({corner, corner});
+          corners.push_back(same(corner));
         }
         result.add({triangle.data(), 3}, corners, f);
       }
     } else {
       for (Index c = mesh.faces.first_corner(f); c < mesh.faces.first_corner(f + 1); ++c)
-        corners.push_back({c, c});
+        corners.push_back(same(c));
       result.add(mesh.faces[f], corners, f);
     }
   }
@@ -85,7 +86,7 @@ TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, co
 // One triangle with its split edges; corner c is followed by the middle of its edge to corner c + 1.
 struct Piece {
   std::array<Index, 6> vertex;  // corners 0 1 2, then the middles of 01, 12, 20 (-1: not split)
-  std::array<Origin, 6> corner;
+  std::array<Between, 6> corner;
 };
 
 void emit(const Piece& piece, std::initializer_list<std::array<int, 3>> triangles, Index origin,
@@ -130,39 +131,6 @@ void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& 
   }
 }
 
-double representable(double value, ScalarType type) {
-  return type == ScalarType::float32 || type == ScalarType::float64 ? value : std::round(value);
-}
-
-void append_middle(const Attribute& source, const Origin& origin, std::vector<double>& out) {
-  const double* a = source.values.data() + std::ptrdiff_t{origin[0]} * source.components;
-  const double* b = source.values.data() + std::ptrdiff_t{origin[1]} * source.components;
-  const std::size_t first = out.size();
-  if (origin[0] == origin[1] || source.interpolation == Interpolation::nearest) {
-    out.insert(out.end(), a, a + source.components);
-    return;
-  }
-  for (int k = 0; k < source.components; ++k) out.push_back(0.5 * a[k] + 0.5 * b[k]);
-  if (source.interpolation == Interpolation::direction) {
-    Eigen::Map<Eigen::VectorXd> direction(out.data() + first, source.components);
-    const double length = direction.stableNorm();
-    if (length > 0) {
-      direction /= length;
-    } else {
-      std::copy_n(a, source.components, direction.data());  // opposite directions have no middle
-    }
-  }
-  for (std::size_t k = first; k < out.size(); ++k) out[k] = representable(out[k], source.type);
-}
-
-Attribute carried(const Attribute& source, std::span<const Origin> origins) {
-  Attribute result = source;
-  result.values.clear();
-  result.values.reserve(origins.size() * static_cast<std::size_t>(source.components));
-  for (const Origin& origin : origins) append_middle(source, origin, result.values);
-  return result;
-}
-
 }  // namespace
 
 RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
@@ -180,9 +148,9 @@ RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertice
     middle[e] = old_count + static_cast<Index>(result.parents.size());
     result.parents.push_back(table.ends[e]);
   }
-  std::vector<Origin> vertex_origin;
-  for (Index v = 0; v < old_count; ++v) vertex_origin.push_back({v, v});
-  vertex_origin.insert(vertex_origin.end(), result.parents.begin(), result.parents.end());
+  std::vector<Between> vertex_origin;
+  for (Index v = 0; v < old_count; ++v) vertex_origin.push_back(same(v));
+  for (const auto& [a, b] : result.parents) vertex_origin.push_back(middle_of(a, b));
   result.vertex.new_index.resize(old_count);
   for (Index v = 0; v < old_count; ++v) result.vertex.new_index[v] = v;
 
@@ -200,7 +168,7 @@ RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertice
   for (Index f = 0; f < coarse.faces.size(); ++f) {
     const auto face = coarse.faces[f];
     const Index first = coarse.faces.first_corner(f);
-    const std::span<const Origin> corners(coarse.corner_origin.data() + first, face.size());
+    const std::span<const Between> corners(coarse.corner_origin.data() + first, face.size());
     Piece piece{};
     bool split = false;
     for (int c = 0; face.size() == 3 && c < 3; ++c) {
@@ -209,7 +177,7 @@ RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertice
       piece.vertex[c] = face[c];
       piece.corner[c] = corners[c];
       piece.vertex[3 + c] = middle[table.edge[half_edge]];
-      piece.corner[3 + c] = {corners[c][0], corners[(c + 1) % 3][0]};
+      piece.corner[3 + c] = middle_of(corners[c].from, corners[(c + 1) % 3].from);
       split = split || piece.vertex[3 + c] >= 0;
     }
     if (split) {
@@ -221,13 +189,13 @@ RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertice
 
   context.step("refine", 0.8);
   result.face_parent = fine.face_origin;
-  std::vector<Origin> face_origin;
-  for (const Index f : fine.face_origin) face_origin.push_back({f, f});
+  std::vector<Between> face_origin;
+  for (const Index f : fine.face_origin) face_origin.push_back(same(f));
   for (const Attribute& attribute : mesh.attributes) {
     const auto& origins = attribute.domain == Domain::vertex ? vertex_origin
                           : attribute.domain == Domain::face ? face_origin
                                                              : fine.corner_origin;
-    result.mesh.attributes.push_back(carried(attribute, origins));
+    result.mesh.attributes.push_back(carry(attribute, origins));
   }
   result.mesh.faces = std::move(fine.faces);
   context.step("refine", 1);
