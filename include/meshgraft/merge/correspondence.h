@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// A source loop and the target loop it meets (FT05 section 5). Each lists all vertices of a boundary loop in
+/// the direction of its own mesh's half-edges (surface at the left hand, seen from outside), from any vertex
+/// on; so the two run opposite ways.
+struct LoopPair {
+  std::vector<Index> source, target;
+};
+
+/// A source loop vertex and the target loop vertex it meets.
+struct Match {
+  Index source = -1, target = -1;
+};
+
+/// Where each vertex of a source loop comes to lie on the target loop.
+struct Correspondence {
+  /// Per vertex of `LoopPair::source`, in its order: place k + t on the target loop is (1 − t)·target[k] +
+  /// t·target[k + 1], cyclically. Goes once round the target loop, backwards.
+  std::vector<double> place;
+  /// 0 … 1: how much better the best start is than the best one elsewhere; 1 where it was given.
+  double confidence = 1;
+};
+
+/// A loop with what is known of the surface along it; row i belongs to the loop's vertex i.
+struct LoopGeometry {
+  Points points;   ///< k×3
+  Points normals;  ///< k×3, unit, of the surface
+};
+
+/// FT05 5.1 (1) and (2): from one matched pair of vertices (the start) or more, by arc length between them.
+/// Throws Error(input), naming `place`, for vertices that are not on the loops and for matches that cross.
+Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> matches,
+                                   const LoopGeometry& source, const LoopGeometry& target,
+                                   const std::string& place);
+
+/// A similarity x ↦ scale · rotation · x + translation.
+struct Similarity {
+  double scale = 1;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
+/// The best cyclic alignment of each pair: the arc-length start whose loops, normals included, a similarity
+/// maps onto one another best. All pairs of one connected source share the similarity, so that loops without
+/// any feature of their own (circles) are placed by the others. With `posed`, the source is where it should be
+/// and nearness decides.
+/// Throws Error(input), naming the pair and what to add, where the best start is not distinguished from others.
+std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
+                                                std::span<const LoopGeometry> sources,
+                                                std::span<const LoopGeometry> targets, bool posed,
+                                                const std::string& place);
+
+}  // namespace meshgraft
