@@ -41,10 +41,11 @@ struct TracedFaces {
   }
 };
 
-bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const std::vector<bool>& marked) {
+bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const EdgePredicate& is_split) {
   for (Index c = mesh.faces.first_corner(face); c < mesh.faces.first_corner(face + 1); ++c) {
     if (table.next[c] < 0) continue;
-    if (marked[mesh.faces.corners()[c]] && marked[mesh.faces.corners()[table.next[c]]]) return true;
+    const auto& [a, b] = table.ends[table.edge[c]];
+    if (is_split(a, b)) return true;
   }
   return false;
 }
@@ -56,7 +57,7 @@ Index corner_of(const Mesh& mesh, Index face, Index vertex) {
 }
 
 // The mesh's faces, with those polygons triangulated that have an edge to split.
-TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, const std::vector<bool>& marked) {
+TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, const EdgePredicate& is_split) {
   const Triangulation pieces = triangulate(mesh, {.skip_out_of_range = true});
   TracedFaces result;
   std::size_t t = 0;
@@ -64,7 +65,7 @@ TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, co
     const std::size_t first = t;
     while (t < pieces.face.size() && pieces.face[t] == f) ++t;
     std::vector<Between> corners;
-    if (mesh.faces[f].size() > 3 && has_split_edge(mesh, f, table, marked)) {
+    if (mesh.faces[f].size() > 3 && has_split_edge(mesh, f, table, is_split)) {
       for (std::size_t k = first; k < t; ++k) {
         const auto triangle = pieces.triangles.row(static_cast<Eigen::Index>(k));
         corners.clear();
@@ -134,17 +135,26 @@ void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& 
 }  // namespace
 
 RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  const std::vector<bool> marked = mark(mesh.vertex_count(), vertices);
+  return split_edges(mesh, [&](Index a, Index b) { return marked[a] && marked[b]; }, context);
+}
+
+RefineResult split_edges_at(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  const std::vector<bool> marked = mark(mesh.vertex_count(), vertices);
+  return split_edges(mesh, [&](Index a, Index b) { return marked[a] || marked[b]; }, context);
+}
+
+RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const Context& context) {
   context.step("refine", 0);
   const Index old_count = mesh.vertex_count();
-  const std::vector<bool> marked = mark(old_count, vertices);
-  const TracedFaces coarse = triangulate_where_split(mesh, EdgeTable(old_count, mesh.faces), marked);
+  const TracedFaces coarse = triangulate_where_split(mesh, EdgeTable(old_count, mesh.faces), is_split);
   const EdgeTable table(old_count, coarse.faces);
 
   context.step("refine", 0.3);
   RefineResult result;
   std::vector<Index> middle(table.edge_count(), -1);
   for (Index e = 0; e < table.edge_count(); ++e) {
-    if (!marked[table.ends[e][0]] || !marked[table.ends[e][1]]) continue;
+    if (!is_split(table.ends[e][0], table.ends[e][1])) continue;
     middle[e] = old_count + static_cast<Index>(result.parents.size());
     result.parents.push_back(table.ends[e]);
   }
