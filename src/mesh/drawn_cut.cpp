@@ -146,6 +146,7 @@ class Separation {
       }
       result_.mesh.faces.push_back(face);
       result_.face_parent.push_back(cut_.faces.face_origin[f]);
+      result_.face_side.push_back(cut_.face_side[f]);
     }
   }
 
@@ -227,7 +228,10 @@ class Separation {
     auto kept = std::find_if(attributes.begin(), attributes.end(), is_normal);
     if (kept == attributes.end()) kept = attributes.insert(kept, {.name = cut_normal_name});
     if (kept->components != 3) {
-      *kept = {.name = cut_normal_name, .interpolation = Interpolation::direction, .components = 3};
+      *kept = {.name = cut_normal_name,
+               .interpolation = Interpolation::direction,
+               .components = 3,
+               .source_names = {"cut_nx", "cut_ny", "cut_nz"}};
       kept->values.assign(3 * source_.size(), std::numeric_limits<double>::quiet_NaN());
     }
     for (const auto& loop : result_.loops)
