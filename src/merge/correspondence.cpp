@@ -181,8 +181,7 @@ Profile posed_profile(const Samples& source, const Samples& target, const Simila
 
 struct Start {
   int shift = 0;
-  double confidence = 0;  ///< how far the best rival stands behind, × the loop's whole range
-  double range = 0;
+  double confidence = 0;  ///< 1 where the best rival costs far more, 0 where it costs as much
 };
 
 /// The best shift and how well it is distinguished from those a twelfth of a turn away and farther.
@@ -196,12 +195,13 @@ Start best_start(const Profile& profile) {
     const int distance = std::abs(k - start.shift);
     if (std::min(distance, sample_count - distance) >= apart) rival = std::min(rival, profile[k]);
   }
-  start.range = *std::max_element(profile.begin(), profile.end()) - *best;
-  start.confidence = std::clamp((rival - *best) / std::max(0.05, *best), 0.0, 1.0);
+  constexpr double noise = 1e-3;  // what different tessellations of one curve may differ by
+  start.confidence = std::clamp((rival - *best) / (rival + noise), 0.0, 1.0);
   return start;
 }
 
-constexpr double distinguished = 0.1;
+/// Confidence below which a start is no better than a guess.
+constexpr double distinguished = 0.02;
 
 /// The similarity that several pairs share: from the middles and axes of all, and the shapes of those whose
 /// start is distinguished. False where that leaves it open.

@@ -24,12 +24,13 @@ double radius_of(const Points& points, const std::vector<Index>& loop) {
   return std::sqrt(sum / static_cast<double>(loop.size()));
 }
 
-/// The loop's own radius, and no more than half of the way to the farthest vertex.
-double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop) {
+/// So many times the loop's own radius, and no more than half of the way to the farthest vertex.
+double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
+                     double radii) {
   double farthest = 0;
   for (const double distance : edge_distance(loop, points, rings, std::numeric_limits<double>::infinity()))
     if (std::isfinite(distance)) farthest = std::max(farthest, distance);
-  return std::min(radius_of(points, loop), farthest / 2);
+  return std::min(radii * radius_of(points, loop), farthest / 2);
 }
 
 /// One similarity for the far part of each component.
@@ -50,13 +51,13 @@ void add_far_parts(std::span<const Index> far, const std::vector<Index>& compone
 }  // namespace
 
 std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
-                                std::span<const std::vector<Index>> loops, const Reach& reach) {
-  constexpr int fewest_rings = 3;
+                                std::span<const std::vector<Index>> loops, const Reach& reach, double radii) {
+  constexpr int fewest_rings = 2;
   std::vector<std::uint8_t> near(static_cast<std::size_t>(source.rows()), 0);
   for (const auto& loop : loops) {
     for (const Index v : grow_rings(loop, reach.rings.value_or(fewest_rings), rings)) near[v] = 1;
     if (reach.rings) continue;
-    const double length = reach.length ? *reach.length : default_reach(source, rings, loop);
+    const double length = reach.length ? *reach.length : default_reach(source, rings, loop, radii);
     const std::vector<double> distance = edge_distance(loop, source, rings, length);
     for (std::size_t v = 0; v < near.size(); ++v) near[v] |= static_cast<std::uint8_t>(distance[v] <= length);
   }
@@ -81,8 +82,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   }
   std::vector<Index> region;  // empty: the whole source
   if (options.pose == MergePose::keep) {
-    const bool by_reach = options.fixed.empty() || options.reach.rings || options.reach.length;
-    for (const Index v : by_reach ? far : std::span<const Index>()) taken[v] |= stays;
+    for (const Index v : far) taken[v] |= stays;
     for (const Index v : options.fixed) taken[v] |= stays;
     for (Index v = 0; v < static_cast<Index>(source.rows()); ++v)
       if ((taken[v] & stays) == 0) region.push_back(v);

@@ -19,10 +19,10 @@ struct Graft {
   EvaluationReport evaluation;
 };
 
-/// The vertices of a source beyond reach of its loops, ascending: by the options' `reach`, or, where it names
-/// none, by each loop's own radius (half the way to the farthest vertex at most).
+/// The vertices of a source beyond reach of its loops, ascending: by `reach`, or, where it names none, by
+/// `radii` × each loop's own radius (half the way to the farthest vertex at most).
 std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
-                                std::span<const std::vector<Index>> loops, const Reach& reach);
+                                std::span<const std::vector<Index>> loops, const Reach& reach, double radii);
 
 /// Deforms the source so that its loops meet their constraints. `source` is posed (the constraints are near
 /// it); with the shape `similar` the vertices `far` follow one similarity per component, with a kept pose they

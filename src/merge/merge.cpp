@@ -183,6 +183,52 @@ Points posed_by_boundary(const Points& source, const std::vector<Index>& compone
   return posed;
 }
 
+/// A source ready for the solve.
+struct Part {
+  const Points& rest;
+  const Points& posed;
+  const Triangles& triangles;
+  const std::vector<Index>& component;
+  const std::vector<std::vector<Index>>& loops;
+};
+
+/// The solve, within the reach that was asked for. Where none was, each loop's own radius is tried first, and
+/// doubled as long as the part is squeezed there and that helps.
+Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> constraints,
+                         const MergeOptions& options, MergeReport& report, const Context& context) {
+  constexpr double roomy = 0.75, better = 0.03, fewest_far = 0.05;
+  constexpr int most_doublings = 3;
+  const IndexLists rings = vertex_rings(static_cast<Index>(part.rest.rows()), part.triangles, context);
+  const bool by_list = options.pose == MergePose::keep && !options.fixed.empty();
+  const bool given =
+      options.reach.rings || options.reach.length || options.shape == MergeShape::ft05 || by_list;
+  Graft best;
+  std::size_t far_count = 0;
+  for (int doubling = 0; doubling <= (given ? 0 : most_doublings); ++doubling) {
+    const std::vector<Index> far =
+        by_list && !options.reach.rings && !options.reach.length
+            ? options.fixed
+            : beyond_reach(part.posed, rings, part.loops, options.reach, 1 << doubling);
+    const bool hardly_any =
+        far.size() < static_cast<std::size_t>(fewest_far * static_cast<double>(part.rest.rows()));
+    if (doubling > 0 && (hardly_any || far.size() == far_count)) break;
+    far_count = far.size();
+    Graft graft = solve_graft(part.posed, part.triangles, constraints, far, part.component, options, context);
+    report.assemble_seconds += graft.summary.assemble_seconds;
+    report.factorise_seconds += graft.summary.analyse_seconds + graft.summary.factorise_seconds;
+    ShapeReport shape = measure_shape(part.rest, graft.positions, part.triangles, far, part.component);
+    shape.inverted = graft.evaluation.inverted_maps;
+    if (doubling > 0 && shape.inverted >= report.shape.inverted &&
+        shape.smallest_singular_p5 < report.shape.smallest_singular_p5 + better)
+      continue;
+    best = std::move(graft);
+    report.shape = shape;
+    report.evaluation = best.evaluation;
+    if (shape.inverted == 0 && shape.smallest_singular_p5 >= roomy) break;
+  }
+  return best;
+}
+
 PairReport report_pair(const LoopPair& pair, const Correspondence& correspondence, const LoopGeometry& source,
                        const LoopGeometry& target) {
   PairReport report;
@@ -276,17 +322,10 @@ MergeResult merge(const Mesh& target, const Mesh& source_mesh, std::span<const M
     source_loops.push_back(source.pairs[p].source);
   }
   const Triangles triangles = triangulate(source.mesh, {.skip_out_of_range = true}).triangles;
-  const std::vector<Index> far = beyond_reach(
-      posed, vertex_rings(source.mesh.vertex_count(), triangles, context), source_loops, options.reach);
-  const Graft graft = solve_graft(posed, triangles, constraints, far, component, options, context);
-  report.evaluation = graft.evaluation;
-  report.assemble_seconds = graft.summary.assemble_seconds;
-  report.factorise_seconds = graft.summary.analyse_seconds + graft.summary.factorise_seconds;
+  const Part part{source.mesh.positions, posed, triangles, component, source_loops};
+  const Graft graft = graft_within_reach(part, constraints, options, report, context);
   report.solve_seconds = watch.lap() - report.assemble_seconds - report.factorise_seconds;
-  report.shape = measure_shape(source.mesh.positions, graft.positions, triangles, far, component);
-  report.shape.inverted = graft.evaluation.inverted_maps;
   report.source_vertices_added = source.added;
-  report.measure_seconds = watch.lap();
 
   // Both as one mesh.
   context.step("seam");

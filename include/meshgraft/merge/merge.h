@@ -32,8 +32,8 @@ enum class MergeShape {
 std::string_view to_string(MergePose value);
 std::string_view to_string(MergeShape value);
 
-/// How far from its loops the source may deform: by rings of edges or by a length along edges (model units of
-/// the source as given); neither: relative to the loops' size.
+/// How far from its loops the source may deform: by rings of edges or by a length along edges (units of the
+/// target); neither: each loop's own radius, or two, four or eight of them where the part would be squeezed.
 struct Reach {
   std::optional<int> rings;
   std::optional<double> length;
@@ -60,7 +60,8 @@ struct MergeOptions {
   double normal_angle_deg = 0;   ///< turns the target's normals about its loops' tangents
   bool smooth_boundary = false;  ///< smooths ragged loops along themselves first
   bool fix_winding = false;      ///< flips the source where its loops' direction needs it
-  DeformerOptions deformer{};
+  /// The solve. A part that follows a similarity takes more co-rotational steps to settle than a bend does.
+  DeformerOptions deformer{.iterations = 60};
   SeamOptions seam{};
 };
 
