@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
@@ -221,6 +222,16 @@ class Drawing {
   std::vector<Index> middle_;  // per edge: the vertex inserted on it, or -1
 };
 
+void require_crossed(std::span<const double> heights) {
+  if (heights.empty()) throw Error(ErrorCode::input, "the mesh has no vertices");
+  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+  if (*low < 0 && *high > 0) return;
+  const bool is_above = *low >= 0;
+  throw Error(ErrorCode::input,
+              fmt::format("the plane does not cut the mesh, which lies {} it, {:.6g} to {:.6g} away",
+                          is_above ? "above" : "below", is_above ? *low : -*high, is_above ? *high : -*low));
+}
+
 }  // namespace
 
 CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const CutOptions& options,
@@ -266,15 +277,7 @@ CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eig
     values[v] = (x - point).dot(unit);
     if (std::abs(values[v]) <= rounding) values[v] = 0;
   }
-  const auto above = [](double value) { return value > 0; };
-  const auto below = [](double value) { return value < 0; };
-  if (std::none_of(values.begin(), values.end(), above) || std::none_of(values.begin(), values.end(), below)) {
-    const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    const std::string range = values.empty() ? std::string("it has no vertices")
-                                             : "its vertices lie from " + std::to_string(*low) + " to " +
-                                                   std::to_string(*high) + " above it";
-    throw Error(ErrorCode::input, "the plane does not cut the mesh: " + range);
-  }
+  require_crossed(values);
   return cut_at_zero(mesh, values, options, context);
 }
 
