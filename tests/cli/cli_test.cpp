@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -356,13 +357,79 @@ TEST_F(CommandLine, InfoTellsCountsLoopsAndFindings) {
   EXPECT_EQ(facts["counts"]["isolated_vertices"], 1);
   EXPECT_EQ(facts["counts"]["faces"], 1);
   EXPECT_EQ(facts["boundary_loops"], json({3}));
+  ASSERT_EQ(facts["loops"].size(), 1u);
+  EXPECT_EQ(facts["loops"][0]["number"], 0);
+  EXPECT_EQ(facts["loops"][0]["first_vertex"], 0);
+  EXPECT_NEAR(facts["loops"][0]["length"].get<double>(), 2 + std::sqrt(2.0), 1e-12);
   EXPECT_EQ(facts["genus"], 0);
   EXPECT_EQ(facts["box"]["max"], json({9, 9, 9}));
   EXPECT_EQ(facts["triage"][0]["name"], "isolated-vertex");
   const Outcome text = run("info sheet.obj");
   EXPECT_EQ(text.status, 0);
-  for (const char* part : {"64", "49 quads", "1 loop of 28 vertices", "diagonal"})
+  for (const char* part :
+       {"64", "49 quads", "1 loop of 28 vertices", "loop 0: 28 vertices from 0, length", "diagonal"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+}
+
+TEST_F(CommandLine, CutTellsComponentsAndLoops) {
+  const Outcome outcome = run("cut sheet.obj --plane x=3.3 --snap 0 -o parts.ply --report parts.json --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json report = json::parse(outcome.out);
+  EXPECT_EQ(report, json::parse(read_text(folder_ / "parts.json")));
+  EXPECT_EQ(report["format"], "meshgraft-cut");
+  EXPECT_EQ(report["outputs"], json({"parts.ply", "parts.json"}));
+  ASSERT_EQ(report["components"].size(), 2u);
+  EXPECT_EQ(report["components"][0]["side"], "below");
+  EXPECT_EQ(report["components"][1]["side"], "above");
+  ASSERT_EQ(report["loops"].size(), 2u);
+  const json loops = json::parse(run("info parts.ply --json").out)["loops"];
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(report["loops"][k]["made_by_cut"], true);
+    EXPECT_EQ(report["loops"][k]["vertices"], loops[k]["vertices"]) << "numbered as info numbers them";
+    EXPECT_EQ(report["components"][report["loops"][k]["component"].get<int>()]["loops"], json({k}));
+  }
+  const json facts = json::parse(run("info parts.ply --json").out);
+  EXPECT_NE(facts["attributes"].dump().find(R"({"components":3,"domain":"vertex","name":"cut_normal")"),
+            std::string::npos)
+      << facts["attributes"];
+
+  const Outcome half = run("cut sheet.obj --plane 3.3,0,0,2,0,0 --keep above -o half.obj");
+  ASSERT_EQ(half.status, 0) << half.err;
+  for (const char* part : {"component 0: above", "loop 0, made by the cut", "wrote half.obj"})
+    EXPECT_NE(half.out.find(part), std::string::npos) << part << "\n" << half.out;
+  EXPECT_EQ(json::parse(run("info half.obj --json").out)["components"], 1);
+}
+
+TEST_F(CommandLine, CutsAlongALoop) {
+  const Outcome outcome = run("cut sheet.obj --loop 18,21,44 --keep above -o patch.ply --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json report = json::parse(outcome.out);
+  EXPECT_EQ(report["components"].size(), 1u);
+  EXPECT_EQ(report["loops"].size(), 1u);
+  EXPECT_LT(report["counts"]["faces"], 60);
+}
+
+TEST_F(CommandLine, CutRefusesWhatItCannotDo) {
+  const auto expect = [&](const std::string& arguments, int status, const std::string& message) {
+    const Outcome outcome = run("cut " + arguments);
+    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.err;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << arguments << "\n" << outcome.err;
+  };
+  expect("sheet.obj -o out.ply", 2, "--plane");
+  expect("sheet.obj --plane x=1 --loop 1,2,3 -o out.ply", 2, "--plane");
+  expect("sheet.obj --plane w=1 -o out.ply", 2, "not a");
+  expect("sheet.obj --plane x=1x -o out.ply", 2, "'1x' is not a number");
+  expect("sheet.obj --plane 1,2,3 -o out.ply", 2, "is not a plane");
+  expect("sheet.obj --plane x=nan -o out.ply", 3, "not finite");
+  expect("sheet.obj --plane x=100 -o out.ply", 3, "below it, 93 to 100 away");
+  expect("sheet.obj --loop 18,21 -o out.ply", 3, "three vertices");
+  expect("sheet.obj --loop 18,21,999 -o out.ply", 3, "999");
+  expect("sheet.obj --loop 18,45,21,42 -o out.ply", 3, "crosses");
+  expect("sheet.obj --plane x=1 --snap 0.7 -o out.ply", 2, "snap");
+  expect("sheet.obj --plane x=3.3 -o sheet.obj", 2, "--force");
+  expect("sheet.obj --plane x=3.3 -o out.ply --report sheet.obj", 2, "this is an input");
+  EXPECT_EQ(new_files(), std::vector<std::string>{});
+  EXPECT_EQ(run("cut sheet.obj --plane x=3.3 -o sheet.obj --force").status, 0);
 }
 
 TEST_F(CommandLine, SamplesCanBeListedAndMade) {
@@ -375,7 +442,9 @@ TEST_F(CommandLine, SamplesCanBeListedAndMade) {
             json::parse(outcome.out)["vertices"]);
 }
 
-std::vector<std::string> commands() { return {"info", "deform", "compare", "sample", "completion", "man"}; }
+std::vector<std::string> commands() {
+  return {"info", "deform", "compare", "cut", "sample", "completion", "man"};
+}
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
   const std::string overview = run("--help").out;

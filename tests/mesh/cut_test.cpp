@@ -38,6 +38,8 @@ std::vector<Case> cases() {
   return all;
 }
 
+Mesh mesh_of(const test::TestMesh& mesh) { return make_mesh(mesh.positions, mesh.triangles); }
+
 double area(const Mesh& mesh) {
   double sum = 0;
   const Triangles triangles = triangulate(mesh).triangles;
@@ -169,6 +171,329 @@ TEST(Cut, HalvesOfEveryFamilyAreSound) {
       }
     }
   }
+}
+
+const Attribute& attribute(const Mesh& mesh, Domain domain, const char* name) {
+  const Attribute* found = mesh.find_attribute(domain, name);
+  if (found == nullptr) throw Error(ErrorCode::internal, std::string("no attribute ") + name);
+  return *found;
+}
+
+// A linear function of position as vertex and as corner values, the corner values offset per chart.
+Mesh with_linear_attributes(Mesh mesh, const Vector3d& gradient) {
+  Attribute vertex{.name = "height"}, uv{.name = "uv", .domain = Domain::corner},
+      group{.name = "group", .domain = Domain::face, .interpolation = Interpolation::nearest};
+  for (const auto& p : mesh.positions.rowwise()) vertex.values.push_back(p.dot(gradient));
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    group.values.push_back(f % 2);
+    for (const Index v : mesh.faces[f]) uv.values.push_back(mesh.positions.row(v).dot(gradient) + 10 * (f % 2));
+  }
+  mesh.attributes = {vertex, uv, group};
+  return mesh;
+}
+
+TEST(Cut, ALinearFunctionStaysLinearAndSeamsStaySeams) {
+  const Vector3d gradient(0.3, -1.1, 0.7);
+  for (const Case& test : {Case{"torus", mesh_of(test::torus(14, 30))}, Case{"cube", shapes::cube()},
+                           Case{"sheet", shapes::grid(7, 5)}}) {
+    SCOPED_TRACE(test.name);
+    const Mesh mesh = with_linear_attributes(test.mesh, gradient);
+    for (const double snap : {0.0, 0.3}) {
+      const CutResult cut =
+          cut_by_plane(mesh, centre(mesh) + Vector3d(0.07, 0.03, 0), {1, 0.2, 0.1}, {.snap = snap});
+      const auto& height = attribute(cut.mesh, Domain::vertex, "height").values;
+      const auto& uv = attribute(cut.mesh, Domain::corner, "uv").values;
+      const auto& group = attribute(cut.mesh, Domain::face, "group").values;
+      for (Index v = 0; v < cut.mesh.vertex_count(); ++v)
+        EXPECT_NEAR(height[v], cut.mesh.positions.row(v).dot(gradient), 1e-12);
+      std::size_t corner = 0;
+      for (Index f = 0; f < cut.mesh.face_count(); ++f) {
+        EXPECT_EQ(group[f], cut.face_parent[f] % 2);
+        for (const Index v : cut.mesh.faces[f]) {
+          // A vertex that was moved away from a chart keeps that chart's value.
+          EXPECT_NEAR(uv[corner++], height[v] + 10 * group[f], snap > 0 ? 0.3 * size_of(mesh) : 1e-12);
+        }
+      }
+    }
+  }
+}
+
+TEST(Cut, OneChartStaysLinearWhereVerticesAreMoved) {
+  const Vector3d gradient(0.3, -1.1, 0.7);
+  Mesh mesh = with_linear_attributes(mesh_of(test::irregular_grid(22, 16)), gradient);
+  Attribute& uv = mesh.attributes[1];
+  std::size_t corner = 0;
+  for (Index f = 0; f < mesh.face_count(); ++f)
+    for (const Index v : mesh.faces[f]) uv.values[corner++] = mesh.positions.row(v).dot(gradient);
+  const CutResult cut = cut_by_plane(mesh, centre(mesh), {1, 0.4, 0}, {.snap = 0.3});
+  int moved = 0;
+  for (Index v = 0; v < cut.mesh.vertex_count(); ++v)
+    moved += cut.origin[v].t > 0 && cut.vertex.new_index[cut.origin[v].from] == v;
+  EXPECT_GT(moved, 5);
+  corner = 0;
+  for (Index f = 0; f < cut.mesh.face_count(); ++f)
+    for (const Index v : cut.mesh.faces[f])
+      EXPECT_NEAR(attribute(cut.mesh, Domain::corner, "uv").values[corner++],
+                  cut.mesh.positions.row(v).dot(gradient), 1e-12);
+}
+
+TEST(Cut, KeepsTheWholeSurfacesNormalsOnItsLoops) {
+  const Mesh sphere = mesh_of(test::icosphere(3));
+  const CutResult cut = cut_by_plane(sphere, {0.02, 0, 0.3}, {0.1, 0.2, 1});
+  const Attribute& normal = attribute(cut.mesh, Domain::vertex, cut_normal_name);
+  ASSERT_EQ(normal.components, 3);
+  std::vector<bool> on_loop(cut.mesh.vertex_count(), false);
+  for (const auto& loop : cut.loops)
+    for (const Index v : loop) on_loop[v] = true;
+  for (Index v = 0; v < cut.mesh.vertex_count(); ++v) {
+    const Eigen::Map<const Vector3d> n(normal.values.data() + 3 * v);
+    if (!on_loop[v]) {
+      EXPECT_TRUE(n.array().isNaN().all());
+      continue;
+    }
+    EXPECT_NEAR(n.norm(), 1, 1e-12);
+    EXPECT_GT(n.dot(cut.mesh.positions.row(v).normalized()), 0.999);
+  }
+  // Both halves have the same places and normals along the cut.
+  ASSERT_EQ(cut.loops.size(), 2u);
+  const auto rows = [&](const std::vector<Index>& loop) {
+    std::set<std::array<double, 6>> all;
+    for (const Index v : loop) {
+      const auto p = cut.mesh.positions.row(v);
+      all.insert({p(0), p(1), p(2), normal.values[3 * v], normal.values[3 * v + 1], normal.values[3 * v + 2]});
+    }
+    return all;
+  };
+  EXPECT_EQ(rows(cut.loops[0]), rows(cut.loops[1]));
+
+  // A second cut keeps what the first left.
+  const CutResult again = cut_by_plane(cut.mesh, {0, 0, -0.3}, {0, 0, 1}, {.keep = CutKeep::above});
+  for (const auto& loop : boundary_loops(again.mesh))
+    for (const Index v : loop)
+      EXPECT_TRUE(std::isfinite(attribute(again.mesh, Domain::vertex, cut_normal_name).values[3 * v]));
+}
+
+TEST(Cut, SnappingLeavesNoSlivers) {
+  for (const test::TestMesh& family :
+       {test::bumpy_sphere(4), test::torus(30, 60), test::irregular_grid(40, 30)}) {
+    SCOPED_TRACE(family.name);
+    const Mesh mesh = mesh_of(family);
+    double plain = 180, snapped = 180;
+    for (const Vector3d& direction : directions(20)) {
+      if (direction.normalized().z() > 0.9) continue;  // along the sheet
+      const Vector3d point = centre(mesh) + 0.013 * size_of(mesh) * Vector3d(1, -0.7, 0.4);
+      plain = std::min(plain, smallest_angle_deg(cut_by_plane(mesh, point, direction, {.snap = 0}).mesh));
+      snapped = std::min(snapped, smallest_angle_deg(cut_by_plane(mesh, point, direction, {.snap = 0.2}).mesh));
+    }
+    EXPECT_GT(snapped, 10 * plain);
+    EXPECT_GT(snapped, 1.5);
+  }
+}
+
+TEST(Cut, GoesThroughVerticesThatLieOnIt) {
+  const Mesh sheet = shapes::grid(6, 4);
+  const CutResult cut = cut_by_plane(sheet, {3, 0, 0}, {1, 0, 0});
+  expect_sound(cut, sheet);
+  EXPECT_EQ(cut.mesh.vertex_count(), sheet.vertex_count() + 5);
+  EXPECT_EQ(cut.mesh.face_count(), sheet.face_count()) << "quads stay whole";
+  EXPECT_EQ(cut.loops.size(), 2u);
+  EXPECT_EQ(summarise_topology(cut.mesh).components, 2);
+  // Kept vertices in their order, then the cut's above, then below.
+  for (Index v = sheet.vertex_count() - 5; v < cut.mesh.vertex_count(); ++v)
+    EXPECT_EQ(cut.mesh.positions(v, 0), 3);
+  EXPECT_EQ(cut.vertex.new_index[3], sheet.vertex_count() - 5);
+
+  // The plane through two opposite corners of an octahedron's equator.
+  const Mesh octahedron = shapes::polygons(
+      {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+      {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
+  const CutResult equator = cut_by_plane(octahedron, {0, 0, 0}, {0, 0, 1});
+  expect_sound(equator, octahedron);
+  EXPECT_EQ(equator.mesh.face_count(), 8);
+  EXPECT_EQ(equator.mesh.vertex_count(), 10);
+}
+
+TEST(Cut, APlaneThatOnlyTouchesCutsNothing) {
+  const Mesh cube = shapes::cube();
+  const auto message = [&](const Vector3d& point, const Vector3d& normal) -> std::string {
+    try {
+      cut_by_plane(cube, point, normal);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message({0, 0, 2}, {0, 0, 1}).find("does not cut"), std::string::npos);
+  EXPECT_NE(message({0, 0, 1}, {0, 0, 1}).find("does not cut"), std::string::npos) << "in a face";
+  EXPECT_NE(message({1, 1, 1}, {1, 1, 1}).find("does not cut"), std::string::npos) << "in a corner";
+  EXPECT_NE(message({0, 0, 0}, {0, 0, 0}).find("normal"), std::string::npos);
+  // Two cubes, the plane between them.
+  Mesh other = cube;
+  other.positions.col(2).array() += 3;
+  const Mesh two = shapes::together({cube, other});
+  EXPECT_THROW(cut_by_plane(two, {0, 0, 2}, {0, 0, 1}), Error);
+  // One touched, one cut.
+  const CutResult cut = cut_by_plane(two, {0.5, 0, 3}, {0.01, 0, 1}, {.snap = 0});
+  EXPECT_EQ(cut.loops.size(), 2u);
+}
+
+TEST(Cut, FacesInThePlaneGoToOneSide) {
+  // A step: treads at z = 0 and 1, a riser between, cut at the height of the upper tread's edge and below.
+  const Mesh step = shapes::polygons(
+      {{0, 0, -1}, {0, 1, -1}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 1}, {1, 1, 1}},
+      {{0, 2, 3, 1}, {2, 4, 5, 3}, {4, 6, 7, 5}});
+  const CutResult above = cut_by_plane(step, {0, 0, 0}, {0, 0, 1}, {.keep = CutKeep::above});
+  const CutResult below = cut_by_plane(step, {0, 0, 0}, {0, 0, 1}, {.keep = CutKeep::below});
+  EXPECT_EQ(above.mesh.face_count(), 1);
+  EXPECT_EQ(below.mesh.face_count(), 2) << "the tread belongs below";
+  expect_sound(above, step);
+  expect_sound(below, step);
+}
+
+TEST(Cut, SaddlesComeApartIntoSimpleLoops) {
+  // Four quadrants around a vertex, up and down in turn.
+  Mesh saddle = shapes::grid(8, 8, true);
+  std::vector<double> values;
+  for (const auto& p : saddle.positions.rowwise()) values.push_back((p(0) - 4) * (p(1) - 4));
+  const CutResult cut = cut_at_zero(saddle, values);
+  expect_sound(cut, saddle);
+  EXPECT_EQ(summarise_topology(cut.mesh).components, 4);
+  EXPECT_EQ(cut.loops.size(), 4u);
+}
+
+TEST(Cut, ValuesAreChecked) {
+  const Mesh cube = shapes::cube();
+  EXPECT_THROW(cut_at_zero(cube, std::vector<double>(7, 1.0)), Error);
+  std::vector<double> values{1, 1, 1, 1, -1, -1, -1, std::nan("")};
+  EXPECT_THROW(cut_at_zero(cube, values), Error);
+  values.back() = -1;
+  EXPECT_THROW(cut_at_zero(cube, values, {.snap = 0.7}), Error);
+  EXPECT_EQ(cut_at_zero(cube, values).loops.size(), 2u);
+  Mesh broken = cube;
+  broken.faces.push_back(std::vector<Index>{0, 1, 99});
+  EXPECT_THROW(cut_at_zero(broken, values), Error);
+}
+
+// The vertex nearest to a point.
+Index nearest(const Mesh& mesh, const Vector3d& point) {
+  Eigen::Index row = 0;
+  (mesh.positions.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&row);
+  return static_cast<Index>(row);
+}
+
+double length_of(const Mesh& mesh, const std::vector<Index>& loop) {
+  double length = 0;
+  for (std::size_t k = 0; k < loop.size(); ++k)
+    length += (mesh.positions.row(loop[k]) - mesh.positions.row(loop[(k + 1) % loop.size()])).norm();
+  return length;
+}
+
+TEST(CutAlongLoop, IsStraightBetweenTheListedVertices) {
+  const Mesh sphere = mesh_of(test::icosphere(4));
+  std::vector<Index> stations;
+  for (int k = 0; k < 3; ++k) {
+    const double a = 2 * std::numbers::pi * k / 3 + 0.2;
+    stations.push_back(nearest(sphere, Vector3d(std::cos(a), std::sin(a), 0.3 * std::cos(2 * a)).normalized()));
+  }
+  for (const double snap : {0.0, 0.2}) {
+    const CutResult cut = cut_along_loop(sphere, stations, {.snap = snap});
+    expect_sound(cut, sphere);
+    ASSERT_EQ(cut.loops.size(), 2u);
+    double arcs = 0;  // great circles
+    for (int k = 0; k < 3; ++k)
+      arcs += std::acos(sphere.positions.row(stations[k]).dot(sphere.positions.row(stations[(k + 1) % 3])));
+    EXPECT_NEAR(length_of(cut.mesh, cut.loops[0]), arcs, (snap > 0 ? 0.01 : 0.002) * arcs);
+    EXPECT_NEAR(area(cut.mesh), area(sphere), (snap > 0 ? 1e-3 : 1e-12) * area(sphere));
+    for (const Index v : stations) EXPECT_GE(cut.vertex.new_index[v], 0);
+
+    // Listed against the clock seen from above, so what lies at the left hand is the upper part.
+    const CutResult above = cut_along_loop(sphere, stations, {.keep = CutKeep::above, .snap = snap});
+    const CutResult below = cut_along_loop(sphere, stations, {.keep = CutKeep::below, .snap = snap});
+    expect_sound(above, sphere);
+    EXPECT_GT(above.mesh.positions.col(2).maxCoeff(), 0.99);
+    EXPECT_LT(below.mesh.positions.col(2).minCoeff(), -0.99);
+    EXPECT_EQ(above.mesh.face_count() + below.mesh.face_count(), cut.mesh.face_count());
+    EXPECT_EQ(summarise_topology(above.mesh).euler_characteristic, 1);
+  }
+}
+
+TEST(CutAlongLoop, FollowsAPlaneOnAFlatSheet) {
+  const Mesh sheet = shapes::grid(12, 12);  // quads
+  const std::vector<Index> stations{13 * 2 + 1, 13 * 3 + 10, 13 * 11 + 7};
+  const CutResult cut = cut_along_loop(sheet, stations, {.keep = CutKeep::above, .snap = 0});
+  expect_sound(cut, sheet);
+  double perimeter = 0;
+  for (int k = 0; k < 3; ++k)
+    perimeter += (sheet.positions.row(stations[k]) - sheet.positions.row(stations[(k + 1) % 3])).norm();
+  ASSERT_EQ(cut.loops.size(), 1u);
+  EXPECT_NEAR(length_of(cut.mesh, cut.loops[0]), perimeter, 1e-9);
+  const Vector3d a = sheet.positions.row(stations[0]), b = sheet.positions.row(stations[1]),
+                 c = sheet.positions.row(stations[2]);
+  EXPECT_NEAR(area(cut.mesh), (b - a).cross(c - a).norm() / 2, 1e-9);
+  EXPECT_TRUE(std::any_of(cut.face_parent.begin(), cut.face_parent.end(), [&](Index parent) {
+    return std::count(cut.face_parent.begin(), cut.face_parent.end(), parent) == 1;
+  })) << "quads that the loop does not meet stay whole";
+}
+
+TEST(CutAlongLoop, AHandleOpensAlongTwoLoops) {
+  const Mesh torus = mesh_of(test::torus(24, 60));
+  const std::vector<Index> around{24 * 7 + 1, 24 * 7 + 9, 24 * 7 + 17};
+  const CutResult cut = cut_along_loop(torus, around);
+  expect_sound(cut, torus);
+  EXPECT_EQ(cut.loops.size(), 2u);
+  const TopologySummary after = summarise_topology(cut.mesh);
+  EXPECT_EQ(after.components, 1);
+  EXPECT_EQ(after.genus, 0);
+  EXPECT_THROW(cut_along_loop(torus, around, {.keep = CutKeep::above}), Error);
+}
+
+TEST(CutAlongLoop, RandomLoopsAreSoundOrRefused) {
+  std::mt19937 random(5);
+  int done = 0, refused = 0;
+  for (const Case& test : cases()) {
+    for (int k = 0; k < 20; ++k) {
+      std::vector<Index> stations;
+      const int count = 3 + static_cast<int>(random() % 3);
+      for (int j = 0; j < count; ++j)
+        stations.push_back(static_cast<Index>(random() % test.mesh.vertex_count()));
+      SCOPED_TRACE(test.name + ", loop " + std::to_string(k));
+      try {
+        const CutResult cut = cut_along_loop(test.mesh, stations, {.snap = k % 2 == 0 ? 0.0 : 0.15});
+        expect_sound(cut, test.mesh);
+        EXPECT_EQ(cut.loops.size(), 2u);
+        EXPECT_EQ(cut.loops[0].size(), cut.loops[1].size());
+        ++done;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input) << error.what();
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(done, 150) << refused << " were refused";
+}
+
+TEST(CutAlongLoop, RefusesWhatIsNoLoop) {
+  const Mesh sphere = mesh_of(test::icosphere(2));
+  const auto message = [](const Mesh& mesh, const std::vector<Index>& vertices) -> std::string {
+    try {
+      cut_along_loop(mesh, vertices);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message(sphere, {0, 1}).find("three vertices"), std::string::npos);
+  EXPECT_NE(message(sphere, {0, 1, 0}).find("twice"), std::string::npos);
+  EXPECT_NE(message(sphere, {0, 1, 5000}).find("5000"), std::string::npos);
+  const Mesh two = shapes::together({sphere, sphere});
+  EXPECT_NE(message(two, {0, 1, sphere.vertex_count()}).find("no way"), std::string::npos);
+  const Mesh sheet = shapes::grid(10, 10, true);
+  const auto at = [](int x, int y) { return static_cast<Index>(11 * y + x); };
+  EXPECT_NE(message(sheet, {at(0, 5), at(5, 2), at(5, 8)}).find("boundary"), std::string::npos);
+  EXPECT_NE(message(sheet, {at(2, 2), at(8, 8), at(8, 2), at(2, 8)}).find("crosses"), std::string::npos);
+  EXPECT_NE(message(sheet, {at(2, 2), at(8, 2), at(5, 2)}).find("itself"), std::string::npos);
 }
 
 }  // namespace
