@@ -210,6 +210,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   context.step("seam", 0.3);
   JoinResult joined = join(opened.mesh, source);
   SeamResult result;
+  result.notes = std::move(joined.notes);
   result.mesh = std::move(joined.mesh);
   Mesh& mesh = result.mesh;
   for (const Index v : opened.vertex.new_index) {
