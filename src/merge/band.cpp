@@ -85,35 +85,49 @@ struct Laplacian {
 
 // The curvature that the band should have: what each surface brings along and, on the strips' vertices, its
 // harmonic continuation from both sides. Sharp edges keep theirs and tell their neighbours nothing.
-Columns continued_curvature(const Band& band, Columns curvature) {
+struct WantedCurvature {
+  Columns vectors;              // n×3
+  std::vector<Index> on_strip;  // vertices whose curvature is continued: as long as this, along their normal
+  std::vector<double> along_normal;
+
+  void turn_to(const Points& normals) {
+    for (const Index v : on_strip) vectors.row(v) = along_normal[v] * normals.row(v);
+  }
+};
+
+WantedCurvature continued_curvature(const Band& band, Columns curvature, const Points& normals) {
   constexpr int sweeps = 200;
-  std::vector<Index> unknown;
+  WantedCurvature wanted{std::move(curvature), {}, std::vector<double>(band.column.size(), 0)};
+  std::vector<double>& along = wanted.along_normal;
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
-    if (band.patch.ring[v] > 1 || band.is_sharp[v]) continue;
-    unknown.push_back(v);
-    curvature.row(v).setZero();
+    if (band.patch.ring[v] == 1 && !band.is_sharp[v]) {
+      wanted.on_strip.push_back(v);
+    } else {
+      along[v] = wanted.vectors.row(v).dot(normals.row(v));
+    }
   }
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    for (const Index v : unknown) {
-      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (const Index v : wanted.on_strip) {
+      double sum = 0;
       int count = 0;
       for (const Index w : band.rings[v]) {
         if (band.is_sharp[w] || (band.patch.on_border[w] && band.patch.ring[w] > 1)) continue;
-        sum += curvature.row(w);
+        sum += along[w];
         ++count;
       }
-      if (count > 0) curvature.row(v) = sum / count;
+      if (count > 0) along[v] = sum / count;
     }
   }
-  return curvature;
+  return wanted;
 }
 
 // min over u of Σ_i m_i |(S (x + N u))_i / m_i − t_i|²: u moves the free vertices along their normals N, so
 // that triangles keep their shape. The rows are the vertices whose curvature changes; borders have none.
-void fair(Points& points, const Band& band, const Columns& wanted, const Context& context) {
+void fair(Points& points, const Band& band, WantedCurvature& wanted, const Context& context) {
   const Laplacian laplacian(band, points, context);
   const Columns curvature = laplacian.curvature(points);
   const Points normals = vertex_normals(points, band.patch.triangles, band.triangles, context);
+  wanted.turn_to(normals);
   std::vector<Eigen::Triplet<double>> entries;
   Columns residual = Columns::Zero(3 * points.rows(), 1);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
@@ -121,7 +135,7 @@ void fair(Points& points, const Band& band, const Columns& wanted, const Context
     const double root = std::sqrt(laplacian.areas[i]);
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Index row = 3 * i + axis;
-      residual(row, 0) = root * (wanted(i, axis) - curvature(i, axis));
+      residual(row, 0) = root * (wanted.vectors(i, axis) - curvature(i, axis));
       for (SparseRows::InnerIterator entry(laplacian.stiffness, i); entry; ++entry) {
         if (band.column[entry.col()] < 0) continue;
         entries.emplace_back(static_cast<int>(row), band.column[entry.col()],
@@ -159,7 +173,9 @@ std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOpt
                 "Repair the mesh that it comes from");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
-    const Columns wanted = continued_curvature(band, Laplacian(band, points, context).curvature(points));
+    WantedCurvature wanted =
+        continued_curvature(band, Laplacian(band, points, context).curvature(points),
+                            vertex_normals(points, band.patch.triangles, band.triangles, context));
     for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
   }
   std::vector<Index> moved;

@@ -240,6 +240,7 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
         result.halvings.push_back(for_length[k] + for_shape[k]);
       }
       result.vertex.new_index.resize(static_cast<std::size_t>(mesh.vertex_count()));
+      result.mesh.source = mesh.source;  // a writer takes what does not depend on the topology
       return result;
     }
     std::vector<Index> at;

@@ -59,14 +59,15 @@ void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vect
       throw Error(ErrorCode::input,
                   "a loop needs at least 3 vertices, this one has " + std::to_string(loop.size()), place);
     }
+    for (const Index v : loop) {
+      if (v >= 0 && v < mesh.vertex_count()) continue;
+      throw Error(ErrorCode::input,
+                  "index " + std::to_string(v) + " is not one of the " + std::to_string(mesh.vertex_count()) +
+                      " vertices",
+                  place);
+    }
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
-      if (a < 0 || a >= mesh.vertex_count()) {
-        throw Error(ErrorCode::input,
-                    "index " + std::to_string(a) + " is not one of the " + std::to_string(mesh.vertex_count()) +
-                        " vertices",
-                    place);
-      }
       const auto [entry, is_new] = owner.emplace(a, k);
       if (!is_new) {
         const bool own = entry->second == k;
@@ -210,6 +211,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   context.step("seam", 0.3);
   JoinResult joined = join(opened.mesh, source);
   SeamResult result;
+  result.notes = std::move(joined.notes);
   result.mesh = std::move(joined.mesh);
   Mesh& mesh = result.mesh;
   for (const Index v : opened.vertex.new_index) {

@@ -73,6 +73,16 @@ class Gap {
                      second_.normals.row(j));
   }
 
+  /// Whether a strip may pass (i, j). Keeps it from going once round one loop at a single vertex of the other,
+  /// which would use a cross edge twice: then no row and no column can be crossed at once.
+  bool is_strip(Index i, Index j) const {
+    const Index n = first_.edges(), m = second_.edges();
+    if (i > n || j > m) return false;
+    const bool late_in_first = 2 * i > n, late_in_second = 2 * j > m;
+    return !(i == 0 && late_in_second) && !(i == n && !late_in_second) && !(j == 0 && late_in_first) &&
+           !(j == m && !late_in_first);
+  }
+
   std::vector<Move> greedy() const;
   std::vector<Move> optimal(const Eigen::RowVector3d& normal_before, const Context& context) const;
   std::vector<std::array<Index, 3>> triangles(const std::vector<Move>& moves) const;
@@ -85,19 +95,14 @@ class Gap {
 
 std::vector<Move> Gap::greedy() const {
   std::vector<Move> moves;
-  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();
   for (Index i = 0, j = 0; i < first_.edges() || j < second_.edges();) {
-    Move move = i < first_.edges() ? on_first : on_second;
-    Candidate best = next(move, i, j);
-    if (i < first_.edges() && j < second_.edges()) {
-      const Candidate other = next(on_second, i, j);
-      if (other.cost + fold_cost(other.normal, normal) < best.cost + fold_cost(best.normal, normal)) {
-        move = on_second;
-        best = other;
-      }
+    Move move = is_strip(i + 1, j) ? on_first : on_second;
+    if (is_strip(i + 1, j) && is_strip(i, j + 1)) {
+      const double over_first = (first_.points.row(i + 1) - second_.points.row(j)).squaredNorm();
+      const double over_second = (first_.points.row(i) - second_.points.row(j + 1)).squaredNorm();
+      if (over_second < over_first) move = on_second;
     }
     moves.push_back(move);
-    normal = best.normal;
     ++(move == on_first ? i : j);
   }
   return moves;
@@ -163,8 +168,10 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
       const Cell& cell = row[j];
       before[row_begin[i] + static_cast<std::size_t>(j - low)] = {cell[on_first].before,
                                                                   cell[on_second].before};
-      if (j < high) relax(row[j + 1], on_second, cell, next(on_second, i, j));
-      if (i < n && j >= window[i + 1][0]) relax(next_row[j], on_first, cell, next(on_first, i, j));
+      if (j < high && is_strip(i, j + 1)) relax(row[j + 1], on_second, cell, next(on_second, i, j));
+      if (i < n && j >= window[i + 1][0] && is_strip(i + 1, j)) {
+        relax(next_row[j], on_first, cell, next(on_first, i, j));
+      }
     }
     if (i < n) std::swap(row, next_row);
   }

@@ -116,8 +116,9 @@ std::string free_name(const std::string& name, const std::set<std::string>& take
   return candidate;
 }
 
-// Numbers the second's labels behind the first's. Equal ones are the same thing, unless told `apart`.
-void join_labels(Attribute& first, Attribute& second, bool apart) {
+// Numbers the second's labels behind the first's. Equal ones are the same thing, unless told `apart`. Returns
+// those that got another name, with it.
+std::vector<std::pair<std::string, std::string>> join_labels(Attribute& first, Attribute& second, bool apart) {
   name_values(first);
   name_values(second);
   std::set<std::string> taken(first.labels.begin(), first.labels.end());
@@ -126,6 +127,7 @@ void join_labels(Attribute& first, Attribute& second, bool apart) {
       if (!std::count(first.labels.begin(), first.labels.end(), label)) taken.insert(label);
     }
   }
+  std::vector<std::pair<std::string, std::string>> renamed;
   std::vector<double> number;
   for (const std::string& label : second.labels) {
     const auto found = std::find(first.labels.begin(), first.labels.end(), label);
@@ -137,12 +139,14 @@ void join_labels(Attribute& first, Attribute& second, bool apart) {
     const bool clashes = found != first.labels.end();
     first.labels.push_back(clashes ? free_name(label, taken) : label);
     taken.insert(first.labels.back());
+    if (clashes) renamed.emplace_back(label, first.labels.back());
   }
   for (double& value : second.values) {
     if (std::isnan(value)) continue;
     const auto k = static_cast<std::size_t>(value);
     value = value >= 0 && k < number.size() ? number[k] : none;
   }
+  return renamed;
 }
 
 bool is_floating(ScalarType type) { return type == ScalarType::float32 || type == ScalarType::float64; }
@@ -232,7 +236,10 @@ class Joiner {
   void add_matching(Attribute& a, Attribute& b) {
     const bool is_material = a.name == "material";
     if (is_material || a.name == "group" || !a.labels.empty() || !b.labels.empty()) {
-      join_labels(a, b, is_material && !same_source());
+      for (const auto& [old_name, new_name] : join_labels(a, b, is_material && !same_source())) {
+        result_.notes.push_back("The second mesh's " + a.name + " '" + old_name + "' is called '" + new_name +
+                                "', for the first has one of that name too.");
+      }
     }
     a.type = a.labels.empty() ? common_type(a.type, b.type) : ScalarType::int32;
     if (a.interpolation != b.interpolation) a.interpolation = Interpolation::nearest;
@@ -254,10 +261,12 @@ class Joiner {
     for (const auto& source : {first_.source, second_.source}) {
       if (const auto* several = dynamic_cast<const JoinedSources*>(source.get())) {
         joined->parts.insert(joined->parts.end(), several->parts.begin(), several->parts.end());
+        joined->notes.insert(joined->notes.end(), several->notes.begin(), several->notes.end());
       } else if (source) {
         joined->parts.push_back(source);
       }
     }
+    joined->notes.insert(joined->notes.end(), result_.notes.begin(), result_.notes.end());
     result_.mesh.source = std::move(joined);
   }
 

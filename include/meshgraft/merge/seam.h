@@ -46,6 +46,7 @@ struct SeamResult {
   std::vector<Index> new_faces;  ///< of the strip, in `mesh`
   std::vector<Index> band;       ///< vertices of `mesh` that smoothing could move
   SeamReport report;
+  std::vector<std::string> notes;  ///< sentences for people: what of the source was renamed
 };
 
 /// Joins a source whose loops lie on the target's (FT05 section 5): removes the target's loops with their ring

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <meshgraft/mesh/mesh.h>
@@ -11,11 +12,13 @@ namespace meshgraft {
 /// topology (an OBJ names the material libraries of all).
 struct JoinedSources : SourceDocument {
   std::vector<std::shared_ptr<const SourceDocument>> parts;
+  std::vector<std::string> notes;  ///< what of them has another name now, a line each
 };
 
 struct JoinResult {
   Mesh mesh;
-  IndexMap first, second;  ///< vertices, old → new
+  IndexMap first, second;          ///< vertices, old → new
+  std::vector<std::string> notes;  ///< sentences for people: what was renamed
 };
 
 /// Two meshes as one: all vertices and faces of `first`, then those of `second`, with the attributes of both.
