@@ -337,8 +337,10 @@ MergeResult merge(const Mesh& target, const Mesh& source_mesh, std::span<const M
   result.mesh = std::move(seam.mesh);
   result.target = std::move(seam.target);
   result.source = std::move(seam.source);
-  result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));
+  result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // not those refined in
   result.new_faces = std::move(seam.new_faces);
+  result.band = std::move(seam.band);
+  report.notes = std::move(seam.notes);
   report.seam = seam.report;
   report.seam_seconds = watch.lap();
   add_notes(report, options);

@@ -98,6 +98,7 @@ struct MergeResult {
   IndexMap target, source;       ///< vertices of the inputs → `mesh`, -1 where one was removed
   Points grafted;                ///< the source's vertices after the solve, before the seam (n×3)
   std::vector<Index> new_faces;  ///< of the seams
+  std::vector<Index> band;       ///< vertices of `mesh` around the seams that fairing could move
   MergeReport report;
 };
 
