@@ -181,27 +181,34 @@ Profile posed_profile(const Samples& source, const Samples& target, const Simila
 
 struct Start {
   int shift = 0;
-  double confidence = 0;  ///< 1 where the best rival costs far more, 0 where it costs as much
+  double confidence = 0;  ///< 1 where no other start is any good, 0 where one costs as much
 };
 
-/// The best shift and how well it is distinguished from those a twelfth of a turn away and farther.
+/// The best shift, and how far the next best one stands behind: another least value a twelfth of a turn away or
+/// farther, as a share of the profile's range. Near 0 for a circle, which has no range, and for an ellipse,
+/// which fits as well turned by half.
 Start best_start(const Profile& profile) {
   constexpr int apart = sample_count / 12;
+  constexpr double noise = 1e-3;  // what different tessellations of one curve may differ by
+  const auto value = [&](int k) {
+    return profile[static_cast<std::size_t>((k + sample_count) % sample_count)];
+  };
   const auto best = std::min_element(profile.begin(), profile.end());
+  const double most = *std::max_element(profile.begin(), profile.end());
   Start start;
   start.shift = static_cast<int>(best - profile.begin());
-  double rival = std::numeric_limits<double>::infinity();
+  double rival = most;
   for (int k = 0; k < sample_count; ++k) {
     const int distance = std::abs(k - start.shift);
-    if (std::min(distance, sample_count - distance) >= apart) rival = std::min(rival, profile[k]);
+    const bool least = value(k) <= value(k - 1) && value(k) <= value(k + 1);
+    if (least && std::min(distance, sample_count - distance) >= apart) rival = std::min(rival, value(k));
   }
-  constexpr double noise = 1e-3;  // what different tessellations of one curve may differ by
-  start.confidence = std::clamp((rival - *best) / (rival + noise), 0.0, 1.0);
+  start.confidence = (rival - *best) / (most - *best + noise);
   return start;
 }
 
 /// Confidence below which a start is no better than a guess.
-constexpr double distinguished = 0.02;
+constexpr double distinguished = 0.03;
 
 /// The similarity that several pairs share: from the middles and axes of all, and the shapes of those whose
 /// start is distinguished. False where that leaves it open.

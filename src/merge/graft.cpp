@@ -33,8 +33,8 @@ double default_reach(const Points& points, const IndexLists& rings, const std::v
   return std::min(radii * radius_of(points, loop), farthest / 2);
 }
 
-/// One similarity for the far part of each component.
-void add_far_parts(std::span<const Index> far, const std::vector<Index>& component, std::optional<double> scale,
+/// One similarity for the far part of each component; its scale is that of the posed source if it is given.
+void add_far_parts(std::span<const Index> far, const std::vector<Index>& component, bool scale_given,
                    std::vector<Feature>& features) {
   std::vector<Index> sorted(far.begin(), far.end());
   std::stable_sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return component[a] < component[b]; });
@@ -42,7 +42,7 @@ void add_far_parts(std::span<const Index> far, const std::vector<Index>& compone
     if (i == 0 || component[sorted[i]] != component[sorted[i - 1]]) {
       features.emplace_back();
       features.back().similarity = true;
-      features.back().scale = scale;
+      if (scale_given) features.back().scale = 1;
     }
     features.back().vertices.push_back(sorted[i]);
   }
@@ -89,7 +89,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   } else if (options.shape == MergeShape::similar) {
     std::vector<Index> open;
     std::copy_if(far.begin(), far.end(), std::back_inserter(open), [&](Index v) { return taken[v] == 0; });
-    add_far_parts(open, component, options.size, features);
+    add_far_parts(open, component, options.size.has_value(), features);
   }
   const Deformer deformer = Deformer::with_constraints(source, triangles, region, constraints, {}, features,
                                                        deformer_options, context);

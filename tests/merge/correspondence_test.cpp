@@ -71,7 +71,8 @@ TEST(Correspondence, IsFoundWhateverTheSamplingAndThePose) {
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(2.1, Eigen::Vector3d(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
     const Points unposed = target.points;
-    target.points = 3 * (target.points * turn.transpose()).rowwise() + Eigen::RowVector3d(4, 5, 6);
+    target.points = (3 * target.points * turn.transpose()).eval();
+    target.points.rowwise() += Eigen::RowVector3d(4, 5, 6);
     target.normals = (target.normals * turn.transpose()).eval();
     const LoopPair pair = numbered(64, count);
     const std::string place;
