@@ -109,23 +109,28 @@ Eigen::VectorXd continued_curvature(const Band& band, Eigen::VectorXd curvature)
   return curvature;
 }
 
-// min over u of Σ_i m_i (n_i · (S (x + N u))_i / m_i − h_i)²: u moves the free vertices along their normals n,
-// so that triangles keep their shape. The rows are the vertices whose curvature changes; borders have none.
+// min over u of Σ_i m_i |(S N u)_i / m_i − (h_i − H_i) n_i|²: u moves the free vertices along their normals n,
+// so that triangles keep their shape, and turns the mean curvature H into the wanted one. The rows are the
+// vertices whose curvature changes; borders have none. What u does along the surface counts too, which tames
+// folds.
 void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const Context& context) {
   const Shape shape(band, points, context);
   std::vector<Eigen::Triplet<double>> entries;
-  Columns residual = Columns::Zero(points.rows(), 1);
+  Columns residual = Columns::Zero(3 * points.rows(), 1);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     if (band.patch.on_border[i] || !(shape.areas[i] > 0)) continue;
     const double root = std::sqrt(shape.areas[i]);
-    residual(i, 0) = root * (wanted[i] - shape.curvature[i]);
-    for (SparseRows::InnerIterator entry(shape.stiffness, i); entry; ++entry) {
-      if (band.column[entry.col()] < 0) continue;
-      const double along = shape.normals.row(i).dot(shape.normals.row(entry.col()));
-      entries.emplace_back(static_cast<int>(i), band.column[entry.col()], entry.value() / root * along);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index row = 3 * i + axis;
+      residual(row, 0) = root * (wanted[i] - shape.curvature[i]) * shape.normals(i, axis);
+      for (SparseRows::InnerIterator entry(shape.stiffness, i); entry; ++entry) {
+        if (band.column[entry.col()] < 0) continue;
+        entries.emplace_back(static_cast<int>(row), band.column[entry.col()],
+                             entry.value() / root * shape.normals(entry.col(), axis));
+      }
     }
   }
-  SparseRows rows(points.rows(), band.unknowns);
+  SparseRows rows(3 * points.rows(), band.unknowns);
   rows.setFromTriplets(entries.begin(), entries.end());
   const SparseRows columns = transpose(rows);
   auto lower = NormalMatrix(multiply(columns, rows, context).triangularView<Eigen::Lower>());
