@@ -67,79 +67,66 @@ Band make_band(const Mesh& mesh, const SeamLayout& layout, const SeamOptions& op
   return band;
 }
 
-// The cotangent Laplacian at some places of the vertices: mean curvature vectors are (S x)_i / m_i.
-struct Laplacian {
-  SparseRows stiffness;
+// The surface's shape at some places of its vertices.
+struct Shape {
+  Points normals;        // n×3, unit
+  SparseRows stiffness;  // n×n, of cotangents
   std::vector<double> areas;
+  Eigen::VectorXd curvature;  // n, twice the mean curvature: n_i · (S x)_i / m_i
 
-  Laplacian(const Band& band, const Points& points, const Context& context)
-      : stiffness(dirichlet_matrix(points, band.patch.triangles, band.rings, context)),
-        areas(vertex_areas(points, band.patch.triangles)) {}
-
-  Columns curvature(const Points& points) const {
-    Columns result = multiply(stiffness, points);
-    for (Eigen::Index i = 0; i < result.rows(); ++i) result.row(i) /= areas[i];
-    return result;
+  Shape(const Band& band, const Points& points, const Context& context)
+      : normals(vertex_normals(points, band.patch.triangles, band.triangles, context)),
+        stiffness(dirichlet_matrix(points, band.patch.triangles, band.rings, context)),
+        areas(vertex_areas(points, band.patch.triangles)),
+        curvature((multiply(stiffness, points).array() * normals.array()).rowwise().sum()) {
+    for (Eigen::Index i = 0; i < curvature.size(); ++i) {
+      if (areas[i] > 0) curvature[i] /= areas[i];
+    }
   }
 };
 
 // The curvature that the band should have: what each surface brings along and, on the strips' vertices, its
 // harmonic continuation from both sides. Sharp edges keep theirs and tell their neighbours nothing.
-struct WantedCurvature {
-  Columns vectors;              // n×3
-  std::vector<Index> on_strip;  // vertices whose curvature is continued: as long as this, along their normal
-  std::vector<double> along_normal;
-
-  void turn_to(const Points& normals) {
-    for (const Index v : on_strip) vectors.row(v) = along_normal[v] * normals.row(v);
-  }
-};
-
-WantedCurvature continued_curvature(const Band& band, Columns curvature, const Points& normals) {
+Eigen::VectorXd continued_curvature(const Band& band, Eigen::VectorXd curvature) {
   constexpr int sweeps = 200;
-  WantedCurvature wanted{std::move(curvature), {}, std::vector<double>(band.column.size(), 0)};
-  std::vector<double>& along = wanted.along_normal;
+  std::vector<Index> on_strip;
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
-    if (band.patch.ring[v] == 1 && !band.is_sharp[v]) {
-      wanted.on_strip.push_back(v);
-    } else {
-      along[v] = wanted.vectors.row(v).dot(normals.row(v));
-    }
+    if (band.patch.ring[v] == 1 && !band.is_sharp[v]) on_strip.push_back(v);
   }
+  for (const Index v : on_strip) curvature[v] = 0;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    for (const Index v : wanted.on_strip) {
+    for (const Index v : on_strip) {
       double sum = 0;
       int count = 0;
       for (const Index w : band.rings[v]) {
         if (band.is_sharp[w] || (band.patch.on_border[w] && band.patch.ring[w] > 1)) continue;
-        sum += along[w];
+        sum += curvature[w];
         ++count;
       }
-      if (count > 0) along[v] = sum / count;
+      if (count > 0) curvature[v] = sum / count;
     }
   }
-  return wanted;
+  return curvature;
 }
 
-// min over u of Σ_i m_i |(S (x + N u))_i / m_i − t_i|²: u moves the free vertices along their normals N, so
-// that triangles keep their shape. The rows are the vertices whose curvature changes; borders have none.
-void fair(Points& points, const Band& band, WantedCurvature& wanted, const Context& context) {
-  const Laplacian laplacian(band, points, context);
-  const Columns curvature = laplacian.curvature(points);
-  const Points normals = vertex_normals(points, band.patch.triangles, band.triangles, context);
-  wanted.turn_to(normals);
+// min over u of Σ_i m_i |(S N u)_i / m_i − (h_i − H_i) n_i|²: u moves the free vertices along their normals n,
+// so that triangles keep their shape, and turns the mean curvature H into the wanted one. The rows are the
+// vertices whose curvature changes; borders have none. What u does along the surface counts too, which tames
+// folds.
+void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const Context& context) {
+  const Shape shape(band, points, context);
   std::vector<Eigen::Triplet<double>> entries;
   Columns residual = Columns::Zero(3 * points.rows(), 1);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (band.patch.on_border[i] || !(laplacian.areas[i] > 0)) continue;
-    const double root = std::sqrt(laplacian.areas[i]);
+    if (band.patch.on_border[i] || !(shape.areas[i] > 0)) continue;
+    const double root = std::sqrt(shape.areas[i]);
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Index row = 3 * i + axis;
-      residual(row, 0) = root * (wanted.vectors(i, axis) - curvature(i, axis));
-      for (SparseRows::InnerIterator entry(laplacian.stiffness, i); entry; ++entry) {
+      residual(row, 0) = root * (wanted[i] - shape.curvature[i]) * shape.normals(i, axis);
+      for (SparseRows::InnerIterator entry(shape.stiffness, i); entry; ++entry) {
         if (band.column[entry.col()] < 0) continue;
         entries.emplace_back(static_cast<int>(row), band.column[entry.col()],
-                             entry.value() / root * normals(entry.col(), axis));
+                             entry.value() / root * shape.normals(entry.col(), axis));
       }
     }
   }
@@ -156,7 +143,7 @@ void fair(Points& points, const Band& band, WantedCurvature& wanted, const Conte
   solver->factorise(lower, context);
   const Eigen::MatrixXd moves = solver->solve(multiply(columns, residual, context), context);
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
-    if (band.column[v] >= 0) points.row(v) += moves(band.column[v], 0) * normals.row(v);
+    if (band.column[v] >= 0) points.row(v) += moves(band.column[v], 0) * shape.normals.row(v);
   }
 }
 
@@ -173,9 +160,7 @@ std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOpt
                 "Repair the mesh that it comes from");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
-    WantedCurvature wanted =
-        continued_curvature(band, Laplacian(band, points, context).curvature(points),
-                            vertex_normals(points, band.patch.triangles, band.triangles, context));
+    const Eigen::VectorXd wanted = continued_curvature(band, Shape(band, points, context).curvature);
     for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
   }
   std::vector<Index> moved;

@@ -39,10 +39,11 @@ struct Candidate {
   Eigen::RowVector3d normal;
 };
 
-// What a fold adds: 0 where flat. The weight makes a right angle as bad as a triangle of 12°, 12° and 156°.
+// What a fold adds: 0 where flat. The weight makes a right angle about as bad as a triangle of 12°, 12° and 156°.
 double fold_cost(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b) {
   constexpr double weight = 6;
-  return weight * (1 - a.dot(b));
+  const double cosine = a.dot(b);
+  return weight * (std::isfinite(cosine) ? 1 - cosine : 2);  // beside a face that is not finite
 }
 
 // The sum of the angles' cotangents (the harmonic index), which Delaunay triangulations make least, and the
