@@ -15,6 +15,7 @@ using Action = std::function<void(const Context&)>;
 void add_info(CLI::App& program, Action& action);
 void add_deform(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
+void add_cut(CLI::App& program, Action& action);
 void add_sample(CLI::App& program, Action& action);
 void add_render(CLI::App& program, Action& action);  ///< only where the renderer was built
 void add_completion(CLI::App& program, Action& action);

@@ -16,12 +16,15 @@
 #include <meshgraft/mesh/triage.h>
 
 #include "commands.h"
+#include "loops.h"
 
 namespace meshgraft::cli {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t shown_loops = 12;
 
 struct InfoArguments {
   std::filesystem::path mesh;
@@ -32,6 +35,7 @@ struct MeshFacts {
   Mesh mesh;
   TopologySummary topology;
   std::vector<std::vector<Index>> loops;
+  std::vector<LoopFacts> loop_facts;
   std::map<Index, Index> faces_by_corners;
   Eigen::RowVector3d low, high;  // of the finite positions
   TriageReport triage;
@@ -45,6 +49,7 @@ MeshFacts gather(const std::filesystem::path& path, const Context& context) {
   facts.triage = triage(facts.mesh, context);
   facts.topology = summarise_topology(facts.mesh);
   facts.loops = boundary_loops(facts.mesh);
+  facts.loop_facts = loop_facts(facts.mesh, facts.loops);
   for (Index f = 0; f < facts.mesh.face_count(); ++f)
     ++facts.faces_by_corners[static_cast<Index>(facts.mesh.faces[f].size())];
   facts.low.setConstant(std::numeric_limits<double>::infinity());
@@ -125,7 +130,11 @@ void print_surface(const MeshFacts& facts) {
                                     : topology.edges > 0 ? "no closed loop"
                                                          : "none")
                                  : fmt::format("{} loop{} of {} vertices", sizes.size(),
-                                               sizes.size() == 1 ? "" : "s", first_of(sizes, 12)));
+                                               sizes.size() == 1 ? "" : "s", first_of(sizes, shown_loops)));
+  for (std::size_t k = 0; k < std::min(facts.loops.size(), shown_loops); ++k)
+    line("", fmt::format("  loop {}: {}", k, loop_text(facts.loop_facts[k])));
+  if (facts.loops.size() > shown_loops)
+    line("", fmt::format("  and {} more", facts.loops.size() - shown_loops));
   line("genus", topology.genus ? fmt::format("{}", *topology.genus)
                                : "unknown, the surface is not an oriented manifold");
 }
@@ -166,8 +175,11 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
   const TopologySummary& topology = facts.topology;
   Json faces = Json::object();
   for (const auto& [corners, count] : facts.faces_by_corners) faces[std::to_string(corners)] = count;
-  Json loops = Json::array();
-  for (const auto& loop : facts.loops) loops.push_back(loop.size());
+  Json loop_sizes = Json::array(), loops = Json::array();
+  for (std::size_t k = 0; k < facts.loops.size(); ++k) {
+    loop_sizes.push_back(facts.loops[k].size());
+    loops.push_back(loop_json(k, facts.loop_facts[k]));
+  }
   Json attributes = Json::array();
   for (const Attribute& attribute : facts.mesh.attributes)
     attributes.push_back({{"name", attribute.name},
@@ -181,7 +193,8 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
                     {"faces_by_corners", faces},
                     {"edges", topology.edges}};
   json["components"] = topology.components;
-  json["boundary_loops"] = loops;
+  json["boundary_loops"] = loop_sizes;
+  json["loops"] = loops;
   json["euler_characteristic"] = topology.euler_characteristic;
   json["genus"] = topology.genus ? Json(*topology.genus) : Json(nullptr);
   json["closed"] = topology.closed;

@@ -11,7 +11,7 @@ void require_not_an_input(const std::filesystem::path& output, const std::vector
   for (const std::filesystem::path& input : inputs) {
     std::error_code missing;
     if (std::filesystem::equivalent(output, input, missing) && !missing)
-      throw Error(ErrorCode::usage, "this is an input of the edit", output.string(), remedy);
+      throw Error(ErrorCode::usage, "this is an input", output.string(), remedy);
   }
 }
 

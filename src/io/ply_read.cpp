@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
 
 #include "number_text.h"
 #include "ply.h"
@@ -27,8 +28,9 @@ struct NameGroup {
   std::size_t required;  ///< the names after these may be missing
 };
 
-constexpr std::array<NameGroup, 9> name_groups = {{
+constexpr std::array<NameGroup, 10> name_groups = {{
     {"normal", Interpolation::direction, {"nx", "ny", "nz"}, 3},
+    {cut_normal_name, Interpolation::direction, {"cut_nx", "cut_ny", "cut_nz"}, 3},
     {"colour", Interpolation::linear, {"red", "green", "blue", "alpha"}, 3},
     {"colour", Interpolation::linear, {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"}, 3},
     {"colour", Interpolation::linear, {"r", "g", "b", "a"}, 3},

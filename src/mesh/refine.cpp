@@ -4,16 +4,15 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/carry.h>
 
 #include "edge_table.h"
+#include "traced_faces.h"
 
 namespace meshgraft {
 
 namespace {
 
-// An element of the refined mesh: an old one, or the middle of two.
-Between same(Index element) { return {element, element, 0}; }
+// The middle of two elements.
 Between middle_of(Index a, Index b) { return {a, b, 0.5}; }
 
 std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
@@ -28,59 +27,12 @@ std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
   return marked;
 }
 
-// Faces with, per face and per corner, where they come from.
-struct TracedFaces {
-  Faces faces;
-  std::vector<Index> face_origin;
-  std::vector<Between> corner_origin;
-
-  void add(std::span<const Index> face, std::span<const Between> corners, Index origin) {
-    faces.push_back(face);
-    corner_origin.insert(corner_origin.end(), corners.begin(), corners.end());
-    face_origin.push_back(origin);
-  }
-};
-
 bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const std::vector<bool>& marked) {
   for (Index c = mesh.faces.first_corner(face); c < mesh.faces.first_corner(face + 1); ++c) {
     if (table.next[c] < 0) continue;
     if (marked[mesh.faces.corners()[c]] && marked[mesh.faces.corners()[table.next[c]]]) return true;
   }
   return false;
-}
-
-Index corner_of(const Mesh& mesh, Index face, Index vertex) {
-  Index c = mesh.faces.first_corner(face);
-  while (mesh.faces.corners()[c] != vertex) ++c;
-  return c;
-}
-
-// The mesh's faces, with those polygons triangulated that have an edge to split.
-TracedFaces triangulate_where_split(const Mesh& mesh, const EdgeTable& table, const std::vector<bool>& marked) {
-  const Triangulation pieces = triangulate(mesh, {.skip_out_of_range = true});
-  TracedFaces result;
-  std::size_t t = 0;
-  for (Index f = 0; f < mesh.face_count(); ++f) {
-    const std::size_t first = t;
-    while (t < pieces.face.size() && pieces.face[t] == f) ++t;
-    std::vector<Between> corners;
-    if (mesh.faces[f].size() > 3 && has_split_edge(mesh, f, table, marked)) {
-      for (std::size_t k = first; k < t; ++k) {
-        const auto triangle = pieces.triangles.row(static_cast<Eigen::Index>(k));
-        corners.clear();
-        for (int c = 0; c < 3; ++c) {
-          const Index corner = corner_of(mesh, f, triangle[c]);
-          corners.push_back(same(corner));
-        }
-        result.add({triangle.data(), 3}, corners, f);
-      }
-    } else {
-      for (Index c = mesh.faces.first_corner(f); c < mesh.faces.first_corner(f + 1); ++c)
-        corners.push_back(same(c));
-      result.add(mesh.faces[f], corners, f);
-    }
-  }
-  return result;
 }
 
 // One triangle with its split edges; corner c is followed by the middle of its edge to corner c + 1.
@@ -137,7 +89,10 @@ RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertice
   context.step("refine", 0);
   const Index old_count = mesh.vertex_count();
   const std::vector<bool> marked = mark(old_count, vertices);
-  const TracedFaces coarse = triangulate_where_split(mesh, EdgeTable(old_count, mesh.faces), marked);
+  const EdgeTable polygon_edges(old_count, mesh.faces);
+  const TracedFaces coarse =
+      triangulate_chosen(mesh, [&](Index f) { return has_split_edge(mesh, f, polygon_edges, marked); },
+                         {.skip_out_of_range = true});
   const EdgeTable table(old_count, coarse.faces);
 
   context.step("refine", 0.3);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,8 +28,9 @@ struct CutOptions {
 struct CutResult {
   Mesh mesh;        ///< the kept vertices in their order, then those on the cut; with `both`, the cut's twice
   IndexMap vertex;  ///< from the uncut mesh; a vertex on the cut maps to its first copy
-  std::vector<Between> origin;     ///< per vertex of `mesh`, where it lies on the uncut one
-  std::vector<Index> face_parent;  ///< per face of `mesh`, the uncut face that it is a part of
+  std::vector<Between> origin;         ///< per vertex of `mesh`, where it lies on the uncut one
+  std::vector<Index> face_parent;      ///< per face of `mesh`, the uncut face that it is a part of
+  std::vector<std::int8_t> face_side;  ///< per face of `mesh`: 1 above, -1 below, 0 where the cut parts nothing
   std::vector<std::vector<Index>>
       loops;  ///< the boundary loops that the cut made, as `boundary_loops` lists them
 };

@@ -1,0 +1,279 @@
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/version.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "choices.h"
+#include "commands.h"
+#include "loops.h"
+#include "outputs.h"
+#ifdef MESHGRAFT_HAS_RENDER
+#include "picture.h"
+#endif
+
+namespace meshgraft::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CutArguments {
+  std::filesystem::path mesh, output, report, picture;
+  std::string plane, loop;
+  std::optional<CutKeep> keep;
+  double snap = CutOptions{}.snap;
+  bool json = false;
+  bool force = false;
+};
+
+struct Plane {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+};
+
+template <class T>
+std::vector<T> numbers(std::string_view text, const std::string& option) {
+  std::vector<T> values;
+  while (true) {
+    const std::string_view word = text.substr(0, text.find(','));
+    T value{};
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size())
+      throw Error(ErrorCode::usage, fmt::format("'{}' is not a number", word), option,
+                  "Numbers are separated by commas, without spaces.");
+    values.push_back(value);
+    if (word.size() == text.size()) return values;
+    text.remove_prefix(word.size() + 1);
+  }
+}
+
+// "x=0.5", or a point and a normal.
+Plane parse_plane(const std::string& spec) {
+  Plane plane;
+  if (spec.size() > 2 && spec[1] == '=' && spec[0] >= 'x' && spec[0] <= 'z') {
+    const auto values = numbers<double>(std::string_view(spec).substr(2), "--plane");
+    if (values.size() == 1) {
+      plane.point[spec[0] - 'x'] = values[0];
+      plane.normal[spec[0] - 'x'] = 1;
+      return plane;
+    }
+  } else if (const auto values = numbers<double>(spec, "--plane"); values.size() == 6) {
+    plane.point = Eigen::Map<const Eigen::Vector3d>(values.data());
+    plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
+    return plane;
+  }
+  throw Error(ErrorCode::usage, fmt::format("'{}' is not a plane", spec), "--plane",
+              "Give x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz.");
+}
+
+void require_outputs(const CutArguments& arguments) {
+  std::vector<std::filesystem::path> outputs;
+  for (const auto& output : {arguments.output, arguments.report, arguments.picture}) {
+    if (output.empty()) continue;
+    require_folder(output);
+    for (const auto& other : outputs)
+      if (std::filesystem::weakly_canonical(output) == std::filesystem::weakly_canonical(other))
+        throw Error(ErrorCode::usage, "two outputs have this name", output.string());
+    outputs.push_back(output);
+    if (output != arguments.output)
+      require_not_an_input(output, {arguments.mesh});
+    else if (!arguments.force)
+      require_not_an_input(output, {arguments.mesh}, "Choose another name, or give --force to replace it.");
+  }
+  if (!arguments.picture.empty()) require_png(arguments.picture);
+}
+
+std::string_view keep_name(CutKeep keep) {
+  return keep == CutKeep::both ? "both" : keep == CutKeep::above ? "above" : "below";
+}
+
+std::string_view side_name(int side) { return side > 0 ? "above" : side < 0 ? "below" : "both sides"; }
+
+CutResult cut(const Mesh& mesh, const CutArguments& arguments, const Context& context) {
+  const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
+  const Plane plane = parse_plane(arguments.plane);
+  return cut_by_plane(mesh, plane.point, plane.normal, options, context);
+}
+
+// The result's components and loops, for people and for scripts.
+struct CutFacts {
+  struct Component {
+    Index vertices = 0, faces = 0;
+    int side = 0;
+    std::vector<std::size_t> loops{};
+  };
+  struct Loop {
+    LoopFacts facts;
+    Index component = 0;
+    bool made_by_cut = false;
+  };
+  std::vector<Component> components;
+  std::vector<Loop> loops;
+};
+
+CutFacts gather(const CutResult& result) {
+  CutFacts facts;
+  Index count = 0;
+  const std::vector<Index> component = connected_components(result.mesh, &count);
+  facts.components.resize(count);
+  for (const Index c : component)
+    if (c >= 0) ++facts.components[c].vertices;
+  for (Index f = 0; f < result.mesh.face_count(); ++f) {
+    if (result.mesh.faces[f].empty() || component[result.mesh.faces[f][0]] < 0) continue;
+    CutFacts::Component& owner = facts.components[component[result.mesh.faces[f][0]]];
+    ++owner.faces;
+    owner.side = result.face_side[f];
+  }
+  const auto loops = boundary_loops(result.mesh);
+  const std::vector<LoopFacts> loop_list = loop_facts(result.mesh, loops);
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    const Index owner = component[loops[k].front()];
+    const bool made = std::find(result.loops.begin(), result.loops.end(), loops[k]) != result.loops.end();
+    facts.loops.push_back({loop_list[k], owner, made});
+    facts.components[owner].loops.push_back(k);
+  }
+  return facts;
+}
+
+void print_summary(const CutFacts& facts, const CutResult& result, const std::vector<std::string>& outputs) {
+  fmt::print("{} vertices, {} faces in {} component{}\n", result.mesh.vertex_count(), result.mesh.face_count(),
+             facts.components.size(), facts.components.size() == 1 ? "" : "s");
+  for (std::size_t k = 0; k < facts.components.size(); ++k) {
+    const CutFacts::Component& one = facts.components[k];
+    fmt::print("  component {}: {}, {} vertices, {} faces\n", k, side_name(one.side), one.vertices, one.faces);
+    for (const std::size_t loop : one.loops)
+      fmt::print("    loop {}{}: {}\n", loop, facts.loops[loop].made_by_cut ? ", made by the cut" : "",
+                 loop_text(facts.loops[loop].facts));
+  }
+  for (const std::string& output : outputs) fmt::print("  wrote {}\n", output);
+}
+
+Json report_json(const CutArguments& arguments, const CutFacts& facts, const CutResult& result,
+                 const std::vector<std::string>& outputs) {
+  Json json = {{"format", "meshgraft-cut"},
+               {"version", 1},
+               {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
+               {"mesh", arguments.mesh.string()},
+               {"outputs", outputs},
+               {"keep", keep_name(arguments.keep.value_or(CutKeep::both))},
+               {"snap", arguments.snap},
+               {"counts", {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}}}};
+  json["components"] = Json::array();
+  for (std::size_t k = 0; k < facts.components.size(); ++k) {
+    const CutFacts::Component& one = facts.components[k];
+    json["components"].push_back({{"number", k},
+                                  {"side", one.side == 0 ? Json(nullptr) : Json(side_name(one.side))},
+                                  {"vertices", one.vertices},
+                                  {"faces", one.faces},
+                                  {"loops", one.loops}});
+  }
+  json["loops"] = Json::array();
+  for (std::size_t k = 0; k < facts.loops.size(); ++k) {
+    Json loop = loop_json(k, facts.loops[k].facts);
+    loop["component"] = facts.loops[k].component;
+    loop["made_by_cut"] = facts.loops[k].made_by_cut;
+    json["loops"].push_back(loop);
+  }
+  return json;
+}
+
+std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+#ifdef MESHGRAFT_HAS_RENDER
+// The sides drawn apart, so that the cut shows.
+Mesh pulled_apart(const CutResult& result) {
+  Mesh mesh = result.mesh;
+  Eigen::RowVector3d middle[2] = {Eigen::RowVector3d::Zero(), Eigen::RowVector3d::Zero()};
+  std::vector<int> side(mesh.vertex_count(), 0);
+  Index count[2] = {0, 0};
+  for (Index f = 0; f < mesh.face_count(); ++f)
+    for (const Index v : mesh.faces[f]) side[v] = result.face_side[f];
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    if (side[v] == 0) continue;
+    middle[side[v] > 0] += mesh.positions.row(v);
+    ++count[side[v] > 0];
+  }
+  if (count[0] == 0 || count[1] == 0) return mesh;
+  const Eigen::RowVector3d apart = (middle[1] / count[1] - middle[0] / count[0]) / 5;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) mesh.positions.row(v) += side[v] * apart;
+  return mesh;
+}
+#endif
+
+void run_cut(const CutArguments& arguments, const Context& context) {
+  require_outputs(arguments);
+  context.step("read");
+  const Mesh mesh = read_mesh(arguments.mesh, context);
+  const CutResult result = cut(mesh, arguments, context);
+  const CutFacts facts = gather(result);
+  context.step("write");
+  write_mesh(result.mesh, arguments.output, {}, context);
+  std::vector<std::string> outputs{arguments.output.string()};
+#ifdef MESHGRAFT_HAS_RENDER
+  if (!arguments.picture.empty()) {
+    const Mesh after = pulled_apart(result);
+    const std::vector<const Mesh*> meshes{&mesh, &after};
+    write_picture(meshes, std::vector<std::string>{"before", "after"}, {}, arguments.picture, context);
+    outputs.push_back(arguments.picture.string());
+  }
+#endif
+  if (!arguments.report.empty()) {
+    outputs.push_back(arguments.report.string());
+    write_file_atomically(arguments.report, dump(report_json(arguments, facts, result, outputs)));
+  }
+  if (arguments.json)
+    fmt::print("{}", dump(report_json(arguments, facts, result, outputs)));
+  else
+    print_summary(facts, result, outputs);
+}
+
+}  // namespace
+
+void add_cut(CLI::App& program, Action& action) {
+  const auto arguments = std::make_shared<CutArguments>();
+  CLI::App* command = program.add_subcommand("cut", "Cut a mesh in two by a plane, or keep one side of it");
+  command->add_option("mesh", arguments->mesh, "The mesh file (.ply, .obj)")->required()->type_name("MESH");
+  command
+      ->add_option("--plane", arguments->plane,
+                   "Cut by this plane: x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz")
+      ->required()
+      ->type_name("PLANE");
+  add_choice<CutKeep>(*command, "--keep", arguments->keep,
+                      {{"above", CutKeep::above}, {"below", CutKeep::below}, {"both", CutKeep::both}},
+                      "The side to keep: above is where the normal points (default both)");
+  command
+      ->add_option(
+          "--snap", arguments->snap,
+          fmt::format("Move a vertex onto the cut where an edge is cut within this fraction of its length, "
+                      "0 to 0.5 (default {})",
+                      arguments->snap))
+      ->type_name("X")
+      ->check(CLI::Range(0.0, 0.5));
+  command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--report", arguments->report, "Write components and loops as JSON")->type_name("FILE");
+#ifdef MESHGRAFT_HAS_RENDER
+  command->add_option("--picture", arguments->picture, "Write a PNG of the mesh before and after")
+      ->type_name("FILE");
+#endif
+  command->add_flag("--force,--in-place", arguments->force, "Allow the output to replace the input mesh");
+  command->add_flag("--json", arguments->json, "Print the report instead of a summary");
+  command->footer("Example:\n  meshgraft cut horse.ply --plane y=0.4 --keep above -o head.ply");
+  command->callback(
+      [arguments, &action] { action = [arguments](const Context& context) { run_cut(*arguments, context); }; });
+}
+
+}  // namespace meshgraft::cli

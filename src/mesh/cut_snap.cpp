@@ -1,0 +1,181 @@
+#include "cut_snap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <Eigen/Geometry>
+
+#include "edge_table.h"
+#include "fans.h"
+
+namespace meshgraft {
+
+namespace {
+
+constexpr double least_turn_cos = 0.5;   // between a face's normals before and after a move
+constexpr double least_shape_rel = 0.3;  // × the shape (area over longest edge squared) before it
+
+struct Move {
+  double distance = 0;
+  Index vertex = 0, towards = 0;
+  double t = 0;
+};
+
+struct FaceShape {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // normal, twice the area long
+  double longest_squared = 0;
+};
+
+class Snap {
+ public:
+  Snap(const Faces& faces, Points& positions, std::vector<Between>& origin, std::vector<double>& values)
+      : faces_(faces),
+        positions_(positions),
+        origin_(origin),
+        values_(values),
+        table_(static_cast<Index>(positions.rows()), faces) {
+    Mesh mesh;
+    mesh.positions = positions;
+    mesh.faces = faces;
+    fans_ = fan_counts(mesh, table_);
+    face_.reserve(faces.corner_count());
+    for (Index f = 0; f < faces.size(); ++f) face_.insert(face_.end(), faces[f].size(), f);
+    list_corners();
+  }
+
+  void run(double snap) {
+    for (const Move& move : moves(snap)) {
+      if (values_[move.vertex] == 0 || values_[move.towards] == 0) continue;
+      const Eigen::RowVector3d target =
+          (1 - move.t) * positions_.row(move.vertex) + move.t * positions_.row(move.towards);
+      if (!keeps_faces(move.vertex, target) || !keeps_cut(move.vertex)) continue;
+      positions_.row(move.vertex) = target;
+      origin_[move.vertex] = {move.vertex, move.towards, move.t};
+      values_[move.vertex] = 0;
+    }
+  }
+
+ private:
+  void list_corners() {
+    corners_at_.offsets.assign(fans_.size() + 1, 0);
+    for (const Index v : faces_.corners()) ++corners_at_.offsets[v + 1];
+    for (std::size_t v = 0; v < fans_.size(); ++v) corners_at_.offsets[v + 1] += corners_at_.offsets[v];
+    corners_at_.values.resize(faces_.corners().size());
+    std::vector<Index> cursor(corners_at_.offsets.begin(), corners_at_.offsets.end() - 1);
+    for (Index c = 0; c < faces_.corner_count(); ++c) corners_at_.values[cursor[faces_.corners()[c]]++] = c;
+  }
+
+  std::vector<Move> moves(double snap) const {
+    std::vector<Move> found;
+    for (Index e = 0; e < table_.edge_count(); ++e) {
+      const auto [a, b] = table_.ends[e];
+      if (!opposite(values_[a], values_[b])) continue;
+      const double t = crossing(values_[a], values_[b]);
+      const double length = (positions_.row(a) - positions_.row(b)).norm();
+      const bool boundary = table_.half_edges[e].size() == 1;
+      const Move move = t < 0.5 ? Move{t * length, a, b, t} : Move{(1 - t) * length, b, a, 1 - t};
+      if (move.t < snap && (boundary || !on_boundary(move.vertex))) found.push_back(move);
+    }
+    std::sort(found.begin(), found.end(), [](const Move& a, const Move& b) {
+      return std::tie(a.distance, a.vertex, a.towards) < std::tie(b.distance, b.vertex, b.towards);
+    });
+    return found;
+  }
+
+  bool on_boundary(Index vertex) const {
+    for (const Index c : corners_at_[vertex])
+      if (table_.next[c] >= 0 && (table_.is_boundary(c) || table_.is_boundary(table_.previous[c]))) return true;
+    return false;
+  }
+
+  FaceShape shape(Index face) const {
+    FaceShape result;
+    const auto corners = faces_[face];
+    const Eigen::RowVector3d first = positions_.row(corners[0]);
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const Eigen::RowVector3d p = positions_.row(corners[c]),
+                               q = positions_.row(corners[(c + 1) % corners.size()]);
+      result.area += Eigen::Vector3d(p - first).cross(Eigen::Vector3d(q - first));
+      result.longest_squared = std::max(result.longest_squared, (p - q).squaredNorm());
+    }
+    return result;
+  }
+
+  bool keeps_faces(Index vertex, const Eigen::RowVector3d& target) {
+    const Eigen::RowVector3d rest = positions_.row(vertex);
+    for (const Index c : corners_at_[vertex]) {
+      const FaceShape before = shape(face_[c]);
+      positions_.row(vertex) = target;
+      const FaceShape after = shape(face_[c]);
+      positions_.row(vertex) = rest;
+      const double area_before = before.area.norm(), area_after = after.area.norm();
+      if (!(after.area.dot(before.area) > least_turn_cos * area_after * area_before)) return false;
+      if (!(area_after * before.longest_squared > least_shape_rel * area_before * after.longest_squared))
+        return false;
+    }
+    return true;
+  }
+
+  // With the vertex on it, does the cut still pass it once, from one side of its fan of faces to the other? So
+  // no loops meet in it, none vanishes, and no face comes to lie in the cut.
+  bool keeps_cut(Index vertex) {
+    if (fans_[vertex] != 1) return false;
+    const double rest = values_[vertex];
+    values_[vertex] = 0;
+    const int passes = passes_through(vertex);
+    values_[vertex] = rest;
+    return passes == (on_boundary(vertex) ? 1 : 2);
+  }
+
+  // How often the cut leaves the vertex, which lies on it; -1 where a face lies in the cut or an edge has more
+  // than two faces.
+  int passes_through(Index vertex) const {
+    int passes = 0;
+    for (const Index c : corners_at_[vertex]) {
+      if (table_.next[c] < 0) return -1;
+      const Side side = side_of(face_[c]);
+      if (side == 0) return -1;
+      if (side == crossed) ++passes;
+      for (const Index half_edge : {c, table_.previous[c]}) {
+        const auto along = table_.half_edges[table_.edge[half_edge]];
+        const Index end = half_edge == c ? faces_.corners()[table_.next[c]] : faces_.corners()[half_edge];
+        if (along.size() > 2) return -1;
+        if (along.size() < 2 || values_[end] != 0 || along[0] != half_edge) continue;
+        if (side_of(face_[along[0]]) * side_of(face_[along[1]]) == -1) ++passes;
+      }
+    }
+    return passes;
+  }
+
+  static constexpr Side crossed = 2;
+
+  Side side_of(Index face) const {
+    bool above = false, below = false;
+    for (const Index v : faces_[face]) {
+      above = above || values_[v] > 0;
+      below = below || values_[v] < 0;
+    }
+    if (above && below) return crossed;
+    return above ? 1 : below ? -1 : 0;
+  }
+
+  const Faces& faces_;
+  Points& positions_;
+  std::vector<Between>& origin_;
+  std::vector<double>& values_;
+  const EdgeTable table_;
+  std::vector<Index> fans_, face_;  // per vertex; per corner
+  IndexLists corners_at_;
+};
+
+}  // namespace
+
+double crossing(double value_a, double value_b) { return 1 / (1 - value_b / value_a); }
+
+void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<Between>& origin,
+                 std::vector<double>& values) {
+  Snap(faces, positions, origin, values).run(snap);
+}
+
+}  // namespace meshgraft
