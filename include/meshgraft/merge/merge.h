@@ -67,10 +67,10 @@ struct MergeOptions {
 /// What was done with one pair of loops.
 struct PairReport {
   Index source_vertices = 0, target_vertices = 0;
-  Match start;            ///< the source's first loop vertex and the target vertex nearest to its place
-  double confidence = 1;  ///< of an automatic correspondence
-  double raggedness = 0;  ///< of the worse loop: mean turn per vertex beyond a smooth curve's, degrees
-  double edge_ratio = 1;  ///< mean edge length of the target's loop over the source's, before refinement
+  Match start;                ///< the source's first loop vertex and the target vertex nearest to its place
+  double confidence = 1;      ///< of an automatic correspondence
+  double raggedness_deg = 0;  ///< of the worse loop: mean turn per vertex beyond a smooth curve's
+  double edge_ratio = 1;      ///< mean edge length of the target's loop over the source's, before refinement
 };
 
 /// Singular values and the like of the map source → result, over the source's faces, without its similarity.
