@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/linalg/sparse.h>
+#include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/laplacian.h>
 
@@ -12,136 +15,160 @@ namespace meshgraft {
 
 namespace {
 
-// How far each vertex follows its neighbours: 1 beside the strip, fading out with the rings; 0 where it stays.
-std::vector<double> mobility(const SeamPatch& patch, const IndexLists& rings, const SeamOptions& options) {
-  std::vector<bool> held = patch.on_border;
-  for (const SeamEdge& edge : inner_edges(patch)) {
-    if (edge.dihedral_deg <= options.sharp_angle_deg) continue;
-    if (patch.side[edge.triangles[0]] != SeamSide::target || patch.side[edge.triangles[1]] != SeamSide::target)
-      continue;
-    for (const Index v : edge.ends) held[v] = true;
-  }
+// The patch with what each of its vertices is to the band.
+struct Band {
+  SeamPatch patch;
+  IndexLists rings;
+  IndexLists triangles;        // per vertex
+  std::vector<bool> is_sharp;  // on a sharp edge of the target or of the source
+  std::vector<Index> column;   // per vertex its unknown, or -1 where it stays
+  Index unknowns = 0;
+};
 
-  // Ring by ring from the strip, never past a vertex that is held.
-  std::vector<double> result(patch.vertex.size(), 0);
+std::vector<bool> on_sharp_edges(const SeamPatch& patch, double sharp_angle_deg) {
+  std::vector<bool> sharp(patch.vertex.size(), false);
+  for (const SeamEdge& edge : inner_edges(patch)) {
+    if (edge.dihedral_deg <= sharp_angle_deg) continue;
+    const bool of_strip =
+        patch.side[edge.triangles[0]] == SeamSide::strip || patch.side[edge.triangles[1]] == SeamSide::strip;
+    if (of_strip) continue;
+    for (const Index v : edge.ends) sharp[v] = true;
+  }
+  return sharp;
+}
+
+// Ring by ring from the strip, on each side as far as it may move; on the target never past a sharp edge.
+void number_free_vertices(Band& band, const SeamOptions& options) {
+  const SeamPatch& patch = band.patch;
+  band.column.assign(patch.vertex.size(), -1);
   const auto limit = [&](Index v) {
     return patch.of[v] == SeamSide::target ? options.target_rings : options.source_rings;
   };
   for (int r = 1; r <= std::max(options.target_rings, options.source_rings); ++r) {
-    for (std::size_t k = 0; k < result.size(); ++k) {
-      const auto v = static_cast<Index>(k);
-      if (patch.ring[k] != r || held[k] || r > limit(v)) continue;
-      const auto beside = rings[v];
-      const bool reached = r == 1 || std::any_of(beside.begin(), beside.end(), [&](Index w) {
-                             return patch.ring[w] == r - 1 && patch.of[w] == patch.of[v] && result[w] > 0;
-                           });
-      if (reached) result[k] = 1 - (r - 1.0) / limit(v);
+    for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+      if (patch.ring[v] != r || r > limit(v) || patch.on_border[v]) continue;
+      if (patch.of[v] == SeamSide::target && band.is_sharp[v]) continue;
+      const auto inner_and_free = [&](Index w) {
+        return patch.ring[w] == r - 1 && patch.of[w] == patch.of[v] && band.column[w] >= 0;
+      };
+      const auto beside = band.rings[v];
+      if (r == 1 || std::any_of(beside.begin(), beside.end(), inner_and_free)) band.column[v] = band.unknowns++;
     }
   }
-  return result;
 }
 
-// Vectors of mean curvature: (S x)_i / m_i.
-Columns curvature(const SparseRows& stiffness, const std::vector<double>& areas, const Points& points) {
-  Columns result = multiply(stiffness, points);
-  for (Eigen::Index i = 0; i < result.rows(); ++i) result.row(i) /= areas[i];
-  return result;
+Band make_band(const Mesh& mesh, const SeamLayout& layout, const SeamOptions& options) {
+  Band band;
+  band.patch = make_seam_patch(mesh, layout, std::max(options.target_rings, options.source_rings) + 1);
+  band.triangles = vertex_triangles(static_cast<Index>(band.patch.vertex.size()), band.patch.triangles);
+  band.rings = vertex_rings(band.patch.triangles, band.triangles);
+  band.is_sharp = on_sharp_edges(band.patch, options.sharp_angle_deg);
+  number_free_vertices(band, options);
+  return band;
 }
 
-// The curvature that the band should have: what each surface brings along, and between them, on the strip,
-// its harmonic continuation from both sides.
-Columns continued_curvature(const SeamPatch& patch, const IndexLists& rings, const std::vector<bool>& is_known,
-                            Columns known) {
+// The cotangent Laplacian at some places of the vertices: mean curvature vectors are (S x)_i / m_i.
+struct Laplacian {
+  SparseRows stiffness;
+  std::vector<double> areas;
+
+  Laplacian(const Band& band, const Points& points, const Context& context)
+      : stiffness(dirichlet_matrix(points, band.patch.triangles, band.rings, context)),
+        areas(vertex_areas(points, band.patch.triangles)) {}
+
+  Columns curvature(const Points& points) const {
+    Columns result = multiply(stiffness, points);
+    for (Eigen::Index i = 0; i < result.rows(); ++i) result.row(i) /= areas[i];
+    return result;
+  }
+};
+
+// The curvature that the band should have: what each surface brings along and, on the strips' vertices, its
+// harmonic continuation from both sides. Sharp edges keep theirs and tell their neighbours nothing.
+Columns continued_curvature(const Band& band, Columns curvature) {
   constexpr int sweeps = 200;
-  for (std::size_t k = 0; k < is_known.size(); ++k) {
-    if (!is_known[k]) known.row(static_cast<Eigen::Index>(k)).setZero();
+  std::vector<Index> unknown;
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+    if (band.patch.ring[v] > 1 || band.is_sharp[v]) continue;
+    unknown.push_back(v);
+    curvature.row(v).setZero();
   }
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    for (std::size_t k = 0; k < is_known.size(); ++k) {
-      if (is_known[k]) continue;
-      const auto v = static_cast<Index>(k);
+    for (const Index v : unknown) {
       Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-      for (const Index w : rings[v]) sum += known.row(w);
-      known.row(v) = sum / static_cast<double>(rings[v].size());
+      int count = 0;
+      for (const Index w : band.rings[v]) {
+        if (band.is_sharp[w] || (band.patch.on_border[w] && band.patch.ring[w] > 1)) continue;
+        sum += curvature.row(w);
+        ++count;
+      }
+      if (count > 0) curvature.row(v) = sum / count;
     }
   }
-  return known;
+  return curvature;
 }
 
-// Moves the free vertices so that the curvature comes nearest to the wanted one:
-// min over x of sum over rows of m_i |(S x)_i / m_i - t_i|^2 (Botsch and Kobbelt 2004, with details).
-void fair(Points& points, const SeamPatch& patch, const IndexLists& rings, const std::vector<Index>& column,
-          const std::vector<bool>& has_row, const Columns& wanted, const Context& context) {
-  const SparseRows stiffness = dirichlet_matrix(points, patch.triangles, rings, context);
-  const std::vector<double> areas = vertex_areas(points, patch.triangles);
-  Index unknowns = 0;
-  for (const Index c : column) unknowns = std::max(unknowns, c + 1);
+// min over u of Σ_i m_i |(S (x + N u))_i / m_i − t_i|²: u moves the free vertices along their normals N, so
+// that triangles keep their shape. The rows are the vertices whose curvature changes; borders have none.
+void fair(Points& points, const Band& band, const Columns& wanted, const Context& context) {
+  const Laplacian laplacian(band, points, context);
+  const Columns curvature = laplacian.curvature(points);
+  const Points normals = vertex_normals(points, band.patch.triangles, band.triangles, context);
   std::vector<Eigen::Triplet<double>> entries;
-  Columns rhs = Columns::Zero(points.rows(), 3);
+  Columns residual = Columns::Zero(3 * points.rows(), 1);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (!has_row[i]) continue;
-    const double root = std::sqrt(areas[i]);
-    rhs.row(i) = root * wanted.row(i);
-    for (SparseRows::InnerIterator entry(stiffness, i); entry; ++entry) {
-      if (column[entry.col()] >= 0) {
-        entries.emplace_back(static_cast<int>(i), column[entry.col()], entry.value() / root);
-      } else {
-        rhs.row(i) -= entry.value() / root * points.row(entry.col());
+    if (band.patch.on_border[i] || !(laplacian.areas[i] > 0)) continue;
+    const double root = std::sqrt(laplacian.areas[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index row = 3 * i + axis;
+      residual(row, 0) = root * (wanted(i, axis) - curvature(i, axis));
+      for (SparseRows::InnerIterator entry(laplacian.stiffness, i); entry; ++entry) {
+        if (band.column[entry.col()] < 0) continue;
+        entries.emplace_back(static_cast<int>(row), band.column[entry.col()],
+                             entry.value() / root * normals(entry.col(), axis));
       }
     }
   }
-  SparseRows rows(static_cast<int>(points.rows()), unknowns);
+  SparseRows rows(3 * points.rows(), band.unknowns);
   rows.setFromTriplets(entries.begin(), entries.end());
   const SparseRows columns = transpose(rows);
-  const NormalMatrix normal = NormalMatrix(multiply(columns, rows, context).triangularView<Eigen::Lower>());
+  auto lower = NormalMatrix(multiply(columns, rows, context).triangularView<Eigen::Lower>());
+  // A vertex without a normal, or amid triangles without area, has no equation: it stays.
+  constexpr double attachment = 1e-9;
+  const double scale = lower.diagonal().maxCoeff();
+  lower.diagonal().array() += scale > 0 ? attachment * scale : 1.0;
   const auto solver = make_solver();
-  solver->analyse(normal, context);
-  solver->factorise(normal, context);
-  const Eigen::MatrixXd solution = solver->solve(multiply(columns, rhs, context), context);
-  for (std::size_t k = 0; k < column.size(); ++k) {
-    if (column[k] >= 0) points.row(static_cast<Eigen::Index>(k)) = solution.row(column[k]);
+  solver->analyse(lower, context);
+  solver->factorise(lower, context);
+  const Eigen::MatrixXd moves = solver->solve(multiply(columns, residual, context), context);
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+    if (band.column[v] >= 0) points.row(v) += moves(band.column[v], 0) * normals.row(v);
   }
 }
 
 }  // namespace
 
-std::vector<Index> smooth_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
-                               const Context& context) {
-  const SeamPatch patch =
-      make_seam_patch(mesh, layout, std::max(options.target_rings, options.source_rings) + 1);
-  const IndexLists rings = vertex_rings(static_cast<Index>(patch.vertex.size()), patch.triangles);
-  const std::vector<double> weights = mobility(patch, rings, options);
-  const std::size_t count = weights.size();
-
-  std::vector<Index> column(count, -1);
-  Index unknowns = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (weights[k] > 0) column[k] = unknowns++;
+std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
+                             const Context& context) {
+  const Band band = make_band(mesh, layout, options);
+  Points points = band.patch.points;
+  for (Index v = 0; v < static_cast<Index>(points.rows()); ++v) {
+    if (points.row(v).allFinite()) continue;
+    throw Error(ErrorCode::input, "a vertex near the seam has no finite position",
+                "vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh",
+                "Repair the mesh that it comes from");
   }
-  if (unknowns == 0) return {};
-  std::vector<bool> has_row(count, false), is_known(count, false);
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto ring = rings[static_cast<Index>(k)];
-    is_known[k] = patch.ring[k] > 1;
-    has_row[k] = !patch.on_border[k] &&
-                 (column[k] >= 0 || std::any_of(ring.begin(), ring.end(), [&](Index w) { return column[w] >= 0; }));
+  if (band.unknowns > 0 && options.smoothing_steps > 0) {
+    const Columns wanted = continued_curvature(band, Laplacian(band, points, context).curvature(points));
+    for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
   }
-  Points points = patch.points;
-  const Columns wanted = continued_curvature(
-      patch, rings, is_known,
-      curvature(dirichlet_matrix(points, patch.triangles, rings), vertex_areas(points, patch.triangles), points));
-  for (int step = 0; step < options.smoothing_steps; ++step) {
-    context.throw_if_stopped();
-    fair(points, patch, rings, column, has_row, wanted, context);
+  std::vector<Index> moved;
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+    if (band.column[v] < 0) continue;
+    moved.push_back(band.patch.vertex[v]);
+    mesh.positions.row(band.patch.vertex[v]) = points.row(v);
   }
-
-  std::vector<Index> band;
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    if (weights[k] == 0) continue;
-    band.push_back(patch.vertex[k]);
-    mesh.positions.row(patch.vertex[k]) = points.row(static_cast<Eigen::Index>(k));
-  }
-  return band;
+  return moved;
 }
 
 }  // namespace meshgraft

@@ -241,7 +241,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
 
   context.step("seam", 0.6);
   const Points unsmoothed = mesh.positions;
-  result.band = smooth_band(mesh, layout, options, context);
+  result.band = fair_band(mesh, layout, options, context);
   renew_normals(mesh, layout, unsmoothed);
 
   context.step("seam", 0.8);
