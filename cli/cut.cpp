@@ -103,6 +103,8 @@ std::string_view side_name(int side) { return side > 0 ? "above" : side < 0 ? "b
 
 CutResult cut(const Mesh& mesh, const CutArguments& arguments, const Context& context) {
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
+  if (!arguments.loop.empty())
+    return cut_along_loop(mesh, numbers<Index>(arguments.loop, "--loop"), options, context);
   const Plane plane = parse_plane(arguments.plane);
   return cut_by_plane(mesh, plane.point, plane.normal, options, context);
 }
@@ -213,6 +215,8 @@ Mesh pulled_apart(const CutResult& result) {
 #endif
 
 void run_cut(const CutArguments& arguments, const Context& context) {
+  if (arguments.plane.empty() && arguments.loop.empty())
+    throw Error(ErrorCode::usage, "no cut is named", "cut", "Give --plane PLANE or --loop V1,V2,….");
   require_outputs(arguments);
   context.step("read");
   const Mesh mesh = read_mesh(arguments.mesh, context);
@@ -243,16 +247,25 @@ void run_cut(const CutArguments& arguments, const Context& context) {
 
 void add_cut(CLI::App& program, Action& action) {
   const auto arguments = std::make_shared<CutArguments>();
-  CLI::App* command = program.add_subcommand("cut", "Cut a mesh in two by a plane, or keep one side of it");
+  CLI::App* command =
+      program.add_subcommand("cut", "Cut a mesh in two by a plane or along a loop, or keep one side of it");
   command->add_option("mesh", arguments->mesh, "The mesh file (.ply, .obj)")->required()->type_name("MESH");
+  CLI::Option* plane =
+      command
+          ->add_option("--plane", arguments->plane,
+                       "Cut by this plane: x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz")
+          ->type_name("PLANE");
   command
-      ->add_option("--plane", arguments->plane,
-                   "Cut by this plane: x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz")
-      ->required()
-      ->type_name("PLANE");
-  add_choice<CutKeep>(*command, "--keep", arguments->keep,
-                      {{"above", CutKeep::above}, {"below", CutKeep::below}, {"both", CutKeep::both}},
-                      "The side to keep: above is where the normal points (default both)");
+      ->add_option(
+          "--loop", arguments->loop,
+          "Cut along the closed curve that joins these vertices, in order, by straight ways on the surface")
+      ->type_name("V1,V2,…")
+      ->excludes(plane);
+  add_choice<CutKeep>(
+      *command, "--keep", arguments->keep,
+      {{"above", CutKeep::above}, {"below", CutKeep::below}, {"both", CutKeep::both}},
+      "The side to keep: above is where the normal points, or the left hand of the loop seen from outside "
+      "(default both)");
   command
       ->add_option(
           "--snap", arguments->snap,
@@ -271,7 +284,9 @@ void add_cut(CLI::App& program, Action& action) {
 #endif
   command->add_flag("--force,--in-place", arguments->force, "Allow the output to replace the input mesh");
   command->add_flag("--json", arguments->json, "Print the report instead of a summary");
-  command->footer("Example:\n  meshgraft cut horse.ply --plane y=0.4 --keep above -o head.ply");
+  command->footer(
+      "Examples:\n  meshgraft cut horse.ply --plane y=0.4 --keep above -o head.ply\n"
+      "  meshgraft cut horse.ply --loop 100,250,371 -o parts.ply --report parts.json");
   command->callback(
       [arguments, &action] { action = [arguments](const Context& context) { run_cut(*arguments, context); }; });
 }

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/normals.h>
 
 #include "cut_snap.h"
 #include "disjoint_sets.h"
@@ -31,8 +30,7 @@ void check(const Mesh& mesh, std::span<const double> values, const CutOptions& o
   if (missing != values.end())
     throw Error(ErrorCode::input, "the value is not a finite number",
                 "vertex " + std::to_string(missing - values.begin()));
-  if (!(options.snap >= 0 && options.snap <= 0.5))
-    throw Error(ErrorCode::input, "must be between 0 and 0.5", "snap");
+  check(options);
 }
 
 bool is_crossed(std::span<const Index> face, std::span<const double> values) {
@@ -223,22 +221,6 @@ class Drawing {
   std::vector<Index> middle_;  // per edge: the vertex inserted on it, or -1
 };
 
-// The whole surface's normals at all vertices, those that the cut inserted included.
-Points normals_of(const Mesh& mesh, const DrawnCut& cut) {
-  Mesh moved;
-  moved.positions = cut.positions.topRows(mesh.vertex_count());
-  moved.faces = mesh.faces;
-  Points normals = vertex_normals(moved);
-  normals.conservativeResize(cut.positions.rows(), 3);
-  for (Eigen::Index v = mesh.vertex_count(); v < normals.rows(); ++v) {
-    const Between& between = cut.origin[v];
-    const Eigen::RowVector3d mean =
-        (1 - between.t) * normals.row(between.from) + between.t * normals.row(between.to);
-    normals.row(v) = mean.stableNorm() > 0 ? Eigen::RowVector3d(mean / mean.stableNorm()) : mean;
-  }
-  return normals;
-}
-
 }  // namespace
 
 CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const CutOptions& options,
@@ -261,7 +243,7 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
     throw Error(ErrorCode::input, "nothing is cut: no part of the surface has neighbours on both sides");
   for (const double value : rounded) cut.vertex_side.push_back(value > 0 ? 1 : -1);
   context.step("cut", 0.6);
-  cut.normals = normals_of(mesh, cut);
+  cut.normals = whole_normals(mesh, cut);
   CutResult result = separate(mesh, cut, options.keep, context);
   context.step("cut", 1);
   return result;

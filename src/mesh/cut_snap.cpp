@@ -22,11 +22,6 @@ struct Move {
   double t = 0;
 };
 
-struct FaceShape {
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // normal, twice the area long
-  double longest_squared = 0;
-};
-
 class Snap {
  public:
   Snap(const Faces& faces, Points& positions, std::vector<Between>& origin, std::vector<double>& values)
@@ -34,14 +29,12 @@ class Snap {
         positions_(positions),
         origin_(origin),
         values_(values),
-        table_(static_cast<Index>(positions.rows()), faces) {
+        table_(static_cast<Index>(positions.rows()), faces),
+        around_(faces, static_cast<Index>(positions.rows())) {
     Mesh mesh;
     mesh.positions = positions;
     mesh.faces = faces;
     fans_ = fan_counts(mesh, table_);
-    face_.reserve(faces.corner_count());
-    for (Index f = 0; f < faces.size(); ++f) face_.insert(face_.end(), faces[f].size(), f);
-    list_corners();
   }
 
   void run(double snap) {
@@ -49,7 +42,7 @@ class Snap {
       if (values_[move.vertex] == 0 || values_[move.towards] == 0) continue;
       const Eigen::RowVector3d target =
           (1 - move.t) * positions_.row(move.vertex) + move.t * positions_.row(move.towards);
-      if (!keeps_faces(move.vertex, target) || !keeps_cut(move.vertex)) continue;
+      if (!around_.keep_shape(move.vertex, target, positions_) || !keeps_cut(move.vertex)) continue;
       positions_.row(move.vertex) = target;
       origin_[move.vertex] = {move.vertex, move.towards, move.t};
       values_[move.vertex] = 0;
@@ -57,15 +50,6 @@ class Snap {
   }
 
  private:
-  void list_corners() {
-    corners_at_.offsets.assign(fans_.size() + 1, 0);
-    for (const Index v : faces_.corners()) ++corners_at_.offsets[v + 1];
-    for (std::size_t v = 0; v < fans_.size(); ++v) corners_at_.offsets[v + 1] += corners_at_.offsets[v];
-    corners_at_.values.resize(faces_.corners().size());
-    std::vector<Index> cursor(corners_at_.offsets.begin(), corners_at_.offsets.end() - 1);
-    for (Index c = 0; c < faces_.corner_count(); ++c) corners_at_.values[cursor[faces_.corners()[c]]++] = c;
-  }
-
   std::vector<Move> moves(double snap) const {
     std::vector<Move> found;
     for (Index e = 0; e < table_.edge_count(); ++e) {
@@ -84,37 +68,9 @@ class Snap {
   }
 
   bool on_boundary(Index vertex) const {
-    for (const Index c : corners_at_[vertex])
+    for (const Index c : around_.corners(vertex))
       if (table_.next[c] >= 0 && (table_.is_boundary(c) || table_.is_boundary(table_.previous[c]))) return true;
     return false;
-  }
-
-  FaceShape shape(Index face) const {
-    FaceShape result;
-    const auto corners = faces_[face];
-    const Eigen::RowVector3d first = positions_.row(corners[0]);
-    for (std::size_t c = 0; c < corners.size(); ++c) {
-      const Eigen::RowVector3d p = positions_.row(corners[c]),
-                               q = positions_.row(corners[(c + 1) % corners.size()]);
-      result.area += Eigen::Vector3d(p - first).cross(Eigen::Vector3d(q - first));
-      result.longest_squared = std::max(result.longest_squared, (p - q).squaredNorm());
-    }
-    return result;
-  }
-
-  bool keeps_faces(Index vertex, const Eigen::RowVector3d& target) {
-    const Eigen::RowVector3d rest = positions_.row(vertex);
-    for (const Index c : corners_at_[vertex]) {
-      const FaceShape before = shape(face_[c]);
-      positions_.row(vertex) = target;
-      const FaceShape after = shape(face_[c]);
-      positions_.row(vertex) = rest;
-      const double area_before = before.area.norm(), area_after = after.area.norm();
-      if (!(after.area.dot(before.area) > least_turn_cos * area_after * area_before)) return false;
-      if (!(area_after * before.longest_squared > least_shape_rel * area_before * after.longest_squared))
-        return false;
-    }
-    return true;
   }
 
   // With the vertex on it, does the cut still pass it once, from one side of its fan of faces to the other? So
@@ -132,9 +88,9 @@ class Snap {
   // than two faces.
   int passes_through(Index vertex) const {
     int passes = 0;
-    for (const Index c : corners_at_[vertex]) {
+    for (const Index c : around_.corners(vertex)) {
       if (table_.next[c] < 0) return -1;
-      const Side side = side_of(face_[c]);
+      const Side side = side_of(around_.face(c));
       if (side == 0) return -1;
       if (side == crossed) ++passes;
       for (const Index half_edge : {c, table_.previous[c]}) {
@@ -142,7 +98,7 @@ class Snap {
         const Index end = half_edge == c ? faces_.corners()[table_.next[c]] : faces_.corners()[half_edge];
         if (along.size() > 2) return -1;
         if (along.size() < 2 || values_[end] != 0 || along[0] != half_edge) continue;
-        if (side_of(face_[along[0]]) * side_of(face_[along[1]]) == -1) ++passes;
+        if (side_of(around_.face(along[0])) * side_of(around_.face(along[1])) == -1) ++passes;
       }
     }
     return passes;
@@ -165,11 +121,52 @@ class Snap {
   std::vector<Between>& origin_;
   std::vector<double>& values_;
   const EdgeTable table_;
-  std::vector<Index> fans_, face_;  // per vertex; per corner
-  IndexLists corners_at_;
+  const FacesAround around_;
+  std::vector<Index> fans_;  // per vertex
 };
 
 }  // namespace
+
+struct FacesAround::FaceShape {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // normal, twice the area long
+  double longest_squared = 0;
+};
+
+FacesAround::FacesAround(const Faces& faces, Index vertex_count) : faces_(faces) {
+  for (Index f = 0; f < faces.size(); ++f) face_.insert(face_.end(), faces[f].size(), f);
+  corners_at_.offsets.assign(static_cast<std::size_t>(vertex_count) + 1, 0);
+  for (const Index v : faces.corners()) ++corners_at_.offsets[v + 1];
+  for (Index v = 0; v < vertex_count; ++v) corners_at_.offsets[v + 1] += corners_at_.offsets[v];
+  corners_at_.values.resize(faces.corners().size());
+  std::vector<Index> cursor(corners_at_.offsets.begin(), corners_at_.offsets.end() - 1);
+  for (Index c = 0; c < faces.corner_count(); ++c) corners_at_.values[cursor[faces.corners()[c]]++] = c;
+}
+
+FacesAround::FaceShape FacesAround::shape(Index face, Index moved, const Eigen::RowVector3d& target,
+                                          const Points& positions) const {
+  FaceShape result;
+  const auto corners = faces_[face];
+  const auto at = [&](Index v) -> Eigen::RowVector3d { return v == moved ? target : positions.row(v); };
+  const Eigen::RowVector3d first = at(corners[0]);
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const Eigen::RowVector3d p = at(corners[c]), q = at(corners[(c + 1) % corners.size()]);
+    result.area += Eigen::Vector3d(p - first).cross(Eigen::Vector3d(q - first));
+    result.longest_squared = std::max(result.longest_squared, (p - q).squaredNorm());
+  }
+  return result;
+}
+
+bool FacesAround::keep_shape(Index vertex, const Eigen::RowVector3d& target, const Points& positions) const {
+  for (const Index c : corners(vertex)) {
+    const FaceShape before = shape(face_[c], vertex, positions.row(vertex), positions);
+    const FaceShape after = shape(face_[c], vertex, target, positions);
+    const double area_before = before.area.norm(), area_after = after.area.norm();
+    if (!(after.area.dot(before.area) > least_turn_cos * area_after * area_before)) return false;
+    if (!(area_after * before.longest_squared > least_shape_rel * area_before * after.longest_squared))
+      return false;
+  }
+  return true;
+}
 
 double crossing(double value_a, double value_b) { return 1 / (1 - value_b / value_a); }
 

@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "disjoint_sets.h"
@@ -256,6 +258,26 @@ class Separation {
 };
 
 }  // namespace
+
+void check(const CutOptions& options) {
+  if (!(options.snap >= 0 && options.snap <= 0.5))
+    throw Error(ErrorCode::input, "must be between 0 and 0.5", "snap");
+}
+
+Points whole_normals(const Mesh& mesh, const DrawnCut& cut) {
+  Mesh moved;
+  moved.positions = cut.positions.topRows(mesh.vertex_count());
+  moved.faces = mesh.faces;
+  Points normals = vertex_normals(moved);
+  normals.conservativeResize(cut.positions.rows(), 3);
+  for (Eigen::Index v = mesh.vertex_count(); v < normals.rows(); ++v) {
+    const Between& between = cut.origin[v];
+    const Eigen::RowVector3d mean =
+        (1 - between.t) * normals.row(between.from) + between.t * normals.row(between.to);
+    normals.row(v) = mean.stableNorm() > 0 ? Eigen::RowVector3d(mean / mean.stableNorm()) : mean;
+  }
+  return normals;
+}
 
 CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context) {
   return Separation(mesh, cut, keep).run(context);

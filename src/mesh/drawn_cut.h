@@ -23,6 +23,12 @@ struct DrawnCut {
   std::vector<Side> vertex_side;  ///< per vertex of the mesh, for those without a face; 0 stays
 };
 
+/// Throws Error(input) for options out of range.
+void check(const CutOptions& options);
+
+/// The whole surface's normals at all vertices, those that the cut inserted included.
+Points whole_normals(const Mesh& mesh, const DrawnCut& cut);
+
 /// Takes the surface apart along the cut. A vertex on the cut becomes one per fan of faces around it.
 CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context);
 
