@@ -1,51 +1,22 @@
 #include <meshgraft/merge/pose_source.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/winding.h>
 
 namespace meshgraft {
 
 namespace {
 
-// Values of a corner attribute in the order of faces whose corners after the first are reversed.
-void reverse_corner_values(Attribute& attribute, const Faces& faces) {
-  const auto components = static_cast<std::size_t>(attribute.components);
-  std::vector<double> reversed;
-  reversed.reserve(attribute.values.size());
-  for (Index f = 0; f < faces.size(); ++f) {
-    const auto size = static_cast<Index>(faces[f].size());
-    for (Index c = 0; c < size; ++c) {
-      const Index old_corner = faces.first_corner(f) + (c == 0 ? 0 : size - c);
-      const auto first = attribute.values.begin() + static_cast<std::ptrdiff_t>(components) * old_corner;
-      reversed.insert(reversed.end(), first, first + attribute.components);
-    }
-  }
-  attribute.values = std::move(reversed);
-}
-
-// Each face keeps its first corner and runs the other way from there.
-void reverse_faces(Mesh& mesh) {
-  Faces reversed;
-  reversed.reserve(mesh.face_count(), mesh.faces.corner_count());
-  for (Index f = 0; f < mesh.face_count(); ++f) {
-    std::vector<Index> face(mesh.faces[f].begin(), mesh.faces[f].end());
-    if (!face.empty()) std::reverse(face.begin() + 1, face.end());
-    reversed.push_back(face);
-  }
-  for (Attribute& attribute : mesh.attributes)
-    if (attribute.domain == Domain::corner) reverse_corner_values(attribute, mesh.faces);
-  mesh.faces = std::move(reversed);
-}
-
 void transform_normals(Attribute& normals, const Eigen::Matrix3d& linear) {
-  const Eigen::Matrix3d cofactors = linear.inverse().transpose();
+  const Eigen::Matrix3d cofactors = linear.determinant() * linear.inverse().transpose();
   for (std::size_t k = 0; k + 2 < normals.values.size(); k += 3) {
     Eigen::Map<Eigen::Vector3d> normal(&normals.values[k]);
     const double length = normal.norm();
@@ -71,9 +42,10 @@ Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* s
 // Points that (nearly) lie on a line leave a turn about it open.
 bool on_a_line(const Points& points) {
   const Points centred = points.rowwise() - points.colwise().mean();
-  const Eigen::Vector3d extent =
-      Eigen::JacobiSVD<Eigen::Matrix3d>(centred.transpose() * centred).singularValues();
-  return !(extent(1) > 1e-12 * extent(0));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(centred.transpose() * centred,
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d& extent = spread.eigenvalues();  // ascending
+  return !(extent(1) > 1e-12 * extent(2));
 }
 
 }  // namespace
@@ -86,10 +58,10 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
   Mesh moved = mesh;
   moved.positions = ((mesh.positions * linear.transpose()).rowwise() + map.translation().transpose()).eval();
   for (Attribute& attribute : moved.attributes)
-    if (attribute.name == "normal" && attribute.components == 3) transform_normals(attribute, linear);
-  if (determinant < 0) reverse_faces(moved);
+    if ((attribute.name == "normal" || attribute.name == cut_normal_name) && attribute.components == 3)
+      transform_normals(attribute, linear);
   moved.source = nullptr;
-  return moved;
+  return determinant < 0 ? turned_over(moved) : moved;
 }
 
 Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& place) {

@@ -15,9 +15,9 @@ struct MirrorPlane {
   Eigen::Vector3d point, normal;
 };
 
-/// Maps a mesh, its attributes called "normal" by the inverse transpose; others keep their values. A map that
-/// reflects reverses the faces, so that the outside stays outside. Throws Error(input), naming `place`, for a
-/// map that flattens.
+/// Maps a mesh, its attributes called "normal" or `cut_normal_name` by the inverse transpose; others keep their
+/// values. A map that reflects turns the faces over, so that the outside stays outside. Throws Error(input),
+/// naming `place`, for a map that flattens.
 Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& place);
 
 /// The reflection in a plane. Throws Error(input), naming `place`, for a normal without length.
