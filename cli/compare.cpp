@@ -42,12 +42,9 @@ std::vector<Method> methods_of(const std::string& list) {
 
 // The extension of the mesh file that the edit's result goes back to; ".ply" where it is a sample.
 std::string mesh_extension(const EditFile& edit) {
-  const auto& last = std::get<DeformStep>(edit.steps.back().action);
-  std::string name = !edit.output.empty() ? edit.output : !last.result.empty() ? last.result : last.mesh;
-  for (auto step = edit.steps.rbegin(); step != edit.steps.rend(); ++step) {
-    const auto& deform = std::get<DeformStep>(step->action);
-    if (deform.result == name) name = deform.mesh;
-  }
+  std::string name = edit.output.empty() ? outcome_of(edit.steps.back()) : edit.output;
+  for (auto step = edit.steps.rbegin(); step != edit.steps.rend(); ++step)
+    if (outcome_of(*step) == name) name = mesh_of(*step);
   const auto input = std::find_if(edit.inputs.begin(), edit.inputs.end(),
                                   [&](const EditInput& candidate) { return candidate.name == name; });
   if (input == edit.inputs.end() || input->file.empty()) return ".ply";

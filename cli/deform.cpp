@@ -14,6 +14,7 @@
 #include "choices.h"
 #include "commands.h"
 #include "outputs.h"
+#include "summary.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
 #endif
@@ -30,56 +31,10 @@ struct DeformArguments {
   bool force = false;
 };
 
-void require_outputs(const DeformArguments& arguments, const EditFile& edit) {
-  std::vector<std::filesystem::path> inputs = referenced_files(edit);
-  std::vector<std::filesystem::path> outputs;
-  for (const auto& output : {arguments.output, arguments.report, arguments.picture}) {
-    if (output.empty()) continue;
-    require_folder(output);
-    for (const auto& other : outputs)
-      if (std::filesystem::weakly_canonical(output) == std::filesystem::weakly_canonical(other))
-        throw Error(ErrorCode::usage, "two outputs have this name", output.string());
-    outputs.push_back(output);
-    // --force is for the mesh; a report never takes the place of an edit or a mesh.
-    require_not_an_input(output, {arguments.edit});
-    if (output != arguments.output)
-      require_not_an_input(output, inputs);
-    else if (!arguments.force)
-      require_not_an_input(output, inputs, "Choose another name, or give --force to replace it.");
-  }
+void check_outputs(const DeformArguments& arguments, const EditFile& edit) {
+  require_outputs({arguments.output, arguments.report, arguments.picture}, referenced_files(edit),
+                  arguments.edit, arguments.force);
   if (!arguments.picture.empty()) require_png(arguments.picture);
-}
-
-std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
-
-void print_summary(const EditReport& report, const Points& rest) {
-  for (const EditReport::Input& input : report.inputs)
-    fmt::print("{}: {} vertices, {} faces\n", input.source, input.vertices, input.faces);
-  for (const StepReport& step : report.steps) {
-    const std::string name = step.name.empty() ? "" : step.name + ": ";
-    fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
-               name, step.counts.free, step.counts.handle, step.counts.fixed, step.max_displacement);
-    if (step.counts.fixed == 0 && step.counts.free + step.counts.handle == step.counts.vertices)
-      fmt::print(
-          "  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
-          name);
-    for (const std::string& note : step.notes) fmt::print("  {}note: {}\n", name, note);
-  }
-  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
-  const Quality& quality = report.quality;
-  const std::string volume =
-      quality.volume_ratio ? fmt::format(", volume {}", percent(*quality.volume_ratio)) : std::string();
-  const std::string intersections =
-      quality.new_self_intersections
-          ? fmt::format(", {} new self-intersections", *quality.new_self_intersections)
-          : std::string();
-  fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°, {} flipped faces{}\n",
-             100 * quality.edge_rms, percent(quality.area_ratio), volume, quality.dihedral_p99_deg,
-             quality.flipped_faces, intersections);
-  fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
-             size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,
-             report.seconds.analyse + report.seconds.factorise, report.seconds.solve);
-  for (const std::string& output : report.outputs) fmt::print("  wrote {}\n", output);
 }
 
 void write_outputs(const DeformArguments& arguments, EditResult& result, const Context& context) {
@@ -109,7 +64,7 @@ void write_outputs(const DeformArguments& arguments, EditResult& result, const C
 void run_deform(const DeformArguments& arguments, Context context) {
   context.threads = arguments.threads;
   const EditFile edit = read_edit_file(arguments.edit);
-  require_outputs(arguments, edit);
+  check_outputs(arguments, edit);
   EditResult result = run_edit(edit, {.overrides = arguments.overrides}, context);
   write_outputs(arguments, result, context);
   if (arguments.json)

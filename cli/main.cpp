@@ -33,6 +33,7 @@ void add_commands(CLI::App& program, cli::Action& action) {
   cli::add_deform(program, action);
   cli::add_compare(program, action);
   cli::add_cut(program, action);
+  cli::add_merge(program, action);
   cli::add_sample(program, action);
 #ifdef MESHGRAFT_HAS_RENDER
   cli::add_render(program, action);

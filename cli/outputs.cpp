@@ -27,4 +27,22 @@ void require_folder(const std::filesystem::path& output) {
     throw Error(ErrorCode::io, "there is no such folder", folder.string(), "Make it first.");
 }
 
+void require_outputs(const std::vector<std::filesystem::path>& outputs,
+                     const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& edit,
+                     bool force) {
+  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
+    if (output->empty()) continue;
+    require_folder(*output);
+    for (auto other = outputs.begin(); other != output; ++other)
+      if (!other->empty() &&
+          std::filesystem::weakly_canonical(*output) == std::filesystem::weakly_canonical(*other))
+        throw Error(ErrorCode::usage, "two outputs have this name", output->string());
+    if (!edit.empty()) require_not_an_input(*output, {edit});
+    if (output != outputs.begin())
+      require_not_an_input(*output, inputs);
+    else if (!force)
+      require_not_an_input(*output, inputs, "Choose another name, or give --force to replace it.");
+  }
+}
+
 }  // namespace meshgraft::cli

@@ -13,6 +13,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "json_value.h"
+#include "parse_parts.h"
 
 namespace meshgraft {
 
@@ -21,10 +22,7 @@ namespace {
 using json::Object;
 using json::Value;
 
-constexpr int max_rings = 1'000'000;
 constexpr int max_refinements = 4;
-
-SelectionSpec parse_selection(const Value& value);
 
 SelectionSpec::Child parse_child(const Value& value) {
   return std::make_shared<const SelectionSpec>(parse_selection(value));
@@ -100,6 +98,8 @@ SelectionSpec::Kind parse_produced(const Value& value) {
   return SelectionSpec::Produced{fields.required("step").name(), fields.required("what").name()};
 }
 
+}  // namespace
+
 // One field says what kind of selection it is; `take` goes with `sel`.
 SelectionSpec parse_selection(const Value& value) {
   if (value.is_string()) {
@@ -144,6 +144,53 @@ SelectionSpec parse_selection(const Value& value) {
   }
   value.fail("'take' goes with 'sel'");
 }
+
+DeformerOptions parse_deformer(const Object& fields) {
+  DeformerOptions options;
+  OperatorOptions& operators = options.operators;
+  fields.optional("method", [&](const Value& v) {
+    options.method = v.choice<DeformMethod>({{"ft05", DeformMethod::ft05},
+                                             {"rotation-aware", DeformMethod::rotation_aware},
+                                             {"corotational", DeformMethod::corotational}});
+  });
+  fields.optional("stiffness", [&](const Value& v) { options.stiffness = v.number_in(0, 1e6); });
+  fields.optional("iterations",
+                  [&](const Value& v) { options.iterations = static_cast<int>(v.integer_in(0, 1000)); });
+  fields.optional("smoothing_length_rel",
+                  [&](const Value& v) { options.smoothing_length_rel = v.number_in(0, 10); });
+  fields.optional("weights", [&](const Value& v) {
+    operators.weights =
+        v.choice<WeightScheme>({{"uniform", WeightScheme::uniform}, {"cotangent", WeightScheme::cotangent}});
+  });
+  fields.optional("density", [&](const Value& v) {
+    operators.density = v.choice<Density>({{"ft05", Density::ft05}, {"aware", Density::aware}});
+  });
+  fields.optional("degenerate", [&](const Value& v) {
+    operators.degenerate = v.choice<DegenerateTreatment>({{"auto", DegenerateTreatment::automatic},
+                                                          {"ft05-noise", DegenerateTreatment::ft05_noise},
+                                                          {"apex", DegenerateTreatment::apex}});
+  });
+  fields.optional("apex_height_rel", [&](const Value& v) { operators.apex_height_rel = v.positive_number(); });
+  fields.optional("noise_length_rel",
+                  [&](const Value& v) { operators.noise_length_rel = v.positive_number(); });
+  fields.optional("flatness", [&](const Value& v) { operators.flatness = v.number_in(0, 1); });
+  fields.optional("seed", [&](const Value& v) { operators.seed = v.unsigned_integer(); });
+  fields.optional("laplacian_weight",
+                  [&](const Value& v) { operators.laplacian_weight = v.number_in(1e-6, 1e6); });
+  fields.optional("laplacian_order",
+                  [&](const Value& v) { operators.laplacian_order = static_cast<int>(v.integer_in(1, 3)); });
+  fields.optional("residual_corrections", [&](const Value& v) {
+    options.residual_corrections = static_cast<int>(v.integer_in(0, 10));
+  });
+  fields.optional("backend", [&](const Value& v) {
+    options.backend = v.choice<SolverBackend>({{"auto", SolverBackend::automatic},
+                                               {"cholmod", SolverBackend::cholmod},
+                                               {"eigen", SolverBackend::eigen}});
+  });
+  return options;
+}
+
+namespace {
 
 HandleMotion parse_motion(const Object& fields) {
   HandleMotion motion;
@@ -256,52 +303,11 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
 }
 
 DeformSettings parse_settings(const Value& value) {
-  const Object fields(
-      value, {"method", "stiffness", "iterations", "smoothing_length_rel", "weights", "density", "degenerate",
-              "apex_height_rel", "noise_length_rel", "flatness", "seed", "laplacian_weight", "laplacian_order",
-              "residual_corrections", "backend", "refine_boundary"});
+  std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
+  known.emplace_back("refine_boundary");
+  const Object fields(value, known);
   DeformSettings settings;
-  OperatorOptions& operators = settings.deformer.operators;
-  fields.optional("method", [&](const Value& v) {
-    settings.deformer.method = v.choice<DeformMethod>({{"ft05", DeformMethod::ft05},
-                                                       {"rotation-aware", DeformMethod::rotation_aware},
-                                                       {"corotational", DeformMethod::corotational}});
-  });
-  fields.optional("stiffness", [&](const Value& v) { settings.deformer.stiffness = v.number_in(0, 1e6); });
-  fields.optional("iterations", [&](const Value& v) {
-    settings.deformer.iterations = static_cast<int>(v.integer_in(0, 1000));
-  });
-  fields.optional("smoothing_length_rel",
-                  [&](const Value& v) { settings.deformer.smoothing_length_rel = v.number_in(0, 10); });
-  fields.optional("weights", [&](const Value& v) {
-    operators.weights =
-        v.choice<WeightScheme>({{"uniform", WeightScheme::uniform}, {"cotangent", WeightScheme::cotangent}});
-  });
-  fields.optional("density", [&](const Value& v) {
-    operators.density = v.choice<Density>({{"ft05", Density::ft05}, {"aware", Density::aware}});
-  });
-  fields.optional("degenerate", [&](const Value& v) {
-    operators.degenerate = v.choice<DegenerateTreatment>({{"auto", DegenerateTreatment::automatic},
-                                                          {"ft05-noise", DegenerateTreatment::ft05_noise},
-                                                          {"apex", DegenerateTreatment::apex}});
-  });
-  fields.optional("apex_height_rel", [&](const Value& v) { operators.apex_height_rel = v.positive_number(); });
-  fields.optional("noise_length_rel",
-                  [&](const Value& v) { operators.noise_length_rel = v.positive_number(); });
-  fields.optional("flatness", [&](const Value& v) { operators.flatness = v.number_in(0, 1); });
-  fields.optional("seed", [&](const Value& v) { operators.seed = v.unsigned_integer(); });
-  fields.optional("laplacian_weight",
-                  [&](const Value& v) { operators.laplacian_weight = v.number_in(1e-6, 1e6); });
-  fields.optional("laplacian_order",
-                  [&](const Value& v) { operators.laplacian_order = static_cast<int>(v.integer_in(1, 3)); });
-  fields.optional("residual_corrections", [&](const Value& v) {
-    settings.deformer.residual_corrections = static_cast<int>(v.integer_in(0, 10));
-  });
-  fields.optional("backend", [&](const Value& v) {
-    settings.deformer.backend = v.choice<SolverBackend>({{"auto", SolverBackend::automatic},
-                                                         {"cholmod", SolverBackend::cholmod},
-                                                         {"eigen", SolverBackend::eigen}});
-  });
+  settings.deformer = parse_deformer(fields);
   fields.optional("refine_boundary", [&](const Value& v) {
     settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
   });
@@ -340,14 +346,16 @@ EditStep parse_deform_step(const Value& value) {
   return {{}, {}, std::move(step)};
 }
 
-// The step kinds of the format and their parsers; those without one belong to the format, not to this version.
+// The kinds of step and their parsers; one without belongs to the format, not to this version.
 EditStep parse_step(const Value& value) {
   if (!value.is_object()) Object(value, {});
   if (!value.raw().contains("kind")) value.fail("the field 'kind' is missing");
   using Parser = EditStep (*)(const Value&);
   const Value kind = value.member("kind");
-  const auto parser = kind.choice<Parser>(
-      {{"deform", &parse_deform_step}, {"cut", nullptr}, {"merge", nullptr}, {"accept", nullptr}});
+  const auto parser = kind.choice<Parser>({{"deform", &parse_deform_step},
+                                           {"cut", &parse_cut_step},
+                                           {"merge", &parse_merge_step},
+                                           {"accept", nullptr}});
   if (!parser) kind.fail(fmt::format("'{}' steps are not part of this version", kind.string()));
   EditStep step = parser(value);
   if (value.raw().contains("name")) step.name = value.member("name").name();
@@ -404,6 +412,32 @@ void for_each_step_selection(const DeformStep& step,
     visit(step.handles[i].select, fmt::format("handles[{}].select", i));
   for (std::size_t i = 0; i < step.anchors.size(); ++i)
     visit(step.anchors[i].select, fmt::format("anchors[{}].select", i));
+}
+
+void for_each_step_selection(const MergeStep& step,
+                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+  for (std::size_t i = 0; i < step.pairs.size(); ++i) {
+    visit(step.pairs[i].source_loop, fmt::format("pairs[{}].source_loop", i));
+    visit(step.pairs[i].target_loop, fmt::format("pairs[{}].target_loop", i));
+  }
+  if (step.fixed) visit(*step.fixed, "fixed");
+  for (std::size_t i = 0; i < step.features.size(); ++i)
+    visit(step.features[i].select, fmt::format("features[{}].select", i));
+}
+
+void for_each_step_selection(const CutStep&,
+                             const std::function<void(const SelectionSpec&, const std::string&)>&) {}
+
+void for_each_step_selection(const EditStep& step,
+                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+  std::visit([&](const auto& action) { for_each_step_selection(action, visit); }, step.action);
+}
+
+// The fields of a step that name a mesh.
+std::vector<std::pair<std::string, std::string>> mesh_fields(const EditStep& step) {
+  if (const auto* merge = std::get_if<MergeStep>(&step.action))
+    return {{"target", merge->target}, {"source", merge->source}};
+  return {{"mesh", mesh_of(step)}};
 }
 
 template <class List>
@@ -472,11 +506,11 @@ void require_names(const EditFile& edit) {
   std::vector<std::string> meshes = names_of(edit.inputs);
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
     const std::string place = fmt::format("{}: steps[{}]", edit.place, i);
-    const auto& step = std::get<DeformStep>(edit.steps[i].action);
-    if (std::find(meshes.begin(), meshes.end(), step.mesh) == meshes.end())
-      fail_unknown_name(place + ".mesh", "mesh", step.mesh, meshes);
-    if (!step.result.empty()) meshes.push_back(step.result);
-    for_each_step_selection(step, [&](const SelectionSpec& selection, const std::string& field) {
+    for (const auto& [field, name] : mesh_fields(edit.steps[i]))
+      if (std::find(meshes.begin(), meshes.end(), name) == meshes.end())
+        fail_unknown_name(place + "." + field, "mesh", name, meshes);
+    meshes.push_back(outcome_of(edit.steps[i]));
+    for_each_step_selection(edit.steps[i], [&](const SelectionSpec& selection, const std::string& field) {
       references.require_named(selection, place + "." + field);
     });
   }
@@ -533,7 +567,7 @@ EditFile parse_version_1(const Value& root) {
   const Value kind = root.member("kind");
   enum class Kind { deform, merge };
   if (kind.choice<Kind>({{"deform", Kind::deform}, {"merge", Kind::merge}}) == Kind::merge)
-    kind.fail("merging is not part of this version");
+    return parse_merge_version_1(root);
 
   const Object fields(root, {"format", "version", "kind", "name", "about", "paper", "mesh", "counts", "roi",
                              "fixed", "handles", "expected"});
@@ -566,6 +600,24 @@ EditFile parse_version_1(const Value& root) {
 }
 
 }  // namespace
+
+const std::string& mesh_of(const EditStep& step) {
+  const auto* merge = std::get_if<MergeStep>(&step.action);
+  if (merge) return merge->target;
+  const auto* cut = std::get_if<CutStep>(&step.action);
+  return cut ? cut->mesh : std::get<DeformStep>(step.action).mesh;
+}
+
+const std::string& outcome_of(const EditStep& step) {
+  const std::string& result =
+      std::visit([](const auto& action) -> const std::string& { return action.result; }, step.action);
+  return result.empty() ? mesh_of(step) : result;
+}
+
+SelectionSpec parse_selection(std::string_view text, const std::string& place) {
+  const json::Json document = json::parse(text, place, edit_file_depth_limit);
+  return parse_selection(Value(document, place));
+}
 
 EditFile parse_edit(std::string_view text, const std::string& place, const std::filesystem::path& base_folder) {
   if (text.size() > edit_file_size_limit)
@@ -611,10 +663,11 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
     if (!input.file.empty()) add(input.file);
   for (const NamedSelection& selection : edit.selections) add_from(selection.selection);
   for (const EditStep& edit_step : edit.steps) {
-    const auto& step = std::get<DeformStep>(edit_step.action);
-    for_each_step_selection(step,
+    for_each_step_selection(edit_step,
                             [&](const SelectionSpec& selection, const std::string&) { add_from(selection); });
-    for (const HandleSpec& handle : step.handles)
+    const auto* deform = std::get_if<DeformStep>(&edit_step.action);
+    if (!deform) continue;
+    for (const HandleSpec& handle : deform->handles)
       if (const auto* def = std::get_if<PoseSpec::DefFile>(&handle.pose.kind)) add(def->file);
   }
   return files;

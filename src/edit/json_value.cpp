@@ -234,7 +234,7 @@ Value Value::member(std::string_view key) const {
   return Value(*found, *this, found.key(), 0);
 }
 
-Object::Object(const Value& value, std::initializer_list<std::string_view> known) : value_(&value) {
+Object::Object(const Value& value, std::span<const std::string_view> known) : value_(&value) {
   if (!value.is_object()) value.fail(fmt::format("expected an object, found {}", type_name(value.raw())));
   for (const auto& [key, member] : value.raw().items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;

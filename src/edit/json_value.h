@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -94,7 +95,9 @@ class Value {
 class Object {
  public:
   /// Fails if `value` is not an object or has a field that is not among `known`.
-  Object(const Value& value, std::initializer_list<std::string_view> known);
+  Object(const Value& value, std::initializer_list<std::string_view> known)
+      : Object(value, std::span<const std::string_view>(known.begin(), known.size())) {}
+  Object(const Value& value, std::span<const std::string_view> known);
 
   bool has(std::string_view key) const { return value_->raw().contains(key); }
   Value required(std::string_view key) const;

@@ -1,5 +1,7 @@
 #include <meshgraft/edit/report.h>
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/version.h>
@@ -20,10 +22,11 @@ Json optional_json(const std::optional<T>& value) {
 }
 
 Json seconds_json(const StageSeconds& seconds) {
-  return {{"read", seconds.read},         {"triage", seconds.triage},   {"select", seconds.select},
-          {"assemble", seconds.assemble}, {"analyse", seconds.analyse}, {"factorise", seconds.factorise},
-          {"basis", seconds.basis},       {"solve", seconds.solve},     {"measure", seconds.measure},
-          {"write", seconds.write},       {"total", seconds.total}};
+  return {{"read", seconds.read},           {"triage", seconds.triage},     {"select", seconds.select},
+          {"match", seconds.match},         {"assemble", seconds.assemble}, {"analyse", seconds.analyse},
+          {"factorise", seconds.factorise}, {"basis", seconds.basis},       {"solve", seconds.solve},
+          {"seam", seconds.seam},           {"measure", seconds.measure},   {"write", seconds.write},
+          {"total", seconds.total}};
 }
 
 Json solver_json(const SolverStatistics& solver) {
@@ -81,8 +84,89 @@ void add_measures(Json& json, const Report& report) {
   json["max_transform_deviation"] =
       report.evaluation ? Json(report.evaluation->max_transform_deviation) : Json(nullptr);
   json["condition_estimate"] = optional_json(report.condition_estimate);
+}
+
+template <class Report>
+void add_quality(Json& json, const Report& report) {
   json["max_displacement"] = report.max_displacement;
   json["quality"] = quality_json(report.quality);
+}
+
+template <class Derived>
+Json vector_json(const Eigen::MatrixBase<Derived>& vector) {
+  Json list = Json::array();
+  for (Eigen::Index i = 0; i < vector.size(); ++i) list.push_back(vector(i));
+  return list;
+}
+
+Json pair_json(const PairReport& pair) {
+  return {{"source_vertices", pair.source_vertices},         {"target_vertices", pair.target_vertices},
+          {"start", {pair.start.source, pair.start.target}}, {"confidence", pair.confidence},
+          {"raggedness_deg", pair.raggedness_deg},           {"edge_ratio", pair.edge_ratio}};
+}
+
+Json shape_json(const ShapeReport& shape) {
+  Json rotation = Json::array();
+  for (int row = 0; row < 3; ++row) rotation.push_back(vector_json(shape.similarity.rotation.row(row)));
+  return {{"similarity",
+           {{"scale", shape.similarity.scale},
+            {"rotation", rotation},
+            {"translation", vector_json(shape.similarity.translation)}}},
+          {"distance_rel", shape.distance_rel},
+          {"smallest_singular_p5", shape.smallest_singular_p5},
+          {"inverted", shape.inverted}};
+}
+
+Json seam_json(const SeamReport& seam) {
+  return {{"manifold", seam.manifold},
+          {"oriented", seam.oriented},
+          {"closed", seam.closed},
+          {"euler_characteristic", seam.euler_characteristic},
+          {"expected_euler_characteristic", seam.expected_euler_characteristic},
+          {"new_faces", seam.new_faces},
+          {"angle_p1_deg", seam.angle_p1_deg},
+          {"dihedral_p99_deg", seam.dihedral_p99_deg},
+          {"target_dihedral_p99_deg", seam.target_dihedral_p99_deg},
+          {"source_dihedral_p99_deg", seam.source_dihedral_p99_deg},
+          {"band_displacement_rel", seam.band_displacement_rel},
+          {"edge_ratio", seam.edge_ratio}};
+}
+
+Json merge_settings_json(const MergeOptions& options) {
+  Json json = settings_json(MergeSettings{options.deformer, options.seam});
+  json["normal_angle_deg"] = options.normal_angle_deg;
+  json["smooth_boundary"] = options.smooth_boundary;
+  json["fix_winding"] = options.fix_winding;
+  return json;
+}
+
+// All fields of a merge step after those that every step has.
+void add_merge(Json& json, const MergeOutcome& merge) {
+  const MergeReport& report = merge.report;
+  json["source"] = merge.source;
+  json["pose"] = pose_word(merge.options.pose);
+  json["shape"] = shape_word(merge.options.shape);
+  json["settings"] = merge_settings_json(merge.options);
+  json["pairs"] = Json::array();
+  for (const PairReport& pair : report.pairs) json["pairs"].push_back(pair_json(pair));
+  json["part"] = shape_json(report.shape);
+  json["seam"] = seam_json(report.seam);
+  json["residual"] = report.evaluation.residual;
+  json["iterations"] = report.evaluation.iterations;
+  json["source_vertices_added"] = report.source_vertices_added;
+  json["target_vertices_added"] = report.target_vertices_added;
+  json["self_intersections"] = optional_json(merge.self_intersections);
+  json["source_self_intersections"] = optional_json(merge.source_self_intersections);
+  json["target_map"] = merge.target_map.new_index;
+  json["source_map"] = merge.source_map.new_index;
+  json["new_faces"] = merge.new_faces;
+}
+
+void add_cut(Json& json, const CutOutcome& cut) {
+  json["components"] = cut.topology.components;
+  json["boundary_loops"] = cut.topology.boundary_loops;
+  json["loops"] = cut.loops;
+  json["map"] = cut.map.new_index;
 }
 
 // Published methods run by their own defaults.
@@ -92,13 +176,28 @@ Json settings_in_force(const StepReport& step) {
           {"refine_boundary", step.settings.refine_boundary}};
 }
 
-Json step_json(const StepReport& step) {
-  Json json = {{"kind", "deform"}, {"name", step.name}, {"mesh", step.mesh}};
+Json deform_json(const StepReport& step) {
+  Json json = {{"kind", "deform"}, {"name", step.name}, {"mesh", step.mesh}, {"result", step.result}};
   json["method"] = std::string(to_string(step.method));
   json["settings"] = settings_in_force(step);
   add_measures(json, step);
+  add_quality(json, step);
   json["iterations"] = step.evaluation ? Json(step.evaluation->iterations) : Json(nullptr);
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
+  json["notes"] = step.notes;
+  return json;
+}
+
+Json step_json(const StepReport& step) {
+  if (!step.merge && !step.cut) return deform_json(step);
+  Json json = {{"kind", step.merge ? "merge" : "cut"},
+               {"name", step.name},
+               {step.merge ? "target" : "mesh", step.mesh},
+               {"result", step.result},
+               {"counts", {{"vertices", step.counts.vertices}, {"faces", step.counts.faces}}},
+               {"seconds", seconds_json(step.seconds)}};
+  if (step.merge) add_merge(json, *step.merge);
+  if (step.cut) add_cut(json, *step.cut);
   json["notes"] = step.notes;
   return json;
 }
@@ -138,8 +237,16 @@ std::string write_report(const EditReport& report) {
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION}};
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
-  json["method"] = report.steps.empty() ? "" : std::string(to_string(report.steps.front().method));
+  const auto deform = std::find_if(report.steps.begin(), report.steps.end(),
+                                   [](const StepReport& step) { return !step.merge && !step.cut; });
+  json["method"] = deform == report.steps.end() ? Json(nullptr) : Json(std::string(to_string(deform->method)));
   add_measures(json, report);
+  if (report.deformed) {
+    add_quality(json, report);
+  } else {
+    json["max_displacement"] = nullptr;
+    json["quality"] = nullptr;
+  }
   json["inputs"] = Json::array();
   for (const EditReport::Input& input : report.inputs)
     json["inputs"].push_back({{"name", input.name},

@@ -9,131 +9,11 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "selection_resolver.h"
+
 namespace meshgraft {
 
 namespace {
-
-// Turns selections of an edit file into vertices. Named selections are resolved once, however often they are
-// used.
-class SelectionResolver {
- public:
-  SelectionResolver(const EditFile& edit, const SelectionContext& context) : edit_(edit), context_(context) {}
-
-  /// Ascending distinct vertices.
-  std::vector<Index> vertices(const SelectionSpec& spec, const std::string& place) {
-    std::vector<Index> list = resolve(bind(spec, place), context_, place);
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    return list;
-  }
-
-  /// Vertices in the order of the path, the loop or the list that the selection is.
-  std::vector<Index> ordered(const SelectionSpec& spec, const std::string& place) {
-    if (const auto* named = std::get_if<SelectionSpec::Named>(&spec.kind))
-      return ordered(definition(named->name), selection_place(named->name));
-    const Selection selection = bind(spec, place);
-    std::vector<Index> list = resolve(selection, context_, place);
-    const auto* indices = std::get_if<Selection::Indices>(&selection.kind);
-    return indices ? indices->vertices : list;
-  }
-
-  std::string read(const std::string& file, const std::string& place) const {
-    const std::filesystem::path path = edit_.base_folder / file;
-    try {
-      return read_file(path);
-    } catch (const Error& error) {
-      throw error.within(place);
-    }
-  }
-
- private:
-  const SelectionSpec& definition(const std::string& name) const {
-    return std::find_if(edit_.selections.begin(), edit_.selections.end(),
-                        [&](const NamedSelection& selection) { return selection.name == name; })
-        ->selection;
-  }
-
-  std::string selection_place(const std::string& name) const {
-    return fmt::format("{}: selections.{}", edit_.place, name);
-  }
-
-  Index vertex_count() const { return context_.mesh.vertex_count(); }
-
-  std::string file_place(const std::string& file, const std::string& place) const {
-    return fmt::format("{}: {}", place, (edit_.base_folder / file).string());
-  }
-
-  // The library's selection that `spec` stands for.
-  Selection bind(const SelectionSpec& spec, const std::string& place) {
-    return std::visit([&](const auto& kind) { return bind_kind(kind, place); }, spec.kind);
-  }
-
-  std::shared_ptr<const Selection> bind_child(const SelectionSpec::Child& child, const std::string& place) {
-    return std::make_shared<const Selection>(bind(*child, place));
-  }
-
-  std::vector<Selection> bind_all(const std::vector<SelectionSpec>& specs, const std::string& place) {
-    std::vector<Selection> selections;
-    for (const SelectionSpec& spec : specs) selections.push_back(bind(spec, place));
-    return selections;
-  }
-
-  template <class Kind>
-  Selection bind_kind(const Kind& kind, const std::string&) {
-    return Selection(kind);
-  }
-  Selection bind_kind(const SelectionSpec::Named& named, const std::string&) {
-    const auto known = named_.find(named.name);
-    if (known != named_.end()) return Selection(Selection::Indices{known->second});
-    std::vector<Index> list = vertices(definition(named.name), selection_place(named.name));
-    return Selection(Selection::Indices{named_[named.name] = std::move(list)});
-  }
-  Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& place) {
-    const std::string text = read(indices.file, place);
-    return Selection(Selection::Indices{parse_indices(text, vertex_count(), file_place(indices.file, place))});
-  }
-  Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& place) {
-    const std::string text = read(sel.file, place);
-    meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_place(sel.file, place));
-    switch (sel.take) {
-      case SelectionSpec::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
-      case SelectionSpec::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
-      case SelectionSpec::SelPart::handle: break;
-    }
-    return Selection(Selection::Indices{std::move(parts.handle)});
-  }
-  Selection bind_kind(const SelectionSpec::Produced& produced, const std::string& place) {
-    throw Error(ErrorCode::input,
-                fmt::format("the step '{}' produces no selection '{}'", produced.step, produced.what), place,
-                "Deform steps produce none; select by geometry instead.");
-  }
-  Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& place) {
-    return Selection(Selection::Grow{bind_child(grow.of, place), grow.rings});
-  }
-  Selection bind_kind(const SelectionSpec::GrowLength& grow, const std::string& place) {
-    return Selection(Selection::GrowLength{bind_child(grow.of, place), grow.length});
-  }
-  Selection bind_kind(const SelectionSpec::Union& combined, const std::string& place) {
-    return Selection(Selection::Union{bind_all(combined.of, place)});
-  }
-  Selection bind_kind(const SelectionSpec::Minus& combined, const std::string& place) {
-    return Selection(Selection::Minus{bind_all(combined.of, place)});
-  }
-  Selection bind_kind(const SelectionSpec::Intersect& combined, const std::string& place) {
-    return Selection(Selection::Intersect{bind_all(combined.of, place)});
-  }
-  Selection bind_kind(const SelectionSpec::Mirror& mirror, const std::string& place) {
-    return Selection(
-        Selection::Mirror{bind_child(mirror.of, place), mirror.point, mirror.normal, mirror.tolerance_rel});
-  }
-  Selection bind_kind(const SelectionSpec::Rim& rim, const std::string& place) {
-    return Selection(Selection::Rim{bind_child(rim.of, place), rim.rings});
-  }
-
-  const EditFile& edit_;
-  const SelectionContext& context_;
-  std::map<std::string, std::vector<Index>> named_;
-};
 
 // Who holds each vertex of the region, so that no vertex gets two roles.
 class Roles {
@@ -314,7 +194,7 @@ std::vector<Anchor> resolve_anchors(const DeformStep& step, SelectionResolver& s
 }  // namespace
 
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
-                              const std::string& place) {
+                              const std::string& place, const ProducedSets& produced) {
   const Mesh& mesh = context.mesh;
   ExpectedCounts found;
   found.vertices = mesh.vertex_count();
@@ -324,7 +204,7 @@ ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, cons
   of_the_mesh.faces = step.counts.faces;
   require_counts(of_the_mesh, found, place);
 
-  SelectionResolver selections(edit, context);
+  SelectionResolver selections(edit, context, produced);
   ResolvedDeform resolved;
   Region& region = resolved.region;
   const bool all = std::holds_alternative<Selection::All>(step.region.kind);

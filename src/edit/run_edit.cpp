@@ -1,7 +1,6 @@
 #include <meshgraft/edit/run_edit.h>
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -22,24 +21,11 @@
 #include "refine_boundary.h"
 #include "run_steps.h"
 #include "sha256.h"
+#include "stopwatch.h"
 
 namespace meshgraft {
 
 namespace {
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  /// Seconds since the last lap.
-  double lap() {
-    const auto now = Clock::now();
-    return std::chrono::duration<double>(now - std::exchange(lap_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now(), lap_ = start_;
-};
 
 // Rings around the region that the solve looks at beyond it: stencils of stencils, and their normals.
 int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
@@ -54,36 +40,10 @@ void require_hash(const EditInput& input, const std::filesystem::path& path, con
         place + ".sha256", "Restore the file, or drop the field if the other one is meant.");
 }
 
-Mesh load(const EditInput& input, const EditFile& edit, const Context& context) {
-  const std::string place = fmt::format("{}: inputs.{}", edit.place, input.name);
-  try {
-    if (!input.sample.empty()) return make_sample(input.sample, input.resolution, context);
-    const std::filesystem::path path = edit.base_folder / input.file;
-    require_hash(input, path, place);
-    return read_mesh(path, context);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::cancelled || error.place().starts_with(place)) throw;
-    throw error.within(place);
-  }
-}
-
 std::string label_of(const EditInput& input) {
   if (input.sample.empty()) return input.file;
   return input.resolution == 0 ? "sample " + input.sample
                                : fmt::format("sample {} at resolution {}", input.sample, input.resolution);
-}
-
-DeformSettings effective_settings(DeformSettings settings, const SettingsOverrides& overrides) {
-  OperatorOptions& operators = settings.deformer.operators;
-  if (overrides.method)
-    if (const auto* method = std::get_if<DeformMethod>(&*overrides.method)) settings.deformer.method = *method;
-  settings.deformer.stiffness = overrides.stiffness.value_or(settings.deformer.stiffness);
-  settings.deformer.iterations = overrides.iterations.value_or(settings.deformer.iterations);
-  operators.weights = overrides.weights.value_or(operators.weights);
-  operators.density = overrides.density.value_or(operators.density);
-  operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
-  settings.deformer.backend = overrides.backend.value_or(settings.deformer.backend);
-  return settings;
 }
 
 void require_usable_within_reach(const Scene& scene, const Region& region, const IndexLists& rings, int reach) {
@@ -218,14 +178,16 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   Stopwatch watch;
   StepReport report;
   report.mesh = step.mesh;
-  report.settings = effective_settings(step.settings, options.overrides);
+  report.result = step.result.empty() ? step.mesh : step.result;
+  report.settings = step.settings;
+  report.settings.deformer = effective_options(step.settings.deformer, options.overrides);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
   context.step("select");
   DeformProblem problem;
   {
     const SelectionContext selections(scene.mesh);
-    problem.deform = resolve_deform(edit, step, selections, place);
+    problem.deform = resolve_deform(edit, step, selections, place, scene.produced);
     report.seconds.select = watch.lap();
     require_usable_within_reach(scene, problem.deform.region, selections.rings, reach_rings(report.settings));
   }
@@ -267,14 +229,27 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   return report;
 }
 
+StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
+  if (std::holds_alternative<MergeStep>(edit_step.action))
+    return run_merge(edit, edit_step, place, scenes, options, context);
+  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, place, scenes, context);
+  const auto& step = std::get<DeformStep>(edit_step.action);
+  const std::string& output = outcome_of(edit_step);
+  if (output != step.mesh) scenes.insert_or_assign(output, scenes.at(step.mesh));
+  return run_deform(edit, step, place, scenes.at(output), options, context);
+}
+
 void add_seconds(StageSeconds& sum, const StageSeconds& part) {
   sum.triage += part.triage;
   sum.select += part.select;
+  sum.match += part.match;
   sum.assemble += part.assemble;
   sum.analyse += part.analyse;
   sum.factorise += part.factorise;
   sum.basis += part.basis;
   sum.solve += part.solve;
+  sum.seam += part.seam;
   sum.measure += part.measure;
 }
 
@@ -297,9 +272,15 @@ void sum_up(EditReport& report) {
   }
 }
 
-// The quality of the whole edit; of a single step it is known already.
+// The quality of what deform steps made of the result since its faces were what they are; of a single step it
+// is known already.
 void measure_result(EditReport& report, const Scene& scene, const Context& context) {
   Stopwatch watch;
+  const bool same_faces = std::none_of(report.steps.begin(), report.steps.end(),
+                                       [](const StepReport& step) { return step.merge || step.cut; });
+  report.deformed = same_faces || std::any_of(scene.was_free.begin(), scene.was_free.end(),
+                                              [](std::uint8_t free) { return free != 0; });
+  if (!report.deformed) return;
   if (report.steps.size() == 1) {
     report.quality = report.steps.front().quality;
     report.max_displacement = report.steps.front().max_displacement;
@@ -320,17 +301,62 @@ void measure_result(EditReport& report, const Scene& scene, const Context& conte
 
 }  // namespace
 
+Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context) {
+  const std::string place = fmt::format("{}: inputs.{}", edit.place, input.name);
+  try {
+    if (!input.sample.empty()) return make_sample(input.sample, input.resolution, context);
+    const std::filesystem::path path = edit.base_folder / input.file;
+    require_hash(input, path, place);
+    return read_mesh(path, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled || error.place().starts_with(place)) throw;
+    throw error.within(place);
+  }
+}
+
+DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides) {
+  OperatorOptions& operators = options.operators;
+  if (overrides.method)
+    if (const auto* method = std::get_if<DeformMethod>(&*overrides.method)) options.method = *method;
+  options.stiffness = overrides.stiffness.value_or(options.stiffness);
+  options.iterations = overrides.iterations.value_or(options.iterations);
+  operators.weights = overrides.weights.value_or(operators.weights);
+  operators.density = overrides.density.value_or(operators.density);
+  operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
+  options.backend = overrides.backend.value_or(options.backend);
+  return options;
+}
+
+Scene make_scene(Mesh mesh, std::string label, const Context& context) {
+  Scene scene;
+  scene.triage = triage(mesh, context);
+  scene.rest = mesh.positions;
+  scene.was_free.assign(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  scene.label = std::move(label);
+  scene.mesh = std::move(mesh);
+  return scene;
+}
+
+void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to) {
+  for (const auto& [step, sets] : from)
+    for (const auto& [what, vertices] : sets) {
+      std::vector<Index>& carried = to[step][what];
+      carried.clear();
+      for (const Index v : vertices)
+        if (map.new_index[static_cast<std::size_t>(v)] >= 0)
+          carried.push_back(map.new_index[static_cast<std::size_t>(v)]);
+    }
+}
+
 LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
   LoadedInputs inputs;
   for (const EditInput& input : edit.inputs) {
     Stopwatch watch;
     context.step("read");
-    Scene scene{load(input, edit, context), {}, label_of(input), {}, {}};
+    Mesh mesh = load_input(input, edit, context);
     inputs.read_seconds += watch.lap();
     context.step("check");
-    scene.triage = triage(scene.mesh, context);
-    scene.rest = scene.mesh.positions;
-    scene.was_free.assign(static_cast<std::size_t>(scene.mesh.vertex_count()), 0);
+    Scene scene = make_scene(std::move(mesh), label_of(input), context);
     inputs.triage_seconds += watch.lap();
     inputs.reports.push_back(
         {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.triage});
@@ -353,10 +379,8 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   std::string output;
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
     const std::string place = fmt::format("{}: steps[{}]", edit.place, i);
-    const auto& step = std::get<DeformStep>(edit.steps[i].action);
-    output = step.result.empty() ? step.mesh : step.result;
-    if (output != step.mesh) scenes.insert_or_assign(output, scenes.at(step.mesh));
-    report.steps.push_back(run_deform(edit, step, place, scenes.at(output), options, context));
+    output = outcome_of(edit.steps[i]);
+    report.steps.push_back(run_step(edit, edit.steps[i], place, scenes, options, context));
     report.steps.back().name = edit.steps[i].name;
   }
   Scene& scene = scenes.at(edit.output.empty() ? output : edit.output);

@@ -8,6 +8,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/edit/edit_file.h>
 #include <meshgraft/edit/report.h>
+#include <meshgraft/edit/resolve_deform.h>
 #include <meshgraft/edit/run_edit.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/triage.h>
@@ -17,10 +18,11 @@ namespace meshgraft {
 /// A mesh in the course of an edit.
 struct Scene {
   Mesh mesh;
-  Points rest;        ///< before the first step
+  Points rest;        ///< before the first deform step since the faces are what they are
   std::string label;  ///< the file or sample it came from
   TriageReport triage;
-  std::vector<std::uint8_t> was_free;  ///< per vertex, in any step
+  std::vector<std::uint8_t> was_free;  ///< per vertex, in any deform step
+  ProducedSets produced;
 };
 
 /// An edit's inputs, read and checked; can be run from more than once.
@@ -32,6 +34,21 @@ struct LoadedInputs {
 
 /// Throws Error(io) and Error(input), naming the input.
 LoadedInputs load_inputs(const EditFile& edit, const Context& context);
+
+/// A mesh on its way into an edit: checked, with nothing done to it.
+Scene make_scene(Mesh mesh, std::string label, const Context& context);
+
+/// What `map` leaves of the vertices in `from`, into `to`.
+void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to);
+
+/// A step's options with those of the command line in their place.
+DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
+
+/// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
+StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
+                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
+                   const Context& context);
 
 /// The edit from there on, as `run_edit`.
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,

@@ -12,6 +12,14 @@ namespace meshgraft {
 /// edit.
 nlohmann::ordered_json settings_json(const DeformSettings& settings);
 
+nlohmann::ordered_json settings_json(const MergeSettings& settings);
+
+/// "find" or "keep".
+std::string pose_word(MergePose pose);
+
+/// "similar" or "ft05".
+std::string shape_word(MergeShape shape);
+
 /// "auto", "cholmod" or "eigen".
 std::string backend_word(SolverBackend backend);
 

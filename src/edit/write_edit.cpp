@@ -164,6 +164,105 @@ Json step_json(const EditStep& edit_step, const DeformStep& step) {
   return json;
 }
 
+Json match_json(const Match& match) { return {match.source, match.target}; }
+
+Json pair_json(const MergePairSpec& pair) {
+  Json json = {{"source_loop", selection_json(pair.source_loop)},
+               {"target_loop", selection_json(pair.target_loop)}};
+  write_list(json, "matches", pair.matches, match_json);
+  return json;
+}
+
+Json plane_json(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+  return {{"point", vector_json(point)}, {"normal", vector_json(normal)}};
+}
+
+Json drop_json(const DropSpec& drop) {
+  Json json = Json::object();
+  if (const auto* vertex = std::get_if<Index>(&drop.place))
+    json["vertex"] = *vertex;
+  else
+    json["point"] = vector_json(std::get<Eigen::Vector3d>(drop.place));
+  json["spin_deg"] = drop.spin_deg;
+  return json;
+}
+
+Json counts_json(const MergeCounts& counts) {
+  Json json = Json::object();
+  const auto write = [&](const char* key, const std::optional<Index>& count) {
+    if (count) json[key] = *count;
+  };
+  write("source_vertices", counts.source_vertices);
+  write("source_faces", counts.source_faces);
+  write("target_vertices", counts.target_vertices);
+  write("target_faces", counts.target_faces);
+  if (!counts.source_loops.empty()) json["source_loops"] = counts.source_loops;
+  if (!counts.target_loops.empty()) json["target_loops"] = counts.target_loops;
+  write("fixed", counts.fixed);
+  write("free", counts.free);
+  return json;
+}
+
+// What poses the source before the merge.
+void write_posing(Json& json, const MergeStep& step) {
+  if (step.mirror) json["mirror"] = plane_json(step.mirror->point, step.mirror->normal);
+  if (step.source_transform) json["source_transform"] = matrix_json(*step.source_transform);
+  write_list(json, "align", step.align, match_json);
+  if (step.size) json["size"] = *step.size;
+}
+
+Json step_json(const EditStep& edit_step, const MergeStep& step) {
+  Json json = {{"kind", "merge"}};
+  if (!edit_step.name.empty()) json["name"] = edit_step.name;
+  if (!edit_step.about.empty()) json["about"] = edit_step.about;
+  json["target"] = step.target;
+  json["source"] = step.source;
+  if (!step.result.empty()) json["result"] = step.result;
+  json["pose"] = pose_word(step.pose);
+  json["shape"] = shape_word(step.shape);
+  write_list(json, "pairs", step.pairs, pair_json);
+  write_list(json, "matches", step.matches, match_json);
+  if (step.at) json["at"] = drop_json(*step.at);
+  write_posing(json, step);
+  if (step.normal_angle_deg != 0) json["normal_angle_deg"] = step.normal_angle_deg;
+  if (step.fixed) json["fixed"] = selection_json(*step.fixed);
+  if (step.reach.rings) json["reach"] = {{"rings", *step.reach.rings}};
+  if (step.reach.length) json["reach"] = {{"length", *step.reach.length}};
+  write_list(json, "features", step.features, [](const MergeFeatureSpec& feature) {
+    return Json{{"select", selection_json(feature.select)},
+                {"map", feature.similarity ? "similarity" : "affine"}};
+  });
+  if (step.smooth_boundary) json["smooth_boundary"] = true;
+  if (step.fix_winding) json["fix_winding"] = true;
+  json["settings"] = settings_json(step.settings);
+  if (const Json counts = counts_json(step.counts); !counts.empty()) json["counts"] = counts;
+  return json;
+}
+
+std::string keep_word(CutKeep keep) {
+  switch (keep) {
+    case CutKeep::above: return "above";
+    case CutKeep::below: return "below";
+    case CutKeep::both: return "both";
+  }
+  return {};
+}
+
+Json step_json(const EditStep& edit_step, const CutStep& step) {
+  Json json = {{"kind", "cut"}};
+  if (!edit_step.name.empty()) json["name"] = edit_step.name;
+  if (!edit_step.about.empty()) json["about"] = edit_step.about;
+  json["mesh"] = step.mesh;
+  if (!step.result.empty()) json["result"] = step.result;
+  if (const auto* plane = std::get_if<CutStep::Plane>(&step.along))
+    json["plane"] = plane_json(plane->point, plane->normal);
+  else
+    json["loop"] = std::get<std::vector<Index>>(step.along);
+  json["keep"] = keep_word(step.options.keep);
+  json["snap"] = step.options.snap;
+  return json;
+}
+
 Json input_json(const EditInput& input) {
   Json json = Json::object();
   if (!input.file.empty()) json["file"] = input.file;
@@ -173,15 +272,14 @@ Json input_json(const EditInput& input) {
   return json;
 }
 
-}  // namespace
-
-Json settings_json(const DeformSettings& settings) {
-  const OperatorOptions& operators = settings.deformer.operators;
+// All of them, so that a changed default changes no old edit.
+Json deformer_json(const DeformerOptions& options) {
+  const OperatorOptions& operators = options.operators;
   const bool automatic = operators.degenerate == DegenerateTreatment::automatic;
-  return {{"method", std::string(to_string(settings.deformer.method))},
-          {"stiffness", settings.deformer.stiffness},
-          {"iterations", settings.deformer.iterations},
-          {"smoothing_length_rel", settings.deformer.smoothing_length_rel},
+  return {{"method", std::string(to_string(options.method))},
+          {"stiffness", options.stiffness},
+          {"iterations", options.iterations},
+          {"smoothing_length_rel", options.smoothing_length_rel},
           {"weights", operators.weights == WeightScheme::cotangent ? "cotangent" : "uniform"},
           {"density", operators.density == Density::aware ? "aware" : "ft05"},
           {"degenerate", automatic                                           ? "auto"
@@ -193,9 +291,30 @@ Json settings_json(const DeformSettings& settings) {
           {"seed", operators.seed},
           {"laplacian_weight", operators.laplacian_weight},
           {"laplacian_order", operators.laplacian_order},
-          {"residual_corrections", settings.deformer.residual_corrections},
-          {"backend", backend_word(settings.deformer.backend)},
-          {"refine_boundary", settings.refine_boundary}};
+          {"residual_corrections", options.residual_corrections},
+          {"backend", backend_word(options.backend)}};
+}
+
+}  // namespace
+
+std::string pose_word(MergePose pose) { return pose == MergePose::keep ? "keep" : "find"; }
+
+std::string shape_word(MergeShape shape) { return shape == MergeShape::ft05 ? "ft05" : "similar"; }
+
+Json settings_json(const DeformSettings& settings) {
+  Json json = deformer_json(settings.deformer);
+  json["refine_boundary"] = settings.refine_boundary;
+  return json;
+}
+
+Json settings_json(const MergeSettings& settings) {
+  Json json = deformer_json(settings.deformer);
+  json["strip"] = settings.seam.strip == StripMethod::greedy ? "greedy" : "optimal";
+  json["edge_ratio"] = settings.seam.edge_ratio;
+  json["smoothing_steps"] = settings.seam.smoothing_steps;
+  json["band"] = settings.seam.target_rings;
+  json["sharp_angle_deg"] = settings.seam.sharp_angle_deg;
+  return json;
 }
 
 std::string backend_word(SolverBackend backend) {

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -488,6 +489,26 @@ TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {
                        "complete_words meshgraft compare --methods ar\n");
   const Outcome outcome = run("--version > /dev/null; bash complete.sh");
   EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\narap-2007\n") << outcome.err;
+}
+
+TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
+  const std::vector<std::tuple<std::string, int, std::string>> cases = {
+      {"merge sheet.obj -o o.ply", 2, "the source is missing"},
+      {"merge edit.json -o o.ply --start 1:2", 2, "--start goes with TARGET and SOURCE"},
+      {"merge sheet.obj sheet.obj -o o.ply --start 1-2", 2, "--start: '1-2' is not a number"},
+      {"merge sheet.obj sheet.obj -o o.ply --spin 30", 2, "--spin goes with --at"},
+      {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix all", 2, "--fix: 'all' is not a selection"},
+      {"merge sheet.obj sheet.obj -o o.ply --fix loop:0", 3, "steps[0].fixed: nothing stays"},
+      {"merge sheet.obj sheet.obj -o o.ply --pair 3:0", 3, "steps[0].pairs[0].target_loop"},
+      {"merge sheet.obj sheet.obj -o o.ply --match 0:9", 3, "vertex 9 is not on a boundary of the source"},
+      {"merge sheet.obj sheet.obj -o sheet.obj", 2, "this is an input"},
+  };
+  for (const auto& [arguments, status, words] : cases) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << arguments << "\n" << outcome.err;
+    EXPECT_EQ(new_files(), std::vector<std::string>()) << arguments;
+  }
 }
 
 }  // namespace

@@ -122,15 +122,6 @@ TEST(EditFile, ReadsVersionOneAsOneStep) {
   EXPECT_EQ(write_edit(parse_edit(as_version_2, "e.json")), as_version_2);
 }
 
-TEST(EditFile, SaysThatMergingIsNotPartOfThisVersion) {
-  EXPECT_EQ(
-      refusal(R"({"format": "meshgraft-edit", "version": 1, "kind": "merge", "mode": "pose-independent"})"),
-      "edit.json: kind: merging is not part of this version");
-  EXPECT_EQ(refusal(R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a.ply"}},
-                        "steps": [{"kind": "merge", "source": "x"}]})"),
-            "edit.json: steps[0].kind: 'merge' steps are not part of this version");
-}
-
 struct Refusal {
   std::string text;
   std::string message;  // what the message must hold

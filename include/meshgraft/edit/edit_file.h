@@ -14,12 +14,15 @@
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/handle.h>
 #include <meshgraft/deform/selection.h>
+#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/pose_source.h>
+#include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 
 /// A vertex set as an edit file writes it. Unlike `Selection` it may refer to other selections by name, to
-/// files, and to what an earlier step produced; `resolve_deform` replaces those by what they stand for.
+/// files, and to what an earlier step produced; running the step replaces those by what they stand for.
 struct SelectionSpec {
   using Child = std::shared_ptr<const SelectionSpec>;
   enum class SelPart { fixed, free, handle };
@@ -36,7 +39,7 @@ struct SelectionSpec {
   };  ///< a part of a `.sel` file
   struct Produced {
     std::string step, what;
-  };  ///< e.g. the loop that a cut made
+  };  ///< e.g. the loop that a cut made; docs/edit-file.md lists what steps produce
   struct Grow {
     Child of;
     int rings = 0;
@@ -148,11 +151,76 @@ struct DeformStep {
   ExpectedCounts counts;
 };
 
+/// A loop of the source and the loop of the target that it meets. A selection names all vertices of one
+/// boundary loop, in any order.
+struct MergePairSpec {
+  SelectionSpec source_loop, target_loop;
+  std::vector<Match> matches;  ///< as `MergePair::matches`; the file's `start` comes first
+};
+
+struct MergeFeatureSpec {
+  SelectionSpec select;  ///< on the source
+  bool similarity = true;
+};
+
+/// Where a part is dropped on a surface without a hole.
+struct DropSpec {
+  std::variant<Index, Eigen::Vector3d> place;  ///< a vertex of the target, or the surface nearest to a point
+  double spin_deg = 0;                         ///< turn about the target's normal
+};
+
+struct MergeSettings {
+  DeformerOptions deformer;
+  SeamOptions seam;
+};
+
+/// Numbers that a reader of the edit checks against the meshes; absent or empty ones are not checked.
+struct MergeCounts {
+  std::optional<Index> source_vertices, source_faces, target_vertices, target_faces, fixed;
+  std::optional<Index> free;                      ///< of the source: neither of its loops nor fixed
+  std::vector<Index> source_loops, target_loops;  ///< vertices of each pair's
+};
+
+/// Grafts a mesh onto another (FT05 section 5).
+struct MergeStep {
+  std::string target, source;  ///< names of inputs or of earlier steps' results
+  std::string result;          ///< name of the outcome; empty = the target's
+  MergePose pose = MergePose::find;
+  MergeShape shape = MergeShape::similar;
+  /// None: the loops that `matches` lie on, or the only loop of each mesh.
+  std::vector<MergePairSpec> pairs;
+  std::vector<Match> matches;         ///< each of the pair on whose loops it lies
+  std::optional<DropSpec> at;         ///< in the place of pairs
+  std::optional<MirrorPlane> mirror;  ///< what poses the source first: this, then one of the next two
+  std::optional<Eigen::Matrix4d> source_transform;
+  std::vector<Match> align;  ///< as `align_source`
+  std::optional<double> size;
+  double normal_angle_deg = 0;
+  std::optional<SelectionSpec> fixed;  ///< on the source
+  Reach reach;                         ///< a length in units of the source as it was before it was posed
+  std::vector<MergeFeatureSpec> features;
+  bool smooth_boundary = false;
+  bool fix_winding = false;
+  MergeSettings settings;
+  MergeCounts counts;
+};
+
+/// Cuts a mesh open.
+struct CutStep {
+  struct Plane {
+    Eigen::Vector3d point, normal;
+  };
+  std::string mesh;
+  std::string result;                             ///< name of the outcome; empty = the same name
+  std::variant<Plane, std::vector<Index>> along;  ///< a plane, or vertices that a closed curve joins
+  CutOptions options;
+};
+
 /// One step of an edit. New kinds of step join the variant.
 struct EditStep {
   std::string name;   ///< optional; unique where given
   std::string about;  ///< optional
-  std::variant<DeformStep> action;
+  std::variant<DeformStep, MergeStep, CutStep> action;
 };
 
 /// A complete edit: what to start from and what to do, in order. Each step sees the meshes as the steps before
@@ -169,6 +237,12 @@ struct EditFile {
   std::filesystem::path base_folder;  ///< what its relative paths start from
 };
 
+/// The mesh that a step works on; a merge's target.
+const std::string& mesh_of(const EditStep& step);
+
+/// The mesh that a step leaves: its `result`, or `mesh_of`.
+const std::string& outcome_of(const EditStep& step);
+
 /// Largest edit file that is read, in bytes, and its deepest nesting.
 inline constexpr std::uintmax_t edit_file_size_limit = std::uintmax_t{256} << 20;
 inline constexpr int edit_file_depth_limit = 64;
@@ -180,9 +254,12 @@ EditFile read_edit_file(const std::filesystem::path& path);
 /// The edit that `text` (JSON, UTF-8) describes. Throws Error(input) whose place is `place` and the path of the
 /// field, e.g. "edit.json: steps[0].handles[1].pose.rotate.axis", for anything that is not as
 /// docs/edit-file.md says: unknown, missing or repeated fields, wrong types and ranges, names that nothing
-/// has. A version 1 file becomes one step by the method `ft05`, for which the format was made.
+/// has. A version 1 file becomes one step by the method or shape `ft05`, for which the format was made.
 EditFile parse_edit(std::string_view text, const std::string& place,
                     const std::filesystem::path& base_folder = {});
+
+/// A selection as it stands in an edit file. Throws as `parse_edit`.
+SelectionSpec parse_selection(std::string_view text, const std::string& place);
 
 /// The edit as a version 2 file; `parse_edit` reads it back to the same.
 std::string write_edit(const EditFile& edit);

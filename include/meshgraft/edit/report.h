@@ -9,6 +9,9 @@
 #include <meshgraft/edit/edit_file.h>
 #include <meshgraft/edit/method.h>
 #include <meshgraft/linalg/linear_solver.h>
+#include <meshgraft/merge/merge.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/triage.h>
 
 namespace meshgraft {
@@ -18,11 +21,13 @@ struct StageSeconds {
   double read = 0;
   double triage = 0;    ///< with triangulation
   double select = 0;    ///< resolving selections and poses, boundary refinement
+  double match = 0;     ///< of loops
   double assemble = 0;  ///< all of the set-up but the next two
   double analyse = 0;
   double factorise = 0;
   double basis = 0;  ///< columns that make later evaluations cheap
   double solve = 0;
+  double seam = 0;
   double measure = 0;  ///< residual, conditioning, quality
   double write = 0;
   double total = 0;
@@ -33,10 +38,34 @@ struct DeformCounts {
   Index free = 0, fixed = 0, handle = 0, degenerate = 0;
 };
 
-/// What one deform step did.
+/// What a merge step did beside moving vertices.
+struct MergeOutcome {
+  std::string source;    ///< name of the mesh that was grafted
+  MergeOptions options;  ///< in force
+  MergeReport report;
+  IndexMap target_map, source_map;  ///< vertices of the two, old → new, -1 where one was removed
+  std::vector<Index> new_faces;
+  Points grafted;  ///< the source's vertices after the solve, before the seam (n×3)
+  /// Pairs of faces of the result that intersect, a vertex of the source or of the seam among theirs, and pairs
+  /// that the source had already; absent where it cannot be told.
+  std::optional<Index> self_intersections, source_self_intersections;
+};
+
+/// What a cut step did.
+struct CutOutcome {
+  CutOptions options;
+  std::vector<std::vector<Index>> loops;  ///< that the cut made
+  IndexMap map;                           ///< vertices, old → new
+  TopologySummary topology;               ///< of what was kept
+};
+
+/// What one step did. A cut or a merge has its own part; what is of deforming alone is then as it begins.
 struct StepReport {
   std::string name;
-  std::string mesh;
+  std::string mesh;    ///< that it worked on; a merge's target
+  std::string result;  ///< that it left
+  std::optional<MergeOutcome> merge;
+  std::optional<CutOutcome> cut;
   Method method;
   DeformSettings settings;  ///< of which a published method takes the backend and `refine_boundary`
   DeformCounts counts;
@@ -65,8 +94,9 @@ struct EditReport {
   SolverStatistics solver;                     ///< of the step with the most free vertices
   std::optional<EvaluationReport> evaluation;  ///< the largest residual and deviation
   std::optional<double> condition_estimate;    ///< the largest
-  double max_displacement = 0;                 ///< from the result mesh's input, model units
-  Quality quality;                             ///< the result against its input
+  bool deformed = false;                       ///< whether the next two tell anything: a deform step came last
+  double max_displacement = 0;                 ///< from `EditResult::rest`, model units
+  Quality quality;                             ///< the result against `EditResult::rest`
 };
 
 /// The report as JSON (docs/report.md). Non-finite numbers are written as null.

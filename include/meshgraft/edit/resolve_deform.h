@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include <meshgraft/edit/edit_file.h>
 
 namespace meshgraft {
+
+/// What the steps of an edit produced on one mesh, by step and by what: vertices, loops in their order.
+using ProducedSets = std::map<std::string, std::map<std::string, std::vector<Index>>>;
 
 /// A deform step with every selection and file replaced by what it stands for on one mesh.
 struct ResolvedDeform {
@@ -23,6 +27,6 @@ struct ResolvedDeform {
 /// with two roles, a handle outside the region, and counts that differ; Error(io) for a file that cannot be
 /// read.
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
-                              const std::string& place);
+                              const std::string& place, const ProducedSets& produced = {});
 
 }  // namespace meshgraft

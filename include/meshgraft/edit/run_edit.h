@@ -20,18 +20,25 @@ struct SettingsOverrides {
   std::optional<Density> density;
   std::optional<DegenerateTreatment> degenerate;
   std::optional<SolverBackend> backend;
+  std::optional<MergeShape> shape;
 };
 
 struct RunOptions {
   SettingsOverrides overrides;
   bool estimate_condition = true;  ///< costs a few solves
+  /// A merge whose result intersects itself where it did not before fails, Error(unsolvable), instead of a
+  /// note.
+  bool strict = false;
 };
 
 struct EditResult {
-  Mesh mesh;    ///< the edit's output, with the topology, order and attributes of its input
-  Points rest;  ///< n×3, its positions before the edit
+  Mesh mesh;    ///< the edit's output; without cuts and merges it has the topology and order of its input
+  Points rest;  ///< n×3, its positions before the edit, or since it was cut or merged last
   EditReport report;
 };
+
+/// Reads one of an edit's inputs. Throws Error(io) and Error(input), naming it.
+Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context = {});
 
 /// Runs an edit: reads its inputs, checks them, runs the steps in order. Writes nothing. The result depends on
 /// the edit and its inputs alone, to the bit, not on `context`.

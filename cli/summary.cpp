@@ -1,0 +1,92 @@
+#include "summary.h"
+
+#include <string>
+
+#include <fmt/format.h>
+
+namespace meshgraft::cli {
+
+namespace {
+
+std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
+
+void print_deform(const StepReport& step, const std::string& name) {
+  fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
+             name, step.counts.free, step.counts.handle, step.counts.fixed, step.max_displacement);
+  if (step.counts.fixed == 0 && step.counts.free + step.counts.handle == step.counts.vertices)
+    fmt::print("  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
+               name);
+}
+
+void print_pairs(const MergeReport& report, const std::string& name) {
+  for (const PairReport& pair : report.pairs)
+    fmt::print("  {}matched {} vertices of the target with {} of the source, {}:{} first{}\n", name,
+               pair.target_vertices, pair.source_vertices, pair.start.target, pair.start.source,
+               pair.confidence < 1 ? fmt::format(" (found, confidence {:.2f})", pair.confidence) : "");
+}
+
+void print_merge(const StepReport& step, const std::string& name) {
+  const MergeReport& report = step.merge->report;
+  print_pairs(report, name);
+  const ShapeReport& shape = report.shape;
+  fmt::print("  {}the part was scaled by {:.4g} and keeps its shape to {:.2g} % of its size\n", name,
+             shape.similarity.scale, 100 * shape.distance_rel);
+  const SeamReport& seam = report.seam;
+  fmt::print(
+      "  {}seam: {} new faces, {}{}smallest angles {:.0f}° (p1), bends by {:.0f}° (p99; beside it {:.0f}° "
+      "and {:.0f}°), the target moved by {:.2g} % of the size\n",
+      name, seam.new_faces, seam.manifold && seam.oriented ? "" : "not a manifold, ",
+      seam.closed ? "closed, " : "", seam.angle_p1_deg, seam.dihedral_p99_deg, seam.target_dihedral_p99_deg,
+      seam.source_dihedral_p99_deg, 100 * seam.band_displacement_rel);
+  const StageSeconds& seconds = step.seconds;
+  fmt::print(
+      "  {}{} vertices, {} faces in {:.2f} s (match {:.2f} s, set-up {:.2f} s, solve {:.2f} s, seam {:.2f} "
+      "s)\n",
+      name, step.counts.vertices, step.counts.faces, seconds.total, seconds.match,
+      seconds.assemble + seconds.factorise, seconds.solve, seconds.seam);
+}
+
+void print_cut(const StepReport& step, const std::string& name) {
+  std::string loops;
+  for (const auto& loop : step.cut->loops) loops += fmt::format("{}{}", loops.empty() ? "" : ", ", loop.size());
+  fmt::print("  {}cut: loops of {} vertices; {} vertices, {} faces are left\n", name, loops,
+             step.counts.vertices, step.counts.faces);
+}
+
+void print_quality(const EditReport& report, const Points& rest) {
+  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+  const Quality& quality = report.quality;
+  const std::string volume =
+      quality.volume_ratio ? fmt::format(", volume {}", percent(*quality.volume_ratio)) : std::string();
+  const std::string intersections =
+      quality.new_self_intersections
+          ? fmt::format(", {} new self-intersections", *quality.new_self_intersections)
+          : std::string();
+  fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°, {} flipped faces{}\n",
+             100 * quality.edge_rms, percent(quality.area_ratio), volume, quality.dihedral_p99_deg,
+             quality.flipped_faces, intersections);
+  fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
+             size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,
+             report.seconds.analyse + report.seconds.factorise, report.seconds.solve);
+}
+
+}  // namespace
+
+void print_summary(const EditReport& report, const Points& rest) {
+  for (const EditReport::Input& input : report.inputs)
+    fmt::print("{}: {} vertices, {} faces\n", input.source, input.vertices, input.faces);
+  for (const StepReport& step : report.steps) {
+    const std::string name = step.name.empty() ? "" : step.name + ": ";
+    if (step.merge)
+      print_merge(step, name);
+    else if (step.cut)
+      print_cut(step, name);
+    else
+      print_deform(step, name);
+    for (const std::string& note : step.notes) fmt::print("  {}note: {}\n", name, note);
+  }
+  if (report.deformed) print_quality(report, rest);
+  for (const std::string& output : report.outputs) fmt::print("  wrote {}\n", output);
+}
+
+}  // namespace meshgraft::cli

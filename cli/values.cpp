@@ -1,0 +1,31 @@
+#include "values.h"
+
+namespace meshgraft::cli {
+
+PlaneText parse_plane(const std::string& text, const std::string& option) {
+  PlaneText plane;
+  if (text.size() > 2 && text[1] == '=' && text[0] >= 'x' && text[0] <= 'z') {
+    const auto values = numbers<double>(std::string_view(text).substr(2), option);
+    if (values.size() == 1) {
+      plane.point[text[0] - 'x'] = values[0];
+      plane.normal[text[0] - 'x'] = 1;
+      return plane;
+    }
+  } else if (const auto values = numbers<double>(text, option); values.size() == 6) {
+    plane.point = Eigen::Map<const Eigen::Vector3d>(values.data());
+    plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
+    return plane;
+  }
+  throw Error(ErrorCode::usage, fmt::format("'{}' is not a plane", text), option,
+              "Give x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz.");
+}
+
+std::array<Index, 2> index_pair(const std::string& text, const std::string& option) {
+  const auto values = numbers<Index>(text, option, ':');
+  if (values.size() != 2 || values[0] < 0 || values[1] < 0)
+    throw Error(ErrorCode::usage, fmt::format("'{}' is not a pair TARGET:SOURCE of numbers from 0 on", text),
+                option);
+  return {values[0], values[1]};
+}
+
+}  // namespace meshgraft::cli

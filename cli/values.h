@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Core>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft::cli {
+
+/// Numbers with `separator` between them and nothing else. Throws Error(usage) that names `option`.
+template <class T>
+std::vector<T> numbers(std::string_view text, const std::string& option, char separator = ',') {
+  std::vector<T> values;
+  while (true) {
+    const std::string_view word = text.substr(0, text.find(separator));
+    T value{};
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size())
+      throw Error(ErrorCode::usage, fmt::format("'{}' is not a number", word), option,
+                  fmt::format("Numbers are separated by '{}', without spaces.", separator));
+    values.push_back(value);
+    if (word.size() == text.size()) return values;
+    text.remove_prefix(word.size() + 1);
+  }
+}
+
+/// "x=0.5" (or y, z), or a point and a normal as px,py,pz,nx,ny,nz. Throws Error(usage) that names `option`.
+struct PlaneText {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+};
+PlaneText parse_plane(const std::string& text, const std::string& option);
+
+/// "12:7", two numbers from 0 on. Throws Error(usage) that names `option`.
+std::array<Index, 2> index_pair(const std::string& text, const std::string& option);
+
+}  // namespace meshgraft::cli

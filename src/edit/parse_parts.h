@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include <meshgraft/edit/edit_file.h>
+
+#include "json_value.h"
+
+namespace meshgraft {
+
+// Parts of an edit file that several of its parsers read.
+
+inline constexpr int max_rings = 1'000'000;
+
+SelectionSpec parse_selection(const json::Value& value);
+
+/// The fields of settings that `parse_deformer` reads.
+inline constexpr std::array<std::string_view, 15> deformer_fields = {
+    "method",  "stiffness",        "iterations",      "smoothing_length_rel", "weights",
+    "density", "degenerate",       "apex_height_rel", "noise_length_rel",     "flatness",
+    "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
+DeformerOptions parse_deformer(const json::Object& fields);
+
+EditStep parse_merge_step(const json::Value& value);
+EditStep parse_cut_step(const json::Value& value);
+EditFile parse_merge_version_1(const json::Value& root);
+
+}  // namespace meshgraft

@@ -1,0 +1,80 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "run_steps.h"
+#include "stopwatch.h"
+
+namespace meshgraft {
+
+namespace {
+
+CutResult cut(const Mesh& mesh, const CutStep& step, const Context& context) {
+  if (const auto* plane = std::get_if<CutStep::Plane>(&step.along))
+    return cut_by_plane(mesh, plane->point, plane->normal, step.options, context);
+  return cut_along_loop(mesh, std::get<std::vector<Index>>(step.along), step.options, context);
+}
+
+std::vector<Index> vertices_beside(const CutResult& result, int side) {
+  std::vector<Index> vertices;
+  for (Index f = 0; f < result.mesh.face_count(); ++f)
+    if (result.face_side[static_cast<std::size_t>(f)] == side)
+      vertices.insert(vertices.end(), result.mesh.faces[f].begin(), result.mesh.faces[f].end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+// "loop" where the cut made one, "loop 0" and so on in any case, "above" and "below".
+std::map<std::string, std::vector<Index>> sets_of(const CutResult& result) {
+  std::map<std::string, std::vector<Index>> sets;
+  for (std::size_t k = 0; k < result.loops.size(); ++k) sets[fmt::format("loop {}", k)] = result.loops[k];
+  if (result.loops.size() == 1) sets["loop"] = result.loops.front();
+  sets["above"] = vertices_beside(result, 1);
+  sets["below"] = vertices_beside(result, -1);
+  return sets;
+}
+
+}  // namespace
+
+StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map<std::string, Scene>& scenes,
+                   const Context& context) {
+  const auto& step = std::get<CutStep>(edit_step.action);
+  Stopwatch watch;
+  const Scene& scene = scenes.at(step.mesh);
+  require_usable(scene.triage, scene.mesh, {}, scene.label);
+  StepReport report;
+  report.mesh = step.mesh;
+  report.result = outcome_of(edit_step);
+
+  context.step("cut");
+  CutResult result;
+  try {
+    result = cut(scene.mesh, step, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    throw error.within(place);
+  }
+  report.seconds.solve = watch.lap();
+  ProducedSets produced;
+  carry_produced(scene.produced, result.vertex, produced);
+  if (!edit_step.name.empty()) produced[edit_step.name] = sets_of(result);
+  report.cut = CutOutcome{step.options, std::move(result.loops), std::move(result.vertex),
+                          summarise_topology(result.mesh)};
+  report.counts.vertices = result.mesh.vertex_count();
+  report.counts.faces = result.mesh.face_count();
+
+  result.mesh.source = nullptr;
+  Scene opened = make_scene(std::move(result.mesh), scene.label + ", cut", context);
+  opened.produced = std::move(produced);
+  scenes.insert_or_assign(report.result, std::move(opened));
+  report.seconds.triage = watch.lap();
+  report.seconds.total = watch.seconds();
+  return report;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,351 @@
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/intersections.h>
+#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/pose_source.h>
+
+#include "run_steps.h"
+#include "selection_resolver.h"
+#include "stopwatch.h"
+
+namespace meshgraft {
+
+namespace {
+
+// One of the two meshes, as a step sees it.
+struct Side {
+  std::string name;  // "source" or "target", as fields and messages call it
+  const Scene& scene;
+  SelectionContext context;
+  SelectionResolver selections;
+
+  Side(std::string name_, const EditFile& edit, const Scene& scene_)
+      : name(std::move(name_)), scene(scene_), context(scene.mesh), selections(edit, context, scene.produced) {}
+};
+
+std::string loop_list(const Side& side) {
+  std::string list;
+  constexpr std::size_t most = 8;
+  const auto& loops = side.context.loops;
+  for (std::size_t k = 0; k < std::min(most, loops.size()); ++k)
+    list += fmt::format("{}{} ({} vertices)", k == 0 ? "" : ", ", k, loops[k].size());
+  return loops.size() > most ? list + ", …" : list;
+}
+
+void require_loops(const Side& side, const std::string& place) {
+  if (side.context.loops.empty())
+    throw Error(ErrorCode::input, fmt::format("the {} ({}) has no boundary loop", side.name, side.scene.label),
+                place, "Cut it open first: 'meshgraft cut'.");
+}
+
+// The boundary loop that has exactly the selected vertices.
+std::size_t loop_of(Side& side, const SelectionSpec& spec, const std::string& place) {
+  require_loops(side, place);
+  const std::vector<Index> wanted = side.selections.vertices(spec, place);
+  const auto& loops = side.context.loops;
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    if (loops[k].size() != wanted.size()) continue;
+    std::vector<Index> sorted = loops[k];
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted == wanted) return k;
+  }
+  const auto is_on_boundary = [&](Index v) {
+    return std::any_of(loops.begin(), loops.end(),
+                       [&](const auto& loop) { return std::find(loop.begin(), loop.end(), v) != loop.end(); });
+  };
+  const auto stray = std::find_if_not(wanted.begin(), wanted.end(), is_on_boundary);
+  const std::string problem =
+      stray != wanted.end()
+          ? fmt::format("vertex {} is not on a boundary of the {}", *stray, side.name)
+          : fmt::format("the {} selected vertices are not those of one boundary loop of the {}", wanted.size(),
+                        side.name);
+  throw Error(ErrorCode::input, problem, place, fmt::format("Its loops are {}.", loop_list(side)));
+}
+
+// The boundary loop that a matched vertex lies on.
+std::size_t loop_through(const Side& side, Index vertex, const std::string& place) {
+  require_loops(side, place);
+  const auto& loops = side.context.loops;
+  for (std::size_t k = 0; k < loops.size(); ++k)
+    if (std::find(loops[k].begin(), loops[k].end(), vertex) != loops[k].end()) return k;
+  throw Error(ErrorCode::input,
+              vertex < side.scene.mesh.vertex_count()
+                  ? fmt::format("vertex {} is not on a boundary of the {}", vertex, side.name)
+                  : fmt::format("there is no vertex {} among the {}'s {}", vertex, side.name,
+                                side.scene.mesh.vertex_count()),
+              place, fmt::format("Its loops are {}.", loop_list(side)));
+}
+
+/// Loops that meet, by their numbers.
+struct LoopNumbers {
+  std::size_t source = 0, target = 0;
+  std::vector<Match> matches;
+};
+
+std::vector<LoopNumbers> listed_pairs(const MergeStep& step, Side& source, Side& target,
+                                      const std::string& place) {
+  std::vector<LoopNumbers> pairs;
+  for (std::size_t i = 0; i < step.pairs.size(); ++i) {
+    const std::string where = fmt::format("{}.pairs[{}]", place, i);
+    pairs.push_back({loop_of(source, step.pairs[i].source_loop, where + ".source_loop"),
+                     loop_of(target, step.pairs[i].target_loop, where + ".target_loop"),
+                     step.pairs[i].matches});
+  }
+  return pairs;
+}
+
+// Puts each match of the step to the pair on whose loops it lies; makes that pair where none is listed.
+void add_matches(const MergeStep& step, const Side& source, const Side& target, std::vector<LoopNumbers>& pairs,
+                 const std::string& place) {
+  for (std::size_t i = 0; i < step.matches.size(); ++i) {
+    const std::string where = fmt::format("{}.matches[{}]", place, i);
+    const std::size_t from = loop_through(source, step.matches[i].source, where);
+    const std::size_t to = loop_through(target, step.matches[i].target, where);
+    auto pair = std::find_if(pairs.begin(), pairs.end(),
+                             [&](const LoopNumbers& p) { return p.source == from || p.target == to; });
+    if (pair == pairs.end() && step.pairs.empty()) pair = pairs.insert(pairs.end(), {from, to, {}});
+    if (pair == pairs.end() || pair->source != from || pair->target != to)
+      throw Error(
+          ErrorCode::input,
+          fmt::format("it joins loop {} of the source and loop {} of the target, which are no pair", from, to),
+          where);
+    pair->matches.push_back(step.matches[i]);
+  }
+}
+
+std::vector<MergePair> resolve_pairs(const MergeStep& step, Side& source, Side& target,
+                                     const std::string& place) {
+  std::vector<LoopNumbers> numbers = listed_pairs(step, source, target, place);
+  add_matches(step, source, target, numbers, place);
+  if (numbers.empty()) {
+    for (const Side* side : {&target, &source}) require_loops(*side, place);
+    if (source.context.loops.size() != 1 || target.context.loops.size() != 1)
+      throw Error(ErrorCode::input,
+                  fmt::format("which loops meet is not clear: the target has {}, the source has {}",
+                              loop_list(target), loop_list(source)),
+                  place,
+                  "Say so with 'pairs' ('--pair TARGET_LOOP:SOURCE_LOOP'), or match a vertex of each loop.");
+    numbers.push_back({});
+  }
+  std::vector<MergePair> pairs;
+  for (LoopNumbers& pair : numbers)
+    pairs.push_back(
+        {{source.context.loops[pair.source], target.context.loops[pair.target]}, std::move(pair.matches)});
+  return pairs;
+}
+
+void require_counts(const MergeCounts& expected, const Side& source, const Side& target,
+                    const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& place) {
+  const auto require = [&](const char* name, const std::optional<Index>& count, std::size_t found) {
+    if (count && static_cast<std::size_t>(*count) != found)
+      throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, found),
+                  fmt::format("{}.counts.{}", place, name), "Is it the right mesh?");
+  };
+  const auto require_sizes = [&](const char* name, const std::vector<Index>& sizes, auto size_of) {
+    if (sizes.empty()) return;
+    require(name, static_cast<Index>(sizes.size()), pairs.size());
+    for (std::size_t i = 0; i < sizes.size(); ++i) require(name, sizes[i], size_of(pairs[i].loops));
+  };
+  const auto size = [](Index count) { return static_cast<std::size_t>(count); };
+  require("source_vertices", expected.source_vertices, size(source.scene.mesh.vertex_count()));
+  require("source_faces", expected.source_faces, size(source.scene.mesh.face_count()));
+  require("target_vertices", expected.target_vertices, size(target.scene.mesh.vertex_count()));
+  require("target_faces", expected.target_faces, size(target.scene.mesh.face_count()));
+  require_sizes("source_loops", expected.source_loops, [](const LoopPair& pair) { return pair.source.size(); });
+  require_sizes("target_loops", expected.target_loops, [](const LoopPair& pair) { return pair.target.size(); });
+  require("fixed", expected.fixed, fixed);
+  std::size_t free = size(source.scene.mesh.vertex_count()) - fixed;
+  for (const MergePair& pair : pairs) free -= std::min(free, pair.loops.source.size());
+  require("free", expected.free, free);
+}
+
+// What the step asks of `merge`, but for lengths of the source before it was posed.
+MergeOptions resolve_options(const MergeStep& step, Side& source, const SettingsOverrides& overrides,
+                             const std::string& place) {
+  MergeOptions options;
+  options.pose = step.pose;
+  options.shape = overrides.shape.value_or(step.shape);
+  options.reach = step.reach;
+  if (step.fixed) options.fixed = source.selections.vertices(*step.fixed, place + ".fixed");
+  for (std::size_t i = 0; i < step.features.size(); ++i)
+    options.features.push_back(
+        {source.selections.vertices(step.features[i].select, fmt::format("{}.features[{}].select", place, i)),
+         step.features[i].similarity});
+  options.size = step.size;
+  options.normal_angle_deg = step.normal_angle_deg;
+  options.smooth_boundary = step.smooth_boundary;
+  options.fix_winding = step.fix_winding;
+  options.deformer = effective_options(step.settings.deformer, overrides);
+  options.seam = step.settings.seam;
+  return options;
+}
+
+// How the step poses the source before it is merged.
+Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh& target,
+                          const std::string& place) {
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  if (step.mirror) map = reflection(*step.mirror, place + ".mirror");
+  if (step.source_transform) map = Eigen::Affine3d(*step.source_transform) * map;
+  if (step.align.empty()) return map;
+  Mesh mirrored;
+  mirrored.positions = (source.positions * map.linear().transpose()).rowwise() + map.translation().transpose();
+  return align_source(mirrored, target, step.align, place + ".align") * map;
+}
+
+Mesh posed(const MergeStep& step, const Mesh& source, const Mesh& target, MergeOptions& options,
+           const std::string& place) {
+  const Eigen::Affine3d map = posing_of(step, source, target, place);
+  if (options.reach.length) *options.reach.length *= std::cbrt(std::abs(map.linear().determinant()));
+  if (map.matrix() == Eigen::Matrix4d::Identity()) return source;
+  return transformed(source, map, place + ".source_transform");
+}
+
+// The error of a library call, at the field of the step that it is about.
+Error placed(const Error& error, const std::string& place) {
+  const std::string& inner = error.place();
+  if (inner.starts_with("pair "))
+    return Error(error.code(), error.problem(), fmt::format("{}.pairs[{}]", place, inner.substr(5)),
+                 error.remedy());
+  for (const char* field : {"size", "normal_angle_deg", "reach", "fixed", "features"})
+    if (inner == field) return Error(error.code(), error.problem(), place + "." + inner, error.remedy());
+  return error.within(place);
+}
+
+std::optional<Index> count_intersections(const Mesh& mesh, std::span<const Index> vertices,
+                                         const Context& context) {
+  const auto found = self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
+  return found ? std::optional<Index>(static_cast<Index>(found->size())) : std::nullopt;
+}
+
+// Of the result, where the source or the seam takes part.
+void check_intersections(const Mesh& source, const Mesh& result, MergeOutcome& outcome,
+                         const Context& context) {
+  std::vector<Index> moved, all;
+  for (Index v = 0; v < source.vertex_count(); ++v) {
+    all.push_back(v);
+    const Index now = outcome.source_map.new_index[static_cast<std::size_t>(v)];
+    if (now >= 0) moved.push_back(now);
+  }
+  for (const Index face : outcome.new_faces)
+    moved.insert(moved.end(), result.faces[face].begin(), result.faces[face].end());
+  std::sort(moved.begin(), moved.end());
+  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+  outcome.self_intersections = count_intersections(result, moved, context);
+  if (outcome.self_intersections.value_or(0) > 0)
+    outcome.source_self_intersections = count_intersections(source, all, context);
+  else
+    outcome.source_self_intersections = outcome.self_intersections;
+}
+
+void judge_intersections(const MergeOutcome& outcome, bool strict, std::vector<std::string>& notes,
+                         const std::string& place) {
+  const Index found = outcome.self_intersections.value_or(0);
+  if (found <= outcome.source_self_intersections.value_or(0)) return;
+  const std::string problem = fmt::format("{} pairs of faces of the result intersect", found);
+  if (strict) throw Error(ErrorCode::unsolvable, problem, place, "Another start, size or shape may help.");
+  notes.push_back(problem);
+}
+
+std::vector<Index> present(const IndexMap& map, Index count) {
+  std::vector<Index> vertices;
+  for (Index v = 0; v < count; ++v)
+    if (map.new_index[static_cast<std::size_t>(v)] >= 0)
+      vertices.push_back(map.new_index[static_cast<std::size_t>(v)]);
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+std::vector<Index> seam_vertices(const Mesh& mesh, const std::vector<Index>& faces) {
+  std::vector<Index> vertices;
+  for (const Index face : faces)
+    vertices.insert(vertices.end(), mesh.faces[face].begin(), mesh.faces[face].end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+// The merged mesh, with all that later steps may name on it.
+Scene merged_scene(MergeResult& result, const EditStep& step, const Scene& target, const Scene& source,
+                   const Context& context) {
+  ProducedSets produced;
+  carry_produced(source.produced, result.source, produced);
+  carry_produced(target.produced, result.target, produced);
+  if (!step.name.empty())
+    produced[step.name] = {{"target", present(result.target, target.mesh.vertex_count())},
+                           {"source", present(result.source, source.mesh.vertex_count())},
+                           {"seam", seam_vertices(result.mesh, result.new_faces)}};
+  result.mesh.source = nullptr;
+  Scene scene =
+      make_scene(std::move(result.mesh), fmt::format("{} with {}", target.label, source.label), context);
+  scene.produced = std::move(produced);
+  return scene;
+}
+
+void take_seconds(const MergeReport& report, StageSeconds& seconds) {
+  seconds.match = report.match_seconds;
+  seconds.assemble = report.assemble_seconds;
+  seconds.factorise = report.factorise_seconds;
+  seconds.solve = report.solve_seconds;
+  seconds.seam = report.seam_seconds;
+  seconds.measure = report.measure_seconds;
+}
+
+}  // namespace
+
+StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
+  const auto& step = std::get<MergeStep>(edit_step.action);
+  if (step.at)
+    throw Error(ErrorCode::input, "a surface cannot be opened for a part that is dropped on it", place + ".at",
+                "Cut a hole with a step of the kind 'cut' and name the loops in 'pairs'.");
+  Stopwatch watch;
+  StepReport report;
+  report.mesh = step.target;
+  report.result = outcome_of(edit_step);
+  MergeOutcome& outcome = report.merge.emplace();
+  outcome.source = step.source;
+
+  context.step("select");
+  Side source("source", edit, scenes.at(step.source)), target("target", edit, scenes.at(step.target));
+  for (const Side* side : {&source, &target})
+    require_usable(side->scene.triage, side->scene.mesh, {}, side->scene.label);
+  const std::vector<MergePair> pairs = resolve_pairs(step, source, target, place);
+  outcome.options = resolve_options(step, source, options.overrides, place);
+  require_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
+  const Mesh part = posed(step, source.scene.mesh, target.scene.mesh, outcome.options, place);
+  report.seconds.select = watch.lap();
+
+  MergeResult result;
+  try {
+    result = merge(target.scene.mesh, part, pairs, outcome.options, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    throw placed(error, place);
+  }
+  watch.lap();
+  take_seconds(result.report, report.seconds);
+  outcome.report = std::move(result.report);
+  outcome.target_map = result.target;
+  outcome.source_map = result.source;
+  outcome.new_faces = result.new_faces;
+  outcome.grafted = std::move(result.grafted);
+  report.notes = outcome.report.notes;
+  context.step("measure");
+  check_intersections(part, result.mesh, outcome, context);
+  judge_intersections(outcome, options.strict, report.notes, place);
+  report.seconds.measure += watch.lap();
+
+  report.counts.vertices = result.mesh.vertex_count();
+  report.counts.faces = result.mesh.face_count();
+  scenes.insert_or_assign(report.result, merged_scene(result, edit_step, target.scene, source.scene, context));
+  report.seconds.triage = watch.lap();
+  report.seconds.total = watch.seconds();
+  return report;
+}
+
+}  // namespace meshgraft

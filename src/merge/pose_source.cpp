@@ -1,0 +1,93 @@
+#include <meshgraft/merge/pose_source.h>
+
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/winding.h>
+
+namespace meshgraft {
+
+namespace {
+
+void transform_normals(Attribute& normals, const Eigen::Matrix3d& linear) {
+  const Eigen::Matrix3d cofactors = linear.determinant() * linear.inverse().transpose();
+  for (std::size_t k = 0; k + 2 < normals.values.size(); k += 3) {
+    Eigen::Map<Eigen::Vector3d> normal(&normals.values[k]);
+    const double length = normal.norm();
+    if (!(length > 0)) continue;  // none there
+    normal = (cofactors * normal).normalized() * length;
+  }
+}
+
+Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side, const std::string& place) {
+  Points points(static_cast<Eigen::Index>(pairs.size()), 3);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Index v = pairs[i].*side;
+    if (v < 0 || v >= mesh.vertex_count())
+      throw Error(ErrorCode::input,
+                  fmt::format("there is no vertex {} among the {}'s {}", v,
+                              side == &Match::source ? "source" : "target", mesh.vertex_count()),
+                  fmt::format("{}[{}]", place, i));
+    points.row(static_cast<Eigen::Index>(i)) = mesh.positions.row(v);
+  }
+  return points;
+}
+
+// Points that (nearly) lie on a line leave a turn about it open.
+bool on_a_line(const Points& points) {
+  const Points centred = points.rowwise() - points.colwise().mean();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(centred.transpose() * centred,
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d& extent = spread.eigenvalues();  // ascending
+  return !(extent(1) > 1e-12 * extent(2));
+}
+
+}  // namespace
+
+Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& place) {
+  const Eigen::Matrix3d linear = map.linear();
+  const double determinant = linear.determinant();
+  if (!(std::abs(determinant) > 1e-12 * std::pow(linear.norm(), 3)))
+    throw Error(ErrorCode::input, "the transform flattens the source", place);
+  Mesh moved = mesh;
+  moved.positions = ((mesh.positions * linear.transpose()).rowwise() + map.translation().transpose()).eval();
+  for (Attribute& attribute : moved.attributes)
+    if ((attribute.name == "normal" || attribute.name == cut_normal_name) && attribute.components == 3)
+      transform_normals(attribute, linear);
+  moved.source = nullptr;
+  return determinant < 0 ? turned_over(moved) : moved;
+}
+
+Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& place) {
+  const double length = plane.normal.norm();
+  if (!(length > 0)) throw Error(ErrorCode::input, "the normal has no length", place);
+  const Eigen::Vector3d n = plane.normal / length;
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  map.linear() -= 2 * n * n.transpose();
+  map.translation() = 2 * n.dot(plane.point) * n;
+  return map;
+}
+
+Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs,
+                             const std::string& place) {
+  if (pairs.size() < 3)
+    throw Error(ErrorCode::input, fmt::format("three pairs of vertices pose a part, {} given", pairs.size()),
+                place);
+  const Points from = gathered(source, pairs, &Match::source, place);
+  const Points to = gathered(target, pairs, &Match::target, place);
+  for (const Points* side : {&from, &to})
+    if (on_a_line(*side))
+      throw Error(ErrorCode::input,
+                  fmt::format("the vertices of the {} lie on a line, so that any turn about it fits",
+                              side == &from ? "source" : "target"),
+                  place, "Choose vertices that span a triangle.");
+  return Eigen::Affine3d(Eigen::umeyama(from.transpose(), to.transpose(), true));
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,122 @@
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "support/mesh_families.h"
+
+namespace meshgraft {
+namespace {
+
+// A bumpy ball is cut apart, its cap put back, and the cap bent: three kinds of steps in one file.
+const std::string cuts = R"(
+  {"kind": "cut", "name": "open", "mesh": "ball", "result": "body",
+   "plane": {"point": [0, 0, 0.3], "normal": [0, 0, 1]}, "keep": "below"},
+  {"kind": "cut", "name": "take", "mesh": "ball", "result": "cap",
+   "plane": {"point": [0, 0, 0.3], "normal": [0, 0, 1]}, "keep": "above"})";
+const std::string by_loops = R"("pairs": [{"source_loop": {"produced": {"step": "take", "what": "loop"}},
+                                          "target_loop": {"produced": {"step": "open", "what": "loop"}}}])";
+
+class MergeEdit : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / (std::string("meshgraft_merge_edit_") + test->name());
+    std::filesystem::create_directories(folder_);
+    const test::TestMesh ball = test::bumpy_sphere(3);
+    Mesh mesh = make_mesh(ball.positions, ball.triangles);
+    Attribute height{.name = "height"};
+    for (Index v = 0; v < mesh.vertex_count(); ++v) height.values.push_back(mesh.positions(v, 2));
+    mesh.attributes.push_back(height);
+    write_mesh(mesh, folder_ / "ball.ply");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  EditFile edit(const std::string& steps) const {
+    return parse_edit(R"({"format": "meshgraft-edit", "version": 2, "inputs": {"ball": {"file": "ball.ply"}},
+                          "steps": [)" +
+                          steps + "]}",
+                      "edit.json", folder_);
+  }
+  EditFile merge(const std::string& fields, const std::string& more = "") const {
+    return edit(cuts +
+                R"(, {"kind": "merge", "name": "graft", "target": "body", "source": "cap", "result": "whole")" +
+                (fields.empty() ? "" : ", " + fields) + "}" + more);
+  }
+  std::string message(const std::string& fields) const {
+    try {
+      run_edit(merge(fields));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      return error.what();
+    }
+    return "(accepted)";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(MergeEdit, CutsMergesAndDeformsInOneFile) {
+  const EditResult merged = run_edit(merge(R"("pose": "keep", )" + by_loops));
+  const TopologySummary topology = summarise_topology(merged.mesh);
+  EXPECT_TRUE(topology.closed && topology.manifold && topology.oriented);
+  EXPECT_EQ(topology.genus, 0);
+  EXPECT_EQ(merged.mesh.source, nullptr);
+  EXPECT_FALSE(merged.report.deformed);
+
+  const std::string bend = R"(, {"kind": "deform", "mesh": "whole",
+    "region": {"produced": {"step": "graft", "what": "source"}},
+    "handles": [{"name": "top", "select": {"nearest": [0, 0, 2]}, "pose": {"translate": [0, 0, 0.5]}}]})";
+  const EditResult bent = run_edit(merge(R"("pose": "keep", )" + by_loops, bend));
+  EXPECT_TRUE(bent.report.deformed);
+  EXPECT_EQ(bent.rest, merged.mesh.positions);
+  EXPECT_NEAR(bent.report.max_displacement, 0.5, 0.1);
+  const MergeOutcome& outcome = *bent.report.steps[2].merge;
+  for (const Index v : outcome.target_map.new_index)
+    if (v >= 0 && std::find(outcome.source_map.new_index.begin(), outcome.source_map.new_index.end(), v) ==
+                      outcome.source_map.new_index.end())
+      ASSERT_EQ(bent.mesh.positions.row(v), bent.rest.row(v)) << "the body is not in the region";
+}
+
+TEST_F(MergeEdit, KeepsAttributesAndMapsVertices) {
+  const EditResult result = run_edit(merge(R"("pose": "keep", "settings": {"band": 0}, )" + by_loops));
+  const MergeOutcome& outcome = *result.report.steps[2].merge;
+  const Attribute* height = result.mesh.find_attribute(Domain::vertex, "height");
+  ASSERT_NE(height, nullptr);
+  Index kept = 0;
+  for (const Index v : outcome.target_map.new_index) {
+    if (v < 0) continue;
+    ++kept;
+    EXPECT_NEAR(height->values[static_cast<std::size_t>(v)], result.mesh.positions(v, 2), 1e-6);
+  }
+  EXPECT_GT(kept, 100);
+  EXPECT_FALSE(outcome.new_faces.empty());
+  EXPECT_NE(result.mesh.find_attribute(Domain::face, "group"), nullptr);
+}
+
+TEST_F(MergeEdit, NamesTheFieldThatDoesNotFit) {
+  const auto says = [&](const std::string& fields, const std::string& words) {
+    const std::string text = message(fields);
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  };
+  says(R"("pairs": [{"source_loop": {"indices": [0, 1, 2]}, "target_loop": {"loop": 0}}])",
+       "edit.json: steps[2].pairs[0].source_loop: ");
+  says(R"("pairs": [{"source_loop": {"loop": 0}, "target_loop": {"loop": 7}}])",
+       "steps[2].pairs[0].target_loop");
+  says(R"("matches": [[999999, 0]])", "steps[2].matches[0]: there is no vertex 999999 among the source's");
+  says(R"("matches": [[0, 0]])", "steps[2].matches[0]: vertex 0 is not on a boundary of the source");
+  says(R"("counts": {"source_vertices": 3})", "steps[2].counts.source_vertices: 3 expected");
+  says(R"("at": {"vertex": 3})", "steps[2].at: a surface cannot be opened");
+  says(
+      R"("pairs": [{"source_loop": {"produced": {"step": "open", "what": "loop"}}, "target_loop": {"loop": 0}}])",
+      "steps[2].pairs[0].source_loop: the step 'open' produces no selection 'loop' on this mesh");
+  EXPECT_THROW(run_edit(edit(R"({"kind": "merge", "target": "ball", "source": "ball"})")), Error);
+}
+
+}  // namespace
+}  // namespace meshgraft
