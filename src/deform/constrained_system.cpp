@@ -10,6 +10,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "rotations.h"
+
 namespace meshgraft {
 
 void require_vertex(Index vertex, Index count, const std::string& place) {
@@ -26,13 +28,25 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Whether a vertex of a feature has a neighbour that is not in it.
+bool beside_others(Index vertex, const Triangles& triangles, std::span<const Index> faces,
+                   const std::vector<Index>& feature) {
+  return std::any_of(faces.begin(), faces.end(), [&](Index t) {
+    return std::any_of(triangles.row(t).begin(), triangles.row(t).end(),
+                       [&](Index w) { return feature[w] != feature[vertex]; });
+  });
+}
+
 }  // namespace
 
 ConstrainedSystem::ConstrainedSystem(const Points& points, const Triangles& triangles,
                                      const VertexStates& states, std::span<const Anchor> all_anchors,
-                                     const DeformerOptions& options, DeformerSummary& summary,
-                                     const Context& context)
-    : rest_(points), residual_corrections_(options.residual_corrections) {
+                                     std::span<const Feature> features, const DeformerOptions& options,
+                                     DeformerSummary& summary, const Context& context)
+    : rest_(points),
+      residual_corrections_(options.residual_corrections),
+      features_(features.begin(), features.end()),
+      feature_column_(features.size(), -1) {
   validate(options.operators);
   if (residual_corrections_ < 0 || residual_corrections_ > 10)
     throw Error(ErrorCode::input, fmt::format("{} is not between 0 and 10", residual_corrections_),
@@ -49,10 +63,13 @@ ConstrainedSystem::ConstrainedSystem(const Points& points, const Triangles& tria
   }
   summary.free_vertices = static_cast<Index>(free_.size());
   summary.assemble_seconds = seconds_since(start);
-  if (E_.cols() > 0) factorise(options.backend, summary, context);
+  if (E_.cols() == 0) return;
+  factorise(options.backend, summary, context);
+  prepare_similarities(context);
 }
 
 /// The patch reaches so far that every row with an unknown, and every normal and weight in it, is complete.
+/// Rows within a feature are zero whatever its map: of its vertices only those beside others count.
 void ConstrainedSystem::cut_patch(const Triangles& triangles, const VertexStates& states, int laplacian_order,
                                   const Context& context) {
   const auto n = static_cast<Index>(rest_.rows());
@@ -60,6 +77,8 @@ void ConstrainedSystem::cut_patch(const Triangles& triangles, const VertexStates
   std::vector<std::uint8_t> active(static_cast<std::size_t>(n), 0);
   for (Index v = 0; v < n; ++v) {
     active[v] = !faces_at[v].empty() && (!states.position[v] || !states.transform[v]);
+    if (active[v] && states.feature[v] >= 0)
+      active[v] = beside_others(v, triangles, faces_at[v], states.feature);
     if (!faces_at[v].empty() && !states.position[v]) free_.push_back(v);
   }
   patch_ = make_patch(rest_, triangles, faces_at, active, laplacian_order + 2, context);
@@ -118,11 +137,12 @@ Index ConstrainedSystem::count_degenerate() const {
   return count;
 }
 
-/// Area of the patch's faces with a free corner, in the patch's units.
+/// Area of the patch's faces with a free corner, features apart, in the patch's units.
 double ConstrainedSystem::free_area() const {
   double area = 0;
   for (const auto& t : patch_.triangles.rowwise()) {
-    if (known_.position[t[0]] && known_.position[t[1]] && known_.position[t[2]]) continue;
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return !known_.position[v] && known_.feature[v] < 0; }))
+      continue;
     const Eigen::RowVector3d u = patch_.points.row(t[1]) - patch_.points.row(t[0]),
                              v = patch_.points.row(t[2]) - patch_.points.row(t[0]);
     area += u.cross(v).norm() / 2;
@@ -139,7 +159,9 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
   if (stiffness > 0) {
     for (Index i = 0; i < patch_.size(); ++i)
       for (const Index j : op.rings()[i])
-        if (i < j && (!known_.position[i] || !known_.position[j])) bars_.push_back({{i, j}, stiffness * scale});
+        if (i < j && (!known_.position[i] || !known_.position[j]) &&
+            (known_.feature[i] < 0 || known_.feature[i] != known_.feature[j]))
+          bars_.push_back({{i, j}, stiffness * scale});
   }
   SparseRows rows(static_cast<Eigen::Index>(bars_.size()), op.nodes().positions.rows());
   if (bars_.empty()) return rows;  // Eigen's makeCompressed does not take a matrix without rows
@@ -201,8 +223,11 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   std::vector<Eigen::Triplet<double>> E_entries, F_entries;
   for (Eigen::Index node = 0; node < node_count; ++node)
     if (column[node] >= 0) E_entries.emplace_back(static_cast<int>(node), column[node], 1.0);
+  shared_begin_ = first_shared;
   int shared = first_shared;
   for (const auto& [feature, vertices] : features) {
+    feature_column_[feature] = shared;
+    if (features_[feature].similarity) similarities_.push_back(feature);
     for (Index v : vertices) {
       for (int k = 0; k < 3; ++k) {
         E_entries.emplace_back(v, shared + k, op.nodes().positions(v, k));
@@ -250,6 +275,54 @@ void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summar
   solver_->factorise(normal, context);
   summary.factorise_seconds = seconds_since(start);
   summary.solver = solver_->statistics();
+}
+
+void ConstrainedSystem::prepare_similarities(const Context& context) {
+  const auto count = static_cast<Eigen::Index>(4 * similarities_.size());
+  if (count == 0) return;
+  Eigen::MatrixXd units = Eigen::MatrixXd::Zero(E_.cols(), count);
+  for (Eigen::Index s = 0; s < count; ++s) units(shared_row(s), s) = 1;
+  similarity_response_ = solver_->solve(units, context);
+  Eigen::MatrixXd among(count, count);
+  for (Eigen::Index s = 0; s < count; ++s) among.row(s) = similarity_response_.row(shared_row(s));
+  similarity_stiffness_ = among.inverse();
+}
+
+/// Row of y of the s-th shared unknown of the similarities.
+Eigen::Index ConstrainedSystem::shared_row(Eigen::Index s) const {
+  return feature_column_[similarities_[static_cast<std::size_t>(s / 4)]] + s % 4;
+}
+
+/// Takes each similarity's affine map to the similarity that costs least, and the other unknowns along. With K
+/// the cost of a change of (T, t), and t at its best, that is the least tr (sRᵀ − Tᵀ)ᵀ K̄ (sRᵀ − Tᵀ): a
+/// Procrustes problem. Exact for one feature; several together settle in the co-rotational steps.
+void ConstrainedSystem::impose_similarities(Columns& y) const {
+  if (similarities_.empty()) return;
+  const Eigen::Index count = similarity_stiffness_.rows();
+  Columns change(count, 3);
+  for (std::size_t f = 0; f < similarities_.size(); ++f) {
+    const auto first = static_cast<Eigen::Index>(4 * f);
+    const Feature& feature = features_[similarities_[f]];
+    const Eigen::Matrix4d K = similarity_stiffness_.block<4, 4>(first, first);
+    const Eigen::Vector3d drift = K.block<3, 1>(0, 3) / K(3, 3);  // what a change of T costs in t
+    const Eigen::Matrix3d K_bar = K.topLeftCorner<3, 3>() - drift * K.block<1, 3>(3, 0);
+    const Eigen::Matrix3d T_transposed =
+        y.middleRows<3>(feature_column_[similarities_[f]]) + Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d moments = K_bar * T_transposed;
+    const Eigen::Matrix3d R = nearest_rotation(moments.transpose());
+    const double scale = feature.scale.value_or((R * moments).trace() / K_bar.trace());
+    const Eigen::Matrix3d difference = scale * R.transpose() - T_transposed;
+    change.middleRows<3>(first) = difference;
+    change.row(first + 3) = -drift.transpose() * difference;
+  }
+  y += similarity_response_ * (similarity_stiffness_ * change);
+}
+
+std::vector<Eigen::Matrix3d> ConstrainedSystem::feature_maps(const Columns& y) const {
+  std::vector<Eigen::Matrix3d> maps(features_.size(), Eigen::Matrix3d::Identity());
+  for (std::size_t f = 0; f < features_.size(); ++f)
+    if (feature_column_[f] >= 0) maps[f] += y.middleRows<3>(feature_column_[f]).transpose();
+  return maps;
 }
 
 ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexConstraint> constraints) const {
@@ -320,6 +393,7 @@ Columns ConstrainedSystem::solve(const Rows& rhs, int corrections, const Context
   Columns y = back_substitute(rhs);
   for (int correction = 0; correction < corrections; ++correction)
     y += back_substitute(residual_rows(rhs, y, context));
+  impose_similarities(y);
   return y;
 }
 
@@ -347,6 +421,7 @@ void ConstrainedSystem::place(const Columns& y, const Known& values,
         x.row(v) += back * m.middleRows<3>(3 * v);
       }
     }
+    place_features(y, out);
     for (Index v = 0; v < patch_.size(); ++v) {
       if (known_.position[v]) continue;
       const Index global = patch_.vertices[v];
@@ -358,6 +433,18 @@ void ConstrainedSystem::place(const Columns& y, const Known& values,
   }
   for (const VertexConstraint& constraint : constraints)
     if (constraint.position) out.row(constraint.vertex) = constraint.position->transpose();
+}
+
+/// All vertices of the features that something reaches.
+void ConstrainedSystem::place_features(const Columns& y, Points& out) const {
+  for (std::size_t f = 0; f < features_.size(); ++f) {
+    if (feature_column_[f] < 0) continue;
+    const auto map = y.middleRows<4>(feature_column_[f]);  // less I
+    for (const Index v : features_[f].vertices) {
+      const Eigen::RowVector3d p = (rest_.row(v) - patch_.centre) / patch_.scale;
+      out.row(v) = rest_.row(v) + patch_.scale * (p * map.topRows<3>() + map.row(3));
+    }
+  }
 }
 
 /// max ‖M_c(x) − W_c‖ over the constrained transforms next to something free.
@@ -393,9 +480,25 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   const Columns y = solve(rhs, residual_corrections_, context);
   place(y, values, constraints, out, context);
   if (report == nullptr) return;
-  const double scale = apply_transposed(rhs, context).norm();
-  report->residual = scale > 0 ? apply_transposed(residual_rows(rhs, y, context), context).norm() / scale : 0.0;
+  // Columns of similarities have a gradient: what keeps them similar.
+  const auto of_single_vertices = [&](const Rows& rows) {
+    return apply_transposed(rows, context).topRows(shared_begin_).norm();
+  };
+  const double scale = of_single_vertices(rhs);
+  report->residual = scale > 0 ? of_single_vertices(residual_rows(rhs, y, context)) / scale : 0.0;
   report->max_transform_deviation = max_transform_deviation(constraints, out);
+  report->inverted_maps = count_inverted(maps(y, values, context));
+}
+
+/// Free vertices whose local map turns inside out.
+Index ConstrainedSystem::count_inverted(const Columns& maps) const {
+  Index count = 0;
+  for (Index v = 0; v < patch_.size(); ++v) {
+    if (known_.transform[v]) continue;
+    const Eigen::Matrix3d map = maps.middleRows<3>(3 * v) + Eigen::Matrix3d::Identity();
+    count += map.determinant() <= 0;
+  }
+  return count;
 }
 
 double ConstrainedSystem::condition_estimate(const Context& context) const {

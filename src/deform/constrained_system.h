@@ -51,8 +51,8 @@ class ConstrainedSystem {
  public:
   /// Fills the free and degenerate counts, the seconds and the solver's facts of `summary`.
   ConstrainedSystem(const Points& rest, const Triangles& triangles, const VertexStates& states,
-                    std::span<const Anchor> anchors, const DeformerOptions& options, DeformerSummary& summary,
-                    const Context& context);
+                    std::span<const Anchor> anchors, std::span<const Feature> features,
+                    const DeformerOptions& options, DeformerSummary& summary, const Context& context);
 
   /// Known displacements of nodes and known maps less I, from constraints.
   struct Known {
@@ -62,6 +62,8 @@ class ConstrainedSystem {
 
   /// The unknowns; `corrections` with the residual of the rectangular system follow the back-substitution.
   Columns solve(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// The map T of each feature in a solution; I for those that nothing reaches.
+  std::vector<Eigen::Matrix3d> feature_maps(const Columns& y) const;
   /// The local maps of a solution less I: rows 3v … 3v+2 are (M_v − I)ᵀ.
   Columns maps(const Columns& y, const Known& values, const Context& context) const;
 
@@ -74,6 +76,7 @@ class ConstrainedSystem {
   const Points& rest() const { return rest_; }
   const Patch& patch() const { return patch_; }
   const KnownParts& known() const { return known_; }
+  const std::vector<Feature>& features() const { return features_; }
   const std::vector<Index>& free_vertices() const { return free_; }
   const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
 
@@ -87,6 +90,11 @@ class ConstrainedSystem {
   double free_area() const;
   SparseRows stiffness_rows(Density density, double stiffness);
   SparseRows anchor_rows(Density density);
+  void prepare_similarities(const Context& context);
+  Eigen::Index shared_row(Eigen::Index s) const;
+  void impose_similarities(Columns& y) const;
+  void place_features(const Columns& y, Points& out) const;
+  Index count_inverted(const Columns& maps) const;
   void factorise(SolverBackend backend, DeformerSummary& summary, const Context& context);
   Index count_degenerate() const;
 
@@ -121,6 +129,14 @@ class ConstrainedSystem {
   std::unique_ptr<LinearSolver> solver_;
   double normal_one_norm_ = 0;
   int residual_corrections_ = 1;
+
+  // Features: four shared columns each, the last ones of y.
+  std::vector<Feature> features_;
+  std::vector<Index> feature_column_;     ///< the first of them, or -1 for a feature that nothing reaches
+  Index shared_begin_ = 0;                ///< the first shared column of all
+  std::vector<Index> similarities_;       ///< features that are similarities and have columns
+  Eigen::MatrixXd similarity_response_;   ///< N⁻¹ e_s for their columns s, N = AᵀA; columns × 4 per similarity
+  Eigen::MatrixXd similarity_stiffness_;  ///< inverse of its rows s: what moving them costs, the rest following
 };
 
 }  // namespace meshgraft

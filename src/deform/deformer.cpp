@@ -51,7 +51,8 @@ struct Deformer::Impl {
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
 
   void build(const Points& rest, const Triangles& triangles, const VertexStates& states,
-             std::span<const Anchor> anchors, const DeformerOptions& options, const Context& context);
+             std::span<const Anchor> anchors, std::span<const Feature> features, const DeformerOptions& options,
+             const Context& context);
   void constrain(Index vertex, bool position, bool transform, VertexStates& states);
   void require_matching(std::span<const VertexConstraint> constraints) const;
   void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
@@ -59,10 +60,11 @@ struct Deformer::Impl {
 };
 
 void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
-                           std::span<const Anchor> anchors, const DeformerOptions& options,
-                           const Context& context) {
+                           std::span<const Anchor> anchors, std::span<const Feature> features,
+                           const DeformerOptions& options, const Context& context) {
   validate(options);
-  system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, options, summary, context);
+  system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
+                                               context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
   const auto start = std::chrono::steady_clock::now();
   rotations = std::make_unique<RotationField>(*system, options, context);
@@ -147,6 +149,9 @@ void add_features(std::span<const Feature> features, VertexStates& states) {
     if (features[f].vertices.empty())
       throw Error(ErrorCode::input, "it has no vertices", fmt::format("feature {}", f),
                   "Select some, or drop it");
+    if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
+      throw Error(ErrorCode::input, fmt::format("its scale {} is not a positive number", *features[f].scale),
+                  fmt::format("feature {}", f));
     for (Index v : features[f].vertices) {
       require_vertex(v, count, fmt::format("feature {}", f));
       if (states.feature[v] >= 0)
@@ -212,7 +217,7 @@ Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region&
   add_features(region.features, states);
   d.summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(rest, triangles, states, region.anchors, options, context);
+  d.build(rest, triangles, states, region.anchors, region.features, options, context);
 }
 
 Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangles,
@@ -239,7 +244,7 @@ Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangl
   }
   add_features(features, states);
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(rest, triangles, states, anchors, options, context);
+  d.build(rest, triangles, states, anchors, features, options, context);
   return deformer;
 }
 

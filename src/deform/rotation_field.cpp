@@ -38,14 +38,26 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
 
 }  // namespace
 
+namespace {
+
+/// Where the field is given: by constraints, or by a feature's one map.
+std::vector<std::uint8_t> known_maps(const KnownParts& known) {
+  std::vector<std::uint8_t> given = known.transform;
+  for (std::size_t v = 0; v < given.size(); ++v) given[v] |= static_cast<std::uint8_t>(known.feature[v] >= 0);
+  return given;
+}
+
+}  // namespace
+
 RotationField::RotationField(const ConstrainedSystem& system, const DeformerOptions& options,
                              const Context& context)
     : system_(system),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
       fields_(system.patch().points, system.patch().triangles, system.operators()->rings(),
-              system.known().transform, iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend,
+              known_maps(system.known()), iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend,
               context) {
   const Patch& patch = system.patch();
+  has_features_ = !system.features().empty();
   normals_ = vertex_normals(patch.points, patch.triangles,
                             vertex_triangles(patch.size(), patch.triangles, context), context);
 }
@@ -54,19 +66,27 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
                                           const Context& context) const {
   Result result;
   Blend blended;
-  if (!blend(constraints, blended, context)) {
+  bool found = blend(constraints, {}, blended, context);
+  if (found) {
+    result.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+    if (has_features_) {  // their maps are not given: a first solve tells them
+      const Columns y = system_.solve(system_.known_values(constraints), result.field, 0, context);
+      found = blend(constraints, system_.feature_maps(y), blended, context);
+      if (found) result.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+    }
+  }
+  if (found && iterations_ > 0) found = follow(constraints, blended, result, context);
+  if (!found) {
+    result = {};
     result.linear = true;
     result.field = linear_field(constraints, context);
-    return result;
   }
-  result.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
-  if (iterations_ > 0) follow(system_.known_values(constraints), blended, result, context);
   return result;
 }
 
 /// The logarithms of the known transforms, spread over the surface. False where one of them has none.
-bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& blended,
-                          const Context& context) const {
+bool RotationField::blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features,
+                          Blend& blended, const Context& context) const {
   const Patch& patch = system_.patch();
   const Index n = patch.size();
   const KnownParts& known = system_.known();
@@ -106,6 +126,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& 
     }
     logs.row(v) << turn.transpose(), stretch_log(parts.stretch).transpose();
   }
+  if (has_features_ && !give_to_features(features, reference, logs, blended)) return false;
   // A component of positions alone starts from the affine map that fits them.
   const std::vector<Eigen::Matrix3d> fits = fitted_maps(constraints);
   std::vector<Logarithm> fit_logs;
@@ -128,6 +149,39 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, Blend& 
     blended.rotation[v] = rotation_exp(log.head<3>().transpose()) * reference;
     blended.stretch[v] = stretch_exp(log.tail<6>().transpose());
   });
+  return true;
+}
+
+/// Writes the features' logarithms into `logs`, beside those of the constraints.
+bool RotationField::give_to_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
+                                     Blend& blended) const {
+  const std::vector<Index>& feature = system_.known().feature;
+  const std::vector<Index>& component = fields_.component();
+  const auto components = fields_.component_holds().size();
+  std::vector<Logarithm> means(components, Logarithm::Zero());
+  std::vector<double> areas(components, 0.0);
+  for (Index v = 0; v < system_.patch().size(); ++v) {
+    if (!system_.known().transform[v] || component[v] < 0) continue;
+    means[component[v]] += fields_.areas()[v] * logs.row(v);
+    areas[component[v]] += fields_.areas()[v];
+  }
+  for (std::size_t c = 0; c < components; ++c)
+    if (areas[c] > 0) means[c] /= areas[c];
+
+  std::vector<Logarithm> feature_logs(maps.size());
+  for (std::size_t f = 0; f < maps.size(); ++f) {
+    PolarParts parts;
+    if (!polar_decompose(maps[f], parts)) return false;
+    const Eigen::Vector3d turn = rotation_log(parts.rotation * reference.transpose());
+    blended.feature_turn[f] = nearest_turn(turn, blended.feature_turn[f]);
+    feature_logs[f] << blended.feature_turn[f].transpose(), stretch_log(parts.stretch).transpose();
+  }
+  if (maps.empty()) blended.feature_turn.assign(system_.features().size(), Eigen::Vector3d::Zero());
+  for (Index v = 0; v < system_.patch().size(); ++v) {
+    if (feature[v] < 0 || component[v] < 0) continue;
+    logs.row(v) = maps.empty() ? means[component[v]] : feature_logs[feature[v]];
+    if (maps.empty()) blended.feature_turn[feature[v]] = logs.row(v).head<3>().transpose();
+  }
   return true;
 }
 
@@ -205,26 +259,36 @@ double damped_pace(double pace, const Columns& step, const Columns& previous) {
 
 }  // namespace
 
-/// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend; smooth
-/// them; solve again. Not a descent: steps that oscillate are damped.
-void RotationField::follow(const ConstrainedSystem::Known& values, const Blend& blended, Result& result,
+/// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend, and
+/// those of features into the blend; smooth the deviations; solve again. Not a descent: steps that oscillate
+/// are damped. False where a feature turns inside out.
+bool RotationField::follow(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
                            const Context& context) const {
   constexpr double settled = 1e-3;  // radians
+  const ConstrainedSystem::Known values = system_.known_values(constraints);
   Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;
   double pace = 1;
   while (result.iterations < iterations_) {
     const Columns y = system_.solve(values, result.field, 0, context);
+    double turn = 0;
+    if (has_features_) {
+      const std::vector<Eigen::Vector3d> before = blended.feature_turn;
+      if (!blend(constraints, system_.feature_maps(y), blended, context)) return false;
+      for (std::size_t f = 0; f < before.size(); ++f)
+        turn = std::max(turn, (blended.feature_turn[f] - before[f]).norm());
+    }
     const Columns raw = surface_deviation(system_.maps(y, values, context), blended, deviation, context);
     const Columns step = fields_.smooth(raw, context) - deviation;
     if (result.iterations > 0) pace = damped_pace(pace, step, previous);
     previous = step;
     deviation += pace * step;
     result.field = compose(blended, deviation, context);
-    result.change = root_mean_square(step);
+    result.change = std::max(root_mean_square(step), turn);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled) break;
   }
+  return true;
 }
 
 /// Rotation vectors that take the blended rotations to those of the maps, each near the current one.
@@ -247,7 +311,7 @@ Columns RotationField::surface_deviation(const Columns& maps, const Blend& blend
 double RotationField::root_mean_square(const Columns& deviation) const {
   double sum = 0, area = 0;
   for (Index v = 0; v < system_.patch().size(); ++v) {
-    if (system_.known().transform[v]) continue;
+    if (system_.known().transform[v] || system_.known().feature[v] >= 0) continue;
     sum += fields_.areas()[v] * deviation.row(v).squaredNorm();
     area += fields_.areas()[v];
   }

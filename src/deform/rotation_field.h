@@ -29,18 +29,25 @@ class RotationField {
   /// What the constraints alone say of each vertex: F = rotation · stretch.
   struct Blend {
     std::vector<Eigen::Matrix3d> rotation, stretch;
+    std::vector<Eigen::Vector3d> feature_turn;  ///< rotation vector of each feature, with all its turns
   };
-  bool blend(std::span<const VertexConstraint> constraints, Blend& blended, const Context& context) const;
+  /// Of the features; empty: not known yet, and the mean of the constraints' in `blend`.
+  using FeatureMaps = std::vector<Eigen::Matrix3d>;
+  bool give_to_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
+                        Blend& blended) const;
+  bool blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features, Blend& blended,
+             const Context& context) const;
   std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
   MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
-  void follow(const ConstrainedSystem::Known& values, const Blend& blended, Result& result,
+  bool follow(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
               const Context& context) const;
   Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                             const Context& context) const;
   double root_mean_square(const Columns& deviation) const;
 
   const ConstrainedSystem& system_;
+  bool has_features_ = false;
   int iterations_ = 0;
   SurfaceFields fields_;
   Points normals_;  ///< of the patch at rest

@@ -3,11 +3,15 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include <meshgraft/mesh/join.h>
 
 #include "number_text.h"
 #include "obj.h"
@@ -267,8 +271,8 @@ class ReferencedLines {
 /// A mesh without an OBJ file behind it.
 class ObjComposer {
  public:
-  ObjComposer(const Mesh& mesh, const ObjDocument* document, const Context& context)
-      : mesh_(mesh), document_(document), context_(context), uvs_(mesh, "uv", 2), normals_(mesh, "normal", 3) {}
+  ObjComposer(const Mesh& mesh, const Context& context)
+      : mesh_(mesh), context_(context), uvs_(mesh, "uv", 2), normals_(mesh, "normal", 3) {}
 
   std::string compose() {
     copy_material_libraries();
@@ -287,14 +291,26 @@ class ObjComposer {
     double current;
   };
 
+  /// Of the file that the mesh was read from, or of all that it was joined from, each once.
   void copy_material_libraries() {
-    if (document_ == nullptr) return;
-    ObjCursor cursor(document_->content);
-    while (cursor.next_line()) {
-      if (cursor.keyword() != "mtllib") continue;
-      out_ += "mtllib ";
-      out_ += cursor.rest_of_line();
-      out_ += '\n';
+    std::vector<std::shared_ptr<const SourceDocument>> sources{mesh_.source};
+    if (const auto* joined = dynamic_cast<const JoinedSources*>(mesh_.source.get())) {
+      sources = joined->parts;
+      for (const std::string& note : joined->notes) out_ += "# " + note + '\n';
+    }
+    std::set<std::string, std::less<>> named;
+    for (const auto& source : sources) {
+      const auto* document = dynamic_cast<const ObjDocument*>(source.get());
+      if (document == nullptr) continue;
+      ObjCursor cursor(document->content);
+      while (cursor.next_line()) {
+        if (cursor.keyword() != "mtllib") continue;
+        const std::string_view libraries = cursor.rest_of_line();
+        if (!named.emplace(libraries).second) continue;
+        out_ += "mtllib ";
+        out_ += libraries;
+        out_ += '\n';
+      }
     }
   }
 
@@ -400,7 +416,6 @@ class ObjComposer {
   }
 
   const Mesh& mesh_;
-  const ObjDocument* document_;
   const Context& context_;
   ReferencedLines uvs_;
   ReferencedLines normals_;
@@ -414,7 +429,7 @@ std::string write_obj(const Mesh& mesh, const Context& context) {
   const bool unchanged =
       document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
   if (unchanged) return ObjPatcher(*document, mesh, context).patch();
-  return ObjComposer(mesh, document, context).compose();
+  return ObjComposer(mesh, context).compose();
 }
 
 }  // namespace meshgraft::io

@@ -27,10 +27,11 @@ std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
   return marked;
 }
 
-bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const std::vector<bool>& marked) {
+bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const EdgePredicate& is_split) {
   for (Index c = mesh.faces.first_corner(face); c < mesh.faces.first_corner(face + 1); ++c) {
     if (table.next[c] < 0) continue;
-    if (marked[mesh.faces.corners()[c]] && marked[mesh.faces.corners()[table.next[c]]]) return true;
+    const auto& [a, b] = table.ends[table.edge[c]];
+    if (is_split(a, b)) return true;
   }
   return false;
 }
@@ -86,12 +87,21 @@ void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& 
 }  // namespace
 
 RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  const std::vector<bool> marked = mark(mesh.vertex_count(), vertices);
+  return split_edges(mesh, [&](Index a, Index b) { return marked[a] && marked[b]; }, context);
+}
+
+RefineResult split_edges_at(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  const std::vector<bool> marked = mark(mesh.vertex_count(), vertices);
+  return split_edges(mesh, [&](Index a, Index b) { return marked[a] || marked[b]; }, context);
+}
+
+RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const Context& context) {
   context.step("refine", 0);
   const Index old_count = mesh.vertex_count();
-  const std::vector<bool> marked = mark(old_count, vertices);
   const EdgeTable polygon_edges(old_count, mesh.faces);
   const TracedFaces coarse =
-      triangulate_chosen(mesh, [&](Index f) { return has_split_edge(mesh, f, polygon_edges, marked); },
+      triangulate_chosen(mesh, [&](Index f) { return has_split_edge(mesh, f, polygon_edges, is_split); },
                          {.skip_out_of_range = true});
   const EdgeTable table(old_count, coarse.faces);
 
@@ -99,7 +109,7 @@ RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertice
   RefineResult result;
   std::vector<Index> middle(table.edge_count(), -1);
   for (Index e = 0; e < table.edge_count(); ++e) {
-    if (!marked[table.ends[e][0]] || !marked[table.ends[e][1]]) continue;
+    if (!is_split(table.ends[e][0], table.ends[e][1])) continue;
     middle[e] = old_count + static_cast<Index>(result.parents.size());
     result.parents.push_back(table.ends[e]);
   }

@@ -1,5 +1,6 @@
 #include <meshgraft/mesh/refine.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -93,6 +94,28 @@ TEST(SplitEdgesWithin, SplitsExactlyTheEdgesWithBothEndsInside) {
   }
   EXPECT_EQ(fine.mesh.positions.topRows(mesh.vertex_count()), mesh.positions);
   EXPECT_EQ(fine.vertex.new_index, range(0, mesh.vertex_count()));
+}
+
+TEST(SplitEdgesAt, ChangesNothingBeyondTheFacesAtThem) {
+  for (const auto& [name, mesh] : families()) {
+    SCOPED_TRACE(name);
+    const TopologySummary before = summarise_topology(mesh);
+    const std::vector<Index> selection = range(0, mesh.vertex_count() / 3);
+    const RefineResult fine = split_edges_at(mesh, selection);
+    const TopologySummary after = summarise_topology(fine.mesh);
+    EXPECT_EQ(after.euler_characteristic, before.euler_characteristic);
+    EXPECT_EQ(after.manifold, before.manifold);
+    EXPECT_NEAR(area(fine.mesh), area(mesh), 1e-13 * area(mesh));
+    const auto is_selected = [&](Index v) { return v < static_cast<Index>(selection.size()); };
+    for (const auto& [a, b] : fine.parents) EXPECT_TRUE(is_selected(a) || is_selected(b));
+    std::vector<int> pieces(mesh.face_count(), 0);
+    for (const Index f : fine.face_parent) ++pieces[f];
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+      const auto face = mesh.faces[f];
+      EXPECT_EQ(pieces[f] > 1, std::any_of(face.begin(), face.end(), is_selected));
+    }
+  }
+  EXPECT_THROW(split_edges_at(shapes::cube(), std::vector<Index>{8}), Error);
 }
 
 TEST(SplitEdgesWithin, LeavesPolygonsBeyondReachAlone) {

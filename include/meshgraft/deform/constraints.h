@@ -29,9 +29,12 @@ struct Anchor {
   std::optional<Eigen::Vector3d> target{};  ///< the rest position if absent
 };
 
-/// Vertices that share one unknown affine map x_i = T p_i + t (four shared columns).
+/// Vertices that share one unknown map x_i = T p_i + t (FT05 section 7): affine, or a similarity T = scale ·
+/// rotation.
 struct Feature {
   std::vector<Index> vertices{};
+  bool similarity = false;
+  std::optional<double> scale{};  ///< of a similarity, where it is not to be found
 };
 
 }  // namespace meshgraft

@@ -71,6 +71,7 @@ struct EvaluationReport {
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
   int iterations = 0;                  ///< co-rotational steps that were made
   double last_rotation_change = 0;     ///< of the field that the last of them asked for, RMS, radians
+  Index inverted_maps = 0;             ///< free vertices whose local map has a determinant of 0 or less
   /// A constraint reflects or flattens: there is no logarithm, and transforms were blended linearly.
   bool fell_back_to_linear = false;
 };

@@ -53,13 +53,13 @@ struct Similarity {
 };
 
 /// The best cyclic alignment of each pair: the arc-length start whose loops, normals included, a similarity
-/// maps onto one another best. All pairs of one connected source share the similarity, so that loops without
-/// any feature of their own (circles) are placed by the others. With `posed`, the source is where it should be
-/// and nearness decides.
+/// maps onto one another best. The pairs are those of one connected source and share the similarity, so that
+/// loops without any feature of their own (circles) are placed by the others. With `posed`, the source is where
+/// it should be and nearness decides. `places` name the pairs in messages.
 /// Throws Error(input), naming the pair and what to add, where the best start is not distinguished from others.
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                                 std::span<const LoopGeometry> sources,
                                                 std::span<const LoopGeometry> targets, bool posed,
-                                                const std::string& place);
+                                                std::span<const std::string> places);
 
 }  // namespace meshgraft

@@ -32,8 +32,8 @@ enum class MergeShape {
 std::string_view to_string(MergePose value);
 std::string_view to_string(MergeShape value);
 
-/// How far from its loops the source may deform: by rings of edges or by a length along edges (model units of
-/// the source as given); neither: relative to the loops' size.
+/// How far from its loops the source may deform: by rings of edges or by a length along edges (units of the
+/// target); neither: each loop's own radius, or two, four or eight of them where the part would be squeezed.
 struct Reach {
   std::optional<int> rings;
   std::optional<double> length;
@@ -60,17 +60,18 @@ struct MergeOptions {
   double normal_angle_deg = 0;   ///< turns the target's normals about its loops' tangents
   bool smooth_boundary = false;  ///< smooths ragged loops along themselves first
   bool fix_winding = false;      ///< flips the source where its loops' direction needs it
-  DeformerOptions deformer{};
+  /// The solve. A part that follows a similarity takes more co-rotational steps to settle than a bend does.
+  DeformerOptions deformer{.iterations = 60};
   SeamOptions seam{};
 };
 
 /// What was done with one pair of loops.
 struct PairReport {
   Index source_vertices = 0, target_vertices = 0;
-  Match start;            ///< the source's first loop vertex and the target vertex nearest to its place
-  double confidence = 1;  ///< of an automatic correspondence
-  double raggedness = 0;  ///< of the worse loop: mean turn per vertex beyond a smooth curve's, degrees
-  double edge_ratio = 1;  ///< mean edge length of the target's loop over the source's, before refinement
+  Match start;                ///< the source's first loop vertex and the target vertex nearest to its place
+  double confidence = 1;      ///< of an automatic correspondence
+  double raggedness_deg = 0;  ///< of the worse loop: mean turn per vertex beyond a smooth curve's
+  double edge_ratio = 1;      ///< mean edge length of the target's loop over the source's, before refinement
 };
 
 /// Singular values and the like of the map source → result, over the source's faces, without its similarity.
@@ -97,6 +98,7 @@ struct MergeResult {
   IndexMap target, source;       ///< vertices of the inputs → `mesh`, -1 where one was removed
   Points grafted;                ///< the source's vertices after the solve, before the seam (n×3)
   std::vector<Index> new_faces;  ///< of the seams
+  std::vector<Index> band;       ///< vertices of `mesh` around the seams that fairing could move
   MergeReport report;
 };
 

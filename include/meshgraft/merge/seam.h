@@ -21,8 +21,8 @@ struct SeamOptions {
   StripMethod strip = StripMethod::optimal;
   /// The target's ring at the seam is halved until its edges are at most this many times the source's.
   double edge_ratio = 2;
-  int smoothing_steps = 10;  ///< umbrella steps on the band
-  int target_rings = 3;      ///< rings of the target that they may move; 0 leaves it bit-identical
+  int smoothing_steps = 2;  ///< fairings of the band, each a linear solve; 0 leaves it as it is
+  int target_rings = 3;     ///< rings of the target that they may move; 0 leaves it bit-identical
   int source_rings = 3;
   double sharp_angle_deg = 45;  ///< edges of the target sharper than this keep their place
 };
@@ -46,6 +46,7 @@ struct SeamResult {
   std::vector<Index> new_faces;  ///< of the strip, in `mesh`
   std::vector<Index> band;       ///< vertices of `mesh` that smoothing could move
   SeamReport report;
+  std::vector<std::string> notes;  ///< sentences for people: what of the source was renamed
 };
 
 /// Joins a source whose loops lie on the target's (FT05 section 5): removes the target's loops with their ring

@@ -1,18 +1,33 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 
-/// Two meshes as one: all vertices and faces of `first`, then those of `second`, with the attributes of both.
-/// What one of them lacks is missing there (NaN). Attributes of one name and domain become one if they have
-/// as many components; their labels are joined, and labels of one name that may stand for different things
-/// (materials) are told apart by a suffix on the second's.
-struct JoinResult {
-  Mesh mesh;
-  IndexMap first, second;
+/// The files behind a mesh that was joined from several: a writer takes from each what does not depend on the
+/// topology (an OBJ names the material libraries of all).
+struct JoinedSources : SourceDocument {
+  std::vector<std::shared_ptr<const SourceDocument>> parts;
+  std::vector<std::string> notes;  ///< what of them has another name now, a line each
 };
 
+struct JoinResult {
+  Mesh mesh;
+  IndexMap first, second;          ///< vertices, old → new
+  std::vector<std::string> notes;  ///< sentences for people: what was renamed
+};
+
+/// Two meshes as one: all vertices and faces of `first`, then those of `second`, with the attributes of both.
+/// What one of them lacks is missing there (NaN). Attributes of one name and domain become one if they have as
+/// many components, else the second's gets a suffix:
+/// - what one has per vertex and the other per corner (UVs, normals) becomes one per corner;
+/// - colours of different types become fractions, and get an alpha where the other's have one;
+/// - labels are joined: groups of one name are one group. Materials of one name may look different in the two
+///   files; unless both meshes come from one, the second's gets a suffix ("skin_2").
 JoinResult join(const Mesh& first, const Mesh& second);
 
 }  // namespace meshgraft

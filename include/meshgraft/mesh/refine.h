@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,12 +18,21 @@ struct RefineResult {
   std::vector<Index> face_parent;  ///< for each face of `mesh` the old face that it is a part of
 };
 
-/// Splits every edge that has both ends in `vertices` at its middle and subdivides the faces around
-/// (red-green: a triangle with three split edges becomes four, with two three, with one two; polygons are
-/// triangulated first where they touch a split edge, and their diagonals count as edges). Attributes follow
-/// their interpolation rule; corner values stay within their face, so that seams stay seams; integer types are
-/// rounded. An unsplit edge stays whole, so the result has no T-junctions. Throws Error(input) if an index in
-/// `vertices` is out of range.
+/// Whether the edge between two vertices (the smaller first) is to be split.
+using EdgePredicate = std::function<bool(Index, Index)>;
+
+/// Splits the chosen edges at their middles and subdivides the faces around (red-green: a triangle with three
+/// split edges becomes four, with two three, with one two; polygons are triangulated first where they touch a
+/// split edge, and their diagonals count as edges). Attributes follow their interpolation rule; corner values
+/// stay within their face, so that seams stay seams; integer types are rounded. An unsplit edge stays whole, so
+/// the result has no T-junctions.
+RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const Context& context = {});
+
+/// Splits every edge that has both ends in `vertices`. Throws Error(input) if an index is out of range.
 RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context = {});
+
+/// Splits every edge that has an end in `vertices`: what lies beyond the faces at them stays as it is. Throws
+/// Error(input) if an index is out of range.
+RefineResult split_edges_at(const Mesh& mesh, std::span<const Index> vertices, const Context& context = {});
 
 }  // namespace meshgraft

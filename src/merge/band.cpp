@@ -1,0 +1,190 @@
+#include "band.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/linalg/linear_solver.h>
+#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/mesh/normals.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/operators/laplacian.h>
+
+namespace meshgraft {
+
+namespace {
+
+// The patch with what each of its vertices is to the band.
+struct Band {
+  SeamPatch patch;
+  IndexLists rings;
+  IndexLists triangles;        // per vertex
+  std::vector<bool> is_sharp;  // on a sharp edge of the target or of the source
+  std::vector<Index> column;   // per vertex its unknown, or -1 where it stays
+  Index unknowns = 0;
+};
+
+std::vector<bool> on_sharp_edges(const SeamPatch& patch, double sharp_angle_deg) {
+  std::vector<bool> sharp(patch.vertex.size(), false);
+  for (const SeamEdge& edge : inner_edges(patch)) {
+    if (edge.dihedral_deg <= sharp_angle_deg) continue;
+    const bool of_strip =
+        patch.side[edge.triangles[0]] == SeamSide::strip || patch.side[edge.triangles[1]] == SeamSide::strip;
+    if (of_strip) continue;
+    for (const Index v : edge.ends) sharp[v] = true;
+  }
+  return sharp;
+}
+
+// Ring by ring from the strip, on each side as far as it may move; on the target never past a sharp edge.
+void number_free_vertices(Band& band, const SeamOptions& options) {
+  const SeamPatch& patch = band.patch;
+  band.column.assign(patch.vertex.size(), -1);
+  const auto limit = [&](Index v) {
+    return patch.of[v] == SeamSide::target ? options.target_rings : options.source_rings;
+  };
+  for (int r = 1; r <= std::max(options.target_rings, options.source_rings); ++r) {
+    for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+      if (patch.ring[v] != r || r > limit(v) || patch.on_border[v]) continue;
+      if (patch.of[v] == SeamSide::target && band.is_sharp[v]) continue;
+      const auto inner_and_free = [&](Index w) {
+        return patch.ring[w] == r - 1 && patch.of[w] == patch.of[v] && band.column[w] >= 0;
+      };
+      const auto beside = band.rings[v];
+      if (r == 1 || std::any_of(beside.begin(), beside.end(), inner_and_free)) band.column[v] = band.unknowns++;
+    }
+  }
+}
+
+Band make_band(const Mesh& mesh, const SeamLayout& layout, const SeamOptions& options) {
+  Band band;
+  band.patch = make_seam_patch(mesh, layout, std::max(options.target_rings, options.source_rings) + 1);
+  band.triangles = vertex_triangles(static_cast<Index>(band.patch.vertex.size()), band.patch.triangles);
+  band.rings = vertex_rings(band.patch.triangles, band.triangles);
+  band.is_sharp = on_sharp_edges(band.patch, options.sharp_angle_deg);
+  number_free_vertices(band, options);
+  return band;
+}
+
+// The cotangent Laplacian at some places of the vertices: mean curvature vectors are (S x)_i / m_i.
+struct Laplacian {
+  SparseRows stiffness;
+  std::vector<double> areas;
+
+  Laplacian(const Band& band, const Points& points, const Context& context)
+      : stiffness(dirichlet_matrix(points, band.patch.triangles, band.rings, context)),
+        areas(vertex_areas(points, band.patch.triangles)) {}
+
+  Columns curvature(const Points& points) const {
+    Columns result = multiply(stiffness, points);
+    for (Eigen::Index i = 0; i < result.rows(); ++i) result.row(i) /= areas[i];
+    return result;
+  }
+};
+
+// The curvature that the band should have: what each surface brings along and, on the strips' vertices, its
+// harmonic continuation from both sides. Sharp edges keep theirs and tell their neighbours nothing.
+struct WantedCurvature {
+  Columns vectors;              // n×3
+  std::vector<Index> on_strip;  // vertices whose curvature is continued: as long as this, along their normal
+  std::vector<double> along_normal;
+
+  void turn_to(const Points& normals) {
+    for (const Index v : on_strip) vectors.row(v) = along_normal[v] * normals.row(v);
+  }
+};
+
+WantedCurvature continued_curvature(const Band& band, Columns curvature, const Points& normals) {
+  constexpr int sweeps = 200;
+  WantedCurvature wanted{std::move(curvature), {}, std::vector<double>(band.column.size(), 0)};
+  std::vector<double>& along = wanted.along_normal;
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+    if (band.patch.ring[v] == 1 && !band.is_sharp[v]) {
+      wanted.on_strip.push_back(v);
+    } else {
+      along[v] = wanted.vectors.row(v).dot(normals.row(v));
+    }
+  }
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (const Index v : wanted.on_strip) {
+      double sum = 0;
+      int count = 0;
+      for (const Index w : band.rings[v]) {
+        if (band.is_sharp[w] || (band.patch.on_border[w] && band.patch.ring[w] > 1)) continue;
+        sum += along[w];
+        ++count;
+      }
+      if (count > 0) along[v] = sum / count;
+    }
+  }
+  return wanted;
+}
+
+// min over u of Σ_i m_i |(S (x + N u))_i / m_i − t_i|²: u moves the free vertices along their normals N, so
+// that triangles keep their shape. The rows are the vertices whose curvature changes; borders have none.
+void fair(Points& points, const Band& band, WantedCurvature& wanted, const Context& context) {
+  const Laplacian laplacian(band, points, context);
+  const Columns curvature = laplacian.curvature(points);
+  const Points normals = vertex_normals(points, band.patch.triangles, band.triangles, context);
+  wanted.turn_to(normals);
+  std::vector<Eigen::Triplet<double>> entries;
+  Columns residual = Columns::Zero(3 * points.rows(), 1);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (band.patch.on_border[i] || !(laplacian.areas[i] > 0)) continue;
+    const double root = std::sqrt(laplacian.areas[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index row = 3 * i + axis;
+      residual(row, 0) = root * (wanted.vectors(i, axis) - curvature(i, axis));
+      for (SparseRows::InnerIterator entry(laplacian.stiffness, i); entry; ++entry) {
+        if (band.column[entry.col()] < 0) continue;
+        entries.emplace_back(static_cast<int>(row), band.column[entry.col()],
+                             entry.value() / root * normals(entry.col(), axis));
+      }
+    }
+  }
+  SparseRows rows(3 * points.rows(), band.unknowns);
+  rows.setFromTriplets(entries.begin(), entries.end());
+  const SparseRows columns = transpose(rows);
+  auto lower = NormalMatrix(multiply(columns, rows, context).triangularView<Eigen::Lower>());
+  // A vertex without a normal, or amid triangles without area, has no equation: it stays.
+  constexpr double attachment = 1e-9;
+  const double scale = lower.diagonal().maxCoeff();
+  lower.diagonal().array() += scale > 0 ? attachment * scale : 1.0;
+  const auto solver = make_solver();
+  solver->analyse(lower, context);
+  solver->factorise(lower, context);
+  const Eigen::MatrixXd moves = solver->solve(multiply(columns, residual, context), context);
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+    if (band.column[v] >= 0) points.row(v) += moves(band.column[v], 0) * normals.row(v);
+  }
+}
+
+}  // namespace
+
+std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
+                             const Context& context) {
+  const Band band = make_band(mesh, layout, options);
+  Points points = band.patch.points;
+  for (Index v = 0; v < static_cast<Index>(points.rows()); ++v) {
+    if (points.row(v).allFinite()) continue;
+    throw Error(ErrorCode::input, "a vertex near the seam has no finite position",
+                "vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh",
+                "Repair the mesh that it comes from");
+  }
+  if (band.unknowns > 0 && options.smoothing_steps > 0) {
+    WantedCurvature wanted =
+        continued_curvature(band, Laplacian(band, points, context).curvature(points),
+                            vertex_normals(points, band.patch.triangles, band.triangles, context));
+    for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
+  }
+  std::vector<Index> moved;
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
+    if (band.column[v] < 0) continue;
+    moved.push_back(band.patch.vertex[v]);
+    mesh.positions.row(band.patch.vertex[v]) = points.row(v);
+  }
+  return moved;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/merge/seam.h>
+
+#include "seam_patch.h"
+
+namespace meshgraft {
+
+/// Fairs the band around the strips of a joined mesh, in place: its vertices move along their normals until the
+/// curvature across the strips is that which both surfaces bring along, continued (a thin plate with details,
+/// after Botsch & Kobbelt 2004). Returns the vertices that may move, ascending.
+std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
+                             const Context& context);
+
+}  // namespace meshgraft

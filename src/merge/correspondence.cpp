@@ -1,0 +1,326 @@
+#include <meshgraft/merge/correspondence.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include <meshgraft/core/error.h>
+
+#include "loop_curve.h"
+
+namespace meshgraft {
+
+namespace {
+
+constexpr int sample_count = 256;
+
+Index place_in(const std::vector<Index>& loop, Index vertex) {
+  const auto found = std::find(loop.begin(), loop.end(), vertex);
+  return found == loop.end() ? -1 : static_cast<Index>(found - loop.begin());
+}
+
+/// A matched pair of vertices by their numbers on the loops.
+struct Knot {
+  Index source = -1, target = -1;
+  auto operator<=>(const Knot&) const = default;
+};
+
+/// Between matched vertices both loops are measured by length (FT05 5.1); the target is run along backwards.
+std::vector<double> places_between(std::span<const Knot> knots, const LoopCurve& source,
+                                   const LoopCurve& target) {
+  std::vector<double> place(static_cast<std::size_t>(source.size()));
+  for (std::size_t m = 0; m < knots.size(); ++m) {
+    const Knot& from = knots[m];
+    const Knot& to = knots[(m + 1) % knots.size()];
+    const double source_length = source.length_between(from.source, to.source);
+    const double target_length = target.length_between(to.target, from.target);
+    Index i = from.source;
+    do {
+      const double ahead = i == from.source ? 0 : source.length_between(from.source, i);
+      place[i] = ahead == 0 ? from.target
+                            : target.place_at(target.arc(from.target) - ahead / source_length * target_length);
+      i = (i + 1) % source.size();
+    } while (i != to.source);
+  }
+  return place;
+}
+
+void require_one_turn(std::span<const Knot> knots, Index target_size, const LoopPair& pair,
+                      const std::string& place) {
+  Index walked = 0;
+  for (std::size_t m = 0; m < knots.size(); ++m) {
+    const Knot& from = knots[m];
+    const Knot& to = knots[(m + 1) % knots.size()];
+    const Index step = ((from.target - to.target) % target_size + target_size) % target_size;
+    if (knots.size() > 1 && step == 0)
+      throw Error(ErrorCode::input,
+                  fmt::format("source vertices {} and {} are matched with the same target vertex {}",
+                              pair.source[from.source], pair.source[to.source], pair.target[to.target]),
+                  place, "Match each target vertex once");
+    walked += step;
+    if (walked > target_size)
+      throw Error(
+          ErrorCode::input,
+          fmt::format("the matches cross: source vertices {} and {} follow one another, target vertices "
+                      "{} and {} do not",
+                      pair.source[from.source], pair.source[to.source], pair.target[from.target],
+                      pair.target[to.target]),
+          place,
+          "Match the vertices in their order; source and target loops run opposite ways round the seam "
+          "(where a mesh is wound the other way, use --fix-winding)");
+  }
+}
+
+}  // namespace
+
+Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> matches,
+                                   const LoopGeometry& source, const LoopGeometry& target,
+                                   const std::string& place) {
+  std::vector<Knot> knots;
+  for (const Match& match : matches) {
+    const Knot knot{place_in(pair.source, match.source), place_in(pair.target, match.target)};
+    if (knot.source < 0 || knot.target < 0)
+      throw Error(ErrorCode::input,
+                  fmt::format("{} vertex {} is not on the pair's loop", knot.source < 0 ? "source" : "target",
+                              knot.source < 0 ? match.source : match.target),
+                  place, "Match vertices of the two boundary loops");
+    knots.push_back(knot);
+  }
+  std::sort(knots.begin(), knots.end());
+  knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+  for (std::size_t m = 1; m < knots.size(); ++m)
+    if (knots[m].source == knots[m - 1].source)
+      throw Error(ErrorCode::input,
+                  fmt::format("source vertex {} is matched with two target vertices, {} and {}",
+                              pair.source[knots[m].source], pair.target[knots[m - 1].target],
+                              pair.target[knots[m].target]),
+                  place, "Keep one of the two");
+  require_one_turn(knots, static_cast<Index>(pair.target.size()), pair, place);
+  return {places_between(knots, LoopCurve(source.points), LoopCurve(target.points)), 1.0};
+}
+
+namespace {
+
+/// Points and normals at equal arc lengths, centred, of RMS radius 1.
+struct Samples {
+  Points points, normals;
+  Eigen::RowVector3d centre;
+  double radius = 1;
+};
+
+Samples sample(const LoopGeometry& loop, bool backwards) {
+  const LoopCurve curve(loop.points);
+  Samples samples{Points(sample_count, 3), Points(sample_count, 3), {}, 1};
+  for (int i = 0; i < sample_count; ++i) {
+    const double arc = curve.length() * i / sample_count;
+    const double place = curve.place_at(backwards ? curve.length() - arc : arc);
+    samples.points.row(i) = at(loop.points, place);
+    samples.normals.row(i) = at(loop.normals, place).stableNormalized();
+  }
+  samples.centre = samples.points.colwise().mean();
+  samples.points.rowwise() -= samples.centre;
+  samples.radius = std::sqrt(samples.points.rowwise().squaredNorm().mean());
+  samples.points /= samples.radius;
+  return samples;
+}
+
+/// What a start costs: 0 where a similarity maps the loops, with their normals, onto one another, 2 at worst.
+/// Position k of the profile: source sample i meets target sample i + k.
+using Profile = std::vector<double>;
+
+constexpr double normal_weight = 0.5;
+
+Eigen::Matrix3d covariance(const Points& source, const Points& target, int shift) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < sample_count; ++i)
+    sum += target.row((i + shift) % sample_count).transpose() * source.row(i);
+  return sum / sample_count;
+}
+
+/// Largest trace of Rᵀ H over rotations R.
+double best_trace(const Eigen::Matrix3d& H) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.singularValues()[0] + svd.singularValues()[1] + sign * svd.singularValues()[2];
+}
+
+Profile similarity_profile(const Samples& source, const Samples& target) {
+  Profile profile(sample_count);
+  for (int k = 0; k < sample_count; ++k) {
+    const Eigen::Matrix3d H = covariance(source.points, target.points, k) +
+                              normal_weight * covariance(source.normals, target.normals, k);
+    profile[k] = 1 - best_trace(H) / (1 + normal_weight);
+  }
+  return profile;
+}
+
+/// The same where the similarity is known: x ↦ scale · rotation · x + translation.
+Profile posed_profile(const Samples& source, const Samples& target, const Similarity& pose) {
+  const Points points = (pose.scale * source.radius * source.points * pose.rotation.transpose()).rowwise() +
+                        (pose.scale * pose.rotation * source.centre.transpose() + pose.translation).transpose();
+  const Points normals = source.normals * pose.rotation.transpose();
+  Profile profile(sample_count, 0.0);
+  for (int k = 0; k < sample_count; ++k) {
+    for (int i = 0; i < sample_count; ++i) {
+      const int j = (i + k) % sample_count;
+      const Eigen::RowVector3d there = target.centre + target.radius * target.points.row(j);
+      profile[k] += (points.row(i) - there).squaredNorm() / (2 * target.radius * target.radius) +
+                    normal_weight * (1 - normals.row(i).dot(target.normals.row(j)));
+    }
+    profile[k] /= sample_count * (1 + normal_weight);
+  }
+  return profile;
+}
+
+struct Start {
+  int shift = 0;
+  double confidence = 0;  ///< 1 where the best rival costs far more, 0 where it costs as much
+};
+
+/// The best shift and how well it is distinguished from those a twelfth of a turn away and farther.
+Start best_start(const Profile& profile) {
+  constexpr int apart = sample_count / 12;
+  const auto best = std::min_element(profile.begin(), profile.end());
+  Start start;
+  start.shift = static_cast<int>(best - profile.begin());
+  double rival = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < sample_count; ++k) {
+    const int distance = std::abs(k - start.shift);
+    if (std::min(distance, sample_count - distance) >= apart) rival = std::min(rival, profile[k]);
+  }
+  constexpr double noise = 1e-3;  // what different tessellations of one curve may differ by
+  start.confidence = std::clamp((rival - *best) / (rival + noise), 0.0, 1.0);
+  return start;
+}
+
+/// Confidence below which a start is no better than a guess.
+constexpr double distinguished = 0.02;
+
+/// The similarity that several pairs share: from the middles and axes of all, and the shapes of those whose
+/// start is distinguished. False where that leaves it open.
+bool common_similarity(std::span<const Samples> sources, std::span<const Samples> targets,
+                       std::span<const Start> starts, Similarity& common) {
+  const auto rows = static_cast<Eigen::Index>(sources.size() * (sample_count + 2));
+  Points from(rows, 3), to(rows, 3);
+  Eigen::VectorXd weights(rows);
+  Eigen::Index row = 0;
+  for (std::size_t p = 0; p < sources.size(); ++p) {
+    const auto add = [&](const Eigen::RowVector3d& source, const Eigen::RowVector3d& target, double weight) {
+      from.row(row) = sources[p].centre + sources[p].radius * source;
+      to.row(row) = targets[p].centre + targets[p].radius * target;
+      weights[row++] = weight;
+    };
+    const double shape_weight = starts[p].confidence >= distinguished ? 1 : 0;
+    for (int i = 0; i < sample_count; ++i)
+      add(sources[p].points.row(i), targets[p].points.row((i + starts[p].shift) % sample_count), shape_weight);
+    add(Eigen::RowVector3d::Zero(), Eigen::RowVector3d::Zero(), sample_count);
+    add(loop_axis(sources[p].points), loop_axis(targets[p].points), sample_count);
+  }
+  return fit_similarity(from, to, weights, common);
+}
+
+/// Source loop vertices, where they come to lie for a start at a pair of vertices, and what that costs:
+/// exactly, where the profile was sampled.
+double cost_of(const std::vector<double>& places, const LoopGeometry& source, const LoopGeometry& target,
+               const Similarity* pose) {
+  const Eigen::Index count = source.points.rows();
+  const LoopCurve curve(source.points);
+  Points there(count, 3);
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  Eigen::VectorXd weights(count);
+  double normal_cost = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto previous = static_cast<Index>((i + count - 1) % count),
+               next = static_cast<Index>((i + 1) % count);
+    weights[i] = curve.length_between(previous, next) / (2 * curve.length());
+    there.row(i) = at(target.points, places[static_cast<std::size_t>(i)]);
+    const Eigen::RowVector3d normal =
+        at(target.normals, places[static_cast<std::size_t>(i)]).stableNormalized();
+    normals += weights[i] * normal.transpose() * source.normals.row(i);
+    if (pose) normal_cost += weights[i] * (1 - normal.dot(source.normals.row(i) * pose->rotation.transpose()));
+  }
+  const Eigen::RowVector3d source_centre = weights.transpose() * source.points,
+                           target_centre = weights.transpose() * there;
+  const double radius = std::sqrt(weights.dot((there.rowwise() - target_centre).rowwise().squaredNorm()));
+  if (pose) {
+    const Points posed =
+        (pose->scale * source.points * pose->rotation.transpose()).rowwise() + pose->translation.transpose();
+    return (weights.dot((posed - there).rowwise().squaredNorm()) / (2 * radius * radius) +
+            normal_weight * normal_cost) /
+           (1 + normal_weight);
+  }
+  const Points a = source.points.rowwise() - source_centre, b = there.rowwise() - target_centre;
+  const double source_radius = std::sqrt(weights.dot(a.rowwise().squaredNorm()));
+  const Eigen::Matrix3d H = b.transpose() * weights.asDiagonal() * a / (radius * source_radius);
+  return 1 - best_trace(H + normal_weight * normals) / (1 + normal_weight);
+}
+
+/// The best start at a pair of vertices near a sampled shift.
+Correspondence start_at_vertices(int shift, const LoopGeometry& source, const LoopGeometry& target,
+                                 const Similarity* pose) {
+  constexpr Index candidates = 64;
+  const LoopCurve source_curve(source.points), target_curve(target.points);
+  const Index count = source_curve.size(), target_count = target_curve.size();
+  Correspondence best;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index c = 0; c < std::min(count, candidates); ++c) {
+    const auto i = static_cast<Index>(static_cast<std::int64_t>(c) * count / std::min(count, candidates));
+    const double turn = source_curve.arc(i) / source_curve.length() + static_cast<double>(shift) / sample_count;
+    const auto near = static_cast<Index>(std::lround(target_curve.place_at(-turn * target_curve.length())));
+    for (Index k = near - 1; k <= near + 1; ++k) {
+      const Knot start{i, ((k % target_count) + target_count) % target_count};
+      std::vector<double> places = places_between({&start, 1}, source_curve, target_curve);
+      const double cost = cost_of(places, source, target, pose);
+      if (cost >= least) continue;
+      least = cost;
+      best.place = std::move(places);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
+                                                std::span<const LoopGeometry> sources,
+                                                std::span<const LoopGeometry> targets, bool posed,
+                                                std::span<const std::string> places) {
+  std::vector<Samples> source_samples, target_samples;
+  std::vector<Start> starts;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    source_samples.push_back(sample(sources[p], false));
+    target_samples.push_back(sample(targets[p], true));
+    starts.push_back(best_start(similarity_profile(source_samples[p], target_samples[p])));
+  }
+  Similarity pose;
+  const bool known =
+      posed || (pairs.size() > 1 && common_similarity(source_samples, target_samples, starts, pose));
+  std::vector<Correspondence> found;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const bool by_pose = posed || (known && starts[p].confidence < distinguished);
+    if (by_pose) starts[p] = best_start(posed_profile(source_samples[p], target_samples[p], pose));
+    found.push_back(start_at_vertices(starts[p].shift, sources[p], targets[p], by_pose ? &pose : nullptr));
+    found.back().confidence = starts[p].confidence;
+    if (!posed && starts[p].confidence < distinguished) {
+      const auto guess =
+          static_cast<std::size_t>(std::lround(found.back().place.front())) % pairs[p].target.size();
+      throw Error(ErrorCode::input,
+                  fmt::format("the loops fit as well from other starts, so where to begin is open (confidence "
+                              "{:.2f}); the best guess is target vertex {} at source vertex {}",
+                              starts[p].confidence, pairs[p].target[guess], pairs[p].source.front()),
+                  places[p],
+                  fmt::format("Name a start, or matches, to say which vertices meet (--start {}:{})",
+                              pairs[p].target[guess], pairs[p].source.front()));
+    }
+  }
+  return found;
+}
+
+}  // namespace meshgraft

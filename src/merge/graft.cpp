@@ -1,0 +1,102 @@
+#include "graft.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft {
+
+namespace {
+
+// Why a vertex is not simply free.
+constexpr std::uint8_t of_feature = 1, stays = 2;
+
+double radius_of(const Points& points, const std::vector<Index>& loop) {
+  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+  for (const Index v : loop) centre += points.row(v);
+  centre /= static_cast<double>(loop.size());
+  double sum = 0;
+  for (const Index v : loop) sum += (points.row(v) - centre).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(loop.size()));
+}
+
+/// So many times the loop's own radius, and no more than half of the way to the farthest vertex.
+double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
+                     double radii) {
+  double farthest = 0;
+  for (const double distance : edge_distance(loop, points, rings, std::numeric_limits<double>::infinity()))
+    if (std::isfinite(distance)) farthest = std::max(farthest, distance);
+  return std::min(radii * radius_of(points, loop), farthest / 2);
+}
+
+/// One similarity for the far part of each component.
+void add_far_parts(std::span<const Index> far, const std::vector<Index>& component, std::optional<double> scale,
+                   std::vector<Feature>& features) {
+  std::vector<Index> sorted(far.begin(), far.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return component[a] < component[b]; });
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    if (i == 0 || component[sorted[i]] != component[sorted[i - 1]]) {
+      features.emplace_back();
+      features.back().similarity = true;
+      features.back().scale = scale;
+    }
+    features.back().vertices.push_back(sorted[i]);
+  }
+}
+
+}  // namespace
+
+std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
+                                std::span<const std::vector<Index>> loops, const Reach& reach, double radii) {
+  constexpr int fewest_rings = 2;
+  std::vector<std::uint8_t> near(static_cast<std::size_t>(source.rows()), 0);
+  for (const auto& loop : loops) {
+    for (const Index v : grow_rings(loop, reach.rings.value_or(fewest_rings), rings)) near[v] = 1;
+    if (reach.rings) continue;
+    const double length = reach.length ? *reach.length : default_reach(source, rings, loop, radii);
+    const std::vector<double> distance = edge_distance(loop, source, rings, length);
+    for (std::size_t v = 0; v < near.size(); ++v) near[v] |= static_cast<std::uint8_t>(distance[v] <= length);
+  }
+  std::vector<Index> far;
+  for (Index v = 0; v < rings.size(); ++v)
+    if (!near[v] && !rings[v].empty()) far.push_back(v);
+  return far;
+}
+
+Graft solve_graft(const Points& source, const Triangles& triangles,
+                  std::span<const VertexConstraint> constraints, std::span<const Index> far,
+                  const std::vector<Index>& component, const MergeOptions& options, const Context& context) {
+  DeformerOptions deformer_options = options.deformer;
+  if (options.shape == MergeShape::ft05) deformer_options.method = DeformMethod::ft05;
+
+  std::vector<std::uint8_t> taken(static_cast<std::size_t>(source.rows()), 0);
+  std::vector<Feature> features;
+  for (const MergeFeature& feature : options.features) {
+    features.push_back({feature.vertices, feature.similarity, {}});
+    for (const Index v : feature.vertices)
+      if (v >= 0 && v < static_cast<Index>(source.rows())) taken[v] |= of_feature;
+  }
+  std::vector<Index> region;  // empty: the whole source
+  if (options.pose == MergePose::keep) {
+    for (const Index v : far) taken[v] |= stays;
+    for (const Index v : options.fixed) taken[v] |= stays;
+    for (Index v = 0; v < static_cast<Index>(source.rows()); ++v)
+      if ((taken[v] & stays) == 0) region.push_back(v);
+  } else if (options.shape == MergeShape::similar) {
+    std::vector<Index> open;
+    std::copy_if(far.begin(), far.end(), std::back_inserter(open), [&](Index v) { return taken[v] == 0; });
+    add_far_parts(open, component, options.size, features);
+  }
+  const Deformer deformer = Deformer::with_constraints(source, triangles, region, constraints, {}, features,
+                                                       deformer_options, context);
+  Graft graft;
+  graft.summary = deformer.summary();
+  graft.positions = deformer.evaluate(constraints, context, &graft.evaluation);
+  return graft;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,207 @@
+#include "loops.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/winding.h>
+
+#include "loop_curve.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// The boundary loops of one of the two meshes, and which one a vertex is on.
+class MeshLoops {
+ public:
+  MeshLoops(const Mesh& mesh, const char* role) : mesh_(mesh), role_(role), loops_(boundary_loops(mesh)) {
+    for (std::size_t l = 0; l < loops_.size(); ++l)
+      for (const Index v : loops_[l]) at_[v].push_back(l);
+  }
+
+  /// The list as the mesh's loop runs. Throws where it is not one whole simple loop.
+  std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& place) const {
+    if (loops_.empty())
+      throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop, its surface is closed", role_),
+                  place, "Cut it open first (meshgraft cut), or drop the part onto it at a point (--at)");
+    if (listed.empty()) throw Error(ErrorCode::input, fmt::format("no {} loop is named", role_), place);
+    for (const Index v : listed) require_on_one_loop(v, place);
+    const std::vector<Index>& loop = loops_[at_.at(listed.front()).front()];
+    for (const Index v : listed)
+      if (&loops_[at_.at(v).front()] != &loop)
+        throw Error(ErrorCode::input,
+                    fmt::format("{} vertices {} and {} are on two boundary loops", role_, listed.front(), v),
+                    place, "Name the vertices of one loop");
+    if (listed.size() != loop.size())
+      throw Error(ErrorCode::input,
+                  fmt::format("{} vertices are listed of the {}'s boundary loop of {}", listed.size(), role_,
+                              loop.size()),
+                  place, "List each vertex of the loop once, in its order");
+    require_length(loop, place);
+    std::vector<Index> turned = loop;
+    std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), listed.front()), turned.end());
+    const bool backwards = !std::equal(turned.begin(), turned.end(), listed.begin()) &&
+                           std::equal(turned.begin() + 1, turned.end(), listed.rbegin());
+    if (!backwards && turned != listed)
+      throw Error(ErrorCode::input, fmt::format("the {}'s loop is not listed in its order", role_), place,
+                  "List neighbouring vertices one after another");
+    return turned;
+  }
+
+ private:
+  void require_on_one_loop(Index v, const std::string& place) const {
+    if (v < 0 || v >= mesh_.vertex_count())
+      throw Error(ErrorCode::input,
+                  fmt::format("{} vertex {} does not exist; the mesh has {}", role_, v, mesh_.vertex_count()),
+                  place);
+    const auto found = at_.find(v);
+    if (found == at_.end())
+      throw Error(ErrorCode::input, fmt::format("{} vertex {} is not on a boundary", role_, v), place,
+                  "Name a boundary loop; 'meshgraft info' lists them");
+    if (found->second.size() > 1)
+      throw Error(ErrorCode::input,
+                  fmt::format("the {}'s boundary touches {} in vertex {}", role_,
+                              found->second[0] == found->second[1] ? "itself" : "another boundary loop", v),
+                  place, "Separate the loops there: take a face away, or repair the mesh");
+  }
+
+  void require_length(const std::vector<Index>& loop, const std::string& place) const {
+    Points points(static_cast<Eigen::Index>(loop.size()), 3);
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      points.row(static_cast<Eigen::Index>(i)) = mesh_.positions.row(loop[i]);
+    if (!points.allFinite())
+      throw Error(ErrorCode::input, fmt::format("a vertex of the {}'s loop is not finite", role_), place);
+    const double size = points.cwiseAbs().maxCoeff();
+    if (!(LoopCurve(points).length() > 1e-12 * size))
+      throw Error(ErrorCode::input,
+                  fmt::format("the {}'s loop at vertex {} has no length", role_, loop.front()), place,
+                  "Repair the mesh: all vertices of the loop are in one place");
+  }
+
+  const Mesh& mesh_;
+  const char* role_;
+  std::vector<std::vector<Index>> loops_;
+  std::map<Index, std::vector<std::size_t>> at_;
+};
+
+std::string pair_place(std::size_t pair, std::size_t count) {
+  return count == 1 ? std::string() : fmt::format("pair {}", pair);
+}
+
+}  // namespace
+
+std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs) {
+  if (pairs.empty())
+    throw Error(ErrorCode::input, "no pair of loops is given", "",
+                "Name a loop of the source and the loop of the target that it meets");
+  const MeshLoops target_loops(target, "target"), source_loops(source, "source");
+  std::vector<LoopPair> checked;
+  std::map<Index, std::size_t> source_owner, target_owner;
+  const auto claim = [](const std::vector<Index>& loop, std::map<Index, std::size_t>& owner, std::size_t p,
+                        const char* role) {
+    const auto [at, added] = owner.emplace(*std::min_element(loop.begin(), loop.end()), p);
+    if (!added)
+      throw Error(
+          ErrorCode::input,
+          fmt::format("pairs {} and {} name the same {} loop (vertex {})", at->second, p, role, at->first), "",
+          "Use each loop once");
+  };
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const std::string place = pair_place(p, pairs.size());
+    checked.push_back({source_loops.require_loop(pairs[p].loops.source, place),
+                       target_loops.require_loop(pairs[p].loops.target, place)});
+    claim(checked.back().source, source_owner, p, "source");
+    claim(checked.back().target, target_owner, p, "target");
+  }
+  return checked;
+}
+
+void require_held_components(const Mesh& source, std::span<const LoopPair> pairs) {
+  Index count = 0;
+  const std::vector<Index> component = connected_components(source, &count);
+  std::vector<Index> size(static_cast<std::size_t>(count), 0), first(static_cast<std::size_t>(count), -1);
+  for (Index v = 0; v < source.vertex_count(); ++v) {
+    if (component[v] < 0) continue;
+    if (size[component[v]]++ == 0) first[component[v]] = v;
+  }
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(count), 0);
+  for (const LoopPair& pair : pairs) held[component[pair.source.front()]] = 1;
+  for (Index c = 0; c < count; ++c)
+    if (!held[c])
+      throw Error(ErrorCode::input,
+                  fmt::format("no pair holds component {} of the source ({} vertices, the first is vertex {})",
+                              c, size[c], first[c]),
+                  "",
+                  "Pair one of its loops with one of the target's, or take the component out of the source");
+}
+
+LoopGeometry loop_geometry(const Mesh& mesh, const Points& vertex_normals, const std::vector<Index>& loop) {
+  const Attribute* kept = mesh.find_attribute(Domain::vertex, cut_normal_name);
+  const auto count = static_cast<Eigen::Index>(loop.size());
+  LoopGeometry geometry{Points(count, 3), Points(count, 3)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Index v = loop[static_cast<std::size_t>(i)];
+    geometry.points.row(i) = mesh.positions.row(v);
+    geometry.normals.row(i) = vertex_normals.row(v);
+    if (kept == nullptr || kept->components != 3) continue;
+    const Eigen::Map<const Eigen::RowVector3d> normal(kept->values.data() + std::ptrdiff_t{3} * v);
+    if (normal.allFinite() && normal.norm() > 0) geometry.normals.row(i) = normal.normalized();
+  }
+  return geometry;
+}
+
+bool windings_disagree(const Mesh& target, const Mesh& source) {
+  constexpr double clearly = 0.02;
+  const double there = enclosed_volume(target), here = enclosed_volume(source);
+  return std::min(there, here) < -clearly && std::max(there, here) > clearly;
+}
+
+namespace {
+
+double mean_turn(const Points& loop) {
+  const Eigen::Index count = loop.rows();
+  double sum = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector3d before = (loop.row(i) - loop.row((i + count - 1) % count)).transpose(),
+                          after = (loop.row((i + 1) % count) - loop.row(i)).transpose();
+    sum += std::atan2(before.cross(after).norm(), before.dot(after));
+  }
+  return sum / static_cast<double>(count);
+}
+
+}  // namespace
+
+Points smoothed_loop(const Points& loop) {
+  // Steps forth and back (Taubin 1995), so that the loop does not shrink.
+  constexpr int passes = 10;
+  const Eigen::Index count = loop.rows();
+  Points points = loop, next = loop;
+  for (int pass = 0; pass < passes; ++pass) {
+    for (const double step : {0.5, -0.53}) {
+      for (Eigen::Index i = 0; i < count; ++i)
+        next.row(i) =
+            points.row(i) +
+            step * ((points.row((i + count - 1) % count) + points.row((i + 1) % count)) / 2 - points.row(i));
+      std::swap(points, next);
+    }
+  }
+  return points;
+}
+
+double raggedness_deg(const Points& loop) {
+  return std::max(0.0, (mean_turn(loop) - mean_turn(smoothed_loop(loop))) * 180 / std::numbers::pi);
+}
+
+double mean_edge_length(const Points& loop) {
+  return LoopCurve(loop).length() / static_cast<double>(loop.rows());
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,351 @@
+#include <meshgraft/merge/merge.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/normals.h>
+#include <meshgraft/mesh/refine.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/winding.h>
+
+#include "boundary_condition.h"
+#include "graft.h"
+#include "loops.h"
+#include "shape_report.h"
+
+namespace meshgraft {
+
+std::string_view to_string(MergePose value) {
+  switch (value) {
+    case MergePose::find: return "find";
+    case MergePose::keep: return "keep";
+  }
+  return "";
+}
+
+std::string_view to_string(MergeShape value) {
+  switch (value) {
+    case MergeShape::ft05: return "ft05";
+    case MergeShape::similar: return "similar";
+  }
+  return "";
+}
+
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(lap_, now)).count();
+  }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now(), lap_ = start_;
+};
+
+void validate(const MergeOptions& options, const Mesh& source) {
+  const auto require = [](bool good, std::string what, const char* field, std::string remedy = {}) {
+    if (!good) throw Error(ErrorCode::input, std::move(what), field, std::move(remedy));
+  };
+  if (options.size)
+    require(*options.size > 0 && *options.size < 1e100,
+            fmt::format("{} is not a positive number", *options.size), "size");
+  require(std::abs(options.normal_angle_deg) <= 180,
+          fmt::format("{} is not between -180 and 180", options.normal_angle_deg), "normal_angle_deg");
+  require(!options.reach.rings || *options.reach.rings >= 1, "it is less than one ring", "reach");
+  require(!options.reach.length || *options.reach.length > 0, "it is not a positive length", "reach");
+  require(!(options.reach.rings && options.reach.length), "it is given in rings and as a length", "reach",
+          "Give one of the two");
+  require(options.fixed.empty() || options.pose == MergePose::keep,
+          "the pose is found, so nothing stays in place", "fixed",
+          "Keep the pose (--pose keep), or mark the part as a feature");
+  for (const Index v : options.fixed)
+    require(v >= 0 && v < source.vertex_count(), fmt::format("source vertex {} does not exist", v), "fixed");
+}
+
+/// The source in the course of a merge: refined at its loops, turned over.
+struct Source {
+  Mesh mesh;
+  std::vector<LoopPair> pairs;
+  Index added = 0;
+};
+
+/// The vertices of a refined loop: those that halve its edges between the old ones.
+std::vector<Index> refined_loop(const std::vector<Index>& loop,
+                                const std::map<std::array<Index, 2>, Index>& middle) {
+  std::vector<Index> refined;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const auto [low, high] = std::minmax(loop[i], loop[(i + 1) % loop.size()]);
+    refined.push_back(loop[i]);
+    if (const auto found = middle.find({low, high}); found != middle.end()) refined.push_back(found->second);
+  }
+  return refined;
+}
+
+/// Halves the source's edges around loops that have less than 1/ratio as many as what they meet (design: "few
+/// boundary vertices for a large region").
+void refine_source(Source& source, double ratio, const Context& context) {
+  constexpr int around = 2, most_levels = 6;
+  for (int level = 0; level < most_levels; ++level) {
+    const IndexLists rings = vertex_rings(source.mesh.vertex_count(), source.mesh.faces);
+    std::vector<Index> coarse;
+    for (const LoopPair& pair : source.pairs) {
+      if (static_cast<double>(pair.target.size()) <= ratio * static_cast<double>(pair.source.size())) continue;
+      const std::vector<Index> vertices = grow_rings(pair.source, around, rings);
+      coarse.insert(coarse.end(), vertices.begin(), vertices.end());
+    }
+    if (coarse.empty()) return;
+    RefineResult refined = split_edges_within(source.mesh, coarse, context);
+    std::map<std::array<Index, 2>, Index> middle;
+    for (std::size_t k = 0; k < refined.parents.size(); ++k) {
+      const auto [low, high] = std::minmax(refined.parents[k][0], refined.parents[k][1]);
+      middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
+    }
+    source.added += static_cast<Index>(refined.parents.size());
+    source.mesh = std::move(refined.mesh);
+    for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
+  }
+}
+
+std::string pair_place(std::size_t pair, std::size_t count) {
+  return count == 1 ? std::string() : fmt::format("pair {}", pair);
+}
+
+/// One correspondence per pair: from the matches where there are some, else found, for each component of the
+/// source over all its pairs without any.
+std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::span<const MergePair> pairs,
+                                        std::span<const LoopGeometry> sources,
+                                        std::span<const LoopGeometry> targets,
+                                        const std::vector<Index>& component, bool posed) {
+  std::vector<Correspondence> found(loops.size());
+  std::map<Index, std::vector<std::size_t>> open;  // by component
+  for (std::size_t p = 0; p < loops.size(); ++p) {
+    if (pairs[p].matches.empty()) {
+      open[component[loops[p].source.front()]].push_back(p);
+    } else {
+      found[p] =
+          match_by_arc_length(loops[p], pairs[p].matches, sources[p], targets[p], pair_place(p, loops.size()));
+    }
+  }
+  for (const auto& [number, members] : open) {
+    std::vector<LoopPair> some;
+    std::vector<LoopGeometry> some_sources, some_targets;
+    std::vector<std::string> some_places;
+    for (const std::size_t p : members) {
+      some.push_back(loops[p]);
+      some_sources.push_back(sources[p]);
+      some_targets.push_back(targets[p]);
+      some_places.push_back(pair_place(p, loops.size()));
+    }
+    const std::vector<Correspondence> matched =
+        match_automatically(some, some_sources, some_targets, posed, some_places);
+    for (std::size_t k = 0; k < members.size(); ++k) found[members[k]] = matched[k];
+  }
+  return found;
+}
+
+/// Brings each component near its place: the graft must not depend on where it was.
+Points posed_by_boundary(const Points& source, const std::vector<Index>& component,
+                         std::span<const LoopPair> pairs, std::span<const Correspondence> correspondences,
+                         std::optional<double> size, std::vector<LoopGeometry>& sources,
+                         std::span<const LoopGeometry> targets) {
+  std::map<Index, std::vector<std::size_t>> pairs_of;
+  for (std::size_t p = 0; p < pairs.size(); ++p) pairs_of[component[pairs[p].source.front()]].push_back(p);
+  Points posed = source;
+  for (const auto& [number, members] : pairs_of) {
+    std::vector<LoopGeometry> some_sources, some_targets;
+    std::vector<Correspondence> some;
+    for (const std::size_t p : members) {
+      some_sources.push_back(sources[p]);
+      some_targets.push_back(targets[p]);
+      some.push_back(correspondences[p]);
+    }
+    const Similarity pose = pose_of_boundary(some_sources, some_targets, some, size);
+    const auto place = [&](const Eigen::RowVector3d& point) {
+      return Eigen::RowVector3d(pose.scale * point * pose.rotation.transpose() + pose.translation.transpose());
+    };
+    for (Index v = 0; v < static_cast<Index>(component.size()); ++v)
+      if (component[v] == number) posed.row(v) = place(source.row(v));
+    for (const std::size_t p : members) {
+      for (auto point : sources[p].points.rowwise()) point = place(point);
+      sources[p].normals = (sources[p].normals * pose.rotation.transpose()).eval();
+    }
+  }
+  return posed;
+}
+
+/// A source ready for the solve.
+struct Part {
+  const Points& rest;
+  const Points& posed;
+  const Triangles& triangles;
+  const std::vector<Index>& component;
+  const std::vector<std::vector<Index>>& loops;
+};
+
+/// The solve, within the reach that was asked for. Where none was, each loop's own radius is tried first, and
+/// doubled as long as the part is squeezed there and that helps.
+Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> constraints,
+                         const MergeOptions& options, MergeReport& report, const Context& context) {
+  constexpr double roomy = 0.75, better = 0.03, fewest_far = 0.05;
+  constexpr int most_doublings = 3;
+  const IndexLists rings = vertex_rings(static_cast<Index>(part.rest.rows()), part.triangles, context);
+  const bool by_list = options.pose == MergePose::keep && !options.fixed.empty();
+  const bool given =
+      options.reach.rings || options.reach.length || options.shape == MergeShape::ft05 || by_list;
+  Graft best;
+  std::size_t far_count = 0;
+  for (int doubling = 0; doubling <= (given ? 0 : most_doublings); ++doubling) {
+    const std::vector<Index> far =
+        by_list && !options.reach.rings && !options.reach.length
+            ? options.fixed
+            : beyond_reach(part.posed, rings, part.loops, options.reach, 1 << doubling);
+    const bool hardly_any =
+        far.size() < static_cast<std::size_t>(fewest_far * static_cast<double>(part.rest.rows()));
+    if (doubling > 0 && (hardly_any || far.size() == far_count)) break;
+    far_count = far.size();
+    Graft graft = solve_graft(part.posed, part.triangles, constraints, far, part.component, options, context);
+    report.assemble_seconds += graft.summary.assemble_seconds;
+    report.factorise_seconds += graft.summary.analyse_seconds + graft.summary.factorise_seconds;
+    ShapeReport shape = measure_shape(part.rest, graft.positions, part.triangles, far, part.component);
+    shape.inverted = graft.evaluation.inverted_maps;
+    if (doubling > 0 && shape.inverted >= report.shape.inverted &&
+        shape.smallest_singular_p5 < report.shape.smallest_singular_p5 + better)
+      continue;
+    best = std::move(graft);
+    report.shape = shape;
+    report.evaluation = best.evaluation;
+    if (shape.inverted == 0 && shape.smallest_singular_p5 >= roomy) break;
+  }
+  return best;
+}
+
+PairReport report_pair(const LoopPair& pair, const Correspondence& correspondence, const LoopGeometry& source,
+                       const LoopGeometry& target) {
+  PairReport report;
+  report.source_vertices = static_cast<Index>(pair.source.size());
+  report.target_vertices = static_cast<Index>(pair.target.size());
+  const auto nearest = static_cast<std::size_t>(std::lround(correspondence.place.front()));
+  report.start = {pair.source.front(), pair.target[nearest % pair.target.size()]};
+  report.confidence = correspondence.confidence;
+  report.raggedness_deg = std::max(raggedness_deg(source.points), raggedness_deg(target.points));
+  return report;
+}
+
+void add_notes(MergeReport& report, const MergeOptions& options) {
+  constexpr double ragged_deg = 25, unsure = 0.25;
+  for (std::size_t p = 0; p < report.pairs.size(); ++p) {
+    const PairReport& pair = report.pairs[p];
+    if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
+      report.notes.push_back(
+          fmt::format("a boundary of pair {} is ragged ({:.0f}° of turn per vertex too much); "
+                      "--smooth-boundary smooths it first",
+                      p, pair.raggedness_deg));
+    if (pair.confidence < unsure)
+      report.notes.push_back(
+          fmt::format("where pair {} begins was found with little confidence ({:.2f}): target "
+                      "vertex {} at source vertex {}; name a start if the part is turned",
+                      p, pair.confidence, pair.start.target, pair.start.source));
+  }
+  if (report.evaluation.fell_back_to_linear)
+    report.notes.emplace_back("a feature turned inside out, so maps were blended linearly");
+  if (report.shape.inverted > 0)
+    report.notes.push_back(
+        fmt::format("the part turns inside out at {} vertices; another start or more matches may "
+                    "help, or a longer reach",
+                    report.shape.inverted));
+}
+
+}  // namespace
+
+MergeResult merge(const Mesh& target, const Mesh& source_mesh, std::span<const MergePair> pairs,
+                  const MergeOptions& options, const Context& context) {
+  Stopwatch watch;
+  MergeResult result;
+  MergeReport& report = result.report;
+
+  // Loops, and which of their points meet.
+  context.step("match");
+  validate(options, source_mesh);
+  const bool turn = windings_disagree(target, source_mesh);
+  if (turn && !options.fix_winding)
+    throw Error(
+        ErrorCode::input,
+        fmt::format("the faces of the {} look inward, those of the {} outward, so that their loops do not "
+                    "run opposite ways",
+                    enclosed_volume(target) < 0 ? "target" : "source",
+                    enclosed_volume(target) < 0 ? "source" : "target"),
+        "", "Turn one of the two over, or use --fix-winding, which turns the source over");
+  Source source{turn ? turned_over(source_mesh) : source_mesh, {}, 0};
+  source.pairs = checked_loops(target, source.mesh, pairs);
+  require_held_components(source.mesh, source.pairs);
+  refine_source(source, options.seam.edge_ratio, context);
+  const std::vector<Index> component = connected_components(source.mesh);
+  const Points target_normals = vertex_normals(target), source_normals = vertex_normals(source.mesh);
+  std::vector<LoopGeometry> sources, targets;
+  for (const LoopPair& pair : source.pairs) {
+    sources.push_back(loop_geometry(source.mesh, source_normals, pair.source));
+    targets.push_back(loop_geometry(target, target_normals, pair.target));
+    if (!options.smooth_boundary) continue;
+    sources.back().points = smoothed_loop(sources.back().points);
+    targets.back().points = smoothed_loop(targets.back().points);
+  }
+  const std::vector<Correspondence> correspondences =
+      match_loops(source.pairs, pairs, sources, targets, component, options.pose == MergePose::keep);
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    report.pairs.push_back(report_pair(source.pairs[p], correspondences[p], sources[p], targets[p]));
+  report.match_seconds = watch.lap();
+
+  // The source near its place, then bent so that its loops meet the target's.
+  context.step("graft");
+  const bool found = options.pose == MergePose::find;
+  const Points posed = found ? posed_by_boundary(source.mesh.positions, component, source.pairs,
+                                                 correspondences, options.size, sources, targets)
+                             : source.mesh.positions;
+  std::vector<VertexConstraint> constraints;
+  std::vector<std::vector<Index>> source_loops;
+  for (std::size_t p = 0; p < source.pairs.size(); ++p) {
+    BoundaryOptions boundary{options.pose, {}, options.normal_angle_deg};
+    if (options.size) boundary.scale = found ? 1 : *options.size;
+    const auto held =
+        boundary_constraints(source.pairs[p], sources[p], targets[p], correspondences[p], boundary);
+    constraints.insert(constraints.end(), held.begin(), held.end());
+    source_loops.push_back(source.pairs[p].source);
+  }
+  const Triangles triangles = triangulate(source.mesh, {.skip_out_of_range = true}).triangles;
+  const Part part{source.mesh.positions, posed, triangles, component, source_loops};
+  const Graft graft = graft_within_reach(part, constraints, options, report, context);
+  report.solve_seconds = watch.lap() - report.assemble_seconds - report.factorise_seconds;
+  report.source_vertices_added = source.added;
+
+  // Both as one mesh.
+  context.step("seam");
+  Mesh grafted = std::move(source.mesh);
+  const Points rest = std::exchange(grafted.positions, graft.positions);
+  update_normals(grafted, rest);
+  SeamResult seam = make_seam(target, grafted, source.pairs, options.seam, context);
+  result.grafted = graft.positions.topRows(source_mesh.vertex_count());
+  result.mesh = std::move(seam.mesh);
+  result.target = std::move(seam.target);
+  result.source = std::move(seam.source);
+  result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // not those refined in
+  result.new_faces = std::move(seam.new_faces);
+  result.band = std::move(seam.band);
+  report.notes = std::move(seam.notes);
+  report.seam = seam.report;
+  report.seam_seconds = watch.lap();
+  add_notes(report, options);
+  report.total_seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace meshgraft

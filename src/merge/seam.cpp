@@ -1,0 +1,263 @@
+#include <meshgraft/merge/seam.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/join.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "../mesh/edge_table.h"
+#include "band.h"
+#include "ring.h"
+#include "seam_patch.h"
+#include "seam_report.h"
+#include "strip.h"
+#include "strip_attributes.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Loop = std::vector<Index>;
+
+std::string place_of(std::size_t pair) { return "pair " + std::to_string(pair); }
+
+void check_options(const SeamOptions& options) {
+  const auto fail = [](const std::string& what) { throw Error(ErrorCode::input, what, "seam options"); };
+  if (!(options.edge_ratio >= 1)) fail("the edge ratio must be at least 1");
+  if (options.smoothing_steps < 0) fail("the number of smoothing steps must not be negative");
+  if (options.target_rings < 0 || options.source_rings < 0) fail("the number of rings must not be negative");
+  if (!(options.sharp_angle_deg >= 0 && options.sharp_angle_deg <= 180))
+    fail("the sharp angle must lie between 0 and 180 degrees");
+}
+
+// The half-edges without a partner: from vertex to vertex.
+std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
+  const EdgeTable table(mesh.vertex_count(), mesh.faces);
+  std::unordered_map<Index, std::vector<Index>> steps;
+  for (Index c = 0; c < mesh.faces.corner_count(); ++c) {
+    if (table.next[c] < 0 || !table.is_boundary(c)) continue;
+    steps[mesh.faces.corners()[c]].push_back(mesh.faces.corners()[table.next[c]]);
+  }
+  return steps;
+}
+
+// Each loop must be a simple boundary loop, run along its mesh's half-edges, and meet no other one.
+void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vector<const Loop*>& loops) {
+  const auto steps = border_steps(mesh);
+  std::unordered_map<Index, std::size_t> owner;
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    const Loop& loop = *loops[k];
+    const std::string place = place_of(k) + ", " + mesh_name + " loop";
+    if (loop.size() < 3) {
+      throw Error(ErrorCode::input,
+                  "a loop needs at least 3 vertices, this one has " + std::to_string(loop.size()), place);
+    }
+    for (const Index v : loop) {
+      if (v >= 0 && v < mesh.vertex_count()) continue;
+      throw Error(ErrorCode::input,
+                  "index " + std::to_string(v) + " is not one of the " + std::to_string(mesh.vertex_count()) +
+                      " vertices",
+                  place);
+    }
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Index a = loop[i], b = loop[(i + 1) % loop.size()];
+      const auto [entry, is_new] = owner.emplace(a, k);
+      if (!is_new) {
+        const bool own = entry->second == k;
+        throw Error(
+            ErrorCode::input,
+            own ? "the loop passes vertex " + std::to_string(a) + " twice"
+                : "the loop meets that of " + place_of(entry->second) + " in vertex " + std::to_string(a),
+            place, "List each vertex of one simple boundary loop once");
+      }
+      if (!mesh.positions.row(a).allFinite()) {
+        throw Error(ErrorCode::input, "vertex " + std::to_string(a) + " has no finite position", place);
+      }
+      const auto runs = [&](Index from, Index to) {
+        const auto found = steps.find(from);
+        return found != steps.end() && std::count(found->second.begin(), found->second.end(), to) > 0;
+      };
+      if (runs(a, b)) continue;
+      if (runs(b, a)) {
+        throw Error(ErrorCode::input,
+                    "the loop runs against the half-edges of its mesh at vertex " + std::to_string(a), place,
+                    "List it with the surface at the left hand, or flip the mesh's faces");
+      }
+      throw Error(
+          ErrorCode::input,
+          "vertices " + std::to_string(a) + " and " + std::to_string(b) + " are not joined by a boundary edge",
+          place, "List all vertices of a boundary loop in order");
+    }
+  }
+}
+
+double mean_edge_length(const Points& positions, const Loop& loop) {
+  double sum = 0;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    sum += (positions.row(loop[k]) - positions.row(loop[(k + 1) % loop.size()])).norm();
+  }
+  return sum / static_cast<double>(loop.size());
+}
+
+// The pairs in an order of their own, so that the given one does not matter.
+std::vector<std::size_t> canonical_order(std::span<const LoopPair> pairs) {
+  std::vector<std::size_t> order(pairs.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return *std::min_element(pairs[a].target.begin(), pairs[a].target.end()) <
+           *std::min_element(pairs[b].target.begin(), pairs[b].target.end());
+  });
+  return order;
+}
+
+Loop beginning_with_smallest(Loop loop) {
+  std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+  return loop;
+}
+
+// The faces at the borders, by the two vertices in the order of the face's half-edge.
+class BorderFaces {
+ public:
+  explicit BorderFaces(const Mesh& mesh) : mesh_(mesh) {
+    const EdgeTable table(mesh.vertex_count(), mesh.faces);
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+      for (Index c = mesh.faces.first_corner(f); c < mesh.faces.first_corner(f + 1); ++c) {
+        if (table.next[c] < 0 || !table.is_boundary(c)) continue;
+        face_[key(mesh.faces.corners()[c], mesh.faces.corners()[table.next[c]])] = f;
+      }
+    }
+  }
+
+  Index face(Index from, Index to) const { return face_.at(key(from, to)); }
+
+  Eigen::RowVector3d normal(Index from, Index to) const {
+    const auto corners = mesh_.faces[face(from, to)];
+    Eigen::RowVector3d area = Eigen::RowVector3d::Zero();
+    for (std::size_t c = 2; c < corners.size(); ++c) {
+      const Eigen::RowVector3d a = mesh_.positions.row(corners[c - 1]) - mesh_.positions.row(corners[0]);
+      area += a.cross(Eigen::RowVector3d(mesh_.positions.row(corners[c]) - mesh_.positions.row(corners[0])));
+    }
+    return area.normalized();
+  }
+
+ private:
+  static std::uint64_t key(Index from, Index to) {
+    return (static_cast<std::uint64_t>(from) << 32) | static_cast<std::uint32_t>(to);
+  }
+
+  const Mesh& mesh_;
+  std::unordered_map<std::uint64_t, Index> face_;
+};
+
+// A loop as a side of the gap. `with_half_edges`: passed as it is listed, else backwards.
+GapSide gap_side(const Mesh& mesh, const BorderFaces& faces, Loop loop, bool with_half_edges) {
+  if (!with_half_edges) std::reverse(loop.begin(), loop.end());
+  const auto n = static_cast<Eigen::Index>(loop.size());
+  GapSide side{std::move(loop), Points(n, 3), Points(n, 3)};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Index a = side.loop[k], b = side.loop[(k + 1) % n];
+    side.points.row(k) = mesh.positions.row(a);
+    side.face_normals.row(k) = with_half_edges ? faces.normal(a, b) : faces.normal(b, a);
+  }
+  return side;
+}
+
+// Per triangle of a strip the target's face beside it: at its edge, else at the edge from its vertex.
+std::vector<Index> neighbours(const std::vector<std::array<Index, 3>>& triangles, const Loop& target_loop,
+                              const BorderFaces& faces, Index target_vertices) {
+  std::unordered_map<Index, Index> face_from;
+  for (std::size_t k = 0; k < target_loop.size(); ++k) {
+    face_from[target_loop[k]] = faces.face(target_loop[k], target_loop[(k + 1) % target_loop.size()]);
+  }
+  std::vector<Index> result;
+  for (const auto& [a, b, c] : triangles) {
+    // With a target edge, the triangle is (i + 1, i, j); else its last vertex is the target's.
+    result.push_back(face_from.at(b < target_vertices ? b : c));
+  }
+  return result;
+}
+
+}  // namespace
+
+SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const LoopPair> pairs,
+                     const SeamOptions& options, const Context& context) {
+  context.step("seam", 0);
+  check_options(options);
+  std::vector<const Loop*> target_loops, source_loops;
+  for (const LoopPair& pair : pairs) {
+    target_loops.push_back(&pair.target);
+    source_loops.push_back(&pair.source);
+  }
+  check_loops(target, "target", target_loops);
+  check_loops(source, "source", source_loops);
+  const std::vector<std::size_t> order = canonical_order(pairs);
+
+  // The rings go.
+  context.step("seam", 0.1);
+  std::vector<RingRequest> requests;
+  for (const std::size_t k : order) {
+    requests.push_back({beginning_with_smallest(pairs[k].target),
+                        options.edge_ratio * mean_edge_length(source.positions, pairs[k].source), place_of(k)});
+  }
+  const RingRemoval opened = remove_rings(target, requests, context);
+
+  context.step("seam", 0.3);
+  JoinResult joined = join(opened.mesh, source);
+  SeamResult result;
+  result.notes = std::move(joined.notes);
+  result.mesh = std::move(joined.mesh);
+  Mesh& mesh = result.mesh;
+  for (const Index v : opened.vertex.new_index) {
+    result.target.new_index.push_back(v < 0 ? -1 : joined.first.new_index[v]);
+  }
+  result.source = std::move(joined.second);
+  const SeamLayout layout{opened.mesh.vertex_count(), opened.mesh.face_count(), source.face_count()};
+
+  // Strips fill the gaps.
+  context.step("seam", 0.4);
+  label_sides(mesh, layout);
+  std::vector<std::array<Index, 3>> strips;
+  std::vector<Index> beside;
+  {
+    const BorderFaces faces(mesh);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      Loop source_loop = beginning_with_smallest(pairs[order[k]].source);
+      for (Index& v : source_loop) v += layout.target_vertices;
+      const auto strip = fill_gap(gap_side(mesh, faces, opened.loops[k], true),
+                                  gap_side(mesh, faces, source_loop, false), options.strip, context);
+      const auto strip_beside = neighbours(strip, opened.loops[k], faces, layout.target_vertices);
+      strips.insert(strips.end(), strip.begin(), strip.end());
+      beside.insert(beside.end(), strip_beside.begin(), strip_beside.end());
+    }
+  }
+  add_strip(mesh, strips, beside);
+  for (Index f = layout.target_faces + layout.source_faces; f < mesh.face_count(); ++f)
+    result.new_faces.push_back(f);
+
+  context.step("seam", 0.6);
+  const Points unsmoothed = mesh.positions;
+  result.band = fair_band(mesh, layout, options, context);
+  renew_normals(mesh, layout, unsmoothed);
+
+  context.step("seam", 0.8);
+  result.report = measure_seam(mesh, layout, unsmoothed);
+  result.report.expected_euler_characteristic =
+      summarise_topology(target).euler_characteristic + summarise_topology(source).euler_characteristic;
+  double source_length = 0, target_length = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    source_length += mean_edge_length(source.positions, pairs[order[k]].source);
+    target_length += mean_edge_length(opened.mesh.positions, opened.loops[k]);
+  }
+  result.report.edge_ratio = pairs.empty() ? 1 : source_length / target_length;
+  context.step("seam", 1);
+  return result;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <meshgraft/merge/seam.h>
+
+#include "seam_patch.h"
+
+namespace meshgraft {
+
+/// Measures a finished seam. `unsmoothed`: the mesh's positions before its band was smoothed. Leaves the
+/// fields that speak of the inputs alone.
+SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed);
+
+}  // namespace meshgraft

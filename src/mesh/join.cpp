@@ -1,0 +1,282 @@
+#include <meshgraft/mesh/join.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace meshgraft {
+
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+std::size_t element_count(const Mesh& mesh, Domain domain) {
+  switch (domain) {
+    case Domain::vertex: return static_cast<std::size_t>(mesh.vertex_count());
+    case Domain::face: return static_cast<std::size_t>(mesh.face_count());
+    case Domain::corner: break;
+  }
+  return static_cast<std::size_t>(mesh.faces.corner_count());
+}
+
+bool is_usable(const Mesh& mesh, const Attribute& attribute) {
+  return attribute.components > 0 &&
+         attribute.values.size() ==
+             element_count(mesh, attribute.domain) * static_cast<std::size_t>(attribute.components);
+}
+
+// A value per vertex as a value per corner.
+Attribute per_corner(const Mesh& mesh, const Attribute& attribute) {
+  Attribute result = attribute;
+  result.domain = Domain::corner;
+  result.values.clear();
+  const auto components = static_cast<std::ptrdiff_t>(attribute.components);
+  for (const Index v : mesh.faces.corners()) {
+    if (v < 0 || v >= mesh.vertex_count()) {
+      result.values.insert(result.values.end(), static_cast<std::size_t>(components), none);
+    } else {
+      const auto first = attribute.values.begin() + v * components;
+      result.values.insert(result.values.end(), first, first + components);
+    }
+  }
+  return result;
+}
+
+// The attributes of `mesh`, those per vertex that `other` has per corner (UVs, normals) as such.
+std::vector<Attribute> attributes_like(const Mesh& mesh, const Mesh& other) {
+  std::vector<Attribute> result;
+  for (const Attribute& attribute : mesh.attributes) {
+    if (!is_usable(mesh, attribute)) continue;
+    const bool promoted = attribute.domain == Domain::vertex && attribute.name != "colour" &&
+                          other.find_attribute(Domain::corner, attribute.name) &&
+                          !mesh.find_attribute(Domain::corner, attribute.name);
+    result.push_back(promoted ? per_corner(mesh, attribute) : attribute);
+  }
+  return result;
+}
+
+double largest_of(ScalarType type) {
+  return type == ScalarType::uint8 ? 255 : type == ScalarType::uint16 ? 65535 : 1;
+}
+
+// Colours in files are whole numbers up to the type's largest, or fractions; alpha may be left out.
+void to_unit_colour(Attribute& colour) {
+  const double largest = largest_of(colour.type);
+  for (double& value : colour.values) value /= largest;
+  colour.type = ScalarType::float32;
+}
+
+void add_alpha(Attribute& colour) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < colour.values.size(); k += 3) {
+    values.insert(values.end(), {colour.values[k], colour.values[k + 1], colour.values[k + 2],
+                                 std::isnan(colour.values[k]) ? none : largest_of(colour.type)});
+  }
+  colour.values = std::move(values);
+  colour.components = 4;
+  colour.source_names.clear();
+}
+
+void match_colours(Attribute& first, Attribute& second) {
+  if (first.type != second.type) {
+    to_unit_colour(first);
+    to_unit_colour(second);
+  }
+  if (first.components == 3 && second.components == 4) add_alpha(first);
+  if (first.components == 4 && second.components == 3) add_alpha(second);
+}
+
+// Numbers that stand for things get the names that a writer would give them.
+void name_values(Attribute& attribute) {
+  if (!attribute.labels.empty()) return;
+  std::map<double, double> number;
+  for (const double value : attribute.values) {
+    if (!std::isnan(value)) number.emplace(value, 0);
+  }
+  for (auto& [value, k] : number) {
+    k = static_cast<double>(attribute.labels.size());
+    const bool whole = value == std::round(value) && std::abs(value) < 1e15;
+    attribute.labels.push_back(
+        attribute.name + "_" +
+        (whole ? std::to_string(static_cast<std::int64_t>(value)) : std::to_string(value)));
+  }
+  for (double& value : attribute.values) {
+    if (!std::isnan(value)) value = number[value];
+  }
+}
+
+std::string free_name(const std::string& name, const std::set<std::string>& taken) {
+  std::string candidate = name;
+  for (int k = 2; taken.contains(candidate); ++k) candidate = name + "_" + std::to_string(k);
+  return candidate;
+}
+
+// Numbers the second's labels behind the first's. Equal ones are the same thing, unless told `apart`. Returns
+// those that got another name, with it.
+std::vector<std::pair<std::string, std::string>> join_labels(Attribute& first, Attribute& second, bool apart) {
+  name_values(first);
+  name_values(second);
+  std::set<std::string> taken(first.labels.begin(), first.labels.end());
+  if (apart) {
+    for (const std::string& label : second.labels) {
+      if (!std::count(first.labels.begin(), first.labels.end(), label)) taken.insert(label);
+    }
+  }
+  std::vector<std::pair<std::string, std::string>> renamed;
+  std::vector<double> number;
+  for (const std::string& label : second.labels) {
+    const auto found = std::find(first.labels.begin(), first.labels.end(), label);
+    if (found != first.labels.end() && !apart) {
+      number.push_back(static_cast<double>(found - first.labels.begin()));
+      continue;
+    }
+    number.push_back(static_cast<double>(first.labels.size()));
+    const bool clashes = found != first.labels.end();
+    first.labels.push_back(clashes ? free_name(label, taken) : label);
+    taken.insert(first.labels.back());
+    if (clashes) renamed.emplace_back(label, first.labels.back());
+  }
+  for (double& value : second.values) {
+    if (std::isnan(value)) continue;
+    const auto k = static_cast<std::size_t>(value);
+    value = value >= 0 && k < number.size() ? number[k] : none;
+  }
+  return renamed;
+}
+
+bool is_floating(ScalarType type) { return type == ScalarType::float32 || type == ScalarType::float64; }
+
+// A type that holds the values of both.
+ScalarType common_type(ScalarType a, ScalarType b) {
+  if (a == b) return a;
+  return is_floating(a) || is_floating(b) ? ScalarType::float64 : ScalarType::int32;
+}
+
+Attribute missing_like(const Attribute& attribute, std::size_t elements) {
+  Attribute result = attribute;
+  result.values.assign(elements * static_cast<std::size_t>(attribute.components), none);
+  return result;
+}
+
+class Joiner {
+ public:
+  Joiner(const Mesh& first, const Mesh& second) : first_(first), second_(second) {}
+
+  JoinResult join() {
+    join_positions();
+    join_faces();
+    join_attributes();
+    join_sources();
+    return std::move(result_);
+  }
+
+ private:
+  void join_positions() {
+    const Index n = first_.vertex_count(), m = second_.vertex_count();
+    result_.mesh.positions.resize(n + m, 3);
+    result_.mesh.positions << first_.positions, second_.positions;
+    result_.first.new_index.resize(static_cast<std::size_t>(n));
+    result_.second.new_index.resize(static_cast<std::size_t>(m));
+    std::iota(result_.first.new_index.begin(), result_.first.new_index.end(), 0);
+    std::iota(result_.second.new_index.begin(), result_.second.new_index.end(), n);
+  }
+
+  void join_faces() {
+    Faces& faces = result_.mesh.faces;
+    faces.reserve(first_.face_count() + second_.face_count(),
+                  first_.faces.corner_count() + second_.faces.corner_count());
+    add_faces(first_, 0);
+    add_faces(second_, first_.vertex_count());
+  }
+
+  // An index out of range stays out of range.
+  void add_faces(const Mesh& mesh, Index shift) {
+    std::vector<Index> face;
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+      face.assign(mesh.faces[f].begin(), mesh.faces[f].end());
+      for (Index& v : face) v = v >= 0 && v < mesh.vertex_count() ? v + shift : -1;
+      result_.mesh.faces.push_back(face);
+    }
+  }
+
+  void join_attributes() {
+    std::vector<Attribute> first = attributes_like(first_, second_);
+    std::vector<Attribute> second = attributes_like(second_, first_);
+    for (Attribute& a : first) {
+      const auto b = std::find_if(second.begin(), second.end(), [&](const Attribute& other) {
+        return other.domain == a.domain && other.name == a.name;
+      });
+      if (b == second.end()) {
+        add(a, missing_like(a, element_count(second_, a.domain)));
+        continue;
+      }
+      if (a.name == "colour") match_colours(a, *b);
+      if (a.components == b->components) {
+        add_matching(a, *b);
+        second.erase(b);
+      } else {
+        add(a, missing_like(a, element_count(second_, a.domain)));
+      }
+    }
+    for (Attribute& b : second) {
+      std::set<std::string> taken;
+      for (const Attribute& a : result_.mesh.attributes) {
+        if (a.domain == b.domain) taken.insert(a.name);
+      }
+      b.name = free_name(b.name, taken);
+      add(missing_like(b, element_count(first_, b.domain)), b);
+    }
+  }
+
+  void add_matching(Attribute& a, Attribute& b) {
+    const bool is_material = a.name == "material";
+    if (is_material || a.name == "group" || !a.labels.empty() || !b.labels.empty()) {
+      for (const auto& [old_name, new_name] : join_labels(a, b, is_material && !same_source())) {
+        result_.notes.push_back("The second mesh's " + a.name + " '" + old_name + "' is called '" + new_name +
+                                "', for the first has one of that name too.");
+      }
+    }
+    a.type = a.labels.empty() ? common_type(a.type, b.type) : ScalarType::int32;
+    if (a.interpolation != b.interpolation) a.interpolation = Interpolation::nearest;
+    if (a.source_names != b.source_names) a.source_names.clear();
+    add(a, b);
+  }
+
+  void add(Attribute a, const Attribute& b) {
+    a.values.insert(a.values.end(), b.values.begin(), b.values.end());
+    result_.mesh.attributes.push_back(std::move(a));
+  }
+
+  // Two parts of one file name the same materials.
+  bool same_source() const { return first_.source && first_.source == second_.source; }
+
+  void join_sources() {
+    if (!first_.source && !second_.source) return;
+    auto joined = std::make_shared<JoinedSources>();
+    for (const auto& source : {first_.source, second_.source}) {
+      if (const auto* several = dynamic_cast<const JoinedSources*>(source.get())) {
+        joined->parts.insert(joined->parts.end(), several->parts.begin(), several->parts.end());
+        joined->notes.insert(joined->notes.end(), several->notes.begin(), several->notes.end());
+      } else if (source) {
+        joined->parts.push_back(source);
+      }
+    }
+    joined->notes.insert(joined->notes.end(), result_.notes.begin(), result_.notes.end());
+    result_.mesh.source = std::move(joined);
+  }
+
+  const Mesh& first_;
+  const Mesh& second_;
+  JoinResult result_;
+};
+
+}  // namespace
+
+JoinResult join(const Mesh& first, const Mesh& second) { return Joiner(first, second).join(); }
+
+}  // namespace meshgraft

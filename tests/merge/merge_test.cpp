@@ -1,0 +1,403 @@
+#include <meshgraft/merge/merge.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/winding.h>
+#include <meshgraft/samples/samples.h>
+
+#include "merge/cut_halves.h"
+
+namespace meshgraft {
+namespace {
+
+using testing::HasSubstr;
+
+struct Graft {
+  std::string name;
+  Mesh target, source;
+  std::vector<MergePair> pairs;
+};
+
+double diagonal(const Points& points) {
+  return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+}
+
+double largest_distance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
+
+Mesh posed(Mesh mesh, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Eigen::Quaterniond turn(normal(random), normal(random), normal(random), normal(random));
+  turn.normalize();
+  const double scale = std::exp(normal(random));
+  const Eigen::RowVector3d shift(normal(random), normal(random), normal(random));
+  const auto map = [&](auto row) { return Eigen::RowVector3d(row * turn.toRotationMatrix().transpose()); };
+  for (auto row : mesh.positions.rowwise()) row = scale * map(row) + 3 * shift;
+  for (Attribute& attribute : mesh.attributes) {
+    if (attribute.name != cut_normal_name) continue;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+      Eigen::Map<Eigen::RowVector3d> value(attribute.values.data() + std::ptrdiff_t{3} * v);
+      value = map(Eigen::RowVector3d(value));
+    }
+  }
+  return mesh;
+}
+
+std::vector<MergePair> without_matches(const std::vector<LoopPair>& loops) {
+  std::vector<MergePair> pairs;
+  for (const LoopPair& pair : loops) pairs.push_back({pair, {}});
+  return pairs;
+}
+
+// A sample cut by a plane, to be grafted back: what is above onto what is below.
+Graft cut_sample(const std::string& sample, int resolution, const Eigen::Vector3d& point,
+                 const Eigen::Vector3d& normal) {
+  const Mesh whole = make_sample(sample, resolution);
+  Graft graft{sample,
+              cut_by_plane(whole, point, normal, {.keep = CutKeep::below}).mesh,
+              cut_by_plane(whole, point, normal, {.keep = CutKeep::above}).mesh,
+              {}};
+  graft.pairs = without_matches(test::coinciding_loops(graft.target, graft.source));
+  return graft;
+}
+
+// Parts with one loop, several, and of a genus; none of the loops is so round that it has no start.
+std::vector<Graft> grafts_back() {
+  return {cut_sample("cactus", 40, {0, 0, 1.3}, {0.2, 0.1, 1}),
+          cut_sample("dinosaur", 48, {-1, 0, 0}, {-1, 0.1, 0.2}),
+          cut_sample("octopus", 56, {0, 0, 0.8}, {0, 0.1, 1}), cut_sample("head", 40, {0, 0, 0}, {0.1, 0.2, 1}),
+          cut_sample("torus", 30, {0.1, 0, 0}, {1, 0.2, 0.3})};
+}
+
+Graft head_on_bust(int resolution = 40) {
+  Graft graft{"head on bust", make_sample("bust", resolution), make_sample("head", resolution), {}};
+  graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(0)}, {}}};
+  return graft;
+}
+
+void drop_cut_normals(Mesh& mesh) {
+  std::erase_if(mesh.attributes, [](const Attribute& attribute) { return attribute.name == cut_normal_name; });
+}
+
+TEST(Merge, GraftsBackWhatWasCut) {
+  for (const Graft& graft : grafts_back()) {
+    ASSERT_FALSE(graft.pairs.empty()) << graft.name;
+    for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
+      const MergeResult result = merge(graft.target, posed(graft.source, 3), graft.pairs, {.shape = shape});
+      const double size = diagonal(graft.source.positions);
+      EXPECT_LT(largest_distance(result.grafted, graft.source.positions), 1e-9 * size)
+          << graft.name << " by " << to_string(shape);
+      EXPECT_TRUE(result.report.seam.manifold && result.report.seam.oriented) << graft.name;
+      EXPECT_TRUE(result.report.seam.closed) << graft.name;
+      // Away from the seam the result is the uncut surface.
+      std::vector<std::uint8_t> in_band(static_cast<std::size_t>(result.mesh.vertex_count()), 0);
+      for (const Index v : result.band) in_band[v] = 1;
+      for (Index v = 0; v < graft.source.vertex_count(); ++v) {
+        const Index to = result.source.new_index[v];
+        if (to >= 0 && !in_band[to])
+          EXPECT_LT((result.mesh.positions.row(to) - graft.source.positions.row(v)).norm(), 1e-9 * size);
+      }
+    }
+  }
+}
+
+TEST(Merge, GraftsBackNearlyWithEstimatedNormals) {
+  for (Graft graft : grafts_back()) {
+    drop_cut_normals(graft.target);
+    drop_cut_normals(graft.source);
+    for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
+      const MergeResult result = merge(graft.target, posed(graft.source, 4), graft.pairs, {.shape = shape});
+      EXPECT_LT(largest_distance(result.grafted, graft.source.positions),
+                0.05 * diagonal(graft.source.positions))
+          << graft.name << " by " << to_string(shape);
+    }
+  }
+}
+
+TEST(Merge, DoesNotDependOnThePoseOfTheSource) {
+  const Graft graft = head_on_bust();
+  for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
+    for (const DeformMethod method :
+         {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
+      MergeOptions options{.shape = shape};
+      options.deformer.method = method;
+      const MergeResult first = merge(graft.target, graft.source, graft.pairs, options);
+      for (const unsigned seed : {1U, 2U}) {
+        const MergeResult again = merge(graft.target, posed(graft.source, seed), graft.pairs, options);
+        EXPECT_LT(largest_distance(first.grafted, again.grafted), 1e-9 * diagonal(first.grafted))
+            << to_string(shape) << ", " << to_string(method);
+        EXPECT_LT(largest_distance(first.mesh.positions, again.mesh.positions), 1e-9 * diagonal(first.grafted));
+        EXPECT_EQ(first.mesh.faces, again.mesh.faces);
+      }
+    }
+  }
+}
+
+TEST(Merge, LeavesTheTargetAloneOutsideTheBand) {
+  const Graft graft = head_on_bust();
+  for (const int rings : {0, 3}) {
+    MergeOptions options;
+    options.seam.target_rings = rings;
+    const MergeResult result = merge(graft.target, graft.source, graft.pairs, options);
+    const std::vector<Index> near = grow_rings(graft.pairs[0].loops.target, rings + 1,
+                                               vertex_rings(graft.target.vertex_count(), graft.target.faces));
+    for (Index v = 0; v < graft.target.vertex_count(); ++v) {
+      const Index to = result.target.new_index[v];
+      if (to >= 0 && graft.target.positions.row(v) != result.mesh.positions.row(to))
+        EXPECT_TRUE(rings > 0 && std::binary_search(near.begin(), near.end(), v)) << v;
+    }
+  }
+}
+
+TEST(Merge, TheFarPartKeepsItsShape) {
+  const Graft graft = head_on_bust();
+  const MergeResult similar = merge(graft.target, graft.source, graft.pairs);
+  EXPECT_LT(similar.report.shape.distance_rel, 1e-9);
+  EXPECT_EQ(similar.report.shape.inverted, 0);
+  EXPECT_GT(similar.report.shape.smallest_singular_p5, 0.5);
+  const MergeResult linear = merge(graft.target, graft.source, graft.pairs, {.shape = MergeShape::ft05});
+  EXPECT_GT(linear.report.shape.distance_rel, 1e-4);  // the loops differ, so it is sheared
+}
+
+TEST(Merge, LocksTheScale) {
+  const Graft graft = head_on_bust();
+  for (const double size : {0.7, 1.3}) {
+    const MergeResult result = merge(graft.target, graft.source, graft.pairs, {.size = size});
+    EXPECT_NEAR(result.report.shape.similarity.scale, size, 1e-9);
+  }
+}
+
+TEST(Merge, PairsMayComeInAnyOrder) {
+  Graft graft = cut_sample("torus", 30, {0.1, 0, 0}, {1, 0.2, 0.3});
+  ASSERT_EQ(graft.pairs.size(), 2U);
+  const MergeResult first = merge(graft.target, graft.source, graft.pairs);
+  std::swap(graft.pairs[0], graft.pairs[1]);
+  const MergeResult second = merge(graft.target, graft.source, graft.pairs);
+  EXPECT_LT(largest_distance(first.grafted, second.grafted), 1e-12 * diagonal(first.grafted));
+  EXPECT_EQ(first.report.seam.euler_characteristic, 0);
+  EXPECT_EQ(second.report.seam.euler_characteristic, 0);
+}
+
+TEST(Merge, KeepsThePoseBitForBitBeyondReach) {
+  const Graft graft = head_on_bust();
+  MergeOptions options{.pose = MergePose::keep, .reach = {.rings = 4, .length = {}}};
+  Mesh source = graft.source;
+  source.positions.col(2).array() += 0.05;
+  const MergeResult result = merge(graft.target, source, graft.pairs, options);
+  const std::vector<Index> near =
+      grow_rings(graft.pairs[0].loops.source, 4, vertex_rings(source.vertex_count(), source.faces));
+  Index moved = 0;
+  for (Index v = 0; v < source.vertex_count(); ++v) {
+    if (std::binary_search(near.begin(), near.end(), v))
+      moved += source.positions.row(v) != result.grafted.row(v);
+    else
+      EXPECT_EQ(source.positions.row(v), result.grafted.row(v)) << v;
+  }
+  EXPECT_GT(moved, 0);
+}
+
+TEST(Merge, FeaturesFollowOneMap) {
+  const Graft graft = head_on_bust();
+  for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
+    for (const bool similarity : {true, false}) {
+      MergeFeature feature{{}, similarity};
+      for (Index v = 0; v < graft.source.vertex_count(); ++v)
+        if (graft.source.positions(v, 2) > 0 && graft.source.positions(v, 1) < -0.2)
+          feature.vertices.push_back(v);
+      ASSERT_GT(feature.vertices.size(), 20U);
+      MergeOptions options{.shape = shape};
+      options.features = {feature};
+      const MergeResult result = merge(graft.target, graft.source, graft.pairs, options);
+      const auto count = static_cast<Eigen::Index>(feature.vertices.size());
+      Eigen::MatrixXd before(count, 4), after(count, 3);
+      for (Eigen::Index k = 0; k < count; ++k) {
+        const Index v = feature.vertices[static_cast<std::size_t>(k)];
+        before.row(k) << graft.source.positions.row(v), 1;
+        after.row(k) = result.grafted.row(v);
+      }
+      const Eigen::MatrixXd map = before.colPivHouseholderQr().solve(after);
+      EXPECT_LT((before * map - after).norm(), 1e-9 * after.norm());
+      const Eigen::Matrix3d linear = map.topRows<3>().transpose();
+      const double scale = std::cbrt(linear.determinant());
+      const double shear = (linear.transpose() * linear / (scale * scale) - Eigen::Matrix3d::Identity()).norm();
+      if (similarity)
+        EXPECT_LT(shear, 1e-9);
+      else if (shape == MergeShape::ft05)
+        EXPECT_GT(shear, 1e-6);
+    }
+  }
+}
+
+TEST(Merge, TurnsTheTargetsNormals) {
+  const Graft graft = head_on_bust();
+  MergeOptions options{.shape = MergeShape::ft05};
+  const Points straight = merge(graft.target, graft.source, graft.pairs, options).grafted;
+  options.normal_angle_deg = 20;
+  const Points wider = merge(graft.target, graft.source, graft.pairs, options).grafted;
+  options.normal_angle_deg = -20;
+  const Points narrower = merge(graft.target, graft.source, graft.pairs, options).grafted;
+  // One way the neck opens like a funnel, the other way it closes.
+  const auto width = [](const Points& points) {
+    return (points.col(0).maxCoeff() - points.col(0).minCoeff()) +
+           (points.col(1).maxCoeff() - points.col(1).minCoeff());
+  };
+  EXPECT_GT(std::abs(width(wider) - width(straight)), 0.02 * width(straight));
+  EXPECT_LT((width(wider) - width(straight)) * (width(narrower) - width(straight)), 0);
+}
+
+TEST(Merge, RefinesTheCoarserSide) {
+  for (const auto& [target_resolution, source_resolution] : {std::pair(80, 24), std::pair(24, 80)}) {
+    Graft graft{"", make_sample("bust", target_resolution), make_sample("head", source_resolution), {}};
+    graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(0)}, {}}};
+    const MergeResult result = merge(graft.target, graft.source, graft.pairs);
+    EXPECT_GT(result.report.source_vertices_added + result.report.seam.new_faces, 0);
+    EXPECT_EQ(result.report.source_vertices_added > 0, source_resolution < target_resolution);
+    EXPECT_LT(result.report.seam.edge_ratio, 2.2);
+    EXPECT_GT(result.report.seam.edge_ratio, 1 / 2.2);
+    EXPECT_TRUE(result.report.seam.closed && result.report.seam.manifold);
+    EXPECT_EQ(result.grafted.rows(), graft.source.vertex_count());
+  }
+}
+
+std::string error_of(const Graft& graft, const MergeOptions& options = {}) {
+  try {
+    merge(graft.target, graft.source, graft.pairs, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MergeErrors, NameWhatIsWrong) {
+  const Graft good = head_on_bust(24);
+  Graft bad = good;
+  bad.pairs.clear();
+  EXPECT_THAT(error_of(bad), HasSubstr("no pair of loops"));
+
+  bad = good;
+  bad.source = make_sample("cactus", 24);
+  EXPECT_THAT(error_of(bad), HasSubstr("the source has no boundary loop"));
+
+  bad = good;
+  bad.target = make_sample("cactus", 24);
+  EXPECT_THAT(error_of(bad), HasSubstr("the target has no boundary loop"));
+
+  bad = good;
+  bad.pairs[0].loops.source.pop_back();
+  EXPECT_THAT(error_of(bad), HasSubstr("vertices are listed of the source's boundary loop of"));
+
+  bad = good;
+  std::swap(bad.pairs[0].loops.source[3], bad.pairs[0].loops.source[7]);
+  EXPECT_THAT(error_of(bad), HasSubstr("not listed in its order"));
+
+  bad = good;
+  const std::vector<std::uint8_t> on_loop = [&] {
+    std::vector<std::uint8_t> flags(static_cast<std::size_t>(good.source.vertex_count()), 0);
+    for (const Index v : good.pairs[0].loops.source) flags[v] = 1;
+    return flags;
+  }();
+  const auto inner = static_cast<Index>(std::find(on_loop.begin(), on_loop.end(), 0) - on_loop.begin());
+  bad.pairs[0].loops.source[0] = inner;
+  EXPECT_THAT(error_of(bad), HasSubstr(std::to_string(inner) + " is not on a boundary"));
+  bad.pairs[0].loops.source[0] = 1 << 20;
+  EXPECT_THAT(error_of(bad), HasSubstr("does not exist"));
+
+  bad = good;
+  bad.pairs.push_back(bad.pairs[0]);
+  EXPECT_THAT(error_of(bad), HasSubstr("name the same source loop"));
+
+  // Source vertices go round one way, target vertices the other: these two cross a third.
+  bad = good;
+  const auto& s = good.pairs[0].loops.source;
+  const auto& t = good.pairs[0].loops.target;
+  bad.pairs[0].matches = {{s[0], t[0]}, {s[5], t[5]}, {s[10], t[10]}};
+  EXPECT_THAT(error_of(bad), HasSubstr("the matches cross"));
+  bad.pairs[0].matches = {{s[0], t[0]}, {s[5], t[0]}};
+  EXPECT_THAT(error_of(bad), HasSubstr("the same target vertex"));
+  bad.pairs[0].matches = {{s[0], t[0]}, {s[0], t[5]}};
+  EXPECT_THAT(error_of(bad), HasSubstr("two target vertices"));
+  bad.pairs[0].matches = {{inner, t[0]}};
+  EXPECT_THAT(error_of(bad), HasSubstr("is not on the pair's loop"));
+
+  bad = good;  // a second component of the source without a pair
+  const Mesh lone = make_sample("cylinder", 8);
+  const Index offset = bad.source.vertex_count();
+  Points positions(offset + lone.vertex_count(), 3);
+  positions << bad.source.positions, lone.positions;
+  bad.source.positions = positions;
+  bad.source.attributes.clear();
+  for (Index f = 0; f < lone.face_count(); ++f) {
+    std::vector<Index> face(lone.faces[f].begin(), lone.faces[f].end());
+    for (Index& v : face) v += offset;
+    bad.source.faces.push_back(face);
+  }
+  EXPECT_THAT(error_of(bad), HasSubstr("no pair holds component 1 of the source"));
+
+  bad = good;
+  for (const Index v : good.pairs[0].loops.source) bad.source.positions.row(v).setConstant(0.25);
+  EXPECT_THAT(error_of(bad), HasSubstr("has no length"));
+
+  EXPECT_THAT(error_of(good, {.size = -1}), HasSubstr("not a positive number"));
+  EXPECT_THAT(error_of(good, {.reach = {.rings = 0, .length = {}}}), HasSubstr("less than one ring"));
+  EXPECT_THAT(error_of(good, {.fixed = {0}}), HasSubstr("nothing stays in place"));
+}
+
+TEST(MergeErrors, RoundLoopsNeedAStart) {
+  Graft graft{"tubes", make_sample("cylinder", 24), make_sample("cylinder", 24), {}};
+  graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(1)}, {}}};
+  const std::string error = error_of(graft);
+  EXPECT_THAT(error, HasSubstr("where to begin is open"));
+  EXPECT_THAT(error, HasSubstr("--start"));
+  graft.pairs[0].matches = {{graft.pairs[0].loops.source[0], graft.pairs[0].loops.target[0]}};
+  EXPECT_EQ(error_of(graft), "");
+}
+
+TEST(MergeErrors, InwardFacesAreNamedOrTurned) {
+  Graft graft = head_on_bust(24);
+  const MergeResult expected = merge(graft.target, graft.source, graft.pairs);
+  graft.source = turned_over(graft.source);
+  EXPECT_THAT(error_of(graft), HasSubstr("the faces of the source look inward"));
+  const MergeResult turned = merge(graft.target, graft.source, graft.pairs, {.fix_winding = true});
+  EXPECT_LT(largest_distance(turned.grafted, expected.grafted), 1e-9 * diagonal(expected.grafted));
+}
+
+TEST(MergeErrors, LoopsThatTouchThemselvesAreNamed) {
+  // Two holes of a grid that share a corner.
+  const Mesh sheet = make_sample("bumpy_plane", 12);
+  std::vector<Index> taken;
+  const IndexLists rings = vertex_rings(sheet.vertex_count(), sheet.faces);
+  const Index pivot = 5 * 12 + 5;
+  Index kept = 0;
+  const Mesh holed = test::faces_where(sheet, [&](Index f) {
+    const bool at_pivot =
+        std::find(sheet.faces[f].begin(), sheet.faces[f].end(), pivot) != sheet.faces[f].end();
+    return !at_pivot || (kept++ % 3 == 0);
+  });
+  const auto loops = boundary_loops(holed);
+  ASSERT_GT(loops.size(), 1U);
+  Graft graft{"", make_sample("bust", 24), holed, {}};
+  graft.pairs = {{{loops[1], boundary_loops(graft.target).at(0)}, {}}};
+  EXPECT_THAT(error_of(graft), HasSubstr("touches"));
+}
+
+TEST(Merge, StopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  Context context;
+  context.stop_token = stop.get_token();
+  const Graft graft = head_on_bust(24);
+  EXPECT_THROW(merge(graft.target, graft.source, graft.pairs, {}, context), Error);
+}
+
+}  // namespace
+}  // namespace meshgraft
