@@ -279,7 +279,6 @@ Scene merged_scene(MergeResult& result, const EditStep& step, const Scene& targe
     produced[step.name] = {{"target", present(result.target, target.mesh.vertex_count())},
                            {"source", present(result.source, source.mesh.vertex_count())},
                            {"seam", seam_vertices(result.mesh, result.new_faces)}};
-  result.mesh.source = nullptr;
   Scene scene =
       make_scene(std::move(result.mesh), fmt::format("{} with {}", target.label, source.label), context);
   scene.produced = std::move(produced);
@@ -292,7 +291,6 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
   seconds.factorise = report.factorise_seconds;
   seconds.solve = report.solve_seconds;
   seconds.seam = report.seam_seconds;
-  seconds.measure = report.measure_seconds;
 }
 
 }  // namespace
@@ -322,7 +320,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
 
   MergeResult result;
   try {
-    result = merge(target.scene.mesh, part, pairs, outcome.options, context);
+    result = merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(error, place);

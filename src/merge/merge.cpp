@@ -111,6 +111,7 @@ void refine_source(Source& source, double ratio, const Context& context) {
       middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
     }
     source.added += static_cast<Index>(refined.parents.size());
+    refined.mesh.source = source.mesh.source;  // for what is said of its materials
     source.mesh = std::move(refined.mesh);
     for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
   }
@@ -267,8 +268,8 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
 
 }  // namespace
 
-MergeResult merge(const Mesh& target, const Mesh& source_mesh, std::span<const MergePair> pairs,
-                  const MergeOptions& options, const Context& context) {
+MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<const MergePair> pairs,
+                         const MergeOptions& options, const Context& context) {
   Stopwatch watch;
   MergeResult result;
   MergeReport& report = result.report;

@@ -95,7 +95,8 @@ TEST(Merge, GraftsBackWhatWasCut) {
   for (const Graft& graft : grafts_back()) {
     ASSERT_FALSE(graft.pairs.empty()) << graft.name;
     for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
-      const MergeResult result = merge(graft.target, posed(graft.source, 3), graft.pairs, {.shape = shape});
+      const MergeResult result =
+          merge_meshes(graft.target, posed(graft.source, 3), graft.pairs, {.shape = shape});
       const double size = diagonal(graft.source.positions);
       EXPECT_LT(largest_distance(result.grafted, graft.source.positions), 1e-9 * size)
           << graft.name << " by " << to_string(shape);
@@ -118,7 +119,8 @@ TEST(Merge, GraftsBackNearlyWithEstimatedNormals) {
     drop_cut_normals(graft.target);
     drop_cut_normals(graft.source);
     for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
-      const MergeResult result = merge(graft.target, posed(graft.source, 4), graft.pairs, {.shape = shape});
+      const MergeResult result =
+          merge_meshes(graft.target, posed(graft.source, 4), graft.pairs, {.shape = shape});
       EXPECT_LT(largest_distance(result.grafted, graft.source.positions),
                 0.05 * diagonal(graft.source.positions))
           << graft.name << " by " << to_string(shape);
@@ -133,9 +135,9 @@ TEST(Merge, DoesNotDependOnThePoseOfTheSource) {
          {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
       MergeOptions options{.shape = shape};
       options.deformer.method = method;
-      const MergeResult first = merge(graft.target, graft.source, graft.pairs, options);
+      const MergeResult first = merge_meshes(graft.target, graft.source, graft.pairs, options);
       for (const unsigned seed : {1U, 2U}) {
-        const MergeResult again = merge(graft.target, posed(graft.source, seed), graft.pairs, options);
+        const MergeResult again = merge_meshes(graft.target, posed(graft.source, seed), graft.pairs, options);
         EXPECT_LT(largest_distance(first.grafted, again.grafted), 1e-9 * diagonal(first.grafted))
             << to_string(shape) << ", " << to_string(method);
         EXPECT_LT(largest_distance(first.mesh.positions, again.mesh.positions), 1e-9 * diagonal(first.grafted));
@@ -150,7 +152,7 @@ TEST(Merge, LeavesTheTargetAloneOutsideTheBand) {
   for (const int rings : {0, 3}) {
     MergeOptions options;
     options.seam.target_rings = rings;
-    const MergeResult result = merge(graft.target, graft.source, graft.pairs, options);
+    const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, options);
     const std::vector<Index> near = grow_rings(graft.pairs[0].loops.target, rings + 1,
                                                vertex_rings(graft.target.vertex_count(), graft.target.faces));
     for (Index v = 0; v < graft.target.vertex_count(); ++v) {
@@ -163,18 +165,18 @@ TEST(Merge, LeavesTheTargetAloneOutsideTheBand) {
 
 TEST(Merge, TheFarPartKeepsItsShape) {
   const Graft graft = head_on_bust();
-  const MergeResult similar = merge(graft.target, graft.source, graft.pairs);
+  const MergeResult similar = merge_meshes(graft.target, graft.source, graft.pairs);
   EXPECT_LT(similar.report.shape.distance_rel, 1e-9);
   EXPECT_EQ(similar.report.shape.inverted, 0);
   EXPECT_GT(similar.report.shape.smallest_singular_p5, 0.5);
-  const MergeResult linear = merge(graft.target, graft.source, graft.pairs, {.shape = MergeShape::ft05});
+  const MergeResult linear = merge_meshes(graft.target, graft.source, graft.pairs, {.shape = MergeShape::ft05});
   EXPECT_GT(linear.report.shape.distance_rel, 1e-4);  // the loops differ, so it is sheared
 }
 
 TEST(Merge, LocksTheScale) {
   const Graft graft = head_on_bust();
   for (const double size : {0.7, 1.3}) {
-    const MergeResult result = merge(graft.target, graft.source, graft.pairs, {.size = size});
+    const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, {.size = size});
     EXPECT_NEAR(result.report.shape.similarity.scale, size, 1e-9);
   }
 }
@@ -182,9 +184,9 @@ TEST(Merge, LocksTheScale) {
 TEST(Merge, PairsMayComeInAnyOrder) {
   Graft graft = cut_sample("torus", 30, {0.1, 0, 0}, {1, 0.2, 0.3});
   ASSERT_EQ(graft.pairs.size(), 2U);
-  const MergeResult first = merge(graft.target, graft.source, graft.pairs);
+  const MergeResult first = merge_meshes(graft.target, graft.source, graft.pairs);
   std::swap(graft.pairs[0], graft.pairs[1]);
-  const MergeResult second = merge(graft.target, graft.source, graft.pairs);
+  const MergeResult second = merge_meshes(graft.target, graft.source, graft.pairs);
   EXPECT_LT(largest_distance(first.grafted, second.grafted), 1e-12 * diagonal(first.grafted));
   EXPECT_EQ(first.report.seam.euler_characteristic, 0);
   EXPECT_EQ(second.report.seam.euler_characteristic, 0);
@@ -195,7 +197,7 @@ TEST(Merge, KeepsThePoseBitForBitBeyondReach) {
   MergeOptions options{.pose = MergePose::keep, .reach = {.rings = 4, .length = {}}};
   Mesh source = graft.source;
   source.positions.col(2).array() += 0.05;
-  const MergeResult result = merge(graft.target, source, graft.pairs, options);
+  const MergeResult result = merge_meshes(graft.target, source, graft.pairs, options);
   const std::vector<Index> near =
       grow_rings(graft.pairs[0].loops.source, 4, vertex_rings(source.vertex_count(), source.faces));
   Index moved = 0;
@@ -220,7 +222,7 @@ TEST(Merge, FeaturesFollowOneMap) {
       ASSERT_GT(feature.vertices.size(), 20U);
       MergeOptions options{.shape = shape};
       options.features = {feature};
-      const MergeResult result = merge(graft.target, graft.source, graft.pairs, options);
+      const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, options);
       const auto count = static_cast<Eigen::Index>(feature.vertices.size());
       Eigen::MatrixXd before(count, 4), after(count, 3);
       for (Eigen::Index k = 0; k < count; ++k) {
@@ -245,11 +247,11 @@ TEST(Merge, FeaturesFollowOneMap) {
 TEST(Merge, TurnsTheTargetsNormals) {
   const Graft graft = head_on_bust();
   MergeOptions options{.shape = MergeShape::ft05};
-  const Points straight = merge(graft.target, graft.source, graft.pairs, options).grafted;
+  const Points straight = merge_meshes(graft.target, graft.source, graft.pairs, options).grafted;
   options.normal_angle_deg = 20;
-  const Points wider = merge(graft.target, graft.source, graft.pairs, options).grafted;
+  const Points wider = merge_meshes(graft.target, graft.source, graft.pairs, options).grafted;
   options.normal_angle_deg = -20;
-  const Points narrower = merge(graft.target, graft.source, graft.pairs, options).grafted;
+  const Points narrower = merge_meshes(graft.target, graft.source, graft.pairs, options).grafted;
   // One way the neck opens like a funnel, the other way it closes.
   const auto width = [](const Points& points) {
     return (points.col(0).maxCoeff() - points.col(0).minCoeff()) +
@@ -263,7 +265,7 @@ TEST(Merge, RefinesTheCoarserSide) {
   for (const auto& [target_resolution, source_resolution] : {std::pair(80, 24), std::pair(24, 80)}) {
     Graft graft{"", make_sample("bust", target_resolution), make_sample("head", source_resolution), {}};
     graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(0)}, {}}};
-    const MergeResult result = merge(graft.target, graft.source, graft.pairs);
+    const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs);
     EXPECT_GT(result.report.source_vertices_added + result.report.seam.new_faces, 0);
     EXPECT_EQ(result.report.source_vertices_added > 0, source_resolution < target_resolution);
     EXPECT_LT(result.report.seam.edge_ratio, 2.2);
@@ -275,7 +277,7 @@ TEST(Merge, RefinesTheCoarserSide) {
 
 std::string error_of(const Graft& graft, const MergeOptions& options = {}) {
   try {
-    merge(graft.target, graft.source, graft.pairs, options);
+    merge_meshes(graft.target, graft.source, graft.pairs, options);
   } catch (const Error& error) {
     return error.what();
   }
@@ -368,10 +370,10 @@ TEST(MergeErrors, RoundLoopsNeedAStart) {
 
 TEST(MergeErrors, InwardFacesAreNamedOrTurned) {
   Graft graft = head_on_bust(24);
-  const MergeResult expected = merge(graft.target, graft.source, graft.pairs);
+  const MergeResult expected = merge_meshes(graft.target, graft.source, graft.pairs);
   graft.source = turned_over(graft.source);
   EXPECT_THAT(error_of(graft), HasSubstr("the faces of the source look inward"));
-  const MergeResult turned = merge(graft.target, graft.source, graft.pairs, {.fix_winding = true});
+  const MergeResult turned = merge_meshes(graft.target, graft.source, graft.pairs, {.fix_winding = true});
   EXPECT_LT(largest_distance(turned.grafted, expected.grafted), 1e-9 * diagonal(expected.grafted));
 }
 
@@ -400,7 +402,7 @@ TEST(Merge, StopsWhenAsked) {
   Context context;
   context.stop_token = stop.get_token();
   const Graft graft = head_on_bust(24);
-  EXPECT_THROW(meshgraft::merge(graft.target, graft.source, graft.pairs, {}, context), Error);
+  EXPECT_THROW(merge_meshes(graft.target, graft.source, graft.pairs, {}, context), Error);
 }
 
 }  // namespace

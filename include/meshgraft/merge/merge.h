@@ -106,7 +106,7 @@ struct MergeResult {
 /// its place; outside the seams' bands it keeps its bits. Throws Error(input) where a loop is not a simple
 /// boundary loop, loops meet, a component of the source has no loop, correspondences cross or are ambiguous, or
 /// the windings disagree, each naming the pair and the remedy; Error(unsolvable); Error(cancelled).
-MergeResult merge(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
+MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
                   const MergeOptions& options = {}, const Context& context = {});
 
 }  // namespace meshgraft
