@@ -293,6 +293,37 @@ Correspondence start_at_vertices(int shift, const LoopGeometry& source, const Lo
   return best;
 }
 
+/// The start that turns the source least from where it is now.
+int least_turn(const Samples& source, const Samples& target) {
+  int best = 0;
+  double most = -2;
+  for (int k = 0; k < sample_count; ++k) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
+        covariance(source.points, target.points, k) +
+            normal_weight * covariance(source.normals, target.normals, k),
+        Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    const double trace =
+        (svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose()).trace();
+    if (trace > most) most = trace, best = k;
+  }
+  return best;
+}
+
+[[noreturn]] void refuse_guess(const LoopPair& pair, double confidence, const Correspondence& least_turned,
+                               const std::string& place) {
+  const auto there = static_cast<std::size_t>(std::lround(least_turned.place.front())) % pair.target.size();
+  throw Error(
+      ErrorCode::input,
+      fmt::format("the loops fit as well from other starts, so where they begin to meet is open (confidence "
+                  "{:.2f})",
+                  confidence),
+      place,
+      fmt::format("Say which vertices meet: target vertex {} at source vertex {} turns the part least from "
+                  "how it stands (--start {}:{})",
+                  pair.target[there], pair.source.front(), pair.target[there], pair.source.front()));
+}
+
 }  // namespace
 
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
@@ -315,17 +346,11 @@ std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
     if (by_pose) starts[p] = best_start(posed_profile(source_samples[p], target_samples[p], pose));
     found.push_back(start_at_vertices(starts[p].shift, sources[p], targets[p], by_pose ? &pose : nullptr));
     found.back().confidence = starts[p].confidence;
-    if (!posed && starts[p].confidence < distinguished) {
-      const auto guess =
-          static_cast<std::size_t>(std::lround(found.back().place.front())) % pairs[p].target.size();
-      throw Error(ErrorCode::input,
-                  fmt::format("the loops fit as well from other starts, so where to begin is open (confidence "
-                              "{:.2f}); the best guess is target vertex {} at source vertex {}",
-                              starts[p].confidence, pairs[p].target[guess], pairs[p].source.front()),
-                  places[p],
-                  fmt::format("Name a start, or matches, to say which vertices meet (--start {}:{})",
-                              pairs[p].target[guess], pairs[p].source.front()));
-    }
+    if (!posed && starts[p].confidence < distinguished)
+      refuse_guess(
+          pairs[p], starts[p].confidence,
+          start_at_vertices(least_turn(source_samples[p], target_samples[p]), sources[p], targets[p], nullptr),
+          places[p]);
   }
   return found;
 }

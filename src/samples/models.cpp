@@ -497,6 +497,62 @@ Mesh closed_tube(int resolution, double length, double radius, Curve curve) {
 
 }  // namespace
 
+SculptedModel bracket() {
+  SculptedModel model;
+  Sculpture& s = model.sculpture;
+  const Brush steel{.colour = {0.56, 0.62, 0.70}, .blend = 0.03};
+  // A disc: a ball between two planes.
+  s.ellipsoid({0, 0, 0}, Vec3::Constant(1.0), steel);
+  s.half_space({0, 0, 0.17}, {0, 0, -1}, {.colour = steel.colour, .blend = 0.03, .carve = true});
+  s.half_space({0, 0, -0.17}, {0, 0, 1}, {.colour = steel.colour, .blend = 0.03, .carve = true});
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Matrix3d turn = turned(90.0 * k, Vec3::UnitZ());
+    std::vector<Knot> leg{{{0.72, 0, 0.0}, 0.20},
+                          {{0.98, 0, -0.10}, 0.20},
+                          {{1.10, 0, -0.38}, 0.19},
+                          {{1.10, 0, -0.80}, 0.18},
+                          {{1.10, 0, -1.30}, 0.18}};
+    for (Knot& knot : leg) knot.point = turn * knot.point;
+    s.chain(smooth_chain(leg), {.colour = steel.colour, .blend = 0.08});
+    const Vec3 bolt = turned(45.0, Vec3::UnitZ()) * turn * Vec3(0.70, 0, 0);
+    const std::vector<Knot> hole{{bolt + Vec3(0, 0, 0.6), 0.10}, {bolt - Vec3(0, 0, 0.6), 0.10}};
+    s.chain(hole, {.colour = steel.colour, .blend = 0.02, .carve = true});
+  }
+  const std::vector<Knot> bore{{{0, 0, 0.6}, 0.34}, {{0, 0, -0.6}, 0.34}};
+  s.chain(bore, {.colour = steel.colour, .blend = 0.02, .carve = true});
+  model.area = 10.5;
+  model.finest_cell = 0.05;
+  model.cut = true;
+  model.cut_height = -1.0;
+  return model;
+}
+
+SculptedModel posts() {
+  SculptedModel model;
+  Sculpture& s = model.sculpture;
+  const Vec3 oak(0.72, 0.55, 0.38);
+  struct Post {
+    double x, y, radius;
+  };
+  for (const Post& post :
+       {Post{1.35, 0.15, 0.15}, Post{-0.10, 1.25, 0.26}, Post{-1.20, -0.10, 0.20}, Post{0.10, -1.45, 0.12}}) {
+    s.ellipsoid({post.x, post.y, 0.05}, {1.9 * post.radius, 1.9 * post.radius, 0.20},
+                {.colour = oak, .blend = 0.02});
+    const std::vector<Knot> shaft{{{post.x, post.y, 0}, 1.05 * post.radius},
+                                  {{post.x, post.y, 0.7}, post.radius},
+                                  {{post.x, post.y, 1.6}, post.radius}};
+    s.chain(shaft, {.colour = oak, .blend = 0.08});
+  }
+  s.half_space({0, 0, 0}, {0, 0, 1}, {.colour = oak, .blend = 0.02, .carve = true});
+  model.area = 7.0;
+  model.finest_cell = 0.05;
+  model.cut = true;
+  model.cut_height = 1.2;
+  model.keep_above = false;
+  model.parts = 4;
+  return model;
+}
+
 Mesh bumpy_plane(int resolution) {
   return grid_mesh(resolution, resolution, false, false, false, [&](double u, double v) {
     const double x = u / (resolution - 1) - 0.5, y = v / (resolution - 1) - 0.5;

@@ -15,6 +15,7 @@ struct SculptedModel {
   bool cut = false;          ///< leave a boundary loop at z = cut_height
   double cut_height = 0.0;
   bool keep_above = true;
+  int parts = 1;  ///< how many of its connected parts are kept, the largest first
 };
 
 SculptedModel octopus();
@@ -22,6 +23,8 @@ SculptedModel head();
 SculptedModel bust();
 SculptedModel dinosaur();
 SculptedModel cactus();
+SculptedModel bracket();
+SculptedModel posts();
 
 Mesh bumpy_plane(int resolution);
 Mesh bar(int resolution);

@@ -27,12 +27,16 @@ struct Entry {
   Mesh (*build)(int resolution);
 };
 
-constexpr std::array<Entry, 10> entries{{
+constexpr std::array<Entry, 12> entries{{
     {{"octopus", "an octopus with eight curling arms and their suckers", 160}, octopus, nullptr},
     {{"head", "a human head on a neck that ends in a boundary loop", 170}, head, nullptr},
     {{"bust", "shoulders and a neck that ends in a boundary loop, for the head", 100}, bust, nullptr},
     {{"dinosaur", "a four-legged animal with a long neck and tail", 150}, dinosaur, nullptr},
     {{"cactus", "a ribbed cactus with three arms and flowers", 130}, cactus, nullptr},
+    {{"bracket", "a flange on four pipes that end in boundary loops, for the posts", 130}, bracket, nullptr},
+    {{"posts", "four posts of different widths that end in boundary loops, for the bracket", 100},
+     posts,
+     nullptr},
     {{"bumpy_plane", "a square sheet with noise bumps", 100}, nullptr, bumpy_plane},
     {{"bar", "a closed 1 × 1 × 4 bar of square section", 100}, nullptr, bar},
     {{"cylinder", "an open tube, 1 across and 4 high", 100}, nullptr, cylinder},
@@ -55,7 +59,7 @@ const Entry& find_entry(std::string_view name) {
               "sample \"" + std::string(name) + '"', "The models are: " + names);
 }
 
-// The triangles to keep: on the right side of the cut, and of the largest connected part.
+// The triangles to keep: on the right side of the cut, and of the largest connected parts.
 std::vector<char> kept_triangles(const Surface& surface, const SculptedModel& model) {
   const auto& triangles = surface.triangles;
   std::vector<char> keep(triangles.size(), 0);
@@ -88,8 +92,14 @@ std::vector<char> kept_triangles(const Surface& surface, const SculptedModel& mo
       }
     }
   }
-  const int largest = static_cast<int>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-  for (std::size_t t = 0; t < triangles.size(); ++t) keep[t] = keep[t] && part[t] == largest;
+  std::vector<int> by_size(sizes.size());
+  std::iota(by_size.begin(), by_size.end(), 0);
+  std::stable_sort(by_size.begin(), by_size.end(), [&](int a, int b) {
+    return sizes[static_cast<std::size_t>(a)] > sizes[static_cast<std::size_t>(b)];
+  });
+  by_size.resize(std::min(by_size.size(), static_cast<std::size_t>(model.parts)));
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    keep[t] = keep[t] && std::find(by_size.begin(), by_size.end(), part[t]) != by_size.end();
   return keep;
 }
 

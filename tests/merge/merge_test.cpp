@@ -362,7 +362,7 @@ TEST(MergeErrors, RoundLoopsNeedAStart) {
   Graft graft{"tubes", make_sample("cylinder", 24), make_sample("cylinder", 24), {}};
   graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(1)}, {}}};
   const std::string error = error_of(graft);
-  EXPECT_THAT(error, HasSubstr("where to begin is open"));
+  EXPECT_THAT(error, HasSubstr("where they begin to meet is open"));
   EXPECT_THAT(error, HasSubstr("--start"));
   graft.pairs[0].matches = {{graft.pairs[0].loops.source[0], graft.pairs[0].loops.target[0]}};
   EXPECT_EQ(error_of(graft), "");
