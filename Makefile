@@ -16,7 +16,7 @@ help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  %-14s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
-demo: build ## deform the examples; meshes, reports and pictures go to out/
+demo: build ## run the examples; meshes, reports and pictures go to out/
 	@tools/demo.sh
 
 test: ## all tests: with and without CHOLMOD, sanitizers, layers, installed package

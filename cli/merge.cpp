@@ -60,21 +60,27 @@ Reach reach_from(const std::string& text) {
   return reach;
 }
 
-// A vertex, or a point as x,y,z.
-DropSpec drop_from(const std::string& text, double spin_deg) {
-  const auto values = numbers<double>(text, "--at");
-  if (values.size() == 3) return {Eigen::Vector3d(values[0], values[1], values[2]), spin_deg};
-  const auto vertex = numbers<Index>(text, "--at");
-  if (vertex.size() != 1)
-    throw Error(ErrorCode::usage, fmt::format("'{}' is neither a vertex nor a point x,y,z", text), "--at");
-  return {vertex.front(), spin_deg};
+// A vertex, or a point as x,y,z that stands for the nearest one.
+VertexSpec vertex_from(const std::string& text, const std::string& option) {
+  if (text.find(',') == std::string::npos) {
+    const auto vertex = numbers<Index>(text, option);
+    if (vertex.size() == 1 && vertex.front() >= 0) return vertex.front();
+  } else {
+    const auto values = numbers<double>(text, option);
+    if (values.size() == 3) return Eigen::Vector3d(values[0], values[1], values[2]);
+  }
+  throw Error(ErrorCode::usage, fmt::format("'{}' is neither a vertex nor a point x,y,z", text), option);
 }
 
-std::vector<Match> matches_from(const std::vector<std::string>& texts, const std::string& option) {
-  std::vector<Match> matches;
+std::vector<MatchSpec> matches_from(const std::vector<std::string>& texts, const std::string& option) {
+  std::vector<MatchSpec> matches;
   for (const std::string& text : texts) {
-    const auto [target, source] = index_pair(text, option);
-    matches.push_back({source, target});
+    const std::size_t colon = text.find(':');
+    if (colon == std::string::npos)
+      throw Error(ErrorCode::usage, fmt::format("'{}' is not TARGET:SOURCE", text), option,
+                  "Give a vertex of each, as a number or as x,y,z");
+    matches.push_back(
+        {vertex_from(text.substr(colon + 1), option), vertex_from(text.substr(0, colon), option)});
   }
   return matches;
 }
@@ -96,7 +102,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
     step.pairs.push_back({{Selection::Loop{source}}, {Selection::Loop{target}}, {}});
   }
   step.matches = matches_from(arguments.starts, "--start");
-  const std::vector<Match> more = matches_from(arguments.matches, "--match");
+  const std::vector<MatchSpec> more = matches_from(arguments.matches, "--match");
   step.matches.insert(step.matches.end(), more.begin(), more.end());
   step.align = matches_from(arguments.align, "--align");
   step.pose = arguments.pose.value_or(step.pose);
@@ -107,7 +113,8 @@ MergeStep plain_step(const MergeArguments& arguments) {
     const PlaneText plane = parse_plane(arguments.mirror, "--mirror");
     step.mirror = MirrorPlane{plane.point, plane.normal};
   }
-  if (!arguments.at.empty()) step.at = drop_from(arguments.at, arguments.spin_deg.value_or(0));
+  if (!arguments.at.empty())
+    step.at = DropSpec{vertex_from(arguments.at, "--at"), arguments.spin_deg.value_or(0)};
   step.size = arguments.size;
   step.normal_angle_deg = arguments.normal_angle_deg;
   step.fix_winding = arguments.fix_winding;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Deforms every example edit, and says what came out. make demo builds the program first.
+# Runs every example edit, and says what came out. make demo builds the program first.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=build/release/meshgraft
@@ -12,11 +12,15 @@ if [ ! -e "${edits[0]}" ]; then
   exit 1
 fi
 
+# The command for an edit: a file with a merge step is run by `merge`.
+command_of() { grep -q '"kind": "merge"' "$1" && echo merge || echo deform; }
+
 for edit in "${edits[@]}"; do
   name=$(basename "$edit" .json)
+  command=$(command_of "$edit")
   echo
-  echo "$program deform $edit -o $out/$name.ply --report $out/$name.report.json --picture $out/$name.png"
-  "$program" deform "$edit" -o "$out/$name.ply" --report "$out/$name.report.json" --picture "$out/$name.png"
+  echo "$program $command $edit -o $out/$name.ply --report $out/$name.report.json --picture $out/$name.png"
+  "$program" "$command" "$edit" -o "$out/$name.ply" --report "$out/$name.report.json" --picture "$out/$name.png"
 done
 
 echo
@@ -33,4 +37,5 @@ Try next:
   $program info $out/$first.ply
   $program sample --list
   $program deform --help
+  $program merge --help
 TXT

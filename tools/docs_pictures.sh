@@ -11,7 +11,9 @@ made=0
 for edit in examples/*.json; do
   [ -e "$edit" ] || continue
   name=$(basename "$edit" .json)
-  "$program" deform "$edit" -o "$scratch/$name.ply" --picture "docs/images/$name.png"
+  command=deform
+  if grep -q '"kind": "merge"' "$edit"; then command=merge; fi
+  "$program" "$command" "$edit" -o "$scratch/$name.ply" --picture "docs/images/$name.png"
   echo "docs/images/$name.png"
   made=$((made + 1))
 done

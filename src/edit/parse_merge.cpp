@@ -14,21 +14,26 @@ namespace {
 using json::Object;
 using json::Value;
 
-// Source and target vertex, in this order.
-Match parse_match(const Value& value) {
-  if (value.size() != 2) value.fail("expected a vertex of the source and one of the target");
-  return {value[0].vertex(), value[1].vertex()};
+// A number, or a point that stands for the nearest vertex.
+VertexSpec parse_vertex(const Value& value) {
+  if (value.is_array()) return value.vector3();
+  return value.vertex();
 }
 
-std::vector<Match> parse_matches(const Value& value) {
-  std::vector<Match> matches;
+// Source and target vertex, in this order.
+MatchSpec parse_match(const Value& value) {
+  if (value.size() != 2) value.fail("expected a vertex of the source and one of the target");
+  return {parse_vertex(value[0]), parse_vertex(value[1])};
+}
+
+std::vector<MatchSpec> parse_matches(const Value& value) {
+  std::vector<MatchSpec> matches;
   for (std::size_t i = 0; i < value.size(); ++i) matches.push_back(parse_match(value[i]));
   return matches;
 }
 
-void add_match(std::vector<Match>& matches, const Match& match) {
-  const auto same = [&](const Match& m) { return m.source == match.source && m.target == match.target; };
-  if (std::none_of(matches.begin(), matches.end(), same)) matches.push_back(match);
+void add_match(std::vector<MatchSpec>& matches, const MatchSpec& match) {
+  if (std::find(matches.begin(), matches.end(), match) == matches.end()) matches.push_back(match);
 }
 
 MergePairSpec parse_pair(const Value& value) {
@@ -38,7 +43,7 @@ MergePairSpec parse_pair(const Value& value) {
   pair.target_loop = parse_selection(fields.required("target_loop"));
   fields.optional("start", [&](const Value& v) { add_match(pair.matches, parse_match(v)); });
   fields.optional("matches", [&](const Value& v) {
-    for (const Match& match : parse_matches(v)) add_match(pair.matches, match);
+    for (const MatchSpec& match : parse_matches(v)) add_match(pair.matches, match);
   });
   return pair;
 }
@@ -146,7 +151,7 @@ MergePairSpec parse_pair_version_1(const Value& value) {
   fields.optional("same_direction", [](const Value& v) { v.boolean(); });
   add_match(pair.matches, parse_match(fields.required("start")));
   fields.optional("correspondences", [&](const Value& v) {
-    for (const Match& match : parse_matches(v)) add_match(pair.matches, match);
+    for (const MatchSpec& match : parse_matches(v)) add_match(pair.matches, match);
   });
   return pair;
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -81,6 +82,27 @@ std::size_t loop_through(const Side& side, Index vertex, const std::string& plac
               place, fmt::format("Its loops are {}.", loop_list(side)));
 }
 
+// Of some vertices, the one nearest to a point.
+Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Vector3d& point) {
+  const Points& positions = mesh.positions;
+  return *std::min_element(vertices.begin(), vertices.end(), [&](Index a, Index b) {
+    return (positions.row(a) - point.transpose()).squaredNorm() <
+           (positions.row(b) - point.transpose()).squaredNorm();
+  });
+}
+
+// The vertex of a loop that is meant, or of any loop.
+Index loop_vertex(const Side& side, const VertexSpec& vertex, std::optional<std::size_t> loop,
+                  const std::string& place) {
+  if (const auto* number = std::get_if<Index>(&vertex)) return *number;
+  require_loops(side, place);
+  std::vector<Index> candidates;
+  for (std::size_t k = 0; k < side.context.loops.size(); ++k)
+    if (!loop || k == *loop)
+      candidates.insert(candidates.end(), side.context.loops[k].begin(), side.context.loops[k].end());
+  return nearest(side.scene.mesh, candidates, std::get<Eigen::Vector3d>(vertex));
+}
+
 /// Loops that meet, by their numbers.
 struct LoopNumbers {
   std::size_t source = 0, target = 0;
@@ -94,7 +116,11 @@ std::vector<LoopNumbers> listed_pairs(const MergeStep& step, Side& source, Side&
     const std::string where = fmt::format("{}.pairs[{}]", place, i);
     pairs.push_back({loop_of(source, step.pairs[i].source_loop, where + ".source_loop"),
                      loop_of(target, step.pairs[i].target_loop, where + ".target_loop"),
-                     step.pairs[i].matches});
+                     {}});
+    LoopNumbers& pair = pairs.back();
+    for (const MatchSpec& match : step.pairs[i].matches)
+      pair.matches.push_back({loop_vertex(source, match.source, pair.source, where),
+                              loop_vertex(target, match.target, pair.target, where)});
   }
   return pairs;
 }
@@ -104,8 +130,10 @@ void add_matches(const MergeStep& step, const Side& source, const Side& target, 
                  const std::string& place) {
   for (std::size_t i = 0; i < step.matches.size(); ++i) {
     const std::string where = fmt::format("{}.matches[{}]", place, i);
-    const std::size_t from = loop_through(source, step.matches[i].source, where);
-    const std::size_t to = loop_through(target, step.matches[i].target, where);
+    const Match match{loop_vertex(source, step.matches[i].source, {}, where),
+                      loop_vertex(target, step.matches[i].target, {}, where)};
+    const std::size_t from = loop_through(source, match.source, where);
+    const std::size_t to = loop_through(target, match.target, where);
     auto pair = std::find_if(pairs.begin(), pairs.end(),
                              [&](const LoopNumbers& p) { return p.source == from || p.target == to; });
     if (pair == pairs.end() && step.pairs.empty()) pair = pairs.insert(pairs.end(), {from, to, {}});
@@ -114,7 +142,7 @@ void add_matches(const MergeStep& step, const Side& source, const Side& target, 
           ErrorCode::input,
           fmt::format("it joins loop {} of the source and loop {} of the target, which are no pair", from, to),
           where);
-    pair->matches.push_back(step.matches[i]);
+    pair->matches.push_back(match);
   }
 }
 
@@ -185,6 +213,14 @@ MergeOptions resolve_options(const MergeStep& step, Side& source, const Settings
   return options;
 }
 
+// A vertex by its number, or the one of all that is nearest to a point.
+Index any_vertex(const Mesh& mesh, const VertexSpec& vertex) {
+  if (const auto* number = std::get_if<Index>(&vertex)) return *number;
+  std::vector<Index> all(static_cast<std::size_t>(mesh.vertex_count()));
+  std::iota(all.begin(), all.end(), Index{0});
+  return nearest(mesh, all, std::get<Eigen::Vector3d>(vertex));
+}
+
 // How the step poses the source before it is merged.
 Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh& target,
                           const std::string& place) {
@@ -194,7 +230,10 @@ Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh&
   if (step.align.empty()) return map;
   Mesh mirrored;
   mirrored.positions = (source.positions * map.linear().transpose()).rowwise() + map.translation().transpose();
-  return align_source(mirrored, target, step.align, place + ".align") * map;
+  std::vector<Match> pairs;
+  for (const MatchSpec& pair : step.align)
+    pairs.push_back({any_vertex(source, pair.source), any_vertex(target, pair.target)});
+  return align_source(mirrored, target, pairs, place + ".align") * map;
 }
 
 Mesh posed(const MergeStep& step, const Mesh& source, const Mesh& target, MergeOptions& options,

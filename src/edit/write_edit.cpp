@@ -164,7 +164,14 @@ Json step_json(const EditStep& edit_step, const DeformStep& step) {
   return json;
 }
 
-Json match_json(const Match& match) { return {match.source, match.target}; }
+Json vertex_json(const VertexSpec& vertex) {
+  if (const auto* point = std::get_if<Eigen::Vector3d>(&vertex)) return vector_json(*point);
+  return std::get<Index>(vertex);
+}
+
+Json match_json(const MatchSpec& match) {
+  return Json::array({vertex_json(match.source), vertex_json(match.target)});
+}
 
 Json pair_json(const MergePairSpec& pair) {
   Json json = {{"source_loop", selection_json(pair.source_loop)},

@@ -209,7 +209,7 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
     const std::vector<Index> far =
         by_list && !options.reach.rings && !options.reach.length
             ? options.fixed
-            : beyond_reach(part.posed, rings, part.loops, options.reach, 1 << doubling);
+            : beyond_reach(part.rest, rings, part.loops, options.reach, 1 << doubling);
     const bool hardly_any =
         far.size() < static_cast<std::size_t>(fewest_far * static_cast<double>(part.rest.rows()));
     if (doubling > 0 && (hardly_any || far.size() == far_count)) break;

@@ -57,8 +57,8 @@ TEST(MergeEditFile, KeepsEveryField) {
   EXPECT_EQ(merge.shape, MergeShape::ft05);
   ASSERT_EQ(merge.pairs.size(), 2u);
   ASSERT_EQ(merge.pairs[0].matches.size(), 3u);
-  EXPECT_EQ(merge.pairs[0].matches[0].source, 3);
-  EXPECT_EQ(merge.pairs[0].matches[0].target, 7);
+  EXPECT_EQ(merge.pairs[0].matches[0].source, VertexSpec(3));
+  EXPECT_EQ(merge.pairs[0].matches[0].target, VertexSpec(7));
   EXPECT_TRUE(merge.pairs[1].matches.empty());
   EXPECT_EQ((*merge.source_transform)(1, 1), 2);
   EXPECT_EQ(merge.mirror->normal, Eigen::Vector3d::UnitX());

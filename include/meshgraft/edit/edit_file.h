@@ -151,11 +151,21 @@ struct DeformStep {
   ExpectedCounts counts;
 };
 
+/// A vertex by its number, or the one nearest to a point.
+using VertexSpec = std::variant<Index, Eigen::Vector3d>;
+
+/// A vertex of the source and one of the target, each in its own mesh as the step finds it.
+struct MatchSpec {
+  VertexSpec source, target;
+  bool operator==(const MatchSpec&) const = default;
+};
+
 /// A loop of the source and the loop of the target that it meets. A selection names all vertices of one
 /// boundary loop, in any order.
 struct MergePairSpec {
   SelectionSpec source_loop, target_loop;
-  std::vector<Match> matches;  ///< as `MergePair::matches`; the file's `start` comes first
+  /// As `MergePair::matches`, points standing for the loops' nearest vertices; the file's `start` comes first.
+  std::vector<MatchSpec> matches;
 };
 
 struct MergeFeatureSpec {
@@ -165,12 +175,12 @@ struct MergeFeatureSpec {
 
 /// Where a part is dropped on a surface without a hole.
 struct DropSpec {
-  std::variant<Index, Eigen::Vector3d> place;  ///< a vertex of the target, or the surface nearest to a point
-  double spin_deg = 0;                         ///< turn about the target's normal
+  VertexSpec place;     ///< a vertex of the target, or the surface nearest to a point
+  double spin_deg = 0;  ///< turn about the target's normal
 };
 
 struct MergeSettings {
-  DeformerOptions deformer;
+  DeformerOptions deformer = MergeOptions{}.deformer;
   SeamOptions seam;
 };
 
@@ -189,11 +199,11 @@ struct MergeStep {
   MergeShape shape = MergeShape::similar;
   /// None: the loops that `matches` lie on, or the only loop of each mesh.
   std::vector<MergePairSpec> pairs;
-  std::vector<Match> matches;         ///< each of the pair on whose loops it lies
+  std::vector<MatchSpec> matches;     ///< each of the pair on whose loops it lies
   std::optional<DropSpec> at;         ///< in the place of pairs
   std::optional<MirrorPlane> mirror;  ///< what poses the source first: this, then one of the next two
   std::optional<Eigen::Matrix4d> source_transform;
-  std::vector<Match> align;  ///< as `align_source`
+  std::vector<MatchSpec> align;  ///< as `align_source`
   std::optional<double> size;
   double normal_angle_deg = 0;
   std::optional<SelectionSpec> fixed;  ///< on the source

@@ -33,7 +33,7 @@ std::string_view to_string(MergePose value);
 std::string_view to_string(MergeShape value);
 
 /// How far from its loops the source may deform: by rings of edges or by a length along edges (units of the
-/// target); neither: each loop's own radius, or two, four or eight of them where the part would be squeezed.
+/// source as given); neither: each loop's own radius, or two, four or eight of them where the part would be squeezed.
 struct Reach {
   std::optional<int> rings;
   std::optional<double> length;
