@@ -41,7 +41,7 @@ void run_render(const RenderArguments& arguments, Context context) {
   std::vector<std::string> captions;
   for (const std::filesystem::path& path : arguments.meshes) {
     meshes.push_back(read_mesh(path, context));
-    captions.push_back(path.filename().string());
+    captions.push_back(path.stem().string());
   }
   std::vector<const Mesh*> shown;
   for (const Mesh& mesh : meshes) shown.push_back(&mesh);

@@ -17,5 +17,9 @@ for edit in examples/*.json; do
   echo "docs/images/$name.png"
   made=$((made + 1))
 done
+for shape in ft05 similar; do
+  "$program" merge examples/bracket_on_posts.json --shape $shape -o "$scratch/$shape.ply"
+done
+"$program" render "$scratch/ft05.ply" "$scratch/similar.ply" -o docs/images/merge_shapes.png --width 900 --height 800 --from 0.5 -1 0.6
 python3 tools/method_pictures.py "$program" docs/images
 [ "$made" -gt 0 ] || { echo "docs_pictures: no edit files in examples" >&2; exit 1; }

@@ -197,7 +197,7 @@ struct Part {
 /// doubled as long as the part is squeezed there and that helps.
 Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> constraints,
                          const MergeOptions& options, MergeReport& report, const Context& context) {
-  constexpr double roomy = 0.55, better = 0.03, fewest_far = 0.05;
+  constexpr double roomy = 0.7, better = 0.03, fewest_far = 0.05;
   constexpr int most_doublings = 3;
   const IndexLists rings = vertex_rings(static_cast<Index>(part.rest.rows()), part.triangles, context);
   const bool by_list = options.pose == MergePose::keep && !options.fixed.empty();
