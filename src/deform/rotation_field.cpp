@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <utility>
 
 #include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
@@ -156,19 +158,13 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 bool RotationField::give_to_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
                                      Blend& blended) const {
   const std::vector<Index>& feature = system_.known().feature;
-  const std::vector<Index>& component = fields_.component();
-  const auto components = fields_.component_holds().size();
-  std::vector<Logarithm> means(components, Logarithm::Zero());
-  std::vector<double> areas(components, 0.0);
-  for (Index v = 0; v < system_.patch().size(); ++v) {
-    if (!system_.known().transform[v] || component[v] < 0) continue;
-    means[component[v]] += fields_.areas()[v] * logs.row(v);
-    areas[component[v]] += fields_.areas()[v];
+  const std::size_t count = system_.features().size();
+  std::vector<Logarithm> feature_logs(count, Logarithm::Zero());
+  if (maps.empty()) {
+    feature_logs = mean_logs_around_features(logs);
+    blended.feature_turn.clear();
+    for (const Logarithm& log : feature_logs) blended.feature_turn.emplace_back(log.head<3>().transpose());
   }
-  for (std::size_t c = 0; c < components; ++c)
-    if (areas[c] > 0) means[c] /= areas[c];
-
-  std::vector<Logarithm> feature_logs(maps.size());
   for (std::size_t f = 0; f < maps.size(); ++f) {
     PolarParts parts;
     if (!polar_decompose(maps[f], parts)) return false;
@@ -176,13 +172,34 @@ bool RotationField::give_to_features(const FeatureMaps& maps, const Eigen::Matri
     blended.feature_turn[f] = nearest_turn(turn, blended.feature_turn[f]);
     feature_logs[f] << blended.feature_turn[f].transpose(), stretch_log(parts.stretch).transpose();
   }
-  if (maps.empty()) blended.feature_turn.assign(system_.features().size(), Eigen::Vector3d::Zero());
-  for (Index v = 0; v < system_.patch().size(); ++v) {
-    if (feature[v] < 0 || component[v] < 0) continue;
-    logs.row(v) = maps.empty() ? means[component[v]] : feature_logs[feature[v]];
-    if (maps.empty()) blended.feature_turn[feature[v]] = logs.row(v).head<3>().transpose();
-  }
+  for (Index v = 0; v < system_.patch().size(); ++v)
+    if (feature[v] >= 0) logs.row(v) = feature_logs[feature[v]];
   return true;
+}
+
+/// For each feature, the mean of what is given in the components of the patch that it touches.
+std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& logs) const {
+  const std::vector<Index>& feature = system_.known().feature;
+  const std::vector<Index>& component = fields_.component();
+  std::vector<Logarithm> sums(fields_.component_holds().size(), Logarithm::Zero());
+  std::vector<double> areas(sums.size(), 0.0);
+  std::set<std::pair<Index, Index>> touched;  // feature, component
+  for (Index v = 0; v < system_.patch().size(); ++v) {
+    if (component[v] < 0) continue;
+    if (feature[v] >= 0) touched.emplace(feature[v], component[v]);
+    if (!system_.known().transform[v]) continue;
+    sums[component[v]] += fields_.areas()[v] * logs.row(v);
+    areas[component[v]] += fields_.areas()[v];
+  }
+  std::vector<Logarithm> means(system_.features().size(), Logarithm::Zero());
+  std::vector<double> totals(means.size(), 0.0);
+  for (const auto& [f, c] : touched) {
+    means[f] += sums[c];
+    totals[f] += areas[c];
+  }
+  for (std::size_t f = 0; f < means.size(); ++f)
+    if (totals[f] > 0) means[f] /= totals[f];
+  return means;
 }
 
 /// Per component, the affine map (its linear part) that fits the given positions best where no transform is

@@ -33,6 +33,7 @@ class RotationField {
   };
   /// Of the features; empty: not known yet, and the mean of the constraints' in `blend`.
   using FeatureMaps = std::vector<Eigen::Matrix3d>;
+  std::vector<Eigen::Matrix<double, 1, 9>> mean_logs_around_features(const Columns& logs) const;
   bool give_to_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
                         Blend& blended) const;
   bool blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features, Blend& blended,

@@ -140,6 +140,60 @@ TEST(Methods, AnchorsAndFeaturesKeepSimilarities) {
   }
 }
 
+/// The middle third of a mesh along its longest side.
+std::vector<Index> middle_of(const TestMesh& mesh) {
+  const Eigen::RowVector3d low = mesh.positions.colwise().minCoeff(),
+                           high = mesh.positions.colwise().maxCoeff();
+  int axis = 0;
+  (high - low).maxCoeff(&axis);
+  std::vector<Index> vertices;
+  for (Index v = 0; v < mesh.size(); ++v)
+    if (std::abs(mesh.positions(v, axis) - (low[axis] + high[axis]) / 2) < (high[axis] - low[axis]) / 6)
+      vertices.push_back(v);
+  return vertices;
+}
+
+TEST(Methods, SimilarFeaturesStaySimilar) {
+  for (const TestMesh& mesh : {bumpy_sphere(3), tube(14, 30), irregular_grid(22, 16)}) {
+    const Scene scene = make_scene(mesh, 0.15, 0.12);
+    for (const DeformMethod method :
+         {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
+      for (const std::optional<double> scale : {std::optional<double>(), std::optional<double>(0.8)}) {
+        SCOPED_TRACE(mesh.name + ", " + std::string(to_string(method)));
+        Region region = held_foot(scene);
+        region.features = {{middle_of(mesh), true, scale}};
+        ASSERT_GT(region.features[0].vertices.size(), 20U);
+        Affine3d stretch = pose_of(head_move(scene)).transform;
+        stretch.scale(Vector3d(1.5, 0.8, 1.1));
+        EvaluationReport report;
+        const Points result = make_deformer(scene, region, options_of(method))
+                                  .evaluate(std::vector{pose_of(stretch)}, {}, &report);
+        const AffineFit fit = fit_affine(mesh.positions, result, region.features[0].vertices);
+        EXPECT_LT(fit.misfit, 1e-10);
+        const Matrix3d T = fit.map.linear();
+        const double found = std::cbrt(T.determinant());
+        EXPECT_LT((T.transpose() * T / (found * found) - Matrix3d::Identity()).norm(), 1e-9);
+        EXPECT_NEAR(found, scale.value_or(found), 1e-9);
+        EXPECT_LT(report.residual, 1e-8);
+      }
+    }
+  }
+}
+
+// A part that nothing reaches but through the feature's map: it is carried along, however far it extends.
+TEST(Methods, FeaturesCarryWhatIsDeepInsideThem) {
+  const TestMesh mesh = tube(14, 60);
+  const Scene scene = make_scene(mesh, 0.1, 0.05);
+  Region region{.whole = true};
+  region.handles = {{.name = "foot", .vertices = scene.foot}};
+  region.features = {{{}, true, {}}};
+  region.features[0].vertices = middle_of(mesh);
+  const Affine3d map =
+      about_middle(mesh, Matrix3d(0.7 * AngleAxisd(1.9, Vector3d(1, 2, -1).normalized()).toRotationMatrix()));
+  const Points result = make_deformer(scene, region, {}).evaluate(std::vector{pose_of(map)});
+  EXPECT_LT(relative_distance(mesh, result, image(mesh.positions, map)), 1e-9);
+}
+
 TEST(Methods, NothingMovesWhenNothingIsMoved) {
   for (const TestMesh& mesh : mesh_families())
     for (const DeformerOptions& options : method_variants()) {
