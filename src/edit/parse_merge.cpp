@@ -52,13 +52,14 @@ std::vector<Element> parse_list(const Value& value, Element (*parse)(const Value
 }
 
 DropSpec parse_drop(const Value& value) {
-  const Object fields(value, {"vertex", "point", "spin_deg"});
+  const Object fields(value, {"vertex", "point", "spin_deg", "source_loop"});
   if (fields.has("vertex") == fields.has("point"))
     value.fail("expected one of the fields 'vertex' and 'point'");
   DropSpec drop;
   fields.optional("vertex", [&](const Value& v) { drop.place = v.vertex(); });
   fields.optional("point", [&](const Value& v) { drop.place = v.vector3(); });
   fields.optional("spin_deg", [&](const Value& v) { drop.spin_deg = v.number(); });
+  fields.optional("source_loop", [&](const Value& v) { drop.source_loop = parse_selection(v); });
   return drop;
 }
 
