@@ -128,6 +128,8 @@ void require_sense(const MergeStep& step, const Object& fields) {
   for (const std::string_view loops : {"pairs", "matches"})
     if (step.at && fields.has(loops))
       fields.required("at").fail(fmt::format("'at' makes the target's loop, so it goes without '{}'", loops));
+  if (step.at && step.pose != MergePose::find)
+    fields.required("at").fail("'at' says where the part goes, so its pose is not kept");
   if (step.source_transform && fields.has("align"))
     fields.required("align").fail("'align' and 'source_transform' both pose the source", "Keep one of them.");
   if (fields.has("align") && step.align.size() < 3)

@@ -375,7 +375,8 @@ struct Opening {
 /// Cuts the outline's inside away.
 std::variant<Opening, Misfit> cut_open(const Surface& surface, const Drawing& drawing, const FlatLoop& loop,
                                        const PlanePoints& places, const Context& context) {
-  CutResult cut = cut_at_zero(surface.mesh, drawing.values, {.keep = CutKeep::above}, context);
+  constexpr double snap = 0.25;  // the ring around the hole goes anyway
+  CutResult cut = cut_at_zero(surface.mesh, drawing.values, {.keep = CutKeep::above, .snap = snap}, context);
   const Index removed =
       summarise_topology(surface.mesh).euler_characteristic - summarise_topology(cut.mesh).euler_characteristic;
   if (cut.loops.size() != 1 || removed != 1)
