@@ -34,6 +34,7 @@ struct MergeArguments {
   std::optional<MergePose> pose;
   std::string fix, reach, mirror, at;
   std::optional<double> size, spin_deg;
+  std::optional<Index> source_loop;
   double normal_angle_deg = 0;
   bool fix_winding = false, smooth_boundary = false;
   std::optional<int> band;
@@ -70,6 +71,13 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
     if (values.size() == 3) return Eigen::Vector3d(values[0], values[1], values[2]);
   }
   throw Error(ErrorCode::usage, fmt::format("'{}' is neither a vertex nor a point x,y,z", text), option);
+}
+
+// Where to drop the part, and by which of its loops.
+DropSpec drop_from(const std::string& text, double spin_deg, std::optional<Index> source_loop) {
+  std::optional<SelectionSpec> loop;
+  if (source_loop) loop = SelectionSpec{Selection::Loop{*source_loop}};
+  return {vertex_from(text, "--at"), spin_deg, loop};
 }
 
 std::vector<MatchSpec> matches_from(const std::vector<std::string>& texts, const std::string& option) {
@@ -114,7 +122,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
     step.mirror = MirrorPlane{plane.point, plane.normal};
   }
   if (!arguments.at.empty())
-    step.at = DropSpec{vertex_from(arguments.at, "--at"), arguments.spin_deg.value_or(0)};
+    step.at = drop_from(arguments.at, arguments.spin_deg.value_or(0), arguments.source_loop);
   step.size = arguments.size;
   step.normal_angle_deg = arguments.normal_angle_deg;
   step.fix_winding = arguments.fix_winding;
@@ -145,6 +153,9 @@ EditFile plain_edit(const MergeArguments& arguments) {
 EditFile edit_from(const MergeArguments& arguments) {
   if (arguments.plain()) {
     if (arguments.spin_deg && arguments.at.empty()) throw Error(ErrorCode::usage, "--spin goes with --at");
+    if (arguments.source_loop && arguments.at.empty())
+      throw Error(ErrorCode::usage, "--source-loop goes with --at", "",
+                  "Without it, name --pair TARGET:SOURCE.");
     return plain_edit(arguments);
   }
   if (arguments.target.extension() != ".json")
@@ -273,6 +284,10 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
           ->type_name("PLACE"));
   plain(command.add_option("--spin", arguments.spin_deg, "With --at: turn the part about the normal")
             ->type_name("DEG"));
+  plain(command
+            .add_option("--source-loop", arguments.source_loop, "With --at: the loop of the part that meets it")
+            ->type_name("LOOP")
+            ->check(CLI::NonNegativeNumber));
 }
 
 void add_seam_options(CLI::App& command, MergeArguments& arguments) {

@@ -57,13 +57,14 @@ std::vector<Element> parse_list(const Value& value, Element (*parse)(const Value
 }
 
 DropSpec parse_drop(const Value& value) {
-  const Object fields(value, {"vertex", "point", "spin_deg"});
+  const Object fields(value, {"vertex", "point", "spin_deg", "source_loop"});
   if (fields.has("vertex") == fields.has("point"))
     value.fail("expected one of the fields 'vertex' and 'point'");
   DropSpec drop;
   fields.optional("vertex", [&](const Value& v) { drop.place = v.vertex(); });
   fields.optional("point", [&](const Value& v) { drop.place = v.vector3(); });
   fields.optional("spin_deg", [&](const Value& v) { drop.spin_deg = v.number(); });
+  fields.optional("source_loop", [&](const Value& v) { drop.source_loop = parse_selection(v); });
   return drop;
 }
 
@@ -132,6 +133,8 @@ void require_sense(const MergeStep& step, const Object& fields) {
   for (const std::string_view loops : {"pairs", "matches"})
     if (step.at && fields.has(loops))
       fields.required("at").fail(fmt::format("'at' makes the target's loop, so it goes without '{}'", loops));
+  if (step.at && step.pose != MergePose::find)
+    fields.required("at").fail("'at' says where the part goes, so its pose is not kept");
   if (step.source_transform && fields.has("align"))
     fields.required("align").fail("'align' and 'source_transform' both pose the source", "Keep one of them.");
   if (fields.has("align") && step.align.size() < 3)

@@ -8,6 +8,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/intersections.h>
 #include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/open_hole.h>
 #include <meshgraft/merge/pose_source.h>
 
 #include "run_steps.h"
@@ -244,6 +245,38 @@ Mesh posed(const MergeStep& step, const Mesh& source, const Mesh& target, MergeO
   return transformed(source, map, place + ".source_transform");
 }
 
+// The source's loop that is dropped on the target.
+std::size_t dropped_loop(const DropSpec& drop, Side& source, const std::string& place) {
+  if (drop.source_loop) return loop_of(source, *drop.source_loop, place + ".source_loop");
+  require_loops(source, place);
+  if (source.context.loops.size() != 1)
+    throw Error(
+        ErrorCode::input,
+        fmt::format("which loop of the source meets the target is not clear: it has {}", loop_list(source)),
+        place, "Name one with 'source_loop' ('--source-loop LOOP').");
+  return 0;
+}
+
+// The target opened for a part that is dropped on it.
+OpenedHole opened_for(const MergeStep& step, const Mesh& target, const Mesh& part,
+                      const std::vector<Index>& loop, const std::string& place, const Context& context) {
+  try {
+    return open_hole(target, part, loop, {step.at->place, step.size, step.at->spin_deg}, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    if (error.place() == "size") throw Error(error.code(), error.problem(), place + ".size", error.remedy());
+    throw Error(error.code(), error.problem(), place + ".at", error.remedy());
+  }
+}
+
+// First one, then the other.
+IndexMap composed(const IndexMap& first, const IndexMap& second) {
+  IndexMap both = first;
+  for (Index& v : both.new_index)
+    if (v >= 0) v = second.new_index[static_cast<std::size_t>(v)];
+  return both;
+}
+
 // The error of a library call, at the field of the step that it is about.
 Error placed(const Error& error, const std::string& place) {
   const std::string& inner = error.place();
@@ -337,9 +370,6 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
   const auto& step = std::get<MergeStep>(edit_step.action);
-  if (step.at)
-    throw Error(ErrorCode::input, "a surface cannot be opened for a part that is dropped on it", place + ".at",
-                "Cut a hole with a step of the kind 'cut' and name the loops in 'pairs'.");
   Stopwatch watch;
   StepReport report;
   report.mesh = step.target;
@@ -351,27 +381,39 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   Side source("source", edit, scenes.at(step.source)), target("target", edit, scenes.at(step.target));
   for (const Side* side : {&source, &target})
     require_usable(side->scene.triage, side->scene.mesh, {}, side->scene.label);
-  const std::vector<MergePair> pairs = resolve_pairs(step, source, target, place);
+  std::vector<MergePair> pairs;
+  if (step.at)
+    pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, place + ".at")], {}}, {}});
+  else
+    pairs = resolve_pairs(step, source, target, place);
   outcome.options = resolve_options(step, source, options.overrides, place);
   require_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
   const Mesh part = posed(step, source.scene.mesh, target.scene.mesh, outcome.options, place);
+  OpenedHole hole;
+  if (step.at) {
+    hole = opened_for(step, target.scene.mesh, part, pairs.front().loops.source, place, context);
+    pairs = {hole.pair};
+    outcome.options.size = hole.size;
+  }
   report.seconds.select = watch.lap();
 
   MergeResult result;
   try {
-    result = merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
+    result = merge_meshes(step.at ? hole.target : target.scene.mesh, part, pairs, outcome.options, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(error, place);
   }
   watch.lap();
+  if (step.at) result.target = composed(hole.vertex, result.target);
   take_seconds(result.report, report.seconds);
   outcome.report = std::move(result.report);
   outcome.target_map = result.target;
   outcome.source_map = result.source;
   outcome.new_faces = result.new_faces;
   outcome.grafted = std::move(result.grafted);
-  report.notes = outcome.report.notes;
+  report.notes = std::move(hole.notes);
+  report.notes.insert(report.notes.end(), outcome.report.notes.begin(), outcome.report.notes.end());
   context.step("measure");
   check_intersections(part, result.mesh, outcome, context);
   judge_intersections(outcome, options.strict, report.notes, place);

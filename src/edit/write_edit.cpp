@@ -191,6 +191,7 @@ Json drop_json(const DropSpec& drop) {
   else
     json["point"] = vector_json(std::get<Eigen::Vector3d>(drop.place));
   json["spin_deg"] = drop.spin_deg;
+  if (drop.source_loop) json["source_loop"] = selection_json(*drop.source_loop);
   return json;
 }
 

@@ -124,6 +124,10 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
   return checked;
 }
 
+std::vector<Index> checked_loop(const Mesh& mesh, const char* role, const std::vector<Index>& listed) {
+  return MeshLoops(mesh, role).require_loop(listed, {});
+}
+
 void require_held_components(const Mesh& source, std::span<const LoopPair> pairs) {
   Index count = 0;
   const std::vector<Index> component = connected_components(source, &count);

@@ -14,6 +14,10 @@ namespace meshgraft {
 /// which the caller's list begins.
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs);
 
+/// A boundary loop in the direction of its mesh's half-edges, from the vertex with which the list begins.
+/// `role` is what messages call the mesh. Throws Error(input) where it is not one whole simple loop.
+std::vector<Index> checked_loop(const Mesh& mesh, const char* role, const std::vector<Index>& listed);
+
 /// Throws Error(input) naming the first component of the source that no pair holds.
 void require_held_components(const Mesh& source, std::span<const LoopPair> pairs);
 

@@ -173,10 +173,11 @@ struct MergeFeatureSpec {
   bool similarity = true;
 };
 
-/// Where a part is dropped on a surface without a hole.
+/// Where a part is dropped on a surface without a hole: as `Drop`.
 struct DropSpec {
   VertexSpec place;     ///< a vertex of the target, or the surface nearest to a point
   double spin_deg = 0;  ///< turn about the target's normal
+  std::optional<SelectionSpec> source_loop{};  ///< absent: the source's only loop
 };
 
 struct MergeSettings {

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/merge/merge.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Where and how a part is put onto a surface without a hole.
+struct Drop {
+  std::variant<Index, Eigen::Vector3d> place;  ///< a vertex of the target, or the surface nearest to a point
+  /// Scale of the source, about. Absent: 1 if its loop fits there, else the largest of 0.7, 0.5, 0.35, … that
+  /// does.
+  std::optional<double> size{};
+  /// Turn about the target's normal, right hand. At 0 the part is turned as little as possible from how it
+  /// stands in its own coordinates.
+  double spin_deg = 0;
+};
+
+/// A target with a hole for a source's loop.
+struct OpenedHole {
+  Mesh target;
+  IndexMap vertex;                 ///< target's vertices → `target`; -1 within the hole
+  MergePair pair;                  ///< the two loops, and vertices of them that meet
+  double size = 1;                 ///< of the source
+  std::vector<std::string> notes;  ///< sentences for people
+};
+
+/// Opens a hole of the shape of a source's boundary loop, to be passed on to `merge` with `size` locked.
+///
+/// The loop, projected along its area vector, is laid around the place: along the surface, by the discrete
+/// exponential map (Schmidt, Grimm and Wyvill 2006, "Interactive decal compositing with discrete exponential
+/// maps"), about the target's normal averaged over the loop's radius, and enlarged on curved surfaces until it
+/// is as wide there as the loop. Edges that are too long to draw it are halved. All vertices outside the hole
+/// keep their positions; only those on its edge may have moved, along edges.
+///
+/// Throws Error(input), naming `place` or the loop: a vertex that does not exist, a point farther from the
+/// surface than a twentieth of the target's diagonal, a `source_loop` that is none or spans no area, a hole
+/// that would reach a boundary, an edge of three faces, or all round the surface.
+OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
+                     const Drop& drop, const Context& context = {});
+
+}  // namespace meshgraft

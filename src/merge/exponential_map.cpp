@@ -1,0 +1,123 @@
+#include "exponential_map.h"
+
+#include <algorithm>
+#include <limits>
+#include <queue>
+#include <tuple>
+
+#include <Eigen/Geometry>
+
+namespace meshgraft {
+
+namespace {
+
+using Vector = Eigen::RowVector3d;
+
+// A vector turned into another tangent plane the shortest way.
+Vector transported(const Vector& vector, const Vector& from_normal, const Vector& to_normal) {
+  return Eigen::Quaterniond::FromTwoVectors(from_normal.transpose(), to_normal.transpose()) *
+         vector.transpose();
+}
+
+struct Frame {
+  Vector point, normal, first_axis;
+  Eigen::RowVector2d place = Eigen::RowVector2d::Zero();
+
+  // Where a point beside it lies: in its direction, at its whole distance.
+  Eigen::RowVector2d place_of(const Vector& other) const {
+    const Vector way = other - point;
+    const Vector second_axis = normal.transpose().cross(first_axis.transpose()).transpose();
+    const Eigen::RowVector2d flat(way.dot(first_axis), way.dot(second_axis));
+    const double length = flat.norm();
+    return length > 0 ? Eigen::RowVector2d(place + flat * (way.norm() / length)) : place;
+  }
+};
+
+class Spreading {
+ public:
+  Spreading(const Points& positions, const Points& normals, const IndexLists& rings, double reach)
+      : positions_(positions),
+        normals_(normals),
+        rings_(rings),
+        reach_(reach),
+        state_(static_cast<std::size_t>(positions.rows()), State::unseen),
+        distance_(static_cast<std::size_t>(positions.rows()), std::numeric_limits<double>::infinity()),
+        first_axis_(positions.rows(), 3),
+        place_(PlanePoints::Constant(positions.rows(), 2, std::numeric_limits<double>::quiet_NaN())) {}
+
+  PlanePoints run(const ChartOrigin& origin, const Context& context) {
+    const Frame base{origin.point, origin.normal, origin.first_axis};
+    for (const Index v : origin.seeds) {
+      settle(v, {base});
+      push_neighbours(v);
+    }
+    for (std::size_t count = 0; !queue_.empty(); ++count) {
+      if (count % 4096 == 0) context.throw_if_stopped();
+      const Index v = std::get<1>(queue_.top());
+      queue_.pop();
+      if (state_[v] == State::settled) continue;
+      std::vector<Frame> nearer;
+      for (const Index u : rings_[v])
+        if (state_[u] == State::settled) nearer.push_back(frame_at(u));
+      settle(v, nearer);
+      if (place_.row(v).norm() <= reach_) push_neighbours(v);
+    }
+    return place_;
+  }
+
+ private:
+  enum class State : char { unseen, settled };
+
+  Frame frame_at(Index v) const {
+    return {positions_.row(v), normals_.row(v), first_axis_.row(v), place_.row(v)};
+  }
+
+  void settle(Index v, const std::vector<Frame>& from) {
+    const Vector point = positions_.row(v);
+    Eigen::RowVector2d place = Eigen::RowVector2d::Zero();
+    Vector axis = Vector::Zero();
+    double total = 0;
+    for (const Frame& frame : from) {
+      const double distance = (point - frame.point).norm();
+      const double weight = 1 / std::max(distance, 1e-300);
+      place += weight * frame.place_of(point);
+      axis += weight * transported(frame.first_axis, frame.normal, normals_.row(v));
+      total += weight;
+    }
+    state_[v] = State::settled;
+    place_.row(v) = place / total;
+    axis -= axis.dot(normals_.row(v)) * normals_.row(v);
+    first_axis_.row(v) = axis.stableNormalized();
+  }
+
+  void push_neighbours(Index v) {
+    const Frame frame = frame_at(v);
+    for (const Index u : rings_[v]) {
+      if (state_[u] == State::settled) continue;
+      const double distance = frame.place_of(positions_.row(u)).norm();
+      if (distance >= distance_[u]) continue;
+      distance_[u] = distance;
+      queue_.emplace(distance, u);
+    }
+  }
+
+  const Points& positions_;
+  const Points& normals_;
+  const IndexLists& rings_;
+  double reach_;
+  std::vector<State> state_;
+  std::vector<double> distance_;
+  Points first_axis_;
+  PlanePoints place_;
+  using Entry = std::tuple<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+};
+
+}  // namespace
+
+PlanePoints exponential_map(const Points& positions, const Points& normals, const IndexLists& rings,
+                            const ChartOrigin& origin, double reach, const Context& context) {
+  return Spreading(positions, normals, rings, reach).run(origin, context);
+}
+
+}  // namespace meshgraft
