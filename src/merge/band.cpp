@@ -11,6 +11,8 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/laplacian.h>
 
+#include "relax.h"
+
 namespace meshgraft {
 
 namespace {
@@ -147,6 +149,16 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   }
 }
 
+// The vertices near the strips that may slide along the surface: those that are free and not on a sharp edge.
+std::vector<bool> slidable(const Band& band) {
+  constexpr int rings = 2;
+  std::vector<bool> may_slide;
+  for (std::size_t v = 0; v < band.column.size(); ++v) {
+    may_slide.push_back(band.column[v] >= 0 && !band.is_sharp[v] && band.patch.ring[v] <= rings);
+  }
+  return may_slide;
+}
+
 }  // namespace
 
 std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
@@ -160,6 +172,7 @@ std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOpt
                 "Repair the mesh that it comes from");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
+    relax(points, band.patch, band.triangles, slidable(band), context);
     const Eigen::VectorXd wanted = continued_curvature(band, Shape(band, points, context).curvature);
     for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
   }
