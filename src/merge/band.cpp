@@ -11,6 +11,9 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/laplacian.h>
 
+#include "relax.h"
+#include "unfold.h"
+
 namespace meshgraft {
 
 namespace {
@@ -147,6 +150,16 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   }
 }
 
+// The free vertices next to the strips that are not on a sharp edge: they may leave their normals.
+std::vector<bool> near_strips(const Band& band) {
+  constexpr int rings = 2;
+  std::vector<bool> may_move;
+  for (std::size_t v = 0; v < band.column.size(); ++v) {
+    may_move.push_back(band.column[v] >= 0 && !band.is_sharp[v] && band.patch.ring[v] <= rings);
+  }
+  return may_move;
+}
+
 }  // namespace
 
 std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
@@ -160,8 +173,10 @@ std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOpt
                 "Repair the mesh that it comes from");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
+    relax(points, band.patch, band.triangles, near_strips(band), context);
     const Eigen::VectorXd wanted = continued_curvature(band, Shape(band, points, context).curvature);
     for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
+    unfold(points, band.patch, options.sharp_angle_deg, near_strips(band), context);
   }
   std::vector<Index> moved;
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {

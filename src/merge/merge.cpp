@@ -111,7 +111,6 @@ void refine_source(Source& source, double ratio, const Context& context) {
       middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
     }
     source.added += static_cast<Index>(refined.parents.size());
-    refined.mesh.source = source.mesh.source;  // for what is said of its materials
     source.mesh = std::move(refined.mesh);
     for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
   }

@@ -31,7 +31,12 @@ void append(const Attribute& attribute, const Between& element, std::vector<doub
   }
   const std::size_t first = out.size();
   for (std::size_t k = 0; k < count; ++k) out.push_back((1 - element.t) * a[k] + element.t * b[k]);
-  if (attribute.interpolation == Interpolation::direction) {
+  const bool is_missing = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                                      [](double value) { return std::isnan(value); });
+  if (attribute.interpolation == Interpolation::direction && is_missing) {
+    std::fill(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+              std::numeric_limits<double>::quiet_NaN());
+  } else if (attribute.interpolation == Interpolation::direction) {
     Eigen::Map<Eigen::VectorXd> direction(out.data() + first, attribute.components);
     const double length = direction.stableNorm();
     if (length > 0) {

@@ -153,6 +153,7 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
   }
 
   context.step("refine", 0.8);
+  result.mesh.source = mesh.source;  // a writer takes what does not depend on the topology
   result.face_parent = fine.face_origin;
   std::vector<Between> face_origin;
   for (const Index f : fine.face_origin) face_origin.push_back(same(f));

@@ -8,6 +8,8 @@
 #include <tiny_obj_loader.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/join.h>
+#include <meshgraft/mesh/refine.h>
 
 #include "expect_error.h"
 #include "temporary_folder.h"
@@ -232,6 +234,37 @@ TEST(Obj, AChangedTopologyKeepsTheMaterialLibrary) {
   const std::string written = folder.written(mesh, "out.obj");
   EXPECT_EQ(written.find("mtllib skin and bones.mtl\n"), 0u);
   EXPECT_TRUE(folder.mesh("again.obj", written).faces == faces);
+}
+
+TEST(Obj, AJoinedMeshNamesTheMaterialLibrariesOfBoth) {
+  const TemporaryFolder folder;
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl steel\nf 1 2 3\n";
+  const Mesh first = folder.mesh("first.obj", "mtllib first.mtl\n" + triangle);
+  const Mesh second = folder.mesh("second.obj", "mtllib second.mtl\n" + triangle);
+  const std::string written = folder.written(join(first, second).mesh, "out.obj");
+  const std::size_t one = written.find("mtllib first.mtl\n"), other = written.find("mtllib second.mtl\n");
+  EXPECT_NE(one, std::string::npos);
+  EXPECT_NE(other, std::string::npos);
+  EXPECT_LT(one, other);
+  EXPECT_LT(other, written.find("\nv "));
+  const Mesh again = folder.mesh("again.obj", written);
+  EXPECT_EQ(again.face_count(), 2);
+  EXPECT_EQ(again.vertex_count(), 6);
+
+  const Mesh third = folder.mesh("third.obj", "mtllib first.mtl\n" + triangle);
+  const std::string once = folder.written(join(first, third).mesh, "once.obj");
+  const std::size_t named = once.find("mtllib first.mtl\n");
+  EXPECT_NE(named, std::string::npos);
+  EXPECT_EQ(once.find("mtllib", named + 1), std::string::npos);
+}
+
+TEST(Obj, ARefinedMeshKeepsTheMaterialLibrary) {
+  const TemporaryFolder folder;
+  const Mesh mesh = folder.mesh("in.obj", rich);
+  const RefineResult refined = split_edges_at(mesh, std::vector<Index>{0});
+  ASSERT_GT(refined.mesh.face_count(), mesh.face_count());
+  const std::string written = folder.written(refined.mesh, "out.obj");
+  EXPECT_EQ(written.find("mtllib skin and bones.mtl\n"), 0u);
 }
 
 TEST(Obj, AttributesSurviveTheWayThroughPlyAndBack) {

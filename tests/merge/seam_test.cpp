@@ -1,7 +1,9 @@
 #include <meshgraft/merge/seam.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -117,7 +119,7 @@ TEST(Seam, HasWellShapedTrianglesAndNoFolds) {
   for (const Graft& graft : grafts()) {
     SCOPED_TRACE(graft.name);
     const SeamReport report = make_seam(graft.target, graft.source, graft.pairs).report;
-    EXPECT_GE(report.angle_p1_deg, 10);
+    EXPECT_GE(report.angle_p1_deg, 15);
     EXPECT_LE(report.dihedral_p99_deg,
               std::max(report.target_dihedral_p99_deg, report.source_dihedral_p99_deg) + 5);
   }
@@ -219,6 +221,72 @@ TEST(Seam, KeepsARoundTubeRound) {
     EXPECT_NEAR(radius.minCoeff(), 1, 0.4 / around) << around;
     EXPECT_NEAR(radius.maxCoeff(), 1, 0.4 / around) << around;
   }
+}
+
+// The angle between the normals of two triangles of a strip, or of one and its neighbour, at its largest.
+double largest_bend_deg(const SeamResult& result) {
+  const std::set<Index> strip(result.new_faces.begin(), result.new_faces.end());
+  const auto normal = [&](Index f) {
+    const auto face = result.mesh.faces[f];
+    const Eigen::Vector3d a = result.mesh.positions.row(face[0]), b = result.mesh.positions.row(face[1]),
+                          c = result.mesh.positions.row(face[2]);
+    return Eigen::Vector3d((b - a).cross(c - a).normalized());
+  };
+  std::map<std::array<Index, 2>, std::vector<Index>> beside;
+  for (Index f = 0; f < result.mesh.face_count(); ++f) {
+    const auto face = result.mesh.faces[f];
+    for (std::size_t c = 0; c < face.size(); ++c) {
+      const auto [a, b] = std::minmax(face[c], face[(c + 1) % face.size()]);
+      beside[{a, b}].push_back(f);
+    }
+  }
+  double cosine = 1;
+  for (const auto& [edge, faces] : beside) {
+    if (faces.size() != 2 || (!strip.contains(faces[0]) && !strip.contains(faces[1]))) continue;
+    cosine = std::min(cosine, normal(faces[0]).dot(normal(faces[1])));
+  }
+  return std::acos(cosine) * 180 / std::numbers::pi;
+}
+
+// The row of the target that the strip begins with is ragged, and reaches past the source's loop.
+TEST(Seam, MendsARaggedLoopOfTheTarget) {
+  constexpr int around = 48, below_top = 5;
+  for (const bool past_the_source : {false, true}) {
+    Graft graft = tubes(around, around, true);
+    const double row = 2 * std::numbers::pi / around;
+    for (int k = 0; k < around; k += 2) graft.target.positions(below_top * around + k, 2) += 0.8 * row;
+    if (past_the_source) {
+      for (const int k : {10, 30}) graft.target.positions(below_top * around + k, 2) += 0.5 * row;
+    }
+    const SeamResult result = make_seam(graft.target, graft.source, graft.pairs);
+    EXPECT_GE(result.report.angle_p1_deg, 12) << past_the_source;
+    EXPECT_LE(largest_bend_deg(result), 45) << past_the_source;
+    EXPECT_LE(result.report.band_displacement_rel, 0.05) << past_the_source;
+    for (Index v = 0; v < (below_top - 2) * around; ++v) {
+      EXPECT_EQ(result.mesh.positions.row(result.target.new_index[v]), graft.target.positions.row(v)) << v;
+    }
+  }
+}
+
+// Creases of the target end in the strip, without a fold, where the source brings none along.
+TEST(Seam, LetsCreasesEndWithoutAFold) {
+  Graft graft = tubes(6, 48, true);
+  graft.target = shapes::tube(48, 6, true);
+  graft.target.positions.col(2) *= 2 * std::numbers::pi / 48;
+  graft.pairs[0].target.clear();
+  for (int k = 47; k >= 0; --k) graft.pairs[0].target.push_back(6 * 48 + k);
+  const double top = graft.target.positions.col(2).maxCoeff();
+  for (Index v = 0; v < graft.target.vertex_count(); ++v) {
+    graft.target.positions.row(v) = on_polygon(v % 48, 48, 4, graft.target.positions(v, 2));
+  }
+  graft.source.positions.col(2).array() += top - graft.source.positions.col(2).minCoeff();
+  EXPECT_LE(largest_bend_deg(make_seam(graft.target, graft.source, graft.pairs)), 75);
+  // A tube like the target's own brings them along: there they go on.
+  Graft alike = graft;
+  for (Index v = 0; v < alike.source.vertex_count(); ++v) {
+    alike.source.positions.row(v) = on_polygon(v % 48, 48, 4, alike.source.positions(v, 2));
+  }
+  EXPECT_NEAR(largest_bend_deg(make_seam(alike.target, alike.source, alike.pairs)), 90, 10);
 }
 
 TEST(Seam, KeepsSharpEdgesOfTheTarget) {

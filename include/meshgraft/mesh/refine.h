@@ -25,7 +25,7 @@ using EdgePredicate = std::function<bool(Index, Index)>;
 /// split edges becomes four, with two three, with one two; polygons are triangulated first where they touch a
 /// split edge, and their diagonals count as edges). Attributes follow their interpolation rule; corner values
 /// stay within their face, so that seams stay seams; integer types are rounded. An unsplit edge stays whole, so
-/// the result has no T-junctions.
+/// the result has no T-junctions. The file that the mesh was read from stays known to writers.
 RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const Context& context = {});
 
 /// Splits every edge that has both ends in `vertices`. Throws Error(input) if an index is out of range.

@@ -1,0 +1,152 @@
+#include "relax.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/mesh/normals.h>
+
+namespace meshgraft {
+
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d area_vector(const Points& points, const Triangles& triangles, Eigen::Index t) {  // twice
+  const Vector3d a = points.row(triangles(t, 0)), b = points.row(triangles(t, 1)),
+                 c = points.row(triangles(t, 2));
+  return (b - a).cross(c - a);
+}
+
+// What a triangle should be like.
+struct Goal {
+  Vector3d normal;        // the side that should be up
+  double index = 0;       // the harmonic index that it may have
+  double small_area = 0;  // twice the area below which it counts as turned over
+};
+
+// A triangle as its vertex p sees it: the two others in the triangle's direction.
+struct Corner {
+  Vector3d b, c;
+  Goal goal;
+
+  /// q - r with q = Σ |edge|² / (2 · twice the area), and its gradient. The area A is replaced by
+  /// (A + √(A² + 4 δ²)) / 2, which is about A where A ≫ δ and positive everywhere, so that a triangle that lies
+  /// upside down has a slope that turns it over (Escobar et al. 2003).
+  double excess(const Vector3d& p, Vector3d& gradient) const {
+    const double area = (b - p).cross(c - p).dot(goal.normal);
+    const double root = std::hypot(area, 2 * goal.small_area);
+    const double positive = (area + root) / 2;
+    const double q = ((b - p).squaredNorm() + (c - p).squaredNorm() + (c - b).squaredNorm()) / (2 * positive);
+    gradient = ((2 * p - b - c) - q * (positive / root) * (b - c).cross(goal.normal)) / positive;
+    return q - goal.index;
+  }
+};
+
+double cost(const std::vector<Corner>& corners, const Vector3d& p, Vector3d& gradient) {
+  double sum = 0;
+  gradient.setZero();
+  Vector3d slope;
+  for (const Corner& corner : corners) {
+    const double excess = corner.excess(p, slope);
+    if (excess <= 0) continue;
+    sum += excess * excess;
+    gradient += 2 * excess * slope;
+  }
+  return sum;
+}
+
+std::vector<Corner> corners_at(const Points& points, const Triangles& triangles, std::span<const Index> around,
+                               const std::vector<Goal>& goals, Index v) {
+  std::vector<Corner> corners;
+  for (const Index t : around) {
+    const int k = triangles(t, 0) == v ? 0 : triangles(t, 1) == v ? 1 : 2;
+    corners.push_back({points.row(triangles(t, (k + 1) % 3)), points.row(triangles(t, (k + 2) % 3)), goals[t]});
+  }
+  return corners;
+}
+
+// Down the slope in the tangent plane, with shorter steps until one helps.
+bool slide(Points& points, Index v, const std::vector<Corner>& corners, const Vector3d& normal) {
+  constexpr double longest = 0.2;  // of the mean edge
+  constexpr int tries = 6;
+  const Vector3d p = points.row(v);
+  Vector3d slope, unused;
+  const double before = cost(corners, p, slope);
+  slope -= slope.dot(normal) * normal;
+  if (!(slope.norm() > 0)) return false;
+  double edges = 0;
+  for (const Corner& corner : corners) edges += (corner.b - p).norm();
+  double length = longest * edges / static_cast<double>(corners.size());
+  for (int k = 0; k < tries; ++k, length /= 2) {
+    const Vector3d moved = p - length * slope.normalized();
+    if (!(cost(corners, moved, unused) < before)) continue;
+    points.row(v) = moved;
+    return true;
+  }
+  return false;
+}
+
+// The normals of the surface at large, in which a triangle upside down does not show.
+Points smooth_normals(const Points& points, const Triangles& triangles, const IndexLists& vertex_triangles,
+                      const Context& context) {
+  constexpr int rounds = 3;
+  Points normals = vertex_normals(points, triangles, vertex_triangles, context);
+  for (int round = 0; round < rounds; ++round) {
+    const Points before = normals;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        normals.row(triangles(t, k)) +=
+            before.row(triangles(t, (k + 1) % 3)) + before.row(triangles(t, (k + 2) % 3));
+      }
+    }
+    normals.rowwise().normalize();
+  }
+  return normals;
+}
+
+std::vector<Goal> goals_of(const Points& points, const SeamPatch& patch, const Points& normals) {
+  constexpr double well_shaped = 3.5;  // the index of angles of 17°, 81° and 81°
+  constexpr double small = 0.05;       // × the area of an equilateral triangle of the same edges
+  std::vector<Goal> goals;
+  for (Eigen::Index t = 0; t < patch.triangles.rows(); ++t) {
+    Goal goal;
+    const Vector3d area = area_vector(points, patch.triangles, t);
+    const Vector3d around = normals.row(patch.triangles(t, 0)) + normals.row(patch.triangles(t, 1)) +
+                            normals.row(patch.triangles(t, 2));
+    goal.normal = area.dot(around) > 0 ? area.normalized() : around.normalized();
+    double squares = 0;
+    for (int k = 0; k < 3; ++k) {
+      squares +=
+          (points.row(patch.triangles(t, k)) - points.row(patch.triangles(t, (k + 1) % 3))).squaredNorm();
+    }
+    goal.small_area = small * squares / (2 * std::sqrt(3.0));
+    goal.index = well_shaped;
+    if (patch.side[t] != SeamSide::strip) goal.index = std::max(goal.index, squares / (2 * area.norm()));
+    goals.push_back(goal);
+  }
+  return goals;
+}
+
+}  // namespace
+
+void relax(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
+           const std::vector<bool>& may_slide, const Context& context) {
+  constexpr int most_sweeps = 50;
+  const Points normals = smooth_normals(points, patch.triangles, vertex_triangles, context);
+  const std::vector<Goal> goals = goals_of(points, patch, normals);
+  bool moved = true;
+  for (int sweep = 0; sweep < most_sweeps && moved; ++sweep) {
+    context.throw_if_stopped();
+    moved = false;
+    for (Index v = 0; v < static_cast<Index>(may_slide.size()); ++v) {
+      if (!may_slide[v]) continue;
+      const auto corners = corners_at(points, patch.triangles, vertex_triangles[v], goals, v);
+      moved |= slide(points, v, corners, normals.row(v));
+    }
+  }
+}
+
+}  // namespace meshgraft
