@@ -15,6 +15,7 @@ from collections import defaultdict
 BEGIN = "<!-- tables: begin (made by bench/report.py) -->"
 END = "<!-- tables: end -->"
 STAGES = ["assemble", "analyse", "factorise"]
+MERGE_STAGES = ["match", "assemble", "factorise", "solve", "seam"]
 
 
 def read_medians(benchmarks):
@@ -88,6 +89,18 @@ def comparison_table(ours, theirs):
     return table(header, rows)
 
 
+def merge_table(runs):
+    rows = []
+    for (_, shape, pose), by_size in runs.items():
+        for numbers in by_size.values():
+            rows.append(
+                [shape, pose, f"{numbers['target_vertices']:,.0f}", f"{numbers['source_vertices']:,.0f}"]
+                + [milliseconds(numbers[stage]) for stage in MERGE_STAGES]
+                + [milliseconds(sum(numbers[stage] for stage in MERGE_STAGES))]
+            )
+    return table(["shape", "pose", "target vertices", "source vertices"] + MERGE_STAGES + ["total"], rows)
+
+
 def machine(context, repetitions):
     caches = ", ".join(f"L{c['level']} {c['type'].lower()} {c['size'] // 1024} KiB" for c in context["caches"])
     load, cores = context["load_avg"][0], context["num_cpus"]
@@ -109,6 +122,9 @@ def make_report(data):
         for (_, treatment, backend), our_sizes in ours.items():
             if backend == "cholmod":
                 parts += [f"### {treatment}, {backend} beside CGAL's {method}", comparison_table(our_sizes, sizes)]
+    merges = {key: sizes for key, sizes in medians.items() if key[0] == "merge"}
+    if merges:
+        parts += ["### merging", merge_table(merges)]
     return "\n\n".join(parts)
 
 

@@ -1,4 +1,5 @@
-// Times of set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints:
+// Times of set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints, and of
+// merging:
 //
 //   meshgraft_bench [--eigen_max_vertices=20000] [Google Benchmark's own flags]
 //
@@ -22,6 +23,7 @@
 
 #include "../cli/blas_kernels.h"
 #include "bench_edit.h"
+#include "bench_merge.h"
 #include "cgal_deformation.h"
 
 namespace meshgraft::bench {
@@ -139,6 +141,21 @@ void run_surface_mesh_deformation(benchmark::State& state, const BenchEdit& edit
   state.counters["dihedral_p99_deg"] = quality.dihedral_p99_deg;
 }
 
+void run_merge(benchmark::State& state, const BenchMerge& merge, const MergeOptions& options) {
+  for ([[maybe_unused]] auto iteration : state) {
+    const MergeResult result = merge_meshes(merge.target, merge.source, merge.pairs, options);
+    const MergeReport& times = result.report;
+    report(state, {{"match", times.match_seconds},
+                   {"assemble", times.assemble_seconds},
+                   {"factorise", times.factorise_seconds},
+                   {"solve", times.solve_seconds},
+                   {"seam", times.seam_seconds}});
+  }
+  average(state);
+  state.counters["target_vertices"] = merge.target.vertex_count();
+  state.counters["source_vertices"] = merge.source.vertex_count();
+}
+
 void add(const std::string& name, const std::function<void(benchmark::State&)>& body) {
   benchmark::RegisterBenchmark(name.c_str(), body)
       ->UseManualTime()
@@ -189,6 +206,27 @@ void register_cgal(Edits& edits) {
   }
 }
 
+void register_merge() {
+  struct Case {
+    MergeShape shape;
+    MergePose pose;
+    Index size;
+  };
+  for (const auto& [shape, pose, size] :
+       {Case{MergeShape::similar, MergePose::find, 20'000}, Case{MergeShape::ft05, MergePose::find, 20'000},
+        Case{MergeShape::similar, MergePose::keep, 20'000},
+        Case{MergeShape::similar, MergePose::keep, 200'000}}) {
+    MergeOptions options;
+    options.shape = shape;
+    options.pose = pose;
+    add("merge/" + std::string(to_string(shape)) + "/" + std::string(to_string(pose)) + "/" +
+            std::to_string(size),
+        [size = size, options](benchmark::State& state) {
+          run_merge(state, make_head_on_bust(size), options);
+        });
+  }
+}
+
 // Takes our own flag out of the arguments; the rest is Google Benchmark's.
 Index take_eigen_max_vertices(int& argc, char** argv) {
   constexpr std::string_view flag = "--eigen_max_vertices=";
@@ -212,6 +250,7 @@ int main(int argc, char** argv) {
   meshgraft::bench::register_deformer(edits, eigen_max_vertices);
   meshgraft::bench::register_corotational(edits);
   meshgraft::bench::register_cgal(edits);
+  meshgraft::bench::register_merge();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();

@@ -1,5 +1,4 @@
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -20,6 +19,7 @@
 #include "commands.h"
 #include "loops.h"
 #include "outputs.h"
+#include "values.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
 #endif
@@ -38,45 +38,6 @@ struct CutArguments {
   bool json = false;
   bool force = false;
 };
-
-struct Plane {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
-};
-
-template <class T>
-std::vector<T> numbers(std::string_view text, const std::string& option) {
-  std::vector<T> values;
-  while (true) {
-    const std::string_view word = text.substr(0, text.find(','));
-    T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-      throw Error(ErrorCode::usage, fmt::format("'{}' is not a number", word), option,
-                  "Numbers are separated by commas, without spaces.");
-    values.push_back(value);
-    if (word.size() == text.size()) return values;
-    text.remove_prefix(word.size() + 1);
-  }
-}
-
-// "x=0.5", or a point and a normal.
-Plane parse_plane(const std::string& spec) {
-  Plane plane;
-  if (spec.size() > 2 && spec[1] == '=' && spec[0] >= 'x' && spec[0] <= 'z') {
-    const auto values = numbers<double>(std::string_view(spec).substr(2), "--plane");
-    if (values.size() == 1) {
-      plane.point[spec[0] - 'x'] = values[0];
-      plane.normal[spec[0] - 'x'] = 1;
-      return plane;
-    }
-  } else if (const auto values = numbers<double>(spec, "--plane"); values.size() == 6) {
-    plane.point = Eigen::Map<const Eigen::Vector3d>(values.data());
-    plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
-    return plane;
-  }
-  throw Error(ErrorCode::usage, fmt::format("'{}' is not a plane", spec), "--plane",
-              "Give x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz.");
-}
 
 void require_outputs(const CutArguments& arguments) {
   std::vector<std::filesystem::path> outputs;
@@ -105,7 +66,7 @@ CutResult cut(const Mesh& mesh, const CutArguments& arguments, const Context& co
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
   if (!arguments.loop.empty())
     return cut_along_loop(mesh, numbers<Index>(arguments.loop, "--loop"), options, context);
-  const Plane plane = parse_plane(arguments.plane);
+  const PlaneText plane = parse_plane(arguments.plane, "--plane");
   return cut_by_plane(mesh, plane.point, plane.normal, options, context);
 }
 
@@ -162,16 +123,28 @@ void print_summary(const CutFacts& facts, const CutResult& result, const std::ve
   for (const std::string& output : outputs) fmt::print("  wrote {}\n", output);
 }
 
+// In the words of an edit file's cut step.
+void add_cut_asked_for(const CutArguments& arguments, Json& json) {
+  if (!arguments.loop.empty()) {
+    json["loop"] = numbers<Index>(arguments.loop, "--loop");
+    return;
+  }
+  const PlaneText plane = parse_plane(arguments.plane, "--plane");
+  const auto vector = [](const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); };
+  json["plane"] = {{"point", vector(plane.point)}, {"normal", vector(plane.normal)}};
+}
+
 Json report_json(const CutArguments& arguments, const CutFacts& facts, const CutResult& result,
                  const std::vector<std::string>& outputs) {
   Json json = {{"format", "meshgraft-cut"},
                {"version", 1},
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
                {"mesh", arguments.mesh.string()},
-               {"outputs", outputs},
-               {"keep", keep_name(arguments.keep.value_or(CutKeep::both))},
-               {"snap", arguments.snap},
-               {"counts", {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}}}};
+               {"outputs", outputs}};
+  add_cut_asked_for(arguments, json);
+  json["keep"] = keep_name(arguments.keep.value_or(CutKeep::both));
+  json["snap"] = arguments.snap;
+  json["counts"] = {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}};
   json["components"] = Json::array();
   for (std::size_t k = 0; k < facts.components.size(); ++k) {
     const CutFacts::Component& one = facts.components[k];

@@ -74,16 +74,22 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   if (options.shape == MergeShape::ft05) deformer_options.method = DeformMethod::ft05;
 
   std::vector<std::uint8_t> taken(static_cast<std::size_t>(source.rows()), 0);
-  std::vector<Feature> features;
-  for (const MergeFeature& feature : options.features) {
-    features.push_back({feature.vertices, feature.similarity, {}});
-    for (const Index v : feature.vertices)
-      if (v >= 0 && v < static_cast<Index>(source.rows())) taken[v] |= of_feature;
-  }
-  std::vector<Index> region;  // empty: the whole source
   if (options.pose == MergePose::keep) {
     for (const Index v : far) taken[v] |= stays;
     for (const Index v : options.fixed) taken[v] |= stays;
+  }
+  std::vector<Feature> features;
+  for (const MergeFeature& feature : options.features) {
+    const auto is_in_source = [&](Index v) { return v >= 0 && v < static_cast<Index>(source.rows()); };
+    // What reaches into a part that stays has that part's map: it stays as a whole.
+    const bool all_stays = std::any_of(feature.vertices.begin(), feature.vertices.end(),
+                                       [&](Index v) { return is_in_source(v) && (taken[v] & stays) != 0; });
+    for (const Index v : feature.vertices)
+      if (is_in_source(v)) taken[v] |= all_stays ? stays : of_feature;
+    if (!all_stays) features.push_back({feature.vertices, feature.similarity, {}});
+  }
+  std::vector<Index> region;  // empty: the whole source
+  if (options.pose == MergePose::keep) {
     for (Index v = 0; v < static_cast<Index>(source.rows()); ++v)
       if ((taken[v] & stays) == 0) region.push_back(v);
   } else if (options.shape == MergeShape::similar) {

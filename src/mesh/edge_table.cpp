@@ -60,6 +60,8 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
   }
 
   half_edges.values.reserve(bucket.size());
+  half_edges.offsets.reserve(bucket.size() / 2 + 1);
+  ends.reserve(bucket.size() / 2 + 1);
   for (Index v = 0; v < vertex_count; ++v) {
     std::sort(bucket.begin() + start[v], bucket.begin() + start[v + 1]);
     for (Index k = start[v]; k < start[v + 1]; ++k) {

@@ -221,8 +221,9 @@ IndexLists vertex_rings(Index vertex_count, const Faces& faces) {
   return rings;
 }
 
-std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh) {
-  const EdgeTable table(mesh.vertex_count(), mesh.faces);
+namespace {
+
+std::vector<std::vector<Index>> loops_of(const Mesh& mesh, const EdgeTable& table) {
   auto loops = BoundaryWalk(mesh, table).closed_chains();
   for (auto& loop : loops) begin_with_smallest(loop);
   std::sort(loops.begin(), loops.end(),
@@ -230,21 +231,33 @@ std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh) {
   return loops;
 }
 
-std::vector<Index> connected_components(const Mesh& mesh, Index* count) {
-  const EdgeTable table(mesh.vertex_count(), mesh.faces);
-  DisjointSets sets(mesh.vertex_count());
-  std::vector<bool> used(mesh.vertex_count(), false);
+std::vector<Index> components_of(Index vertex_count, const EdgeTable& table, Index& components) {
+  DisjointSets sets(vertex_count);
+  std::vector<bool> used(vertex_count, false);
   for (const auto& ends : table.ends) {
     sets.unite(ends[0], ends[1]);
     used[ends[0]] = used[ends[1]] = true;
   }
-  std::vector<Index> component(mesh.vertex_count(), -1);
-  Index components = 0;
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+  std::vector<Index> component(vertex_count, -1);
+  components = 0;
+  for (Index v = 0; v < vertex_count; ++v) {
     if (!used[v]) continue;
     const Index root = sets.root(v);  // the smallest vertex of the set, so it has its number already
     component[v] = root == v ? components++ : component[root];
   }
+  return component;
+}
+
+}  // namespace
+
+std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh) {
+  return loops_of(mesh, EdgeTable(mesh.vertex_count(), mesh.faces));
+}
+
+std::vector<Index> connected_components(const Mesh& mesh, Index* count) {
+  Index components = 0;
+  std::vector<Index> component =
+      components_of(mesh.vertex_count(), EdgeTable(mesh.vertex_count(), mesh.faces), components);
   if (count) *count = components;
   return component;
 }
@@ -258,8 +271,8 @@ TopologySummary summarise_topology(const Mesh& mesh) {
   summary.isolated_vertices = static_cast<Index>(std::count(fans.begin(), fans.end(), 0));
   summary.vertices = mesh.vertex_count() - summary.isolated_vertices;
   summary.euler_characteristic = summary.vertices - summary.edges + table.usable_faces;
-  connected_components(mesh, &summary.components);
-  summary.boundary_loops = static_cast<Index>(boundary_loops(mesh).size());
+  components_of(mesh.vertex_count(), table, summary.components);
+  summary.boundary_loops = static_cast<Index>(loops_of(mesh, table).size());
 
   summary.closed = table.edge_count() > 0;
   summary.manifold = std::none_of(fans.begin(), fans.end(), [](Index fan_count) { return fan_count > 1; });

@@ -49,6 +49,7 @@ double enclosed_volume(const Mesh& mesh) {
   };
   for (const auto& t : triangles.rowwise())
     add(mesh.positions.row(t[0]), mesh.positions.row(t[1]), mesh.positions.row(t[2]));
+  const double surface = area;
   for (const auto& loop : boundary_loops(mesh)) {
     Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
     for (const Index v : loop) centre += mesh.positions.row(v);
@@ -56,8 +57,10 @@ double enclosed_volume(const Mesh& mesh) {
     for (std::size_t i = 0; i < loop.size(); ++i)
       add(centre, mesh.positions.row(loop[(i + 1) % loop.size()]), mesh.positions.row(loop[i]));
   }
+  constexpr double widest_opening = 0.5;  // of the surface: half a sphere's
+  if (!(area - surface <= widest_opening * surface * (1 + 1e-6))) return 0;
   const double ball = std::pow(area / std::numbers::pi, 1.5) * std::numbers::pi / 6;
-  return ball > 0 && std::isfinite(volume) ? volume / ball : 0;
+  return std::isfinite(volume) ? volume / ball : 0;
 }
 
 }  // namespace meshgraft

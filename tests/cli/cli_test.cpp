@@ -378,6 +378,7 @@ TEST_F(CommandLine, CutTellsComponentsAndLoops) {
   const json report = json::parse(outcome.out);
   EXPECT_EQ(report, json::parse(read_text(folder_ / "parts.json")));
   EXPECT_EQ(report["format"], "meshgraft-cut");
+  EXPECT_EQ(report["plane"], (json{{"point", {3.3, 0, 0}}, {"normal", {1, 0, 0}}}));
   EXPECT_EQ(report["outputs"], json({"parts.ply", "parts.json"}));
   ASSERT_EQ(report["components"].size(), 2u);
   EXPECT_EQ(report["components"][0]["side"], "below");

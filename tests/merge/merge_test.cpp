@@ -377,6 +377,31 @@ TEST(MergeErrors, InwardFacesAreNamedOrTurned) {
   EXPECT_LT(largest_distance(turned.grafted, expected.grafted), 1e-9 * diagonal(expected.grafted));
 }
 
+TEST(MergeErrors, NoSideIsReadIntoSheetsAndDents) {
+  Mesh ball = make_sample("torus", 24);
+  const Mesh dent = turned_over(test::side_of_plane(ball, {0, 0, 1}, 0.3, true));
+  EXPECT_EQ(enclosed_volume(dent), 0) << "as much opening as surface";
+  EXPECT_EQ(enclosed_volume(make_sample("bumpy_plane", 24)), 0);
+  EXPECT_GT(enclosed_volume(make_sample("cylinder", 24)), 0.1);
+}
+
+TEST(Merge, AFeatureThatReachesIntoTheKeptPartStays) {
+  Graft graft = head_on_bust(24);
+  MergeOptions options{.pose = MergePose::keep};
+  const IndexLists rings = vertex_rings(graft.source.vertex_count(), graft.source.faces);
+  const std::vector<Index> near = grow_rings(graft.pairs[0].loops.source, 3, rings);
+  for (Index v = 0; v < graft.source.vertex_count(); ++v)
+    if (!std::binary_search(near.begin(), near.end(), v)) options.fixed.push_back(v);
+  const std::vector<Index> wide = grow_rings(graft.pairs[0].loops.source, 5, rings),
+                           loop = grow_rings(graft.pairs[0].loops.source, 1, rings);
+  MergeFeature feature;
+  std::set_difference(wide.begin(), wide.end(), loop.begin(), loop.end(), std::back_inserter(feature.vertices));
+  options.features = {feature};
+  const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, options);
+  for (const Index v : feature.vertices)
+    ASSERT_LT((result.grafted.row(v) - graft.source.positions.row(v)).norm(), 1e-12);
+}
+
 TEST(MergeErrors, LoopsThatTouchThemselvesAreNamed) {
   // Two holes of a grid that share a corner.
   const Mesh sheet = make_sample("bumpy_plane", 12);

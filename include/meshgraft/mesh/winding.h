@@ -9,7 +9,8 @@ namespace meshgraft {
 Mesh turned_over(const Mesh& mesh);
 
 /// Volume that a surface encloses when each boundary loop is closed by a fan, over that of a ball of its area:
-/// positive where its faces look outward, near 0 for a sheet.
+/// positive where its faces look outward. 0 where that cannot be told: the openings are wider than half of the
+/// surface (a sheet, a dent).
 double enclosed_volume(const Mesh& mesh);
 
 }  // namespace meshgraft
