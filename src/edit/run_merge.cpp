@@ -269,6 +269,30 @@ OpenedHole opened_for(const MergeStep& step, const Mesh& target, const Mesh& par
   }
 }
 
+// The rim of a dropped part bends until it is level with the surface. Where that turns it inside out, it bends
+// half as far, or not at all.
+MergeResult merge_dropped(const OpenedHole& hole, const Mesh& part, const std::vector<MergePair>& pairs,
+                          MergeOptions& options, std::vector<std::string>& notes, const Context& context) {
+  const MergeOptions asked = options;
+  MergeResult result = merge(hole.target, part, pairs, options, context);
+  if (asked.normal_angle_deg != 0) return result;
+  for (const double angle_deg : {-45.0, -90.0}) {
+    if (result.report.shape.inverted == 0) break;
+    MergeOptions less = asked;
+    less.normal_angle_deg = angle_deg;
+    MergeResult other = merge(hole.target, part, pairs, less, context);
+    if (other.report.shape.inverted >= result.report.shape.inverted) continue;
+    result = std::move(other);
+    options.normal_angle_deg = angle_deg;
+  }
+  if (options.normal_angle_deg != 0)
+    notes.push_back(fmt::format(
+        "the part's rim turned inside out where it bends into the surface, so it bends less: a normal "
+        "angle of {:.0f}° was used",
+        options.normal_angle_deg));
+  return result;
+}
+
 // First one, then the other.
 IndexMap composed(const IndexMap& first, const IndexMap& second) {
   IndexMap both = first;
@@ -399,7 +423,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
 
   MergeResult result;
   try {
-    result = merge_meshes(step.at ? hole.target : target.scene.mesh, part, pairs, outcome.options, context);
+    result = step.at ? merge_dropped(hole, part, pairs, outcome.options, hole.notes, context)
+                     : merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(error, place);

@@ -40,7 +40,7 @@ class Spreading {
         normals_(normals),
         rings_(rings),
         reach_(reach),
-        state_(static_cast<std::size_t>(positions.rows()), State::unseen),
+        settled_(static_cast<std::size_t>(positions.rows()), false),
         distance_(static_cast<std::size_t>(positions.rows()), std::numeric_limits<double>::infinity()),
         first_axis_(positions.rows(), 3),
         place_(PlanePoints::Constant(positions.rows(), 2, std::numeric_limits<double>::quiet_NaN())) {}
@@ -55,10 +55,10 @@ class Spreading {
       if (count % 4096 == 0) context.throw_if_stopped();
       const Index v = std::get<1>(queue_.top());
       queue_.pop();
-      if (state_[v] == State::settled) continue;
+      if (settled_[v]) continue;
       std::vector<Frame> nearer;
       for (const Index u : rings_[v])
-        if (state_[u] == State::settled) nearer.push_back(frame_at(u));
+        if (settled_[u]) nearer.push_back(frame_at(u));
       settle(v, nearer);
       if (place_.row(v).norm() <= reach_) push_neighbours(v);
     }
@@ -66,8 +66,6 @@ class Spreading {
   }
 
  private:
-  enum class State : char { unseen, settled };
-
   Frame frame_at(Index v) const {
     return {positions_.row(v), normals_.row(v), first_axis_.row(v), place_.row(v)};
   }
@@ -84,7 +82,7 @@ class Spreading {
       axis += weight * transported(frame.first_axis, frame.normal, normals_.row(v));
       total += weight;
     }
-    state_[v] = State::settled;
+    settled_[v] = true;
     place_.row(v) = place / total;
     axis -= axis.dot(normals_.row(v)) * normals_.row(v);
     first_axis_.row(v) = axis.stableNormalized();
@@ -93,7 +91,7 @@ class Spreading {
   void push_neighbours(Index v) {
     const Frame frame = frame_at(v);
     for (const Index u : rings_[v]) {
-      if (state_[u] == State::settled) continue;
+      if (settled_[u]) continue;
       const double distance = frame.place_of(positions_.row(u)).norm();
       if (distance >= distance_[u]) continue;
       distance_[u] = distance;
@@ -105,7 +103,7 @@ class Spreading {
   const Points& normals_;
   const IndexLists& rings_;
   double reach_;
-  std::vector<State> state_;
+  std::vector<bool> settled_;
   std::vector<double> distance_;
   Points first_axis_;
   PlanePoints place_;

@@ -16,6 +16,7 @@
 #include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "../mesh/edge_table.h"
 #include "exponential_map.h"
 #include "loop_curve.h"
 #include "loops.h"
@@ -28,7 +29,7 @@ namespace {
 using Vector = Eigen::RowVector3d;
 
 constexpr double most_widened = 1.5;  // × the loop's own width
-constexpr double roomy = 0.8;         // a hole of this width × the loop's fits it
+constexpr double roomy = 0.85;        // a hole of this width × the outline's is flat enough for it
 
 void validate(const Drop& drop, const Mesh& target) {
   if (drop.size && !(*drop.size > 0 && *drop.size < 1e100))
@@ -65,11 +66,11 @@ void centre(PlanePoints& polygon) {
 /// Rounds a polygon off until it does not cross itself, and gives it its width back.
 bool smooth_until_simple(PlanePoints& polygon) {
   constexpr int most_passes = 400, passes_at_once = 8;
-  const double radius = Outline(polygon).radius();
+  const double width = Outline(polygon).width();
   const Eigen::Index count = polygon.rows();
   for (int pass = 0; pass < most_passes; ++pass) {
     if (pass % passes_at_once == 0 && is_simple(polygon)) {
-      polygon *= radius / Outline(polygon).radius();
+      polygon *= width / Outline(polygon).width();
       return true;
     }
     PlanePoints next = polygon;
@@ -253,27 +254,22 @@ Drawing draw(const Outline& outline, double scale, const PlanePoints& places, co
   return drawing;
 }
 
-/// Root mean square distance of the drawn curve from its centre.
-double drawn_radius(const Surface& surface, const Drawing& drawing) {
-  Vector sum = Vector::Zero();
-  double squares = 0, length = 0;
+/// How wide the drawn curve is: the root of the area that it spans, seen from where it is largest.
+double drawn_width(const Surface& surface, const Drawing& drawing) {
+  Eigen::Vector3d double_area = Eigen::Vector3d::Zero();
   const Vector origin = surface.mesh.positions.row(drawing.inside.front());
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    std::vector<Vector> ends;
+    Eigen::Vector3d out = Eigen::Vector3d::Zero(), in = Eigen::Vector3d::Zero();
     for (int c = 0; c < 3; ++c) {
       const Index a = surface.triangles(t, c), b = surface.triangles(t, (c + 1) % 3);
       if (drawing.is_inside(a) == drawing.is_inside(b)) continue;
       const double s = drawing.values[a] / (drawing.values[a] - drawing.values[b]);
-      ends.emplace_back((1 - s) * surface.mesh.positions.row(a) + s * surface.mesh.positions.row(b) - origin);
+      (drawing.is_inside(a) ? out : in) =
+          ((1 - s) * surface.mesh.positions.row(a) + s * surface.mesh.positions.row(b) - origin).transpose();
     }
-    if (ends.size() != 2) continue;
-    const Vector middle = (ends[0] + ends[1]) / 2;
-    const double share = (ends[0] - ends[1]).norm();
-    sum += share * middle;
-    squares += share * middle.squaredNorm();
-    length += share;
+    double_area += in.cross(out);
   }
-  return length > 0 ? std::sqrt(std::max(0.0, squares / length - (sum / length).squaredNorm())) : 0;
+  return std::sqrt(double_area.norm() / 2);
 }
 
 /// Draws the outline as wide as it is, by widening it where the surface curves away under it.
@@ -283,7 +279,7 @@ Drawing draw_as_wide(const Surface& surface, const Outline& outline, double size
   for (int step = 0;; ++step) {
     Drawing drawing = draw(outline, size * widened, places, surface.rings);
     if (step == steps || drawing.inside.empty()) return drawing;
-    const double ratio = drawn_radius(surface, drawing) / (size * outline.radius());
+    const double ratio = drawn_width(surface, drawing) / (size * outline.width());
     widened = std::clamp(widened / std::max(ratio, 0.1), 1 / most_widened, most_widened);
   }
 }
@@ -320,9 +316,15 @@ std::optional<Misfit> find_obstacle(const Surface& surface, const Drawing& drawi
   if (!crossed) return Misfit{"the loop is larger than the surface there"};
   const Eigen::Map<const Triangles> star(around.data(), static_cast<Eigen::Index>(around.size()) / 3, 3);
   const Mesh patch = make_mesh(surface.mesh.positions, star);
-  const TopologySummary topology = summarise_topology(patch);
-  if (!topology.manifold || !topology.oriented)
-    return Misfit{"the target is not an oriented manifold within the hole"};
+  const EdgeTable table(patch.vertex_count(), patch.faces);
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    const auto& [a, b] = table.ends[e];
+    if (!drawing.is_inside(a) && !drawing.is_inside(b)) continue;
+    const auto along = table.half_edges[e];
+    const auto tail = [&](std::size_t k) { return patch.faces.corners()[along[k]]; };
+    if (along.size() > 2 || (along.size() == 2 && tail(0) == tail(1)))
+      return Misfit{fmt::format("the target is not an oriented manifold within the hole, at edge {}–{}", a, b)};
+  }
   for (const std::vector<Index>& loop : boundary_loops(patch))
     for (const Index v : loop)
       if (drawing.is_inside(v)) return Misfit{fmt::format("the hole would reach the boundary at vertex {}", v)};
@@ -370,6 +372,7 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
 struct Opening {
   OpenedHole hole;
   double width_rel = 1;  ///< of the hole, × the loop's
+  double flatness = 1;   ///< of the hole, × the outline as it was drawn: less where the surface curves away
 };
 
 /// Cuts the outline's inside away.
@@ -420,7 +423,9 @@ std::variant<Opening, Misfit> open_at_size(const Mesh& target, const FlatLoop& l
     if (std::optional<Misfit> obstacle = find_obstacle(surface, drawing)) return *std::move(obstacle);
     auto result = cut_open(surface, drawing, loop, places, context);
     if (auto* opening = std::get_if<Opening>(&result)) {
-      opening->width_rel = drawn_radius(surface, drawing) / (size * loop.outline.radius());
+      const double width = drawn_width(surface, drawing) / loop.outline.width();
+      opening->width_rel = width / size;
+      opening->flatness = width / drawing.scale;
       opening->hole.vertex.new_index.resize(static_cast<std::size_t>(target.vertex_count()));
       opening->hole.size = size;
     }
@@ -462,14 +467,14 @@ OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<I
   const double diagonal = x.rows() > 0 ? (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm() : 0;
   std::string why = "the loop is larger than the target";
   for (double size = 1; size > smallest; size *= smaller) {
-    if (2 * size * flat.outline.radius() > diagonal) continue;
+    if (size * flat.outline.width() > diagonal) continue;
     auto result = open_at_size(target, flat, size, drop, context);
     if (const auto* misfit = std::get_if<Misfit>(&result)) {
       why = misfit->what;
       continue;
     }
     Opening& opening = std::get<Opening>(result);
-    if (opening.width_rel < roomy) {
+    if (opening.flatness < roomy) {
       why = "the surface is too narrow there for the loop";
       continue;
     }

@@ -71,16 +71,6 @@ double Outline::signed_distance(const Eigen::RowVector2d& point) const {
 
 double Outline::arc_of_nearest(const Eigen::RowVector2d& point) const { return nearest(point).arc; }
 
-double Outline::radius() const {
-  Eigen::RowVector2d centre = Eigen::RowVector2d::Zero();
-  double squares = 0;
-  for (Eigen::Index i = 0; i < points_.rows(); ++i) {
-    const Eigen::RowVector2d a = points_.row(i), b = points_.row((i + 1) % points_.rows());
-    const double share = (b - a).norm() / length();
-    centre += share * (a + b) / 2;
-    squares += share * ((a + b) / 2).squaredNorm();
-  }
-  return std::sqrt(std::max(0.0, squares - centre.squaredNorm()));
-}
+double Outline::width() const { return std::sqrt(std::abs(double_area(points_)) / 2); }
 
 }  // namespace meshgraft

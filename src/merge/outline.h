@@ -32,8 +32,8 @@ class Outline {
 
   /// Largest distance from the origin.
   double reach() const { return points_.rowwise().norm().maxCoeff(); }
-  /// Root mean square distance from its centre, over its length.
-  double radius() const;
+  /// Root of its area.
+  double width() const;
 
  private:
   struct Nearest {

@@ -512,4 +512,17 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
   }
 }
 
+TEST_F(CommandLine, DropsAPartOnAClosedSurface) {
+  ASSERT_EQ(run("sample bar --resolution 12 -o bar.ply").status, 0);
+  ASSERT_EQ(run("sample head --resolution 40 -o head.ply").status, 0);
+  const std::string drop = "merge bar.ply head.ply -o whole.ply --at ";
+  EXPECT_EQ(run(drop + "9,0,0").status, 3);
+  EXPECT_EQ(run(drop + "0.5,0,2 --pose keep").status, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "whole.ply"));
+  const Outcome outcome = run(drop + "0.5,0,2 --spin 30 --source-loop 0");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome info = run("info whole.ply");
+  EXPECT_NE(info.out.find("closed"), std::string::npos) << info.out;
+}
+
 }  // namespace
