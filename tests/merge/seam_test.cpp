@@ -256,12 +256,12 @@ TEST(Seam, MendsARaggedLoopOfTheTarget) {
     const double row = 2 * std::numbers::pi / around;
     for (int k = 0; k < around; k += 2) graft.target.positions(below_top * around + k, 2) += 0.8 * row;
     if (past_the_source) {
-      for (const int k : {10, 30}) graft.target.positions(below_top * around + k, 2) += 0.5 * row;
+      for (const int k : {10, 30}) graft.target.positions(below_top * around + k, 2) += row;
     }
     const SeamResult result = make_seam(graft.target, graft.source, graft.pairs);
-    EXPECT_GE(result.report.angle_p1_deg, 12) << past_the_source;
+    EXPECT_GE(result.report.angle_p1_deg, 15) << past_the_source;
     EXPECT_LE(largest_bend_deg(result), 45) << past_the_source;
-    EXPECT_LE(result.report.band_displacement_rel, 0.05) << past_the_source;
+    EXPECT_LE(result.report.band_displacement_rel, 0.06) << past_the_source;
     for (Index v = 0; v < (below_top - 2) * around; ++v) {
       EXPECT_EQ(result.mesh.positions.row(result.target.new_index[v]), graft.target.positions.row(v)) << v;
     }
