@@ -4,7 +4,7 @@
 
 namespace meshgraft::bench {
 
-/// A graft of the built-in head on the bust, both of about `vertex_count` vertices.
+/// A graft of the built-in head on the bust, both of about `vertex_count` vertices, posed a little above it.
 struct BenchMerge {
   Mesh target, source;
   std::vector<MergePair> pairs;

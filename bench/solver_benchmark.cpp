@@ -33,17 +33,20 @@ constexpr std::array<Index, 6> sizes{2'000, 5'000, 10'000, 20'000, 50'000, 100'0
 constexpr unsigned cgal_iterations = 10;
 
 // Made once per size and shared by all benchmarks of that size.
-class Edits {
+template <class Task, Task (*make)(Index)>
+class BySize {
  public:
-  const BenchEdit& operator[](Index size) {
-    const auto [entry, is_new] = edits_.try_emplace(size);
-    if (is_new) entry->second = make_bump_edit(size);
+  const Task& operator[](Index size) {
+    const auto [entry, is_new] = made_.try_emplace(size);
+    if (is_new) entry->second = make(size);
     return entry->second;
   }
 
  private:
-  std::map<Index, BenchEdit> edits_;
+  std::map<Index, Task> made_;
 };
+using Edits = BySize<BenchEdit, make_bump_edit>;
+using Merges = BySize<BenchMerge, make_head_on_bust>;
 
 using Stages = std::vector<std::pair<std::string, double>>;  // name, seconds
 
@@ -206,7 +209,7 @@ void register_cgal(Edits& edits) {
   }
 }
 
-void register_merge() {
+void register_merge(Merges& merges) {
   struct Case {
     MergeShape shape;
     MergePose pose;
@@ -246,11 +249,12 @@ Index take_eigen_max_vertices(int& argc, char** argv) {
 int main(int argc, char** argv) {
   meshgraft::cli::restart_with_better_blas_kernels(argv);
   meshgraft::bench::Edits edits;
+  meshgraft::bench::Merges merges;
   const meshgraft::Index eigen_max_vertices = meshgraft::bench::take_eigen_max_vertices(argc, argv);
   meshgraft::bench::register_deformer(edits, eigen_max_vertices);
   meshgraft::bench::register_corotational(edits);
   meshgraft::bench::register_cgal(edits);
-  meshgraft::bench::register_merge();
+  meshgraft::bench::register_merge(merges);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   benchmark::RunSpecifiedBenchmarks();
