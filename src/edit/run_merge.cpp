@@ -274,13 +274,13 @@ OpenedHole opened_for(const MergeStep& step, const Mesh& target, const Mesh& par
 MergeResult merge_dropped(const OpenedHole& hole, const Mesh& part, const std::vector<MergePair>& pairs,
                           MergeOptions& options, std::vector<std::string>& notes, const Context& context) {
   const MergeOptions asked = options;
-  MergeResult result = merge(hole.target, part, pairs, options, context);
+  MergeResult result = merge_meshes(hole.target, part, pairs, options, context);
   if (asked.normal_angle_deg != 0) return result;
   for (const double angle_deg : {-45.0, -90.0}) {
     if (result.report.shape.inverted == 0) break;
     MergeOptions less = asked;
     less.normal_angle_deg = angle_deg;
-    MergeResult other = merge(hole.target, part, pairs, less, context);
+    MergeResult other = merge_meshes(hole.target, part, pairs, less, context);
     if (other.report.shape.inverted >= result.report.shape.inverted) continue;
     result = std::move(other);
     options.normal_angle_deg = angle_deg;

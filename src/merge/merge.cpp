@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
@@ -192,16 +194,17 @@ struct Part {
   const std::vector<std::vector<Index>>& loops;
 };
 
-/// The solve, within the reach that was asked for. Where none was, each loop's own radius is tried first, and
-/// doubled as long as the part is squeezed there and that helps.
+/// The solve, within the reach that was asked for. Where none was and the pose is to be found, each loop's own
+/// radius is tried first, and doubled as long as the part is squeezed there and that helps.
 Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> constraints,
                          const MergeOptions& options, MergeReport& report, const Context& context) {
   constexpr double roomy = 0.7, better = 0.03, fewest_far = 0.05;
   constexpr int most_doublings = 3;
+  constexpr std::size_t most_near = 40000;  // vertices; a longer reach takes many seconds
   const IndexLists rings = vertex_rings(static_cast<Index>(part.rest.rows()), part.triangles, context);
   const bool by_list = options.pose == MergePose::keep && !options.fixed.empty();
-  const bool given =
-      options.reach.rings || options.reach.length || options.shape == MergeShape::ft05 || by_list;
+  const bool given = options.reach.rings || options.reach.length || options.shape == MergeShape::ft05 ||
+                     options.pose == MergePose::keep;
   Graft best;
   std::size_t far_count = 0;
   for (int doubling = 0; doubling <= (given ? 0 : most_doublings); ++doubling) {
@@ -209,9 +212,9 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
         by_list && !options.reach.rings && !options.reach.length
             ? options.fixed
             : beyond_reach(part.rest, rings, part.loops, options.reach, 1 << doubling);
-    const bool hardly_any =
-        far.size() < static_cast<std::size_t>(fewest_far * static_cast<double>(part.rest.rows()));
-    if (doubling > 0 && (hardly_any || far.size() == far_count)) break;
+    const auto count = static_cast<std::size_t>(part.rest.rows());
+    const bool hardly_any = static_cast<double>(far.size()) < fewest_far * static_cast<double>(count);
+    if (doubling > 0 && (hardly_any || count - far.size() > most_near || far.size() == far_count)) break;
     far_count = far.size();
     Graft graft = solve_graft(part.posed, part.triangles, constraints, far, part.component, options, context);
     report.assemble_seconds += graft.summary.assemble_seconds;
@@ -263,6 +266,25 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
         fmt::format("the part turns inside out at {} vertices; another start or more matches may "
                     "help, or a longer reach",
                     report.shape.inverted));
+}
+
+/// Kept normals are of use on the loops that are still open.
+void drop_used_cut_normals(Mesh& mesh) {
+  const auto kept =
+      std::find_if(mesh.attributes.begin(), mesh.attributes.end(), [](const Attribute& attribute) {
+        return attribute.domain == Domain::vertex && attribute.name == cut_normal_name;
+      });
+  if (kept == mesh.attributes.end()) return;
+  std::vector<std::uint8_t> open(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (const auto& loop : boundary_loops(mesh))
+    for (const Index v : loop) open[v] = 1;
+  bool used = false;
+  for (std::size_t k = 0; k < kept->values.size(); ++k) {
+    if (!open[k / static_cast<std::size_t>(kept->components)])
+      kept->values[k] = std::numeric_limits<double>::quiet_NaN();
+    used |= std::isfinite(kept->values[k]);
+  }
+  if (!used) mesh.attributes.erase(kept);
 }
 
 }  // namespace
@@ -335,6 +357,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   SeamResult seam = make_seam(target, grafted, source.pairs, options.seam, context);
   result.grafted = graft.positions.topRows(source_mesh.vertex_count());
   result.mesh = std::move(seam.mesh);
+  drop_used_cut_normals(result.mesh);
   result.target = std::move(seam.target);
   result.source = std::move(seam.source);
   result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // not those refined in

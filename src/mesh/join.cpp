@@ -157,9 +157,12 @@ ScalarType common_type(ScalarType a, ScalarType b) {
   return is_floating(a) || is_floating(b) ? ScalarType::float64 : ScalarType::int32;
 }
 
+// Nothing known: missing; but a part without colours is white, which files can hold.
 Attribute missing_like(const Attribute& attribute, std::size_t elements) {
+  const double white = is_floating(attribute.type) ? 1 : 255;
   Attribute result = attribute;
-  result.values.assign(elements * static_cast<std::size_t>(attribute.components), none);
+  result.values.assign(elements * static_cast<std::size_t>(attribute.components),
+                       attribute.name == "colour" ? white : none);
   return result;
 }
 

@@ -109,7 +109,7 @@ TEST(OpenHole, GivesGraftsWithoutAGap) {
   for (const Case& c : cases) {
     const Mesh target = make_sample(c.target, c.resolution);
     const OpenedHole hole = open_hole(target, part, only_loop(part), c.drop);
-    const MergeResult result = merge(hole.target, part, {{hole.pair}}, {.size = hole.size});
+    const MergeResult result = merge_meshes(hole.target, part, {{hole.pair}}, {.size = hole.size});
     const SeamReport& seam = result.report.seam;
     EXPECT_TRUE(seam.manifold && seam.oriented && seam.closed) << c.target;
     EXPECT_EQ(seam.euler_characteristic, summarise_topology(target).euler_characteristic) << c.target;

@@ -22,7 +22,7 @@ struct JoinResult {
 };
 
 /// Two meshes as one: all vertices and faces of `first`, then those of `second`, with the attributes of both.
-/// What one of them lacks is missing there (NaN). Attributes of one name and domain become one if they have as
+/// What one of them lacks is missing there (NaN; colours are white). Attributes of one name and domain become one if they have as
 /// many components, else the second's gets a suffix:
 /// - what one has per vertex and the other per corner (UVs, normals) becomes one per corner;
 /// - colours of different types become fractions, and get an alpha where the other's have one;
