@@ -52,12 +52,19 @@ struct MergeArguments {
 // "5rings" or a length.
 Reach reach_from(const std::string& text) {
   Reach reach;
-  for (const std::string suffix : {"rings", "ring"})
-    if (text.ends_with(suffix)) {
-      reach.rings = numbers<int>(text.substr(0, text.size() - suffix.size()), "--reach").front();
-      return reach;
-    }
-  reach.length = numbers<double>(text, "--reach").front();
+  std::size_t count = 0;
+  if (const std::size_t rings = text.find("ring"); rings != std::string::npos) {
+    const auto given = numbers<int>(text.substr(0, rings), "--reach");
+    count = given.size();
+    reach.rings = given.front();
+  } else {
+    const auto given = numbers<double>(text, "--reach");
+    count = given.size();
+    reach.length = given.front();
+  }
+  if (count != 1)
+    throw Error(ErrorCode::usage, fmt::format("'{}' is neither a number of rings nor a length", text),
+                "--reach", "Write it as 5rings, or as a length like 0.3");
   return reach;
 }
 

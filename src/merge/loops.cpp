@@ -80,6 +80,12 @@ class MeshLoops {
     if (!points.allFinite())
       throw Error(ErrorCode::input, fmt::format("a vertex of the {}'s loop is not finite", role_), place);
     const double size = points.cwiseAbs().maxCoeff();
+    constexpr double least = 1e-60, most = 1e60;  // squares and volumes of lengths are taken
+    if (LoopCurve(points).length() > 0 && !(LoopCurve(points).length() > least && size < most))
+      throw Error(ErrorCode::input,
+                  fmt::format("the {}'s loop at vertex {} is {:.1e} long in coordinates up to {:.1e}", role_,
+                              loop.front(), LoopCurve(points).length(), size),
+                  place, "Bring the mesh to units in which sizes are between 1e-60 and 1e60");
     if (!(LoopCurve(points).length() > 1e-12 * size))
       throw Error(ErrorCode::input,
                   fmt::format("the {}'s loop at vertex {} has no length", role_, loop.front()), place,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -194,6 +195,19 @@ struct Part {
   const std::vector<std::vector<Index>>& loops;
 };
 
+/// What stays in place, without the loops, which go to the target's.
+std::vector<Index> fixed_beside_loops(const std::vector<Index>& fixed,
+                                      const std::vector<std::vector<Index>>& loops) {
+  std::set<Index> staying(fixed.begin(), fixed.end());
+  for (const auto& loop : loops)
+    for (const Index v : loop) staying.erase(v);
+  if (staying.empty())
+    throw Error(ErrorCode::input,
+                "all that shall stay is on the loops that meet the target, so nothing keeps the pose", "fixed",
+                "Name vertices beside the loops, or none: then the part beyond reach stays");
+  return {staying.begin(), staying.end()};
+}
+
 /// The solve, within the reach that was asked for. Where none was and the pose is to be found, each loop's own
 /// radius is tried first, and doubled as long as the part is squeezed there and that helps.
 Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> constraints,
@@ -210,7 +224,7 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
   for (int doubling = 0; doubling <= (given ? 0 : most_doublings); ++doubling) {
     const std::vector<Index> far =
         by_list && !options.reach.rings && !options.reach.length
-            ? options.fixed
+            ? fixed_beside_loops(options.fixed, part.loops)
             : beyond_reach(part.rest, rings, part.loops, options.reach, 1 << doubling);
     const auto count = static_cast<std::size_t>(part.rest.rows());
     const bool hardly_any = static_cast<double>(far.size()) < fewest_far * static_cast<double>(count);
@@ -259,6 +273,12 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
                       "vertex {} at source vertex {}; name a start if the part is turned",
                       p, pair.confidence, pair.start.target, pair.start.source));
   }
+  constexpr double pinched = 0.3;
+  if (report.shape.smallest_singular_p5 < pinched)
+    report.notes.push_back(
+        fmt::format("the part is squeezed to {:.0f} % of its width near the seam; another reach, a "
+                    "finer part, or a given size may help",
+                    100 * report.shape.smallest_singular_p5));
   if (report.evaluation.fell_back_to_linear)
     report.notes.emplace_back("a feature turned inside out, so maps were blended linearly");
   if (report.shape.inverted > 0)

@@ -39,7 +39,8 @@ struct Candidate {
   Eigen::RowVector3d normal;
 };
 
-// What a fold adds: 0 where flat. The weight makes a right angle about as bad as a triangle of 12°, 12° and 156°.
+// What a fold adds: 0 where flat. The weight makes a right angle about as bad as a triangle of 12°, 12° and
+// 156°.
 double fold_cost(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b) {
   constexpr double weight = 6;
   const double cosine = a.dot(b);

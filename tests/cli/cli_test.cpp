@@ -496,7 +496,7 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
   const std::vector<std::tuple<std::string, int, std::string>> cases = {
       {"merge sheet.obj -o o.ply", 2, "the source is missing"},
       {"merge edit.json -o o.ply --start 1:2", 2, "--start goes with TARGET and SOURCE"},
-      {"merge sheet.obj sheet.obj -o o.ply --start 1-2", 2, "--start: '1-2' is not a number"},
+      {"merge sheet.obj sheet.obj -o o.ply --start 1-2", 2, "--start: '1-2' is not TARGET:SOURCE"},
       {"merge sheet.obj sheet.obj -o o.ply --spin 30", 2, "--spin goes with --at"},
       {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix all", 2, "--fix: 'all' is not a selection"},
       {"merge sheet.obj sheet.obj -o o.ply --fix loop:0", 3, "steps[0].fixed: nothing stays"},
