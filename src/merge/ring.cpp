@@ -51,13 +51,14 @@ class Rings {
 
   bool is_kept(Index face) const { return ring_of_[face] == no_ring; }
 
-  /// Of the edges at a loop.
+  /// Of the edges along a loop.
   double mean_edge_length(std::size_t ring) const {
     double sum = 0;
     int count = 0;
     for (const Index c : corners_[ring]) {
       const auto& [a, b] = table_.ends[table_.edge[c]];
-      if (loop_of_[a] == no_ring && loop_of_[b] == no_ring) continue;
+      // Along the loop: how far faces reach across it (long walls) says nothing of the loop's own fineness.
+      if (loop_of_[a] == no_ring || loop_of_[b] == no_ring) continue;
       sum += (mesh_.positions.row(a) - mesh_.positions.row(b)).norm();
       ++count;
     }
@@ -218,7 +219,9 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
     drop_touching(outer);
     std::vector<std::size_t> to_halve;
     for (std::size_t k = 0; k < loops.size(); ++k) {
-      if (rings.mean_edge_length(k) > requests[k].longest_edge && for_length[k] < most_halvings_for_length) {
+      constexpr double rounding = 1 + 1e-9;  // even loops meet the bound exactly, however they are summed
+      if (rings.mean_edge_length(k) > rounding * requests[k].longest_edge &&
+          for_length[k] < most_halvings_for_length) {
         ++for_length[k];
         to_halve.push_back(k);
       } else if (outer[k].empty()) {

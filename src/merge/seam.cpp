@@ -243,11 +243,25 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
 
   context.step("seam", 0.6);
   const Points unsmoothed = mesh.positions;
+  const std::vector<Attribute> attributes = mesh.attributes;
   result.band = fair_band(mesh, layout, options, context);
   renew_normals(mesh, layout, unsmoothed);
 
   context.step("seam", 0.8);
   result.report = measure_seam(mesh, layout, unsmoothed);
+  constexpr double folded_deg = 120;
+  if (result.report.dihedral_p99_deg > folded_deg) {  // fairing is of no use to faces of extreme shape
+    Mesh unfaired = mesh;
+    unfaired.positions = unsmoothed;
+    unfaired.attributes = attributes;
+    const SeamReport before = measure_seam(unfaired, layout, unsmoothed);
+    if (before.dihedral_p99_deg < result.report.dihedral_p99_deg) {
+      mesh = std::move(unfaired);
+      result.band.clear();
+      result.report = before;
+      result.notes.emplace_back("fairing would have folded the surface at the seam, so it was left as it is");
+    }
+  }
   result.report.expected_euler_characteristic =
       summarise_topology(target).euler_characteristic + summarise_topology(source).euler_characteristic;
   double source_length = 0, target_length = 0;
