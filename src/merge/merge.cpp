@@ -255,6 +255,8 @@ PairReport report_pair(const LoopPair& pair, const Correspondence& correspondenc
   report.start = {pair.source.front(), pair.target[nearest % pair.target.size()]};
   report.confidence = correspondence.confidence;
   report.raggedness_deg = std::max(raggedness_deg(source.points), raggedness_deg(target.points));
+  // Matched loops are equally long, whatever the units of their meshes.
+  report.edge_ratio = static_cast<double>(pair.source.size()) / static_cast<double>(pair.target.size());
   return report;
 }
 
@@ -379,6 +381,9 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   result.mesh = std::move(seam.mesh);
   drop_used_cut_normals(result.mesh);
   result.target = std::move(seam.target);
+  const auto kept = std::count_if(result.target.new_index.begin(), result.target.new_index.end(),
+                                  [](Index v) { return v >= 0; });
+  report.target_vertices_added = result.mesh.vertex_count() - grafted.vertex_count() - static_cast<Index>(kept);
   result.source = std::move(seam.source);
   result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // not those refined in
   result.new_faces = std::move(seam.new_faces);

@@ -33,7 +33,8 @@ std::string_view to_string(MergePose value);
 std::string_view to_string(MergeShape value);
 
 /// How far from its loops the source may deform: by rings of edges or by a length along edges (units of the
-/// source as given); neither: each loop's own radius, or two, four or eight of them where the part would be squeezed.
+/// source as given); neither: each loop's own radius, or two, four or eight of them where the part would be
+/// squeezed.
 struct Reach {
   std::optional<int> rings;
   std::optional<double> length;
@@ -71,7 +72,7 @@ struct PairReport {
   Match start;                ///< the source's first loop vertex and the target vertex nearest to its place
   double confidence = 1;      ///< of an automatic correspondence
   double raggedness_deg = 0;  ///< of the worse loop: mean turn per vertex beyond a smooth curve's
-  double edge_ratio = 1;      ///< mean edge length of the target's loop over the source's, before refinement
+  double edge_ratio = 1;      ///< mean edge length of the target's loop over that of the source's, as matched
 };
 
 /// Singular values and the like of the map source → result, over the source's faces, without its similarity.
@@ -107,6 +108,6 @@ struct MergeResult {
 /// boundary loop, loops meet, a component of the source has no loop, correspondences cross or are ambiguous, or
 /// the windings disagree, each naming the pair and the remedy; Error(unsolvable); Error(cancelled).
 MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
-                  const MergeOptions& options = {}, const Context& context = {});
+                         const MergeOptions& options = {}, const Context& context = {});
 
 }  // namespace meshgraft

@@ -19,7 +19,8 @@ enum class StripMethod {
 
 struct SeamOptions {
   StripMethod strip = StripMethod::optimal;
-  /// The target's ring at the seam is halved until its edges are at most this many times the source's.
+  /// The target's ring at the seam is halved until the edges along its loop are at most this many times the
+  /// source's.
   double edge_ratio = 2;
   int smoothing_steps = 2;  ///< fairings of the band, each a linear solve; 0 leaves it as it is
   int target_rings = 3;     ///< rings of the target that they may move; 0 leaves it bit-identical
