@@ -287,7 +287,6 @@ EditFile parse_merge_version_1(const Value& root) {
   step.target = "target";
   step.source = "source";
   step.shape = MergeShape::ft05;
-  step.settings.deformer.method = DeformMethod::ft05;
   step.pose = fields.required("mode").choice<MergePose>(
       {{"pose-independent", MergePose::find}, {"pose-dependent", MergePose::keep}});
   step.pairs = parse_list(fields.required("pairs"), &parse_pair_version_1);

@@ -210,6 +210,8 @@ MergeOptions resolve_options(const MergeStep& step, Side& source, const Settings
   options.smooth_boundary = step.smooth_boundary;
   options.fix_winding = step.fix_winding;
   options.deformer = effective_options(step.settings.deformer, overrides);
+  if (options.shape == MergeShape::ft05)
+    options.deformer.method = DeformMethod::ft05;  // which is what it means
   options.seam = step.settings.seam;
   return options;
 }

@@ -96,7 +96,8 @@ TEST(MergeEditFile, ReadsVersionOneAsAMergeByThePaper) {
   const auto& step = std::get<MergeStep>(edit.steps[0].action);
   EXPECT_EQ(step.shape, MergeShape::ft05);
   EXPECT_EQ(step.pose, MergePose::keep);
-  EXPECT_EQ(step.settings.deformer.method, DeformMethod::ft05);
+  EXPECT_EQ(step.settings.deformer.method, DeformMethod::corotational)
+      << "for another shape, where one is asked for";
   ASSERT_EQ(step.pairs.size(), 1u);
   EXPECT_EQ(step.pairs[0].matches.size(), 2u)
       << "the start is listed among the correspondences and counts once";
