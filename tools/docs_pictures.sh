@@ -17,9 +17,19 @@ for edit in examples/*.json; do
   echo "docs/images/$name.png"
   made=$((made + 1))
 done
-for shape in ft05 similar; do
-  "$program" merge examples/bracket_on_posts.json --shape $shape -o "$scratch/$shape.ply"
-done
-"$program" render "$scratch/ft05.ply" "$scratch/similar.ply" -o docs/images/merge_shapes.png --width 900 --height 800 --from 0.5 -1 0.6
+
+# The same graft by both shapes: FT05's figures 1, 6, 7 and 8 with our own samples.
+shapes() {  # edit, direction to the eye
+  for shape in ft05 similar; do
+    "$program" merge "examples/$1.json" --shape $shape -o "$scratch/$shape.ply"
+  done
+  "$program" render "$scratch/ft05.ply" "$scratch/similar.ply" -o "docs/images/merge_shapes_$1.png" \
+    --width 600 --height 560 --from $2
+}
+shapes head_on_bust "0.5 -1 0.35"
+shapes horns "0.5 -1 0.4"
+shapes dinosaur_bust "0.8 -1 0.3"
+shapes bracket_on_posts "0.5 -1 0.6"
+
 python3 tools/method_pictures.py "$program" docs/images
 [ "$made" -gt 0 ] || { echo "docs_pictures: no edit files in examples" >&2; exit 1; }
