@@ -10,8 +10,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 install(FILES LICENSE THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
-# find_package(meshgraft). A static library hands its own libraries on to whoever links it; FindCHOLMOD goes
-# along because CHOLMOD has no configuration of its own.
+# find_package(meshgraft). A static library hands its own libraries on to whoever links it; the modules that
+# find CHOLMOD, METIS and CXSparse go along because those have no configuration of their own.
 get_target_property(meshgraft_library_type meshgraft TYPE)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/meshgraft)
 install(EXPORT meshgraft NAMESPACE meshgraft:: DESTINATION ${config_dir} FILE meshgraftTargets.cmake)
@@ -19,7 +19,8 @@ configure_package_config_file(cmake/meshgraftConfig.cmake.in meshgraftConfig.cma
                               INSTALL_DESTINATION ${config_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(meshgraftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/meshgraftConfig.cmake ${PROJECT_BINARY_DIR}/meshgraftConfigVersion.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake ${PROJECT_SOURCE_DIR}/cmake/FindMETIS.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindCXSparse.cmake
         DESTINATION ${config_dir})
 
 # pkg-config meshgraft. A static library lists all that it needs, so that plain --libs is enough for both kinds.
@@ -28,7 +29,7 @@ set(pc_libs)
 if(meshgraft_library_type STREQUAL STATIC_LIBRARY)
   string(APPEND pc_requires " tbb fmt libcrypto")
   if(MESHGRAFT_WITH_CHOLMOD)
-    string(JOIN " " pc_libs ${CHOLMOD_LIBRARY} ${CHOLMOD_BLAS_LIBRARIES})
+    string(JOIN " " pc_libs ${CHOLMOD_LIBRARY} ${METIS_LIBRARY} ${CXSparse_LIBRARY} ${CHOLMOD_BLAS_LIBRARIES})
   endif()
   if(MESHGRAFT_WITH_CGAL)
     string(APPEND pc_requires " gmp mpfr")

@@ -29,7 +29,7 @@ USES = {
 USES["editor"] = USES["python"] = USES["cli"]
 
 # Headers, and folders of them, that only one source file may include: they stand behind one of our own interfaces.
-SINGLE_USE = {"cholmod.h", "CGAL", "boost"}
+SINGLE_USE = {"cholmod.h", "cs.h", "metis.h", "CGAL", "boost"}
 
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -257,7 +257,7 @@ KnownRowsSolver::KnownRowsSolver(const SparseRows& N, std::span<const std::uint8
       if (number[entry.col()] >= column) lower.insertBack(number[entry.col()], column) = entry.value();
   }
   lower.finalize();
-  solver_->analyse(lower, context);
+  solver_->analyse(lower, {}, context);
   solver_->factorise(lower, context);
 }
 

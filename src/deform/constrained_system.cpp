@@ -261,6 +261,19 @@ NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
   return lower_triangle_of_sum(A_L_transposed_, A_L_, G_transposed_, coupling, context);
 }
 
+/// Unknowns sit at their vertices; those of features are shared by vertices far apart.
+CouplingGraph ConstrainedSystem::coupling_graph() const {
+  CouplingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rings()};
+  const std::vector<Index>& apex = operators_->nodes().apex;
+  for (Index v = 0; v < patch_.size(); ++v)
+    for (const Index node : {v, apex[v]}) {
+      if (node < 0) continue;
+      for (SparseRows::InnerIterator entry(E_, node); entry; ++entry)
+        if (entry.col() < shared_begin_) graph.group[entry.col()] = v;
+    }
+  return graph;
+}
+
 void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summary, const Context& context) {
   auto start = Clock::now();
   const NormalMatrix normal = normal_matrix(context);
@@ -269,7 +282,7 @@ void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summar
 
   solver_ = make_solver(backend);
   start = Clock::now();
-  solver_->analyse(normal, context);
+  solver_->analyse(normal, coupling_graph(), context);
   summary.analyse_seconds = seconds_since(start);
   start = Clock::now();
   solver_->factorise(normal, context);

@@ -70,6 +70,7 @@ class ConstrainedSystem {
   /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one.
   void evaluate(std::span<const VertexConstraint> constraints, const MapField& field, Points& out,
                 EvaluationReport* report, const Context& context) const;
+  CouplingGraph coupling_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
   double condition_estimate(const Context& context) const;
 

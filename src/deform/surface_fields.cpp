@@ -44,10 +44,13 @@ NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unkno
   return lower;
 }
 
-std::unique_ptr<LinearSolver> factorise(const NormalMatrix& matrix, SolverBackend backend,
+/// Factorises the square part of `rows`, those of the vertices `unknown`.
+std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const std::vector<Index>& unknown,
+                                        const IndexLists& rings, SolverBackend backend,
                                         const Context& context) {
+  const NormalMatrix matrix = square_part(rows, unknown);
   auto solver = make_solver(backend);
-  solver->analyse(matrix, context);
+  solver->analyse(matrix, {unknown, &rings}, context);
   solver->factorise(matrix, context);
   return solver;
 }
@@ -71,7 +74,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   const SparseRows bending = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
   if (!held_.empty()) {
     spread_rows_ = select_rows(bending, held_);
-    spread_solver_ = factorise(square_part(spread_rows_, held_), backend, context);
+    spread_solver_ = factorise(spread_rows_, held_, rings, backend, context);
   }
   if (smoothing_length_rel < 0) return;
   std::vector<double> weights = free_widths(context);
@@ -81,7 +84,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   const SparseRows smoothing =
       select_rows(diagonal(areas_) + multiply(diagonal(vertex_weights), bending, context), free_);
-  smooth_solver_ = factorise(square_part(smoothing, free_), backend, context);
+  smooth_solver_ = factorise(smoothing, free_, rings, backend, context);
 }
 
 void SurfaceFields::find_components(const IndexLists& rings, std::span<const std::uint8_t> given) {

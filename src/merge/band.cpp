@@ -142,7 +142,7 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   const double scale = lower.diagonal().maxCoeff();
   lower.diagonal().array() += scale > 0 ? attachment * scale : 1.0;
   const auto solver = make_solver();
-  solver->analyse(lower, context);
+  solver->analyse(lower, {}, context);
   solver->factorise(lower, context);
   const Eigen::MatrixXd moves = solver->solve(multiply(columns, residual, context), context);
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {

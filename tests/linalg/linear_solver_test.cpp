@@ -1,6 +1,7 @@
 #include <meshgraft/linalg/linear_solver.h>
 
 #include <cstring>
+#include <numeric>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,8 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/linalg/sparse.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/samples/samples.h>
 
 namespace meshgraft {
 namespace {
@@ -99,7 +102,7 @@ TEST_P(EveryBackend, StopsWhenAsked) {
   Context context;
   context.stop_token = stop.get_token();
   auto solver = make_solver(GetParam());
-  EXPECT_THROW(solver->analyse(grid_matrix(5), context), Error);
+  EXPECT_THROW(solver->analyse(grid_matrix(5), {}, context), Error);
 }
 
 TEST_P(EveryBackend, EstimatesTheConditionNumberFromBelow) {
@@ -114,6 +117,123 @@ TEST_P(EveryBackend, EstimatesTheConditionNumberFromBelow) {
   const double estimate = estimate_condition(norm, *solver);
   EXPECT_LE(estimate, exact * (1 + 1e-6));
   EXPECT_GE(estimate, exact / 10);
+}
+
+/// Neighbours in a k×k grid.
+IndexLists grid_rings(int k) {
+  IndexLists rings;
+  for (int y = 0; y < k; ++y) {
+    for (int x = 0; x < k; ++x) {
+      for (const auto& [dx, dy] : {std::pair{0, -1}, {-1, 0}, {1, 0}, {0, 1}})
+        if (x + dx >= 0 && x + dx < k && y + dy >= 0 && y + dy < k)
+          rings.values.push_back((y + dy) * k + x + dx);
+      rings.offsets.push_back(static_cast<Index>(rings.values.size()));
+    }
+  }
+  return rings;
+}
+
+/// A grid's matrix and an unknown that is coupled with all others.
+NormalMatrix with_shared_unknown(const NormalMatrix& grid) {
+  const Eigen::Index n = grid.rows();
+  std::vector<Eigen::Triplet<double, std::int64_t>> entries;
+  for (Eigen::Index column = 0; column < n; ++column) {
+    for (NormalMatrix::InnerIterator entry(grid, column); entry; ++entry)
+      entries.emplace_back(entry.row(), column, entry.value());
+    entries.emplace_back(n, column, 1e-3);
+  }
+  entries.emplace_back(n, n, static_cast<double>(n));
+  NormalMatrix lower(n + 1, n + 1);
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
+}
+
+TEST_P(EveryBackend, SolvesTheSameWithACouplingGraph) {
+  constexpr int k = 110;  // large enough for nested dissection
+  const IndexLists rings = grid_rings(k);
+  const NormalMatrix matrix = with_shared_unknown(grid_matrix(k));
+  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()), -1);
+  std::iota(group.begin(), group.end() - 1, Index{0});
+  auto with = make_solver(GetParam()), without = make_solver(GetParam());
+  with->analyse(matrix, {group, &rings});
+  without->analyse(matrix);
+  with->factorise(matrix);
+  without->factorise(matrix);
+  const Eigen::MatrixXd x = Eigen::MatrixXd::Random(matrix.rows(), 2);
+  const Eigen::MatrixXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
+  EXPECT_LT((with->solve(rhs) - x).norm(), 1e-6 * x.norm());
+  EXPECT_LT((with->solve(rhs) - without->solve(rhs)).norm(), 1e-6 * x.norm());
+}
+
+/// A bi-Laplacian over rings, plus the identity.
+NormalMatrix bilaplacian(const IndexLists& rings) {
+  const Index n = rings.size();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index v = 0; v < n; ++v) {
+    entries.emplace_back(v, v, static_cast<double>(rings[v].size()));
+    for (const Index w : rings[v]) entries.emplace_back(v, w, -1.0);
+  }
+  SparseRows laplacian(n, n), identity(n, n);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  identity.setIdentity();
+  return lower_triangle_of_sum(transpose(laplacian), laplacian, identity, identity);
+}
+
+TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
+  if (available_backends().front() != SolverBackend::cholmod) GTEST_SKIP() << "this build has no CHOLMOD";
+  // Limbs are chains, which minimum degree orders best.
+  for (const auto& [sample, most] : {std::pair{"head", 0.9}, {"bust", 0.9}, {"octopus", 1.5}}) {
+    const Mesh mesh = make_sample(sample, 100);
+    const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
+    const NormalMatrix matrix = bilaplacian(rings);
+    std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
+    std::iota(group.begin(), group.end(), Index{0});
+    const auto analysed = [&](const CouplingGraph& graph) {
+      auto solver = make_solver(SolverBackend::cholmod);
+      solver->analyse(matrix, graph);
+      return solver->statistics();
+    };
+    SolverStatistics first, second;
+    std::thread other([&] { first = analysed({group, &rings}); });
+    second = analysed({group, &rings});
+    other.join();
+    const SolverStatistics minimum_degree = analysed({});
+    ASSERT_EQ(first.ordering, "dissection") << mesh.vertex_count();
+    EXPECT_EQ(minimum_degree.ordering, "amd");
+    EXPECT_EQ(first.factor_nonzeros, second.factor_nonzeros);
+    EXPECT_LT(first.factor_flops, most * minimum_degree.factor_flops) << sample;
+  }
+}
+
+TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
+  // Two unknowns at each place of a grid, and a column of places without any: two pieces.
+  constexpr int k = 90;
+  const IndexLists rings = grid_rings(k);
+  std::vector<Index> group;
+  for (Index place = 0; place < k * k; ++place)
+    if (place % k != k / 2) group.insert(group.end(), 2, place);
+  std::vector<std::int64_t> first(k * k, -1);
+  for (std::size_t u = 0; u < group.size(); u += 2) first[group[u]] = static_cast<std::int64_t>(u);
+  std::vector<Eigen::Triplet<double, std::int64_t>> entries;
+  for (std::size_t u = 0; u < group.size(); ++u) {
+    const auto row = static_cast<std::int64_t>(u);
+    entries.emplace_back(row, row, 20.0);
+    if (u % 2 == 1) entries.emplace_back(row, row - 1, -1.0);
+    for (const Index place : rings[group[u]])
+      for (std::int64_t other = first[place]; first[place] >= 0 && other < first[place] + 2; ++other)
+        if (other < row) entries.emplace_back(row, other, -1.0);
+  }
+  const auto n = static_cast<Eigen::Index>(group.size());
+  NormalMatrix matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  for (const SolverBackend backend : available_backends()) {
+    auto solver = make_solver(backend);
+    solver->analyse(matrix, {group, &rings});
+    solver->factorise(matrix);
+    const Eigen::VectorXd x = Eigen::VectorXd::Random(n);
+    const Eigen::VectorXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
+    EXPECT_LT((solver->solve(rhs) - x).norm(), 1e-9 * x.norm());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, testing::ValuesIn(available_backends()),

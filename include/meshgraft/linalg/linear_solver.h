@@ -9,6 +9,7 @@
 #include <Eigen/SparseCore>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/mesh/topology.h>
 
 namespace meshgraft {
 
@@ -17,19 +18,25 @@ using NormalMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
 
 enum class SolverBackend {
   automatic,  ///< CHOLMOD where it was built in, else Eigen
-  cholmod,    ///< supernodal Cholesky (SuiteSparse), minimum degree or, for large matrices, nested
-              ///< dissection of the matrix's own graph
+  cholmod,    ///< supernodal Cholesky (SuiteSparse), minimum degree or, for large matrices, nested dissection
   eigen,      ///< Eigen's simplicial Cholesky, approximate minimum degree
 };
 
 struct SolverStatistics {
   std::string backend;   ///< "cholmod" or "eigen"
-  std::string ordering;  ///< "metis", "amd", …
+  std::string ordering;  ///< "dissection" (of a coupling graph), "metis" (of the matrix's own graph), "amd"
   std::int64_t unknowns = 0;
   std::int64_t matrix_nonzeros = 0;  ///< of the lower triangle
   std::int64_t factor_nonzeros = 0;
   double factor_flops = 0;
   std::int64_t peak_memory_bytes = 0;  ///< of the solver alone
+};
+
+/// Where the unknowns of a matrix sit: a graph far smaller than the matrix's own, in which an ordering is found
+/// sooner. Unknowns are coupled if their groups are the same or few edges apart.
+struct CouplingGraph {
+  std::vector<Index> group;                ///< of each unknown; -1 where it is coupled with groups far apart
+  const IndexLists* neighbours = nullptr;  ///< of each group; none: no graph is known
 };
 
 /// Solves N x = y for a symmetric positive definite N: analyse once per pattern, factorise once per set of
@@ -38,8 +45,9 @@ class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
-  /// Ordering and symbolic work; depends on the pattern alone.
-  virtual void analyse(const NormalMatrix& lower, const Context& context = {}) = 0;
+  /// Ordering and symbolic work; depends on the pattern alone, and on the graph if there is one.
+  virtual void analyse(const NormalMatrix& lower, const CouplingGraph& graph = {},
+                       const Context& context = {}) = 0;
 
   /// Numerical factor. Throws Error(unsolvable) if N is not positive definite.
   virtual void factorise(const NormalMatrix& lower, const Context& context = {}) = 0;

@@ -1,0 +1,145 @@
+#include "dissection.h"
+
+#include <cs.h>
+#include <metis.h>
+
+#include <algorithm>
+#include <bit>
+#include <mutex>
+#include <span>
+
+namespace meshgraft {
+
+namespace {
+
+/// The side of each unknown at every cut: bit `levels - 1` of its part for the first cut, bit 0 for the last;
+/// -1 without a group. Cuts are where the fewest edges of the graph cross.
+std::vector<int> bisect(const CouplingGraph& graph, int levels) {
+  const Index groups = graph.neighbours->size();
+  std::vector<idx_t> number(static_cast<std::size_t>(groups), -1), weights;
+  for (const Index group : graph.group)
+    if (group >= 0) number[group] = 0;
+  for (idx_t& n : number)
+    if (n == 0) {
+      n = static_cast<idx_t>(weights.size());
+      weights.push_back(0);
+    }
+  for (const Index group : graph.group)
+    if (group >= 0) ++weights[number[group]];
+  std::vector<idx_t> offsets{0}, neighbours;
+  for (Index group = 0; group < groups; ++group) {
+    if (number[group] < 0) continue;
+    for (const Index other : (*graph.neighbours)[group])
+      if (number[other] >= 0) neighbours.push_back(number[other]);
+    offsets.push_back(static_cast<idx_t>(neighbours.size()));
+  }
+
+  auto vertices = static_cast<idx_t>(weights.size());
+  idx_t constraints = 1, parts = idx_t{1} << levels, cut_edges = 0;
+  std::vector<idx_t> options(METIS_NOPTIONS), part(weights.size(), 0);
+  METIS_SetDefaultOptions(options.data());
+  options[METIS_OPTION_SEED] = 1;
+  static std::mutex one_at_a_time;  // METIS draws from the C library's random numbers
+  const std::lock_guard lock(one_at_a_time);
+  const int status = METIS_PartGraphRecursive(&vertices, &constraints, offsets.data(), neighbours.data(),
+                                              weights.data(), nullptr, nullptr, &parts, nullptr, nullptr,
+                                              options.data(), &cut_edges, part.data());
+  if (status != METIS_OK) std::fill(part.begin(), part.end(), 0);  // nothing is cut: minimum degree alone
+  std::vector<int> of_unknown(graph.group.size(), -1);
+  for (std::size_t u = 0; u < graph.group.size(); ++u)
+    if (graph.group[u] >= 0) of_unknown[u] = static_cast<int>(part[number[graph.group[u]]]);
+  return of_unknown;
+}
+
+/// An entry of the matrix across a cut.
+struct Crossing {
+  int left, right;  ///< unknowns
+};
+
+/// The fewest unknowns that touch all crossings (Koenig's theorem). In the Dulmage-Mendelsohn decomposition of
+/// their bipartite graph these are the left unknowns but those of the overdetermined block, and of the right
+/// ones those of that block. `place` is all -1, before and after.
+std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vector<int>& place) {
+  std::vector<int> left, right;
+  const auto number = [&](int unknown, std::vector<int>& side) {
+    if (place[unknown] < 0) {
+      place[unknown] = static_cast<int>(side.size());
+      side.push_back(unknown);
+    }
+  };
+  for (const Crossing& crossing : crossings) {
+    number(crossing.left, left);
+    number(crossing.right, right);
+  }
+  std::vector<SuiteSparse_long> offsets(right.size() + 1, 0), rows(crossings.size());
+  for (const Crossing& crossing : crossings) ++offsets[static_cast<std::size_t>(place[crossing.right]) + 1];
+  for (std::size_t k = 0; k < right.size(); ++k) offsets[k + 1] += offsets[k];
+  std::vector<SuiteSparse_long> next(offsets.begin(), offsets.end() - 1);
+  for (const Crossing& crossing : crossings) rows[next[place[crossing.right]]++] = place[crossing.left];
+  cs_dl across{};
+  across.m = static_cast<SuiteSparse_long>(left.size());
+  across.n = static_cast<SuiteSparse_long>(right.size());
+  across.nzmax = static_cast<SuiteSparse_long>(rows.size());
+  across.nz = -1;  // columns are compressed
+  across.p = offsets.data();
+  across.i = rows.data();
+  cs_dld* blocks = cs_dl_dmperm(&across, 0);
+  if (blocks == nullptr) throw std::bad_alloc();
+  std::vector<int> touching;
+  for (SuiteSparse_long k = 0; k < blocks->rr[2]; ++k) touching.push_back(left[blocks->p[k]]);
+  for (SuiteSparse_long k = blocks->cc[3]; k < blocks->cc[4]; ++k) touching.push_back(right[blocks->q[k]]);
+  cs_dl_dfree(blocks);
+  for (const int unknown : left) place[unknown] = -1;
+  for (const int unknown : right) place[unknown] = -1;
+  return touching;
+}
+
+}  // namespace
+
+std::vector<std::int64_t> dissect(const NormalMatrix& lower, const CouplingGraph& graph,
+                                  const Context& context) {
+  constexpr std::int64_t most_in_a_leaf = 500;
+  const auto count = static_cast<std::size_t>(lower.rows());
+  int levels = 0;
+  while ((lower.rows() >> levels) > most_in_a_leaf) ++levels;
+  const std::vector<int> part = bisect(graph, levels);
+  context.throw_if_stopped();
+
+  // The entries across each level's cuts.
+  std::vector<std::vector<Crossing>> crossings(static_cast<std::size_t>(levels));
+  for (int column = 0; column < static_cast<int>(count); ++column) {
+    for (NormalMatrix::InnerIterator entry(lower, column); entry; ++entry) {
+      const auto row = static_cast<int>(entry.row());
+      if (part[row] == part[column] || part[row] < 0 || part[column] < 0) continue;
+      const int level = levels - std::bit_width(static_cast<unsigned>(part[row] ^ part[column]));
+      const auto [left, right] = part[row] < part[column] ? std::pair(row, column) : std::pair(column, row);
+      crossings[level].push_back({left, right});
+    }
+  }
+
+  // Separators from the first cut on: what is in one couples no sides of later cuts.
+  std::vector<int> level_of(count, levels), place(count, -1);
+  for (int level = 0; level < levels; ++level) {
+    std::erase_if(crossings[level], [&](const Crossing& crossing) {
+      return level_of[crossing.left] < levels || level_of[crossing.right] < levels;
+    });
+    for (const int unknown : fewest_touching(crossings[level], place)) level_of[unknown] = level;
+    context.throw_if_stopped();
+  }
+
+  // In postorder: by the last leaf that a node of the tree has below it, deeper nodes first.
+  std::vector<std::int64_t> sets(count), keys;
+  for (std::size_t u = 0; u < count; ++u) {
+    const int above_leaves = levels - level_of[u];
+    const std::int64_t leaves_end =
+        part[u] < 0 ? std::int64_t{2} << levels : ((std::int64_t{part[u]} >> above_leaves) + 1) << above_leaves;
+    sets[u] = leaves_end * (levels + 1) + above_leaves;
+  }
+  keys = sets;
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  for (std::int64_t& set : sets) set = std::lower_bound(keys.begin(), keys.end(), set) - keys.begin();
+  return sets;
+}
+
+}  // namespace meshgraft
