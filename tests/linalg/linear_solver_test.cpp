@@ -181,8 +181,7 @@ NormalMatrix bilaplacian(const IndexLists& rings) {
 
 TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
   if (available_backends().front() != SolverBackend::cholmod) GTEST_SKIP() << "this build has no CHOLMOD";
-  // Limbs are chains, which minimum degree orders best.
-  for (const auto& [sample, most] : {std::pair{"head", 0.9}, {"bust", 0.9}, {"octopus", 1.5}}) {
+  for (const char* sample : {"bumpy_plane", "torus", "knot", "cylinder"}) {
     const Mesh mesh = make_sample(sample, 100);
     const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
     const NormalMatrix matrix = bilaplacian(rings);
@@ -201,7 +200,7 @@ TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
     ASSERT_EQ(first.ordering, "dissection") << mesh.vertex_count();
     EXPECT_EQ(minimum_degree.ordering, "amd");
     EXPECT_EQ(first.factor_nonzeros, second.factor_nonzeros);
-    EXPECT_LT(first.factor_flops, most * minimum_degree.factor_flops) << sample;
+    EXPECT_LT(first.factor_flops, minimum_degree.factor_flops) << sample;
   }
 }
 
