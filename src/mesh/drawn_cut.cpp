@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -45,6 +46,7 @@ class Separation {
     context.step("cut", 0.9);
     name_loops();
     keep_normals();
+    result_.mesh.source = sources_of(mesh_);
     return std::move(result_);
   }
 
