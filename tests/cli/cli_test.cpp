@@ -202,7 +202,8 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"deform edit.json -o o.ply --report nowhere/r.json", 5, "nowhere"},
       {"deform edit.json -o o.ply --picture nowhere/p.png", 5, "nowhere"},
       {"deform edit.json -o o.ply --picture p.jpg", 2, "pictures are PNG files"},
-      {"deform edit.json -o . --report r.json", 3, "no extension"},
+      {"deform edit.json -o . --report r.json", 5, ".: is a folder"},
+      {"deform edit.json -o out --report r.json", 3, "no extension"},
       {"sample bar --resolution 3.5 -o o.ply", 2, "--resolution: '3.5' is not a whole number from 4 to 4096"},
       {"deform edit.json -o edit.json", 2, "this is an input"},
       {"compare", 2, "edit"},
@@ -649,6 +650,76 @@ TEST_F(CommandLine, OutputsAreToldApartHoweverTheyAreSpelled) {
     EXPECT_EQ(cut.status, 2) << report;
   }
   EXPECT_FALSE(std::filesystem::exists(folder_ / "o.obj"));
+}
+
+TEST_F(CommandLine, OffersToSmoothARaggedLoop) {
+  std::string ragged = tube(0, true, "");
+  std::size_t line = 0;
+  for (int v = 0; v < 12; ++v) {  // every other vertex of the rim lower
+    const std::size_t end = ragged.find('\n', line), z = ragged.rfind(' ', end);
+    if (v % 2 == 0) ragged.replace(z, end - z, " -0.3");
+    line = ragged.find('\n', line) + 1;
+  }
+  write("body.obj", ragged);
+  write("part.obj", tube(1, false, ""));
+  const Outcome plain = run("merge body.obj part.obj --start 0:0 -o o.ply");
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  EXPECT_NE(plain.out.find("is ragged"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("--smooth-boundary smooths it first"), std::string::npos) << plain.out;
+  const Outcome smooth = run("merge body.obj part.obj --start 0:0 -o o.ply --smooth-boundary");
+  ASSERT_EQ(smooth.status, 0) << smooth.err;
+  EXPECT_EQ(smooth.out.find("is ragged"), std::string::npos) << smooth.out;
+}
+
+TEST_F(CommandLine, SaysWhyALoopCannotBeMerged) {
+  write("body.obj", tube(0, true, ""));
+  write("three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  std::string band;
+  constexpr int around = 16;
+  for (int i = 0; i < around; ++i)
+    for (const double side : {-0.3, 0.3}) {
+      const double angle = 2 * 3.14159265358979 * i / around, r = 1 + side * std::cos(angle / 2);
+      band += "v " + std::to_string(r * std::cos(angle)) + " " + std::to_string(r * std::sin(angle)) + " " +
+              std::to_string(side * std::sin(angle / 2)) + "\n";
+    }
+  for (int i = 0; i < around; ++i) {
+    const int p = 2 * i + 1, r = i + 1 < around ? p + 2 : 2, s = i + 1 < around ? p + 3 : 1;
+    band += "f " + std::to_string(p) + " " + std::to_string(r) + " " + std::to_string(p + 1) + "\nf " +
+            std::to_string(p + 1) + " " + std::to_string(r) + " " + std::to_string(s) + "\n";
+  }
+  write("moebius.obj", band);
+  const auto says = [&](const std::string& command, const std::string& words) {
+    const Outcome outcome = run(command);
+    EXPECT_NE((outcome.out + outcome.err).find(words), std::string::npos) << command << "\n"
+                                                                          << outcome.out << outcome.err;
+  };
+  const std::string merge = "merge body.obj ", to = " -o o.ply";
+  says(merge + "three.obj" + to,
+       "loop 0 of the source (three.obj) cannot be merged: 1 edge has more than two faces, on the loop at "
+       "vertices 0, 1. "
+       "A loop there cannot be merged: take faces away");
+  says("merge moebius.obj body.obj" + to,
+       "loop 0 of the target (moebius.obj) cannot be merged: 1 edge has two faces that are wound against each "
+       "other, on "
+       "the loop at vertices 0, 1. Normals there");
+  says(merge + "points.obj" + to, "the source (points.obj) has no faces. Export it");
+  says("cut points.obj --plane x=0.5" + to, "the mesh has no faces");
+  says("info points.obj", "none, there are no faces");
+  says("info moebius.obj", "inconsistent-winding at vertex 0");
+  says("info three.obj", "non-manifold-edge at vertex 0");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "o.ply"));
+}
+
+TEST_F(CommandLine, CutTellsOfPlacesAndSizesAsTheyAre) {
+  EXPECT_NE(run("cut sheet.obj --plane x=7 -o o.ply").err.find("below it, 0 to 7 away"), std::string::npos);
+  std::string huge = "v 0 0 0\nv 1e200 0 0\nv 0 1e200 0\nf 1 2 3\n";
+  write("huge.obj", huge);
+  const Outcome outcome = run("cut huge.obj --plane x=1e199 -o o.ply");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("--plane: vertex 1: a coordinate is as large as 1.0e+200. Scale the mesh down"),
+            std::string::npos)
+      << outcome.err;
 }
 
 TEST_F(CommandLine, PicturesTakeAView) {
