@@ -1,6 +1,9 @@
 #include "choices.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,18 +24,55 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
   return CLI::Validator(check, "");
 }
 
+namespace {
+
+// The number that a text is, all of it.
+template <class T>
+std::optional<T> number_in(std::string_view text) {
+  T value{};
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+template <class T, class Test>
+CLI::Validator numbers_that(const std::string& words, Test test) {
+  return CLI::Validator(
+      [=](const std::string& given) {
+        const auto value = number_in<T>(given);
+        return value && test(*value) ? std::string() : fmt::format("'{}' is not {}", given, words);
+      },
+      "");
+}
+
+}  // namespace
+
+CLI::Validator finite_number() {
+  return numbers_that<double>("a finite number", [](double value) { return std::isfinite(value); });
+}
+
+CLI::Validator positive_number() {
+  return numbers_that<double>("a positive number",
+                              [](double value) { return value > 0 && std::isfinite(value); });
+}
+
+CLI::Validator number_from(double least, double most) {
+  return numbers_that<double>(fmt::format("a number from {} to {}", least, most),
+                              [=](double value) { return value >= least && value <= most; });
+}
+
+CLI::Validator whole_number_from(int least, int most) {
+  return numbers_that<int>(fmt::format("a whole number from {} to {}", least, most),
+                           [=](int value) { return value >= least && value <= most; });
+}
+
 CLI::Option* add_threads(CLI::App& command, int& threads) {
   return command
       .add_option("--threads", threads,
                   "Worker threads; the result does not depend on it (default: one per core)")
       ->type_name("N")
-      ->check(CLI::Validator(
-          [](const std::string& given) {
-            int count = 0;
-            const bool valid = CLI::detail::lexical_cast(given, count) && count >= 1 && count <= 1024;
-            return valid ? std::string() : fmt::format("'{}' is not a number from 1 to 1024", given);
-          },
-          ""));
+      ->check(whole_number_from(1, 1024));
 }
 
 }  // namespace meshgraft::cli

@@ -30,6 +30,12 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optiona
       ->check(one_of(words));
 }
 
+/// Refuse all but finite numbers of a range, and say which that is.
+CLI::Validator finite_number();
+CLI::Validator positive_number();
+CLI::Validator number_from(double least, double most);
+CLI::Validator whole_number_from(int least, int most);
+
 /// `--threads N`.
 CLI::Option* add_threads(CLI::App& command, int& threads);
 

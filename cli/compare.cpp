@@ -82,10 +82,9 @@ bool is_comparison(const std::filesystem::path& file) {
 }
 
 // Files in the folder are replaced only if an earlier comparison wrote them, and no input ever is.
-void require_writable(const ComparisonFiles& files, const std::vector<Method>& methods,
-                      const CompareArguments& arguments, const EditFile& edit) {
-  require_folder(files.folder);
-  if (!std::filesystem::exists(files.folder)) return;
+void require_ours(const ComparisonFiles& files, const std::vector<Method>& methods,
+                  const CompareArguments& arguments, const EditFile& edit) {
+  if (!std::filesystem::exists(files.folder)) return require_writable(files.folder);
   if (!std::filesystem::is_directory(files.folder))
     throw Error(ErrorCode::io, "this is not a folder", files.folder.string(), "Choose another name.");
   std::vector<std::filesystem::path> inputs = referenced_files(edit);
@@ -93,6 +92,7 @@ void require_writable(const ComparisonFiles& files, const std::vector<Method>& m
   const bool ours = is_comparison(files.json());
   for (const std::filesystem::path& file : files.all(methods)) {
     require_not_an_input(file, inputs, "Choose another folder.");
+    require_writable(file);
     if (!ours && std::filesystem::exists(std::filesystem::symlink_status(file)))
       throw Error(ErrorCode::usage, "it is there already, and not from an earlier comparison", file.string(),
                   "Choose another folder, or move the file away.");
@@ -199,7 +199,7 @@ void run_compare(const CompareArguments& arguments, Context context) {
   const bool ends_in_slash = !arguments.folder.has_filename();
   const ComparisonFiles files{ends_in_slash ? arguments.folder.parent_path() : arguments.folder,
                               mesh_extension(edit)};
-  if (!arguments.folder.empty()) require_writable(files, methods, arguments, edit);
+  if (!arguments.folder.empty()) require_ours(files, methods, arguments, edit);
   Comparison comparison = compare_methods(edit, methods, context);
   if (!arguments.folder.empty()) write_folder(comparison, files, arguments, context);
   if (arguments.json) {

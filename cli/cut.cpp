@@ -1,5 +1,4 @@
 #include <array>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/triage.h>
 
 #include "choices.h"
 #include "commands.h"
@@ -37,23 +37,19 @@ struct CutArguments {
   double snap = CutOptions{}.snap;
   bool json = false;
   bool force = false;
+#ifdef MESHGRAFT_HAS_RENDER
+  View view{.width = picture_width, .height = picture_height};
+#endif
+
+  const char* by() const { return loop.empty() ? "--plane" : "--loop"; }
 };
 
-void require_outputs(const CutArguments& arguments) {
-  std::vector<std::filesystem::path> outputs;
-  for (const auto& output : {arguments.output, arguments.report, arguments.picture}) {
-    if (output.empty()) continue;
-    require_folder(output);
-    for (const auto& other : outputs)
-      if (std::filesystem::weakly_canonical(output) == std::filesystem::weakly_canonical(other))
-        throw Error(ErrorCode::usage, "two outputs have this name", output.string());
-    outputs.push_back(output);
-    if (output != arguments.output)
-      require_not_an_input(output, {arguments.mesh});
-    else if (!arguments.force)
-      require_not_an_input(output, {arguments.mesh}, "Choose another name, or give --force to replace it.");
-  }
-  if (!arguments.picture.empty()) require_png(arguments.picture);
+void check_outputs(const CutArguments& arguments) {
+  require_outputs({.mesh = arguments.output, .picture = arguments.picture, .report = arguments.report},
+                  {arguments.mesh}, {}, arguments.force);
+#ifdef MESHGRAFT_HAS_RENDER
+  quick_options_of(arguments.view);
+#endif
 }
 
 std::string_view keep_name(CutKeep keep) {
@@ -62,12 +58,29 @@ std::string_view keep_name(CutKeep keep) {
 
 std::string_view side_name(int side) { return side > 0 ? "above" : side < 0 ? "below" : "both sides"; }
 
-CutResult cut(const Mesh& mesh, const CutArguments& arguments, const Context& context) {
+// What the command line asks for, read before the mesh is.
+struct CutAlong {
+  std::optional<PlaneText> plane;
+  std::vector<Index> loop;
+};
+
+CutAlong along(const CutArguments& arguments) {
+  if (arguments.plane.empty() && arguments.loop.empty())
+    throw Error(ErrorCode::usage, "no cut is named", "cut", "Give --plane PLANE or --loop V1,V2,….");
+  if (!arguments.loop.empty()) return {{}, numbers<Index>(arguments.loop, "--loop")};
+  return {parse_plane(arguments.plane, "--plane"), {}};
+}
+
+CutResult cut(const Mesh& mesh, const CutAlong& along, const CutArguments& arguments, const Context& context) {
+  require_usable(triage(mesh, context), mesh, {}, arguments.mesh.string());
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
-  if (!arguments.loop.empty())
-    return cut_along_loop(mesh, numbers<Index>(arguments.loop, "--loop"), options, context);
-  const PlaneText plane = parse_plane(arguments.plane, "--plane");
-  return cut_by_plane(mesh, plane.point, plane.normal, options, context);
+  try {
+    if (!along.plane) return cut_along_loop(mesh, along.loop, options, context);
+    return cut_by_plane(mesh, along.plane->point, along.plane->normal, options, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    throw error.within(arguments.by());
+  }
 }
 
 // The result's components and loops, for people and for scripts.
@@ -110,7 +123,12 @@ CutFacts gather(const CutResult& result) {
   return facts;
 }
 
-void print_summary(const CutFacts& facts, const CutResult& result, const std::vector<std::string>& outputs) {
+// What was written, and what the mesh's format has no place for.
+struct WrittenOutputs {
+  std::vector<std::string> files, notes;
+};
+
+void print_summary(const CutFacts& facts, const CutResult& result, const WrittenOutputs& written) {
   fmt::print("{} vertices, {} faces in {} component{}\n", result.mesh.vertex_count(), result.mesh.face_count(),
              facts.components.size(), facts.components.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < facts.components.size(); ++k) {
@@ -120,28 +138,29 @@ void print_summary(const CutFacts& facts, const CutResult& result, const std::ve
       fmt::print("    loop {}{}: {}\n", loop, facts.loops[loop].made_by_cut ? ", made by the cut" : "",
                  loop_text(facts.loops[loop].facts));
   }
-  for (const std::string& output : outputs) fmt::print("  wrote {}\n", output);
+  for (const std::string& note : written.notes) fmt::print("  note: {}\n", note);
+  for (const std::string& output : written.files) fmt::print("  wrote {}\n", output);
 }
 
 // In the words of an edit file's cut step.
-void add_cut_asked_for(const CutArguments& arguments, Json& json) {
-  if (!arguments.loop.empty()) {
-    json["loop"] = numbers<Index>(arguments.loop, "--loop");
+void add_cut_asked_for(const CutAlong& along, Json& json) {
+  if (!along.plane) {
+    json["loop"] = along.loop;
     return;
   }
-  const PlaneText plane = parse_plane(arguments.plane, "--plane");
   const auto vector = [](const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); };
-  json["plane"] = {{"point", vector(plane.point)}, {"normal", vector(plane.normal)}};
+  json["plane"] = {{"point", vector(along.plane->point)}, {"normal", vector(along.plane->normal)}};
 }
 
-Json report_json(const CutArguments& arguments, const CutFacts& facts, const CutResult& result,
-                 const std::vector<std::string>& outputs) {
+Json report_json(const CutArguments& arguments, const CutAlong& along, const CutFacts& facts,
+                 const CutResult& result, const WrittenOutputs& written) {
   Json json = {{"format", "meshgraft-cut"},
                {"version", 1},
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
                {"mesh", arguments.mesh.string()},
-               {"outputs", outputs}};
-  add_cut_asked_for(arguments, json);
+               {"outputs", written.files},
+               {"notes", written.notes}};
+  add_cut_asked_for(along, json);
   json["keep"] = keep_name(arguments.keep.value_or(CutKeep::both));
   json["snap"] = arguments.snap;
   json["counts"] = {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}};
@@ -187,33 +206,48 @@ Mesh pulled_apart(const CutResult& result) {
 }
 #endif
 
-void run_cut(const CutArguments& arguments, const Context& context) {
-  if (arguments.plane.empty() && arguments.loop.empty())
-    throw Error(ErrorCode::usage, "no cut is named", "cut", "Give --plane PLANE or --loop V1,V2,….");
-  require_outputs(arguments);
-  context.step("read");
-  const Mesh mesh = read_mesh(arguments.mesh, context);
-  const CutResult result = cut(mesh, arguments, context);
-  const CutFacts facts = gather(result);
-  context.step("write");
-  write_mesh(result.mesh, arguments.output, {}, context);
-  std::vector<std::string> outputs{arguments.output.string()};
+// Everything is computed before anything is written.
+WrittenOutputs write_outputs(const CutArguments& arguments, [[maybe_unused]] const Mesh& mesh,
+                             const CutResult& result, const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
+  std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
     const Mesh after = pulled_apart(result);
     const std::vector<const Mesh*> meshes{&mesh, &after};
-    write_picture(meshes, std::vector<std::string>{"before", "after"}, {}, arguments.picture, context);
-    outputs.push_back(arguments.picture.string());
+    picture = make_picture(meshes, std::vector<std::string>{"before", "after"},
+                           quick_options_of(arguments.view), context);
   }
 #endif
+  context.step("write");
+  const WriteResult written = write_mesh(result.mesh, arguments.output, {}, context);
+  WrittenOutputs outputs;
+  for (const std::filesystem::path& file : written.files) outputs.files.push_back(file.string());
+  outputs.notes = written.notes;
+#ifdef MESHGRAFT_HAS_RENDER
+  if (picture) {
+    render::write_png(*picture, arguments.picture);
+    outputs.files.push_back(arguments.picture.string());
+  }
+#endif
+  return outputs;
+}
+
+void run_cut(const CutArguments& arguments, const Context& context) {
+  const CutAlong asked = along(arguments);
+  check_outputs(arguments);
+  context.step("read");
+  const Mesh mesh = read_mesh(arguments.mesh, context);
+  const CutResult result = cut(mesh, asked, arguments, context);
+  const CutFacts facts = gather(result);
+  WrittenOutputs written = write_outputs(arguments, mesh, result, context);
   if (!arguments.report.empty()) {
-    outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, dump(report_json(arguments, facts, result, outputs)));
+    written.files.push_back(arguments.report.string());
+    write_file_atomically(arguments.report, dump(report_json(arguments, asked, facts, result, written)));
   }
   if (arguments.json)
-    fmt::print("{}", dump(report_json(arguments, facts, result, outputs)));
+    fmt::print("{}", dump(report_json(arguments, asked, facts, result, written)));
   else
-    print_summary(facts, result, outputs);
+    print_summary(facts, result, written);
 }
 
 }  // namespace
@@ -246,14 +280,13 @@ void add_cut(CLI::App& program, Action& action) {
                       "0 to 0.5 (default {})",
                       arguments->snap))
       ->type_name("X")
-      ->check(CLI::Range(0.0, 0.5));
+      ->check(number_from(0, 0.5));
   command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
       ->required()
       ->type_name("FILE");
   command->add_option("--report", arguments->report, "Write components and loops as JSON")->type_name("FILE");
 #ifdef MESHGRAFT_HAS_RENDER
-  command->add_option("--picture", arguments->picture, "Write a PNG of the mesh before and after")
-      ->type_name("FILE");
+  add_picture(*command, arguments->picture, arguments->view, "Write a PNG of the mesh before and after");
 #endif
   command->add_flag("--force,--in-place", arguments->force, "Allow the output to replace the input mesh");
   command->add_flag("--json", arguments->json, "Print the report instead of a summary");

@@ -1,6 +1,6 @@
-#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +25,9 @@ namespace {
 
 struct DeformArguments {
   std::filesystem::path edit, output, report, picture;
+#ifdef MESHGRAFT_HAS_RENDER
+  View view{.width = picture_width, .height = picture_height};
+#endif
   SettingsOverrides overrides;
   int threads = 0;
   bool json = false;
@@ -32,26 +35,34 @@ struct DeformArguments {
 };
 
 void check_outputs(const DeformArguments& arguments, const EditFile& edit) {
-  require_outputs({arguments.output, arguments.report, arguments.picture}, referenced_files(edit),
-                  arguments.edit, arguments.force);
-  if (!arguments.picture.empty()) require_png(arguments.picture);
+  require_outputs({.mesh = arguments.output, .picture = arguments.picture, .report = arguments.report},
+                  referenced_files(edit), arguments.edit, arguments.force);
+#ifdef MESHGRAFT_HAS_RENDER
+  quick_options_of(arguments.view);
+#endif
 }
 
-void write_outputs(const DeformArguments& arguments, EditResult& result, const Context& context) {
-  const auto start = std::chrono::steady_clock::now();
-  context.step("write");
-  write_mesh(result.mesh, arguments.output, {}, context);
-  EditReport& report = result.report;
-  report.outputs.push_back(arguments.output.string());
-  report.seconds.write = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  report.seconds.total += report.seconds.write;
 #ifdef MESHGRAFT_HAS_RENDER
-  if (!arguments.picture.empty()) {
-    Mesh before = result.mesh;
-    before.positions = result.rest;
-    const std::vector<const Mesh*> meshes{&before, &result.mesh};
-    const std::vector<std::string> captions{"before", "after"};
-    write_picture(meshes, captions, {}, arguments.picture, context);
+render::Image draw(const DeformArguments& arguments, const EditResult& result, const Context& context) {
+  Mesh before = result.mesh;
+  before.positions = result.rest;
+  const std::vector<const Mesh*> meshes{&before, &result.mesh};
+  return make_picture(meshes, std::vector<std::string>{"before", "after"}, quick_options_of(arguments.view),
+                      context);
+}
+#endif
+
+// Everything is computed before anything is written.
+void write_outputs(const DeformArguments& arguments, EditResult& result, const Context& context) {
+  EditReport& report = result.report;
+#ifdef MESHGRAFT_HAS_RENDER
+  std::optional<render::Image> picture;
+  if (!arguments.picture.empty()) picture = draw(arguments, result, context);
+#endif
+  write_result(result, arguments.output, context);
+#ifdef MESHGRAFT_HAS_RENDER
+  if (picture) {
+    render::write_png(*picture, arguments.picture);
     report.outputs.push_back(arguments.picture.string());
   }
 #endif
@@ -81,10 +92,10 @@ void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
                      "The method; overrides the edit file, as the next ones do");
   command.add_option("--stiffness", overrides.stiffness, "How strongly lengths are kept, from 0 on")
       ->type_name("X")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_from(0, 1e6));
   command.add_option("--iterations", overrides.iterations, "Most co-rotational steps")
       ->type_name("N")
-      ->check(CLI::Range(0, 1000));
+      ->check(whole_number_from(0, 1000));
   add_choice<DegenerateTreatment>(command, "--degenerate", overrides.degenerate,
                                   {{"ft05-noise", DegenerateTreatment::ft05_noise},
                                    {"apex", DegenerateTreatment::apex},
@@ -117,8 +128,7 @@ void add_deform(CLI::App& program, Action& action) {
   command->add_option("--report", arguments->report, "Write what was done, with measures of quality, as JSON")
       ->type_name("FILE");
 #ifdef MESHGRAFT_HAS_RENDER
-  command->add_option("--picture", arguments->picture, "Write a PNG of the mesh before and after")
-      ->type_name("FILE");
+  add_picture(*command, arguments->picture, arguments->view, "Write a PNG of the mesh before and after");
 #endif
   command->add_flag("--force,--in-place", arguments->force, "Allow the output to replace an input mesh");
   command->add_flag("--json", arguments->json, "Print the report instead of a summary");

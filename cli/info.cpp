@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -113,6 +114,20 @@ std::string first_of(const Range& values, std::size_t limit) {
 
 void line(std::string_view label, const std::string& text) { fmt::print("  {:<12}{}\n", label, text); }
 
+// What keeps a loop from being merged; the findings tell more.
+std::string defects_along(const MeshFacts& facts, const std::vector<Index>& loop) {
+  std::string text;
+  for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
+    const Finding* finding = facts.triage.find(defect);
+    if (!finding) continue;
+    const auto here = std::find_if(loop.begin(), loop.end(), [&](Index v) {
+      return std::binary_search(finding->indices.begin(), finding->indices.end(), v);
+    });
+    if (here != loop.end()) text += fmt::format("; {} at vertex {}", defect, *here);
+  }
+  return text;
+}
+
 void print_surface(const MeshFacts& facts) {
   const TopologySummary& topology = facts.topology;
   std::vector<std::string> kinds;
@@ -126,17 +141,21 @@ void print_surface(const MeshFacts& facts) {
   line("components", fmt::format("{}", topology.components));
   std::vector<std::size_t> sizes;
   for (const auto& loop : facts.loops) sizes.push_back(loop.size());
-  line("boundary", sizes.empty() ? (topology.closed      ? "none, the surface is closed"
-                                    : topology.edges > 0 ? "no closed loop"
-                                                         : "none")
-                                 : fmt::format("{} loop{} of {} vertices", sizes.size(),
-                                               sizes.size() == 1 ? "" : "s", first_of(sizes, shown_loops)));
+  std::string boundary = fmt::format("{} loop{} of {} vertices", sizes.size(), sizes.size() == 1 ? "" : "s",
+                                     first_of(sizes, shown_loops));
+  if (sizes.empty())
+    boundary = topology.faces == 0 ? "none, there are no faces"
+               : topology.closed   ? "none, the surface is closed"
+                                   : "no closed loop: it ends at edges of three faces or more";
+  line("boundary", boundary);
   for (std::size_t k = 0; k < std::min(facts.loops.size(), shown_loops); ++k)
-    line("", fmt::format("  loop {}: {}", k, loop_text(facts.loop_facts[k])));
+    line("", fmt::format("  loop {}: {}{}", k, loop_text(facts.loop_facts[k]),
+                         defects_along(facts, facts.loops[k])));
   if (facts.loops.size() > shown_loops)
     line("", fmt::format("  and {} more", facts.loops.size() - shown_loops));
-  line("genus", topology.genus ? fmt::format("{}", *topology.genus)
-                               : "unknown, the surface is not an oriented manifold");
+  line("genus", topology.faces == 0 ? "unknown, there are no faces"
+                : topology.genus    ? fmt::format("{}", *topology.genus)
+                                    : "unknown, the surface is not an oriented manifold");
 }
 
 void print_box(const MeshFacts& facts) {

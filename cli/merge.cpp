@@ -1,9 +1,11 @@
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -42,6 +44,9 @@ struct MergeArguments {
   std::vector<const CLI::Option*> plain_options;
   // Of both.
   RunOptions run;
+#ifdef MESHGRAFT_HAS_RENDER
+  View view{.width = 640, .height = 640};
+#endif
   int threads = 0;
   bool json = false;
   bool force = false;
@@ -62,9 +67,13 @@ Reach reach_from(const std::string& text) {
     count = given.size();
     reach.length = given.front();
   }
-  if (count != 1)
-    throw Error(ErrorCode::usage, fmt::format("'{}' is neither a number of rings nor a length", text),
-                "--reach", "Write it as 5rings, or as a length like 0.3");
+  constexpr int most_rings = 1'000'000;
+  if (count != 1 || (reach.rings && (*reach.rings < 1 || *reach.rings > most_rings)) ||
+      (reach.length && !(*reach.length > 0)))
+    throw Error(
+        ErrorCode::usage,
+        fmt::format("'{}' is neither a number of rings, 1 to {}, nor a positive length", text, most_rings),
+        "--reach", "Write it as 5rings, or as a length like 0.3.");
   return reach;
 }
 
@@ -157,12 +166,80 @@ EditFile plain_edit(const MergeArguments& arguments) {
   return parse_edit(write_edit(edit), "command line", folder);
 }
 
+// Options that exclude or need each other.
+void require_sense(const MergeArguments& arguments) {
+  const bool keep = arguments.pose == MergePose::keep, at = !arguments.at.empty();
+  const auto fail = [](const std::string& option, const std::string& problem, const std::string& remedy = {}) {
+    throw Error(ErrorCode::usage, option + " " + problem, "", remedy);
+  };
+  if (arguments.spin_deg && !at) fail("--spin", "goes with --at");
+  if (arguments.source_loop && !at)
+    fail("--source-loop", "goes with --at", "Without it, name --pair TARGET:SOURCE.");
+  if (!arguments.fix.empty() && !keep)
+    fail("--fix", "goes with --pose keep: nothing stays where the pose is to be found");
+  if (arguments.size && keep) fail("--size", "goes without --pose keep: the size is kept with the pose");
+  if (at && keep) fail("--at", "goes without --pose keep: it says where the part goes");
+  for (const auto& [option, values] :
+       {std::pair{"--pair", &arguments.pairs}, {"--start", &arguments.starts}, {"--match", &arguments.matches}})
+    if (at && !values->empty())
+      fail("--at", fmt::format("goes without {}: it makes the target's loop", option));
+  if (!arguments.align.empty() && arguments.align.size() < 3)
+    fail("--align", fmt::format("is given {} time{}; three pairs of vertices pose a part",
+                                arguments.align.size(), arguments.align.size() == 1 ? "" : "s"));
+}
+
+// An option of the plain case as it was given; with its value where it can be repeated.
+std::string repeated(const std::string& option, const std::vector<std::string>& values, std::size_t number) {
+  return number < values.size() ? option + " " + values[number] : option;
+}
+
+// The option behind a field of the plain step, e.g. "--match 3:7" behind "matches[0]".
+std::string option_behind(const MergeArguments& arguments, const std::string& field) {
+  const std::string word = field.substr(0, field.find_first_of(".["));
+  const std::size_t bracket = field.find('[');
+  const std::size_t number =
+      bracket == std::string::npos
+          ? 0
+          : numbers<std::size_t>(field.substr(bracket + 1, field.find(']') - bracket - 1), field).front();
+  if (word == "pairs") return arguments.pairs.empty() ? "" : repeated("--pair", arguments.pairs, number);
+  if (word == "matches" && number < arguments.starts.size())
+    return repeated("--start", arguments.starts, number);
+  if (word == "matches") return repeated("--match", arguments.matches, number - arguments.starts.size());
+  if (word == "align") return repeated("--align", arguments.align, number);
+  if (field == "at.source_loop") return arguments.source_loop ? "--source-loop" : "--at";
+  for (const auto& [name, option] : {std::pair{"at", "--at"},
+                                     {"size", "--size"},
+                                     {"reach", "--reach"},
+                                     {"mirror", "--mirror"},
+                                     {"fixed", "--fix"},
+                                     {"normal_angle_deg", "--normal-angle"},
+                                     {"source_transform", "--align"}})
+    if (word == name) return option;
+  return field;
+}
+
+// An error of the plain edit, which nobody wrote, at the option or the file that it is about.
+Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
+  constexpr std::string_view steps = "command line: steps[0]", inputs = "command line: inputs.";
+  std::string place = error.place();
+  if (place.starts_with(inputs)) {
+    const std::size_t inner = place.find(": ", inputs.size());
+    const bool of_source = place.substr(inputs.size()).starts_with("source");
+    place = inner != std::string::npos ? place.substr(inner + 2)
+                                       : (of_source ? arguments.source : arguments.target).string();
+  } else if (place.starts_with(steps)) {
+    place.erase(0, steps.size());
+    std::string field = place.substr(0, place.find(": "));
+    std::string inner = place.size() > field.size() ? place.substr(field.size() + 2) : "";
+    if (field.starts_with('.')) field = option_behind(arguments, field.substr(1));
+    place = field + (field.empty() || inner.empty() ? "" : ": ") + inner;
+  }
+  return Error(error.code(), error.problem(), place, error.remedy());
+}
+
 EditFile edit_from(const MergeArguments& arguments) {
   if (arguments.plain()) {
-    if (arguments.spin_deg && arguments.at.empty()) throw Error(ErrorCode::usage, "--spin goes with --at");
-    if (arguments.source_loop && arguments.at.empty())
-      throw Error(ErrorCode::usage, "--source-loop goes with --at", "",
-                  "Without it, name --pair TARGET:SOURCE.");
+    require_sense(arguments);
     return plain_edit(arguments);
   }
   if (arguments.target.extension() != ".json")
@@ -176,15 +253,18 @@ EditFile edit_from(const MergeArguments& arguments) {
 }
 
 void check_outputs(const MergeArguments& arguments, const EditFile& edit) {
-  require_outputs({arguments.output, arguments.report, arguments.picture, arguments.save_edit},
+  require_outputs({arguments.output, arguments.picture, arguments.report, arguments.save_edit},
                   referenced_files(edit), arguments.plain() ? std::filesystem::path() : arguments.target,
                   arguments.force);
-  if (!arguments.picture.empty()) require_png(arguments.picture);
+#ifdef MESHGRAFT_HAS_RENDER
+  quick_options_of(arguments.view);
+#endif
 }
 
 #ifdef MESHGRAFT_HAS_RENDER
 // Each mesh in a frame of its own, for parts come in any size: the target, the other inputs, the result.
-void draw(const MergeArguments& arguments, const EditFile& edit, const Mesh& result, const Context& context) {
+render::Image draw(const MergeArguments& arguments, const EditFile& edit, const Mesh& result,
+                   const Context& context) {
   std::vector<EditInput> inputs = edit.inputs;
   const auto merge = std::find_if(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
     return std::holds_alternative<MergeStep>(step.action);
@@ -196,27 +276,27 @@ void draw(const MergeArguments& arguments, const EditFile& edit, const Mesh& res
   std::vector<std::string> captions;
   const auto add = [&](const Mesh& mesh, const std::string& caption) {
     const Mesh* one = &mesh;
-    images.push_back(make_pictures({&one, 1}, options_of({.width = 800, .height = 800}), context).front());
+    images.push_back(make_pictures({&one, 1}, quick_options_of(arguments.view), context).front());
     captions.push_back(caption);
   };
   for (const EditInput& input : inputs) add(load_input(input, edit, context), input.name);
   add(result, "result");
-  render::write_png(contact_sheet(images, captions, 4), arguments.picture);
+  return contact_sheet(images, captions, 4);
 }
 #endif
 
+// Everything is computed before anything is written.
 void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditResult& result,
                    const Context& context) {
-  const auto start = std::chrono::steady_clock::now();
-  context.step("write");
   EditReport& report = result.report;
-  write_mesh(result.mesh, arguments.output, {}, context);
-  report.outputs.push_back(arguments.output.string());
-  report.seconds.write = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  report.seconds.total += report.seconds.write;
 #ifdef MESHGRAFT_HAS_RENDER
-  if (!arguments.picture.empty()) {
-    draw(arguments, edit, result.mesh, context);
+  std::optional<render::Image> picture;
+  if (!arguments.picture.empty()) picture = draw(arguments, edit, result.mesh, context);
+#endif
+  write_result(result, arguments.output, context);
+#ifdef MESHGRAFT_HAS_RENDER
+  if (picture) {
+    render::write_png(*picture, arguments.picture);
     report.outputs.push_back(arguments.picture.string());
   }
 #endif
@@ -232,9 +312,16 @@ void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditRe
 
 void run_merge(const MergeArguments& arguments, Context context) {
   context.threads = arguments.threads;
-  const EditFile edit = edit_from(arguments);
-  check_outputs(arguments, edit);
-  EditResult result = run_edit(edit, arguments.run, context);
+  EditFile edit;
+  EditResult result;
+  try {
+    edit = edit_from(arguments);
+    check_outputs(arguments, edit);
+    result = run_edit(edit, arguments.run, context);
+  } catch (const Error& error) {
+    if (!arguments.plain()) throw;
+    throw in_words_of_options(error, arguments);
+  }
   write_outputs(arguments, edit, result, context);
   if (arguments.json)
     fmt::print("{}", write_report(result.report));
@@ -280,21 +367,22 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
             ->type_name("PLANE"));
   plain(command.add_option("--size", arguments.size, "Scale of the part, where it is not to be found")
             ->type_name("S")
-            ->check(CLI::PositiveNumber));
+            ->check(positive_number()));
   plain(command
             .add_option("--normal-angle", arguments.normal_angle_deg,
                         "Turn the target's normals about the tangents of its loops")
             ->type_name("DEG")
-            ->check(CLI::Range(-180.0, 180.0)));
+            ->check(number_from(-180, 180)));
   plain(
       command.add_option("--at", arguments.at, "Drop the part on a surface without a hole: a vertex, or x,y,z")
           ->type_name("PLACE"));
   plain(command.add_option("--spin", arguments.spin_deg, "With --at: turn the part about the normal")
-            ->type_name("DEG"));
+            ->type_name("DEG")
+            ->check(finite_number()));
   plain(command
             .add_option("--source-loop", arguments.source_loop, "With --at: the loop of the part that meets it")
             ->type_name("LOOP")
-            ->check(CLI::NonNegativeNumber));
+            ->check(whole_number_from(0, std::numeric_limits<Index>::max())));
 }
 
 void add_seam_options(CLI::App& command, MergeArguments& arguments) {
@@ -305,7 +393,7 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
   plain(
       command.add_option("--band", arguments.band, "Rings of the target that smoothing may move; 0 moves none")
           ->type_name("N")
-          ->check(CLI::Range(0, 100)));
+          ->check(whole_number_from(0, 100)));
   plain(add_choice<StripMethod>(command, "--strip", arguments.strip,
                                 {{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}},
                                 "How the gap between loops is filled"));
@@ -321,8 +409,7 @@ void add_common_options(CLI::App& command, MergeArguments& arguments) {
   command.add_option("--report", arguments.report, "Write what was done, with index maps, as JSON")
       ->type_name("FILE");
 #ifdef MESHGRAFT_HAS_RENDER
-  command.add_option("--picture", arguments.picture, "Write a PNG of target, source and result")
-      ->type_name("FILE");
+  add_picture(command, arguments.picture, arguments.view, "Write a PNG of target, source and result");
 #endif
   add_threads(command, arguments.threads);
   command.add_flag("--force,--in-place", arguments.force, "Allow the output to replace an input mesh");

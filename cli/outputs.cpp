@@ -1,48 +1,120 @@
 #include "outputs.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <system_error>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
 
 namespace meshgraft::cli {
 
-void require_not_an_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
-                          const std::string& remedy) {
-  for (const std::filesystem::path& input : inputs) {
-    std::error_code missing;
-    if (std::filesystem::equivalent(output, input, missing) && !missing)
-      throw Error(ErrorCode::usage, "this is an input", output.string(), remedy);
+namespace {
+
+namespace fs = std::filesystem;
+
+// However they are spelled, and through links.
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code missing;
+  if (fs::equivalent(a, b, missing) && !missing) return true;
+  return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+}
+
+fs::path folder_of(const fs::path& output) { return output.has_parent_path() ? output.parent_path() : "."; }
+
+void require_access(const fs::path& path, int mode, const fs::path& output) {
+  if (::faccessat(AT_FDCWD, path.c_str(), mode, AT_EACCESS) == 0) return;
+  throw Error(ErrorCode::io, "cannot be written: " + std::generic_category().message(errno), output.string(),
+              "Change the permissions, or choose another place.");
+}
+
+// An OBJ's materials go beside it.
+bool is_material_library_of(const fs::path& mesh, const fs::path& output) {
+  const fs::path extension = mesh.extension();
+  return (extension == ".obj" || extension == ".OBJ") &&
+         same_file(output, fs::path(mesh).replace_extension(".mtl"));
+}
+
+void require_distinct(const Outputs& outputs) {
+  const std::vector<fs::path> all = outputs.all();
+  for (auto output = all.begin(); output != all.end(); ++output) {
+    if (std::any_of(all.begin(), output, [&](const fs::path& other) { return same_file(*output, other); }))
+      throw Error(ErrorCode::usage, "two outputs have this name", output->string(), "Give each its own.");
+    if (is_material_library_of(outputs.mesh, *output))
+      throw Error(ErrorCode::usage, "this name is kept for the materials of " + outputs.mesh.string(),
+                  output->string(), "Choose another name.");
   }
 }
 
-void require_png(const std::filesystem::path& output) {
+}  // namespace
+
+std::vector<fs::path> Outputs::all() const {
+  std::vector<fs::path> list;
+  for (const fs::path& output : {mesh, picture, report, edit})
+    if (!output.empty()) list.push_back(output);
+  return list;
+}
+
+void require_not_an_input(const fs::path& output, const std::vector<fs::path>& inputs,
+                          const std::string& remedy) {
+  if (std::any_of(inputs.begin(), inputs.end(),
+                  [&](const fs::path& input) { return same_file(output, input); }))
+    throw Error(ErrorCode::usage, "this is an input", output.string(), remedy);
+}
+
+void require_png(const fs::path& output) {
   if (output.extension() != ".png" && output.extension() != ".PNG")
     throw Error(ErrorCode::usage, "pictures are PNG files", output.string(),
                 "Give it a name that ends in .png.");
 }
 
-void require_folder(const std::filesystem::path& output) {
-  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
-  if (!std::filesystem::is_directory(folder))
+void require_writable(const fs::path& output) {
+  const fs::path folder = folder_of(output);
+  if (!fs::is_directory(folder))
     throw Error(ErrorCode::io, "there is no such folder", folder.string(), "Make it first.");
+  if (!output.has_filename() || fs::is_directory(output))
+    throw Error(ErrorCode::io, "is a folder", output.string(), "Give the name of a file in it.");
+  if (fs::exists(output)) require_access(output, W_OK, output);
+  if (!fs::exists(output) || fs::is_regular_file(output)) require_access(folder, W_OK | X_OK, output);
 }
 
-void require_outputs(const std::vector<std::filesystem::path>& outputs,
-                     const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& edit,
+void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs, const fs::path& edit,
                      bool force) {
-  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
-    if (output->empty()) continue;
-    require_folder(*output);
-    for (auto other = outputs.begin(); other != output; ++other)
-      if (!other->empty() &&
-          std::filesystem::weakly_canonical(*output) == std::filesystem::weakly_canonical(*other))
-        throw Error(ErrorCode::usage, "two outputs have this name", output->string());
-    if (!edit.empty()) require_not_an_input(*output, {edit});
-    if (output != outputs.begin())
-      require_not_an_input(*output, inputs);
+  if (!outputs.picture.empty()) require_png(outputs.picture);
+  require_distinct(outputs);
+  for (const fs::path& output : outputs.all()) {
+    require_writable(output);
+    if (!edit.empty()) require_not_an_input(output, {edit});
+    if (output != outputs.mesh)
+      require_not_an_input(output, inputs);
     else if (!force)
-      require_not_an_input(*output, inputs, "Choose another name, or give --force to replace it.");
+      require_not_an_input(output, inputs, "Choose another name, or give --force to replace it.");
+    if (!fs::exists(output)) continue;
+    for (const fs::path& input : inputs) {
+      std::vector<fs::path> behind = files_behind(input);
+      behind.erase(behind.begin());
+      if (std::any_of(behind.begin(), behind.end(),
+                      [&](const fs::path& file) { return same_file(output, file); }))
+        throw Error(ErrorCode::usage, "this belongs to the input " + input.string(), output.string(),
+                    "Choose another name.");
+    }
   }
+  require_mesh_format(outputs.mesh);
+}
+
+void write_result(EditResult& result, const fs::path& output, const Context& context) {
+  const auto start = std::chrono::steady_clock::now();
+  context.step("write");
+  WriteResult written = write_mesh(result.mesh, output, {}, context);
+  EditReport& report = result.report;
+  for (const fs::path& file : written.files) report.outputs.push_back(file.string());
+  report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());
+  report.seconds.write = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds.total += report.seconds.write;
 }
 
 }  // namespace meshgraft::cli

@@ -4,7 +4,18 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/context.h>
+#include <meshgraft/edit/run_edit.h>
+
 namespace meshgraft::cli {
+
+/// What a command is to write; empty paths are not asked for.
+struct Outputs {
+  std::filesystem::path mesh, picture, report, edit;
+
+  /// Those that are asked for, the mesh first.
+  std::vector<std::filesystem::path> all() const;
+};
 
 /// Throws Error(usage) with `remedy` if `output` is the same file as one of `inputs` (through links too).
 void require_not_an_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
@@ -13,14 +24,19 @@ void require_not_an_input(const std::filesystem::path& output, const std::vector
 /// Throws Error(usage) unless the name ends in .png.
 void require_png(const std::filesystem::path& output);
 
-/// Throws Error(io) if the folder of `output` does not exist: better now than after a long computation.
-void require_folder(const std::filesystem::path& output);
+/// Throws Error(io) if a file of this name cannot be written, for it is a folder, has no folder, or for lack of
+/// permission: better now than after a long computation.
+void require_writable(const std::filesystem::path& output);
 
-/// Checks what a command is to write before it works: `outputs`, of which empty ones are left out, are distinct
-/// and can be written, and none replaces an input. With `force` the first of them, the mesh, may; the edit file
-/// never is replaced. Throws Error(usage) and Error(io).
-void require_outputs(const std::vector<std::filesystem::path>& outputs,
-                     const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& edit,
-                     bool force);
+/// Checks what a command is to write before it works: the outputs are distinct however they are spelled, of a
+/// kind that is known, and can be written, and none replaces an input or what an input refers to (material
+/// libraries, textures). With `force` the mesh may replace an input mesh; the edit file never is replaced.
+/// Throws Error(usage), Error(input) and Error(io).
+void require_outputs(const Outputs& outputs, const std::vector<std::filesystem::path>& inputs,
+                     const std::filesystem::path& edit, bool force);
+
+/// Writes the mesh of an edit, and tells the report of the files, the seconds and what the format has no place
+/// for.
+void write_result(EditResult& result, const std::filesystem::path& output, const Context& context);
 
 }  // namespace meshgraft::cli

@@ -2,8 +2,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+
+#include "choices.h"
 
 namespace meshgraft::cli {
 
@@ -11,25 +17,44 @@ std::vector<CLI::Option*> add_view(CLI::App& command, View& view) {
   return {
       command.add_option("--from", view.from, "Direction from the model to the eye (default 0.5 -1 0.35)")
           ->expected(3)
-          ->type_name("X Y Z"),
+          ->type_name("X Y Z")
+          ->check(finite_number()),
       command.add_option("--up", view.up, "Direction that is up in the picture (default 0 0 1)")
           ->expected(3)
-          ->type_name("X Y Z"),
+          ->type_name("X Y Z")
+          ->check(finite_number()),
       command.add_option("--width", view.width, fmt::format("Pixels per picture (default {})", view.width))
           ->type_name("N")
-          ->check(CLI::Range(16, 4096)),
+          ->check(whole_number_from(16, 4096)),
       command.add_option("--height", view.height, fmt::format("Pixels (default {})", view.height))
           ->type_name("N")
-          ->check(CLI::Range(16, 4096)),
+          ->check(whole_number_from(16, 4096)),
   };
 }
 
+void add_picture(CLI::App& command, std::filesystem::path& picture, View& view,
+                 const std::string& description) {
+  CLI::Option* option = command.add_option("--picture", picture, description)->type_name("FILE");
+  for (CLI::Option* of_view : add_view(command, view)) of_view->needs(option);
+}
+
 render::RenderOptions options_of(const View& view) {
+  const Eigen::Map<const Eigen::Vector3d> from(view.from.data()), up(view.up.data());
+  if (from.isZero(0)) throw Error(ErrorCode::usage, "0 0 0 is no direction", "--from");
+  if (up.isZero(0)) throw Error(ErrorCode::usage, "0 0 0 is no direction", "--up");
+  if (!(up.stableNormalized().cross(from.stableNormalized()).norm() > 1e-9))
+    throw Error(ErrorCode::usage, "the eye looks along what is up", "--from", "Give another --up.");
   render::RenderOptions options;
   options.width = view.width;
   options.height = view.height;
-  options.camera.from_direction = Eigen::Map<const Eigen::Vector3d>(view.from.data());
-  options.camera.up = Eigen::Map<const Eigen::Vector3d>(view.up.data());
+  options.camera.from_direction = from.stableNormalized();
+  options.camera.up = up.stableNormalized();
+  return options;
+}
+
+render::RenderOptions quick_options_of(const View& view) {
+  render::RenderOptions options = options_of(view);
+  options.occlusion_rays = 8;
   return options;
 }
 
@@ -65,11 +90,10 @@ render::Image contact_sheet(std::span<const render::Image> images, std::span<con
   return render::stacked(rows);
 }
 
-void write_picture(std::span<const Mesh* const> meshes, std::span<const std::string> captions,
-                   const render::RenderOptions& options, const std::filesystem::path& path,
-                   const Context& context) {
-  const std::vector<render::Image> images = make_pictures(meshes, options, context);
-  render::write_png(images.size() == 1 ? images.front() : render::side_by_side(images, captions), path);
+render::Image make_picture(std::span<const Mesh* const> meshes, std::span<const std::string> captions,
+                           const render::RenderOptions& options, const Context& context) {
+  std::vector<render::Image> images = make_pictures(meshes, options, context);
+  return images.size() == 1 ? std::move(images.front()) : render::side_by_side(images, captions);
 }
 
 }  // namespace meshgraft::cli

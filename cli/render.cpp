@@ -35,7 +35,8 @@ render::RenderOptions options_of(const RenderArguments& arguments) {
 void run_render(const RenderArguments& arguments, Context context) {
   context.threads = arguments.threads;
   require_png(arguments.output);
-  require_folder(arguments.output);
+  require_writable(arguments.output);
+  const render::RenderOptions options = options_of(arguments);
   require_not_an_input(arguments.output, arguments.meshes);
   std::vector<Mesh> meshes;
   std::vector<std::string> captions;
@@ -45,7 +46,7 @@ void run_render(const RenderArguments& arguments, Context context) {
   }
   std::vector<const Mesh*> shown;
   for (const Mesh& mesh : meshes) shown.push_back(&mesh);
-  write_picture(shown, captions, options_of(arguments), arguments.output, context);
+  render::write_png(make_picture(shown, captions, options, context), arguments.output);
   fmt::print("{}\n", arguments.output.string());
 }
 

@@ -44,7 +44,8 @@ void print_list(bool json) {
 
 void make(const SampleArguments& arguments, Context context) {
   context.threads = arguments.threads;
-  require_folder(arguments.output);
+  require_mesh_format(arguments.output);
+  require_writable(arguments.output);
   const Mesh mesh = make_sample(arguments.name, arguments.resolution, context);
   context.step("write");
   write_mesh(mesh, arguments.output, {}, context);
@@ -77,7 +78,8 @@ void add_sample(CLI::App& program, Action& action) {
   command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
       ->type_name("FILE");
   command->add_option("--resolution", arguments->resolution, "How fine, 4 to 4096 (default: the sample's own)")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(whole_number_from(4, 4096));
   add_threads(*command, arguments->threads);
   command->add_flag("--list", arguments->list, "List the samples");
   command->add_flag("--json", arguments->json, "Print JSON");

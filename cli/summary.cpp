@@ -85,6 +85,7 @@ void print_summary(const EditReport& report, const Points& rest) {
       print_deform(step, name);
     for (const std::string& note : step.notes) fmt::print("  {}note: {}\n", name, note);
   }
+  for (const std::string& note : report.notes) fmt::print("  note: {}\n", note);
   if (report.deformed) print_quality(report, rest);
   for (const std::string& output : report.outputs) fmt::print("  wrote {}\n", output);
 }

@@ -2,7 +2,9 @@
 
 namespace meshgraft::cli {
 
-PlaneText parse_plane(const std::string& text, const std::string& option) {
+namespace {
+
+PlaneText plane_from(const std::string& text, const std::string& option) {
   PlaneText plane;
   if (text.size() > 2 && text[1] == '=' && text[0] >= 'x' && text[0] <= 'z') {
     const auto values = numbers<double>(std::string_view(text).substr(2), option);
@@ -18,6 +20,14 @@ PlaneText parse_plane(const std::string& text, const std::string& option) {
   }
   throw Error(ErrorCode::usage, fmt::format("'{}' is not a plane", text), option,
               "Give x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz.");
+}
+
+}  // namespace
+
+PlaneText parse_plane(const std::string& text, const std::string& option) {
+  const PlaneText plane = plane_from(text, option);
+  if (plane.normal.isZero(0)) throw Error(ErrorCode::usage, "the plane's normal is zero", option);
+  return plane;
 }
 
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option) {

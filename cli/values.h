@@ -2,8 +2,10 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,7 +16,7 @@
 
 namespace meshgraft::cli {
 
-/// Numbers with `separator` between them and nothing else. Throws Error(usage) that names `option`.
+/// Finite numbers with `separator` between them and nothing else. Throws Error(usage) that names `option`.
 template <class T>
 std::vector<T> numbers(std::string_view text, const std::string& option, char separator = ',') {
   std::vector<T> values;
@@ -22,9 +24,14 @@ std::vector<T> numbers(std::string_view text, const std::string& option, char se
     const std::string_view word = text.substr(0, text.find(separator));
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error == std::errc::result_out_of_range)
+      throw Error(ErrorCode::usage, fmt::format("'{}' is too large or too small", word), option);
     if (error != std::errc() || end != word.data() + word.size())
       throw Error(ErrorCode::usage, fmt::format("'{}' is not a number", word), option,
                   fmt::format("Numbers are separated by '{}', without spaces.", separator));
+    if constexpr (std::is_floating_point_v<T>)
+      if (!std::isfinite(value))
+        throw Error(ErrorCode::usage, fmt::format("'{}' is not a finite number", word), option);
     values.push_back(value);
     if (word.size() == text.size()) return values;
     text.remove_prefix(word.size() + 1);

@@ -12,8 +12,13 @@ for edit in examples/*.json; do
   [ -e "$edit" ] || continue
   name=$(basename "$edit" .json)
   command=deform
-  if grep -q '"kind": "merge"' "$edit"; then command=merge; fi
-  "$program" "$command" "$edit" -o "$scratch/$name.ply" --picture "docs/images/$name.png"
+  size="--width 1200 --height 900"
+  if grep -q '"kind": "merge"' "$edit"; then
+    command=merge
+    size="--width 800 --height 800"
+  fi
+  # shellcheck disable=SC2086  # four words
+  "$program" "$command" "$edit" -o "$scratch/$name.ply" --picture "docs/images/$name.png" $size
   echo "docs/images/$name.png"
   made=$((made + 1))
 done

@@ -317,15 +317,12 @@ DeformSettings parse_settings(const Value& value) {
 ExpectedCounts parse_counts(const Value& value, std::string_view region_key) {
   const Object fields(value, {"vertices", "faces", region_key, "fixed", "handle", "free"});
   ExpectedCounts counts;
-  const auto read = [&](std::string_view key, std::optional<Index>& count) {
-    fields.optional(key, [&](const Value& v) { count = v.vertex(); });
-  };
-  read("vertices", counts.vertices);
-  read("faces", counts.faces);
-  read(region_key, counts.region);
-  read("fixed", counts.fixed);
-  read("handle", counts.handle);
-  read("free", counts.free);
+  read_count(fields, "vertices", counts.vertices);
+  read_count(fields, "faces", counts.faces);
+  read_count(fields, region_key, counts.region);
+  read_count(fields, "fixed", counts.fixed);
+  read_count(fields, "handle", counts.handle);
+  read_count(fields, "free", counts.free);
   return counts;
 }
 
@@ -509,7 +506,8 @@ void require_names(const EditFile& edit) {
     for (const auto& [field, name] : mesh_fields(edit.steps[i]))
       if (std::find(meshes.begin(), meshes.end(), name) == meshes.end())
         fail_unknown_name(place + "." + field, "mesh", name, meshes);
-    meshes.push_back(outcome_of(edit.steps[i]));
+    const std::string& outcome = outcome_of(edit.steps[i]);
+    if (std::find(meshes.begin(), meshes.end(), outcome) == meshes.end()) meshes.push_back(outcome);
     for_each_step_selection(edit.steps[i], [&](const SelectionSpec& selection, const std::string& field) {
       references.require_named(selection, place + "." + field);
     });

@@ -110,19 +110,21 @@ MergeSettings parse_merge_settings(const Value& value) {
   return settings;
 }
 
+// What both versions call alike.
+void read_mesh_counts(const Object& fields, MergeCounts& counts) {
+  read_count(fields, "source_vertices", counts.source_vertices);
+  read_count(fields, "source_faces", counts.source_faces);
+  read_count(fields, "target_vertices", counts.target_vertices);
+  read_count(fields, "target_faces", counts.target_faces);
+  read_count(fields, "free", counts.free);
+}
+
 MergeCounts parse_merge_counts(const Value& value) {
   const Object fields(value, {"source_vertices", "source_faces", "target_vertices", "target_faces",
                               "source_loops", "target_loops", "fixed", "free"});
   MergeCounts counts;
-  const auto read = [&](std::string_view key, std::optional<Index>& count) {
-    fields.optional(key, [&](const Value& v) { count = v.vertex(); });
-  };
-  read("source_vertices", counts.source_vertices);
-  read("source_faces", counts.source_faces);
-  read("target_vertices", counts.target_vertices);
-  read("target_faces", counts.target_faces);
-  read("fixed", counts.fixed);
-  read("free", counts.free);
+  read_mesh_counts(fields, counts);
+  read_count(fields, "fixed", counts.fixed);
   fields.optional("source_loops", [&](const Value& v) { counts.source_loops = v.vertices(); });
   fields.optional("target_loops", [&](const Value& v) { counts.target_loops = v.vertices(); });
   return counts;
@@ -177,15 +179,8 @@ MergeCounts parse_counts_version_1(const Value& value) {
   const Object fields(value, {"source_vertices", "source_faces", "target_vertices", "target_faces",
                               "source_loop", "target_loop", "handle", "free"});
   MergeCounts counts;
-  const auto read = [&](std::string_view key, std::optional<Index>& count) {
-    fields.optional(key, [&](const Value& v) { count = v.vertex(); });
-  };
-  read("source_vertices", counts.source_vertices);
-  read("source_faces", counts.source_faces);
-  read("target_vertices", counts.target_vertices);
-  read("target_faces", counts.target_faces);
-  read("handle", counts.fixed);
-  read("free", counts.free);
+  read_mesh_counts(fields, counts);
+  read_count(fields, "handle", counts.fixed);
   fields.optional("source_loop", [&](const Value& v) { counts.source_loops = v.vertices(); });
   fields.optional("target_loop", [&](const Value& v) { counts.target_loops = v.vertices(); });
   return counts;

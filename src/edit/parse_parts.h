@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace meshgraft {
 inline constexpr int max_rings = 1'000'000;
 
 SelectionSpec parse_selection(const json::Value& value);
+
+inline void read_count(const json::Object& fields, std::string_view key, std::optional<Index>& count) {
+  fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
+}
 
 /// The fields of settings that `parse_deformer` reads.
 inline constexpr std::array<std::string_view, 15> deformer_fields = {

@@ -237,6 +237,7 @@ std::string write_report(const EditReport& report) {
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION}};
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
+  json["notes"] = report.notes;
   const auto deform = std::find_if(report.steps.begin(), report.steps.end(),
                                    [](const StepReport& step) { return !step.merge && !step.cut; });
   json["method"] = deform == report.steps.end() ? Json(nullptr) : Json(std::string(to_string(deform->method)));

@@ -68,7 +68,6 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();
 
-  result.mesh.source = nullptr;
   Scene opened = make_scene(std::move(result.mesh), scene.label + ", cut", context);
   opened.produced = std::move(produced);
   scenes.insert_or_assign(report.result, std::move(opened));

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/intersections.h>
@@ -40,9 +41,37 @@ std::string loop_list(const Side& side) {
 }
 
 void require_loops(const Side& side, const std::string& place) {
-  if (side.context.loops.empty())
-    throw Error(ErrorCode::input, fmt::format("the {} ({}) has no boundary loop", side.name, side.scene.label),
-                place, "Cut it open first: 'meshgraft cut'.");
+  if (!side.context.loops.empty()) return;
+  const std::string name = fmt::format("the {} ({})", side.name, side.scene.label);
+  if (side.scene.mesh.face_count() == 0)
+    throw Error(ErrorCode::input, name + " has no faces", place, "Export it with its faces.");
+  if (const Finding* edges = side.scene.triage.find("non-manifold-edge"))
+    throw Error(ErrorCode::input,
+                fmt::format("{} has no closed boundary loop: {}, first at vertex {}", name, edges->description,
+                            edges->indices.front()),
+                place, edges->remedy);
+  throw Error(ErrorCode::input, name + " has no boundary loop", place, "Cut it open first: 'meshgraft cut'.");
+}
+
+// Refuses a loop along which the surface is no oriented manifold: nothing can be welded there.
+void require_sound(const Side& side, std::size_t number, const std::string& place) {
+  const std::vector<Index>& loop = side.context.loops[number];
+  for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
+    const Finding* finding = side.scene.triage.find(defect);
+    if (!finding) continue;
+    std::vector<Index> here;
+    for (const Index v : loop)
+      if (std::binary_search(finding->indices.begin(), finding->indices.end(), v)) here.push_back(v);
+    if (here.empty()) continue;
+    constexpr std::size_t most = 6;
+    std::sort(here.begin(), here.end());
+    const std::string more = here.size() > most ? ", …" : "";
+    here.resize(std::min(most, here.size()));
+    throw Error(ErrorCode::input,
+                fmt::format("loop {} of the {} ({}) cannot be merged: {}, on the loop at vertices {}{}", number,
+                            side.name, side.scene.label, finding->description, fmt::join(here, ", "), more),
+                place, finding->remedy);
+  }
 }
 
 // The boundary loop that has exactly the selected vertices.
@@ -155,11 +184,16 @@ std::vector<MergePair> resolve_pairs(const MergeStep& step, Side& source, Side& 
     for (const Side* side : {&target, &source}) require_loops(*side, place);
     if (source.context.loops.size() != 1 || target.context.loops.size() != 1)
       throw Error(ErrorCode::input,
-                  fmt::format("which loops meet is not clear: the target has {}, the source has {}",
+                  fmt::format("which loops meet is not clear: the target has the loops {}, the source has {}",
                               loop_list(target), loop_list(source)),
                   place,
                   "Say so with 'pairs' ('--pair TARGET_LOOP:SOURCE_LOOP'), or match a vertex of each loop.");
     numbers.push_back({});
+  }
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::string where = numbers.size() == 1 ? place : fmt::format("{}.pairs[{}]", place, i);
+    require_sound(source, numbers[i].source, where);
+    require_sound(target, numbers[i].target, where);
   }
   std::vector<MergePair> pairs;
   for (LoopNumbers& pair : numbers)
@@ -252,10 +286,10 @@ std::size_t dropped_loop(const DropSpec& drop, Side& source, const std::string& 
   if (drop.source_loop) return loop_of(source, *drop.source_loop, place + ".source_loop");
   require_loops(source, place);
   if (source.context.loops.size() != 1)
-    throw Error(
-        ErrorCode::input,
-        fmt::format("which loop of the source meets the target is not clear: it has {}", loop_list(source)),
-        place, "Name one with 'source_loop' ('--source-loop LOOP').");
+    throw Error(ErrorCode::input,
+                fmt::format("which loop of the source meets the target is not clear: it has the loops {}",
+                            loop_list(source)),
+                place, "Name one with 'source_loop' ('--source-loop LOOP').");
   return 0;
 }
 

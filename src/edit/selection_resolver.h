@@ -84,9 +84,10 @@ class SelectionResolver {
     return selections;
   }
 
-  static std::string names_of(const std::map<std::string, std::vector<Index>>& sets) {
+  template <class Named>
+  static std::string names_of(const std::map<std::string, Named>& map) {
     std::string names;
-    for (const auto& [name, vertices] : sets) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
+    for (const auto& [name, value] : map) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
     return names;
   }
 
@@ -119,11 +120,20 @@ class SelectionResolver {
     if (step != produced_.end())
       if (const auto set = step->second.find(wanted.what); set != step->second.end())
         return Selection(Selection::Indices{set->second});
-    throw Error(ErrorCode::input,
-                fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what),
-                place,
-                step == produced_.end() ? "Cut and merge steps with a name produce selections."
-                                        : fmt::format("It produces {}.", names_of(step->second)));
+    if (step != produced_.end())
+      throw Error(
+          ErrorCode::input,
+          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what), place,
+          fmt::format("It produces {}.", names_of(step->second)));
+    const bool exists = std::any_of(edit_.steps.begin(), edit_.steps.end(),
+                                    [&](const EditStep& other) { return other.name == wanted.step; });
+    if (exists)
+      throw Error(ErrorCode::input, fmt::format("the step '{}' has produced nothing on this mesh", wanted.step),
+                  place, "Cut and merge steps before this one do, on the mesh that they leave.");
+    throw Error(ErrorCode::input, fmt::format("there is no step named '{}'", wanted.step), place,
+                produced_.empty()
+                    ? "Cut and merge steps with a name produce selections."
+                    : fmt::format("Those that produced something here: {}.", names_of(produced_)));
   }
   Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& place) {
     return Selection(Selection::Grow{bind_child(grow.of, place), grow.rings});

@@ -1,13 +1,28 @@
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
+
+/// A file and its bytes.
+struct NewFile {
+  std::filesystem::path path;
+  std::string content;
+};
+
+/// What a writer makes of a mesh.
+struct Written {
+  std::string content;
+  std::vector<NewFile> companions{};  ///< that the content refers to
+  std::vector<std::string> notes{};   ///< what it could not hold, a sentence each
+};
 
 /// A mesh file format: what tells its files apart, and how bytes become a mesh and a mesh bytes. A new
 /// format is a header and a source file that define one of these, and a line in `formats()`.
@@ -21,8 +36,8 @@ struct Format {
   /// `name` is the file's name for messages. Throws Error(input) with the place in the file.
   Mesh (*read)(std::string content, const std::string& name, const Context& context);
 
-  /// The bytes of a file. Throws Error(input) for what the format cannot hold.
-  std::string (*write)(const Mesh& mesh, const Context& context);
+  /// What the file `path` is to hold. Throws Error(input) for positions that the format cannot hold.
+  Written (*write)(const Mesh& mesh, const std::filesystem::path& path, const Context& context);
 };
 
 /// All formats that can be read and written.

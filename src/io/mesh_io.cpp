@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <utility>
 
 #include <meshgraft/core/error.h>
 
 #include "file.h"
 #include "format.h"
 #include "obj.h"
+#include "obj_materials.h"
 #include "ply.h"
 
 namespace meshgraft {
@@ -73,19 +75,35 @@ Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
   return mesh;
 }
 
-void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
-                const Context& context) {
+WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                       const Context& context) {
   context.step("write", 0);
   const io::Format& format = format_of_extension(path);
-  std::string content;
+  io::Written written;
   try {
-    content = format.write(mesh, context);
+    written = format.write(mesh, path, context);
   } catch (const Error& error) {
     throw error.code() == ErrorCode::cancelled ? error : error.within(path.string());
   }
   context.throw_if_stopped();
-  io::write_file(path, content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
+  WriteResult result{{path}, std::move(written.notes)};
+  for (const io::NewFile& companion : written.companions) {
+    io::write_file(companion.path, companion.content, io::Existing::replace);
+    result.files.push_back(companion.path);
+  }
+  io::write_file(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
   context.step("write", 1);
+  return result;
+}
+
+void require_mesh_format(const std::filesystem::path& path) { format_of_extension(path); }
+
+std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files{path};
+  if (lower_case_extension(path) != ".obj") return files;
+  const std::vector<std::filesystem::path> more = io::files_of_materials(path);
+  files.insert(files.end(), more.begin(), more.end());
+  return files;
 }
 
 }  // namespace meshgraft

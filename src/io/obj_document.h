@@ -7,16 +7,20 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "document.h"
+
 namespace meshgraft::io {
 
 /// An OBJ file as it was read. The text itself is the record of everything; a writer copies it with new
 /// numbers in its v and vn lines.
-struct ObjDocument : SourceDocument {
+struct ObjDocument : FileDocument {
   std::string content;
   Faces faces;  ///< as read: tells whether a mesh still belongs to this file
   Index vertex_count = 0;
   std::vector<double> normals;        ///< 3 per vn line
   std::vector<Index> corner_normals;  ///< the vn line of each corner, -1 for none; empty if no face has any
+
+  std::vector<std::string> beside_the_mesh() const override;
 };
 
 /// Walks over the lines of an OBJ file and the words in them. Lines end in LF, CRLF or CR; a backslash before

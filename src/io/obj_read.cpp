@@ -2,7 +2,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <unordered_map>
 #include <utility>
@@ -97,6 +99,7 @@ class ObjReader {
   ObjReader(std::string content, const std::string& name, const Context& context)
       : name_(name), context_(context), document_(std::make_shared<ObjDocument>()) {
     document_->content = std::move(content);
+    document_->path = name;
   }
 
   Mesh read() {
@@ -337,6 +340,19 @@ Format obj_format() {
 
 Mesh read_obj(std::string content, const std::string& name, const Context& context) {
   return ObjReader(std::move(content), name, context).read();
+}
+
+std::vector<std::string> ObjDocument::beside_the_mesh() const {
+  constexpr std::array<std::string_view, 11> known = {"",  "v", "vt", "vn",     "f",     "fo",
+                                                      "g", "o", "s",  "usemtl", "mtllib"};
+  std::map<std::string, std::size_t, std::less<>> lines;
+  ObjCursor cursor(content);
+  while (cursor.next_line())
+    if (std::ranges::find(known, cursor.keyword()) == known.end()) ++lines[std::string(cursor.keyword())];
+  std::vector<std::string> list;
+  for (const auto& [keyword, count] : lines)
+    list.push_back(std::to_string(count) + " '" + keyword + (count == 1 ? "' line" : "' lines"));
+  return list;
 }
 
 ObjCursor::ObjCursor(std::string_view content) : content_(content) {

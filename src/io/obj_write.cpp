@@ -4,9 +4,9 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -16,6 +16,7 @@
 #include "number_text.h"
 #include "obj.h"
 #include "obj_document.h"
+#include "obj_materials.h"
 
 namespace meshgraft::io {
 
@@ -271,16 +272,25 @@ class ReferencedLines {
 /// A mesh without an OBJ file behind it.
 class ObjComposer {
  public:
-  ObjComposer(const Mesh& mesh, const Context& context)
-      : mesh_(mesh), context_(context), uvs_(mesh, "uv", 2), normals_(mesh, "normal", 3) {}
+  ObjComposer(const Mesh& mesh, const std::filesystem::path& path, const Context& context)
+      : mesh_(mesh),
+        context_(context),
+        materials_(materials_for(mesh, path)),
+        uvs_(mesh, "uv", 2),
+        normals_(mesh, "normal", 3) {}
 
-  std::string compose() {
-    copy_material_libraries();
+  Written compose() {
+    write_libraries();
     write_vertices();
     write_lines("vt", uvs_, 2);
     write_lines("vn", normals_, 3);
     write_faces();
-    return std::move(out_);
+    Written written{std::move(out_)};
+    if (materials_.library) written.companions.push_back(std::move(*materials_.library));
+    written.notes = std::move(materials_.notes);
+    for (std::string& note : left_out_notes(mesh_)) written.notes.push_back(std::move(note));
+    note_attributes(written.notes);
+    return written;
   }
 
  private:
@@ -289,29 +299,13 @@ class ObjComposer {
     const char* keyword;
     const Attribute* attribute;
     double current;
+    std::string none;  ///< the text for faces that have none, after others that have one
   };
 
-  /// Of the file that the mesh was read from, or of all that it was joined from, each once.
-  void copy_material_libraries() {
-    std::vector<std::shared_ptr<const SourceDocument>> sources{mesh_.source};
-    if (const auto* joined = dynamic_cast<const JoinedSources*>(mesh_.source.get())) {
-      sources = joined->parts;
-      for (const std::string& note : joined->notes) out_ += "# " + note + '\n';
-    }
-    std::set<std::string, std::less<>> named;
-    for (const auto& source : sources) {
-      const auto* document = dynamic_cast<const ObjDocument*>(source.get());
-      if (document == nullptr) continue;
-      ObjCursor cursor(document->content);
-      while (cursor.next_line()) {
-        if (cursor.keyword() != "mtllib") continue;
-        const std::string_view libraries = cursor.rest_of_line();
-        if (!named.emplace(libraries).second) continue;
-        out_ += "mtllib ";
-        out_ += libraries;
-        out_ += '\n';
-      }
-    }
+  void write_libraries() {
+    if (const auto sources = sources_of(mesh_))
+      for (const std::string& note : sources->notes) out_ += "# " + note + '\n';
+    for (const std::string& library : materials_.libraries) out_ += "mtllib " + library + '\n';
   }
 
   void write_vertices() {
@@ -372,7 +366,11 @@ class ObjComposer {
     const auto faces = static_cast<std::size_t>(mesh_.face_count());
     if (attribute != nullptr && (attribute->components != 1 || attribute->values.size() != faces))
       attribute = nullptr;
-    return {keyword, attribute, std::numeric_limits<double>::quiet_NaN()};
+    std::string none = attribute_name == std::string_view("smoothing") ? "off" : "default";
+    if (attribute != nullptr)
+      for (int k = 2; std::ranges::find(attribute->labels, none) != attribute->labels.end(); ++k)
+        none = "default_" + std::to_string(k);
+    return {keyword, attribute, std::numeric_limits<double>::quiet_NaN(), none};
   }
 
   void write_label(Label& label, std::size_t face) {
@@ -382,12 +380,11 @@ class ObjComposer {
     label.current = value;
     out_ += label.keyword;
     out_ += ' ';
-    out_ += label_text(*label.attribute, value);
+    out_ += std::isnan(value) ? label.none : label_text(*label.attribute, value);
     out_ += '\n';
   }
 
   static std::string label_text(const Attribute& attribute, double value) {
-    if (std::isnan(value)) return attribute.name == "smoothing" ? "off" : "default";
     if (value >= 0 && value < static_cast<double>(attribute.labels.size())) {
       return attribute.labels[static_cast<std::size_t>(value)];
     }
@@ -415,8 +412,34 @@ class ObjComposer {
     if (element % static_cast<Index>(lines_per_check) == 0) context_.throw_if_stopped();
   }
 
+  /// Names the attributes that OBJ has no line for.
+  void note_attributes(std::vector<std::string>& notes) const {
+    std::string names;
+    for (const Attribute& attribute : mesh_.attributes) {
+      if (is_written(attribute)) continue;
+      if (std::ranges::all_of(attribute.values, [](double value) { return std::isnan(value); })) continue;
+      names += (names.empty() ? "'" : ", '") + attribute.name + "'";
+    }
+    if (!names.empty()) notes.push_back("OBJ has no place for " + names + "; a PLY file keeps it");
+  }
+
+  bool is_written(const Attribute& attribute) const {
+    const std::string_view name = attribute.name;
+    switch (attribute.domain) {
+      case Domain::face:
+        return attribute.components == 1 &&
+               (name == "object" || name == "group" || name == "material" || name == "smoothing");
+      case Domain::vertex:
+        if (name == "colour") return attribute.components == 3 || attribute.components == 4;
+        [[fallthrough]];
+      case Domain::corner: break;
+    }
+    return (name == "uv" && attribute.components == 2) || (name == "normal" && attribute.components == 3);
+  }
+
   const Mesh& mesh_;
   const Context& context_;
+  ObjMaterials materials_;
   ReferencedLines uvs_;
   ReferencedLines normals_;
   std::string out_;
@@ -424,12 +447,15 @@ class ObjComposer {
 
 }  // namespace
 
-std::string write_obj(const Mesh& mesh, const Context& context) {
+Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const Context& context) {
   const auto* document = dynamic_cast<const ObjDocument*>(mesh.source.get());
   const bool unchanged =
       document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
-  if (unchanged) return ObjPatcher(*document, mesh, context).patch();
-  return ObjComposer(mesh, context).compose();
+  if (!unchanged) return ObjComposer(mesh, path, context).compose();
+  Written written{ObjPatcher(*document, mesh, context).patch()};
+  for (const std::string& library : libraries_to_copy(*document, path))
+    written.notes.push_back("the file names the materials of '" + library + "': copy that along");
+  return written;
 }
 
 }  // namespace meshgraft::io

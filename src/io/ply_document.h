@@ -8,6 +8,8 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "document.h"
+
 namespace meshgraft::io {
 
 enum class PlyEncoding { ascii, little_endian, big_endian };
@@ -57,7 +59,7 @@ struct PlyTable {
 
 /// A PLY file as it was read. The bytes themselves are the record of everything; a writer copies them and
 /// patches the values that differ.
-struct PlyDocument : SourceDocument {
+struct PlyDocument : FileDocument {
   std::string content;
   PlyHeader header;
   std::vector<std::size_t> element_begin;  ///< first byte of each element's records, then the end
@@ -65,6 +67,8 @@ struct PlyDocument : SourceDocument {
   Faces faces;                             ///< as read: tells whether a mesh still belongs to this file
   Index vertex_count = 0;
   ScalarType position_type = ScalarType::float64;
+
+  std::vector<std::string> beside_the_mesh() const override;
 };
 
 /// One scalar in a binary file; `swap` where the file's byte order is not the machine's.

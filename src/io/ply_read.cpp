@@ -84,6 +84,7 @@ class PlyReader {
   PlyReader(std::string content, const std::string& name, const Context& context)
       : name_(name), context_(context), document_(std::make_shared<PlyDocument>()) {
     document_->content = std::move(content);
+    document_->path = name;
     document_->header = parse_ply_header(document_->content, name);
   }
 
@@ -424,6 +425,27 @@ class PlyReader {
 };
 
 }  // namespace
+
+std::vector<std::string> PlyDocument::beside_the_mesh() const {
+  std::vector<std::string> list;
+  for (std::size_t e = 0; e < header.elements.size(); ++e) {
+    const PlyElement& element = header.elements[e];
+    const auto table = std::ranges::find(tables, e, &PlyTable::element);
+    if (table == tables.end()) {
+      if (element.count > 0) list.push_back(std::to_string(element.count) + " of '" + element.name + "'");
+      continue;
+    }
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const std::string& property = element.properties[p].name;
+      if (std::ranges::find(table->bindings, p, &PlyBinding::property) == table->bindings.end() &&
+          property != "vertex_indices" && property != "vertex_index")
+        list.push_back("'" + property + "' of '" + element.name + "'");
+    }
+  }
+  for (const std::string& comment : header.comments)
+    if (comment.starts_with("TextureFile")) list.push_back("'" + comment + "'");
+  return list;
+}
 
 Mesh read_ply(std::string content, const std::string& name, const Context& context) {
   return PlyReader(std::move(content), name, context).read();

@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 
 #include "number_text.h"
+#include "obj_materials.h"
 #include "ply.h"
 #include "ply_document.h"
 
@@ -382,13 +383,19 @@ class PlyComposer {
 
 }  // namespace
 
-std::string write_ply(const Mesh& mesh, const Context& context) {
+Written write_ply(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
   const auto* document = dynamic_cast<const PlyDocument*>(mesh.source.get());
   const bool unchanged =
       document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
-  if (unchanged) return PlyPatcher(*document, mesh, context).patch();
+  if (unchanged) return {PlyPatcher(*document, mesh, context).patch()};
   const bool from_floats = document != nullptr && document->position_type == ScalarType::float32;
-  return PlyComposer(mesh, from_floats ? ScalarType::float32 : ScalarType::float64, context).compose();
+  Written written{
+      PlyComposer(mesh, from_floats ? ScalarType::float32 : ScalarType::float64, context).compose()};
+  written.notes = left_out_notes(mesh);
+  for (const std::string& library : material_libraries_of(mesh))
+    written.notes.push_back("PLY has no place for the materials that " + library +
+                            " defines: their names are kept, colours and textures are not");
+  return written;
 }
 
 }  // namespace meshgraft::io

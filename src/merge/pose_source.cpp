@@ -60,7 +60,6 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
   for (Attribute& attribute : moved.attributes)
     if ((attribute.name == "normal" || attribute.name == cut_normal_name) && attribute.components == 3)
       transform_normals(attribute, linear);
-  moved.source = nullptr;
   return determinant < 0 ? turned_over(moved) : moved;
 }
 

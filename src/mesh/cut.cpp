@@ -31,7 +31,7 @@ void check(const Mesh& mesh, std::span<const double> values, const CutOptions& o
   if (missing != values.end())
     throw Error(ErrorCode::input, "the value is not a finite number",
                 "vertex " + std::to_string(missing - values.begin()));
-  check(options);
+  check(mesh, options);
 }
 
 bool is_crossed(std::span<const Index> face, std::span<const double> values) {
@@ -229,7 +229,8 @@ void require_crossed(std::span<const double> heights) {
   const bool is_above = *low >= 0;
   throw Error(ErrorCode::input,
               fmt::format("the plane does not cut the mesh, which lies {} it, {:.6g} to {:.6g} away",
-                          is_above ? "above" : "below", is_above ? *low : -*high, is_above ? *high : -*low));
+                          is_above ? "above" : "below", is_above ? 0.0 + *low : 0.0 - *high,
+                          is_above ? 0.0 + *high : 0.0 - *low));
 }
 
 }  // namespace
@@ -262,6 +263,7 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
 
 CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
                        const CutOptions& options, const Context& context) {
+  check(mesh, options);
   const double length = normal.stableNorm();
   if (!point.allFinite()) throw Error(ErrorCode::input, "the plane's point is not finite");
   if (!(length > 0) || !std::isfinite(length))

@@ -1,11 +1,15 @@
 #include "drawn_cut.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -45,6 +49,7 @@ class Separation {
     context.step("cut", 0.9);
     name_loops();
     keep_normals();
+    result_.mesh.source = sources_of(mesh_);
     return std::move(result_);
   }
 
@@ -259,7 +264,14 @@ class Separation {
 
 }  // namespace
 
-void check(const CutOptions& options) {
+void check(const Mesh& mesh, const CutOptions& options) {
+  constexpr double most = 1e60;  // products of lengths are taken
+  if (mesh.face_count() == 0)
+    throw Error(ErrorCode::input, "the mesh has no faces", {}, "Export it with its faces.");
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (const double size = mesh.positions.row(v).cwiseAbs().maxCoeff(); size > most && std::isfinite(size))
+      throw Error(ErrorCode::input, fmt::format("a coordinate is as large as {:.1e}", size),
+                  fmt::format("vertex {}", v), "Scale the mesh down, to sizes below 1e60.");
   if (!(options.snap >= 0 && options.snap <= 0.5))
     throw Error(ErrorCode::input, "must be between 0 and 0.5", "snap");
 }

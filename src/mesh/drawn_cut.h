@@ -24,7 +24,7 @@ struct DrawnCut {
 };
 
 /// Throws Error(input) for options out of range.
-void check(const CutOptions& options);
+void check(const Mesh& mesh, const CutOptions& options);
 
 /// The whole surface's normals at all vertices, those that the cut inserted included.
 Points whole_normals(const Mesh& mesh, const DrawnCut& cut);

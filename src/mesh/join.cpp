@@ -168,7 +168,11 @@ Attribute missing_like(const Attribute& attribute, std::size_t elements) {
 
 class Joiner {
  public:
-  Joiner(const Mesh& first, const Mesh& second) : first_(first), second_(second) {}
+  Joiner(const Mesh& first, const Mesh& second)
+      : first_(first),
+        second_(second),
+        first_sources_(sources_of(first)),
+        second_sources_(sources_of(second)) {}
 
   JoinResult join() {
     join_positions();
@@ -242,6 +246,7 @@ class Joiner {
       for (const auto& [old_name, new_name] : join_labels(a, b, is_material && !same_source())) {
         result_.notes.push_back("The second mesh's " + a.name + " '" + old_name + "' is called '" + new_name +
                                 "', for the first has one of that name too.");
+        if (is_material) renamed_materials_[old_name] = new_name;
       }
     }
     a.type = a.labels.empty() ? common_type(a.type, b.type) : ScalarType::int32;
@@ -256,29 +261,51 @@ class Joiner {
   }
 
   // Two parts of one file name the same materials.
-  bool same_source() const { return first_.source && first_.source == second_.source; }
+  bool same_source() const {
+    const auto one_file = [](const JoinedSources* sources) -> const SourceDocument* {
+      return sources && sources->parts.size() == 1 ? sources->parts.front().source.get() : nullptr;
+    };
+    const SourceDocument* file = one_file(first_sources_.get());
+    return file && file == one_file(second_sources_.get());
+  }
 
   void join_sources() {
-    if (!first_.source && !second_.source) return;
+    if (!first_sources_ && !second_sources_) return;
     auto joined = std::make_shared<JoinedSources>();
-    for (const auto& source : {first_.source, second_.source}) {
-      if (const auto* several = dynamic_cast<const JoinedSources*>(source.get())) {
-        joined->parts.insert(joined->parts.end(), several->parts.begin(), several->parts.end());
-        joined->notes.insert(joined->notes.end(), several->notes.begin(), several->notes.end());
-      } else if (source) {
-        joined->parts.push_back(source);
-      }
-    }
+    const auto add = [&](const JoinedSources* sources) {
+      if (!sources) return;
+      joined->parts.insert(joined->parts.end(), sources->parts.begin(), sources->parts.end());
+      joined->notes.insert(joined->notes.end(), sources->notes.begin(), sources->notes.end());
+    };
+    add(first_sources_.get());
+    const std::size_t first_parts = joined->parts.size();
+    add(second_sources_.get());
+    for (std::size_t p = first_parts; p < joined->parts.size(); ++p)
+      for (auto& [in_file, now] : joined->parts[p].materials)
+        if (const auto renamed = renamed_materials_.find(now); renamed != renamed_materials_.end())
+          now = renamed->second;
     joined->notes.insert(joined->notes.end(), result_.notes.begin(), result_.notes.end());
     result_.mesh.source = std::move(joined);
   }
 
   const Mesh& first_;
   const Mesh& second_;
+  const std::shared_ptr<const JoinedSources> first_sources_, second_sources_;
+  std::map<std::string, std::string> renamed_materials_;  // of the second
   JoinResult result_;
 };
 
 }  // namespace
+
+std::shared_ptr<const JoinedSources> sources_of(const Mesh& mesh) {
+  if (!mesh.source) return nullptr;
+  if (auto several = std::dynamic_pointer_cast<const JoinedSources>(mesh.source)) return several;
+  auto one = std::make_shared<JoinedSources>();
+  one->parts.push_back({mesh.source, {}});
+  if (const Attribute* material = mesh.find_attribute(Domain::face, "material"))
+    for (const std::string& name : material->labels) one->parts.front().materials.emplace_back(name, name);
+  return one;
+}
 
 JoinResult join(const Mesh& first, const Mesh& second) { return Joiner(first, second).join(); }
 

@@ -155,20 +155,21 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
        .count = count_of(crowded),
        .domain = Domain::vertex,
        .indices = ends_of(table, crowded),
-       .remedy = {}},
+       .remedy = "A loop there cannot be merged: take faces away until each edge has two at most."},
       "edge has more than two faces", "edges have more than two faces");
   add({.name = "non-manifold-vertex",
        .severity = Severity::note,
        .domain = Domain::vertex,
        .indices = indices_where(vertices, [&](Index v) { return fans[v] > 1; }),
-       .remedy = {}},
+       .remedy = "A loop there cannot be merged: give each fan a vertex of its own, or take one away."},
       "vertex joins separate fans of faces", "vertices join separate fans of faces");
   add({.name = "inconsistent-winding",
        .severity = Severity::note,
        .count = count_of(against),
        .domain = Domain::vertex,
        .indices = ends_of(table, against),
-       .remedy = "Normals there are unreliable: make the faces' orientation consistent."},
+       .remedy = "Normals there are unreliable, and a loop there cannot be merged: make the faces' orientation "
+                 "consistent (a Möbius strip has none: cut it open)."},
       "edge has two faces that are wound against each other",
       "edges have two faces that are wound against each other");
   add({.name = "polygon",

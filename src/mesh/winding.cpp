@@ -1,3 +1,4 @@
+#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/winding.h>
 
 #include <algorithm>
@@ -16,6 +17,7 @@ namespace meshgraft {
 Mesh turned_over(const Mesh& mesh) {
   Mesh result;
   result.positions = mesh.positions;
+  result.source = sources_of(mesh);
   result.faces.reserve(mesh.face_count(), mesh.faces.corner_count());
   std::vector<Between> corner_origin;
   for (Index f = 0; f < mesh.face_count(); ++f) {

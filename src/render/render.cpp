@@ -488,31 +488,40 @@ void for_each_pixel(const RenderOptions& options, const Context& context, Body b
       context, 1);
 }
 
+// What the filter looks at of a pixel: the two shares, and where they were found.
+struct Shares {
+  Vec3 normal, point;
+  float open, key;
+};
+
 // One pass of an edge-avoiding wavelet filter (Dammertz et al. 2010) over the two shares of light: means over
 // neighbours `step` pixels apart that look alike and lie in one plane.
-std::array<float, 2> smoothed_shares(const std::vector<Pixel>& pixels, const RenderOptions& options,
+std::array<float, 2> smoothed_shares(const std::vector<Shares>& shares, const RenderOptions& options,
                                      const View& view, int step, std::array<int, 2> xy) {
-  const auto at = [&](int i, int j) -> const Pixel& {
-    return pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(options.width) +
+  constexpr float negligible = 9;  // the cost of a weight of 1e-4
+  const auto at = [&](int i, int j) -> const Shares& {
+    return shares[static_cast<std::size_t>(j) * static_cast<std::size_t>(options.width) +
                   static_cast<std::size_t>(i)];
   };
   const auto [x, y] = xy;
-  const Pixel& here = at(x, y);
+  const Shares& here = at(x, y);
   if (here.normal.squaredNorm() == 0.0f) return {here.open, here.key};
   const float spacing =
       2.0f * view.tangent * (here.point - view.eye).norm() / static_cast<float>(options.height);
-  const auto like = [](float difference, float scale) { return difference * difference / (scale * scale); };
+  const float plane = 1.0f / (3.0f * static_cast<float>(step) * spacing);
+  const auto square = [](float value) { return value * value; };
   float weight_sum = 0.0f, open = 0.0f, key = 0.0f;
   for (int dy = -2; dy <= 2; ++dy)
     for (int dx = -2; dx <= 2; ++dx) {
       const int i = x + step * dx, j = y + step * dy;
       if (i < 0 || j < 0 || i >= options.width || j >= options.height) continue;
-      const Pixel& there = at(i, j);
+      const Shares& there = at(i, j);
       float cost = 0.35f * static_cast<float>(dx * dx + dy * dy);
-      cost += (here.normal - there.normal).squaredNorm() / 0.04f;
-      cost += like(here.normal.dot(there.point - here.point), 3.0f * static_cast<float>(step) * spacing);
+      cost += 25.0f * (here.normal - there.normal).squaredNorm();
+      cost += square(plane * here.normal.dot(there.point - here.point));
       // Later passes reach further and must trust what the earlier ones have found.
-      if (step > 1) cost += like(here.open - there.open, 0.16f) + like(here.key - there.key, 0.5f);
+      if (step > 1) cost += square((here.open - there.open) / 0.16f) + square((here.key - there.key) / 0.5f);
+      if (cost > negligible) continue;
       const float weight = std::exp(-cost);
       weight_sum += weight;
       open += weight * there.open;
@@ -554,19 +563,22 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
   };
   for_each_pixel(options, context, [&](int x, int y) { pixels[slot(x, y)] = painter.pixel(x, y); });
   context.step("rendering", 0.8);
-  std::vector<std::array<float, 2>> shares(pixels.size());
+  std::vector<Shares> shares;
+  shares.reserve(pixels.size());
+  for (const Pixel& pixel : pixels) shares.push_back({pixel.normal, pixel.point, pixel.open, pixel.key});
+  std::vector<std::array<float, 2>> smoothed(pixels.size());
   for (const int step : {1, 2, 4}) {
     for_each_pixel(options, context, [&](int x, int y) {
-      shares[slot(x, y)] = smoothed_shares(pixels, options, view, step, {x, y});
+      smoothed[slot(x, y)] = smoothed_shares(shares, options, view, step, {x, y});
     });
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      pixels[i].open = shares[i][0];
-      pixels[i].key = shares[i][1];
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i].open = smoothed[i][0];
+      shares[i].key = smoothed[i][1];
     }
   }
   Image image{options.width, options.height, std::vector<std::uint8_t>(3 * pixels.size())};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Vec3 colour = pixels[i].plain + pixels[i].open * pixels[i].by_open + pixels[i].key * pixels[i].by_key;
+    const Vec3 colour = pixels[i].plain + shares[i].open * pixels[i].by_open + shares[i].key * pixels[i].by_key;
     for (std::size_t k = 0; k < 3; ++k)
       image.pixels[3 * i + k] = static_cast<std::uint8_t>(
           std::lround(255.0f * to_srgb(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0f, 1.0f))));

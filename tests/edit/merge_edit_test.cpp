@@ -2,10 +2,12 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/edit/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "support/mesh_families.h"
@@ -48,6 +50,24 @@ class MergeEdit : public testing::Test {
                 R"(, {"kind": "merge", "name": "graft", "target": "body", "source": "cap", "result": "whole")" +
                 (fields.empty() ? "" : ", " + fields) + "}" + more);
   }
+  // The source as the merge step sees it.
+  Mesh cap() const {
+    EditFile only_cuts = edit(cuts);
+    only_cuts.output = "cap";
+    return run_edit(only_cuts).mesh;
+  }
+  // Largest distance of some vertices from the best similarity of where they were, × their size.
+  static double distance_from_similarity(const Points& from, const Points& to,
+                                         const std::vector<Index>& vertices) {
+    Eigen::Matrix3Xd a(3, vertices.size()), b(3, vertices.size());
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      a.col(static_cast<Eigen::Index>(k)) = from.row(vertices[k]).transpose();
+      b.col(static_cast<Eigen::Index>(k)) = to.row(vertices[k]).transpose();
+    }
+    const Eigen::Matrix4d fit = Eigen::umeyama(a, b, true);
+    const Eigen::Matrix3Xd off = ((fit.topLeftCorner<3, 3>() * a).colwise() + fit.col(3).head<3>()) - b;
+    return off.colwise().norm().maxCoeff() / (b.colwise() - b.rowwise().mean()).colwise().norm().maxCoeff();
+  }
   std::string message(const std::string& fields) const {
     try {
       run_edit(merge(fields));
@@ -66,7 +86,7 @@ TEST_F(MergeEdit, CutsMergesAndDeformsInOneFile) {
   const TopologySummary topology = summarise_topology(merged.mesh);
   EXPECT_TRUE(topology.closed && topology.manifold && topology.oriented);
   EXPECT_EQ(topology.genus, 0);
-  EXPECT_EQ(merged.mesh.source, nullptr);
+  EXPECT_NE(dynamic_cast<const JoinedSources*>(merged.mesh.source.get()), nullptr) << "no file has its faces";
   EXPECT_FALSE(merged.report.deformed);
 
   const std::string bend = R"(, {"kind": "deform", "mesh": "whole",
@@ -100,6 +120,23 @@ TEST_F(MergeEdit, KeepsAttributesAndMapsVertices) {
   EXPECT_NE(result.mesh.find_attribute(Domain::face, "group"), nullptr);
 }
 
+TEST_F(MergeEdit, AFeatureOfTheSourceFollowsOneSimilarity) {
+  // The top of the cap is a feature, by the field of a merge step.
+  const EditResult result = run_edit(merge(
+      R"("shape": "ft05", "normal_angle_deg": 30, "features": [{"select": {"half_space": {"point": [0, 0, 0.7], "normal": [0, 0, 1]}}}], )" +
+      by_loops));
+  const EditResult plain = run_edit(merge(R"("shape": "ft05", "normal_angle_deg": 30, )" + by_loops));
+  const MergeOutcome& outcome = *result.report.steps[2].merge;
+  ASSERT_EQ(outcome.options.features.size(), 1u);
+  const std::vector<Index>& feature = outcome.options.features[0].vertices;
+  ASSERT_GT(feature.size(), 20u);
+  EXPECT_TRUE(outcome.options.features[0].similarity);
+  const Mesh source = cap();
+  EXPECT_LT(distance_from_similarity(source.positions, outcome.grafted, feature), 1e-9);
+  EXPECT_GT(distance_from_similarity(source.positions, plain.report.steps[2].merge->grafted, feature), 1e-6)
+      << "without it the part is bent there";
+}
+
 TEST_F(MergeEdit, NamesTheFieldThatDoesNotFit) {
   const auto says = [&](const std::string& fields, const std::string& words) {
     const std::string text = message(fields);
@@ -115,7 +152,23 @@ TEST_F(MergeEdit, NamesTheFieldThatDoesNotFit) {
   says(R"("at": {"vertex": 999999})", "steps[2].at: ");
   says(
       R"("pairs": [{"source_loop": {"produced": {"step": "open", "what": "loop"}}, "target_loop": {"loop": 0}}])",
-      "steps[2].pairs[0].source_loop: the step 'open' produces no selection 'loop' on this mesh");
+      "steps[2].pairs[0].source_loop: the step 'open' has produced nothing on this mesh");
+  says(
+      R"("pairs": [{"source_loop": {"produced": {"step": "tkae", "what": "loop"}}, "target_loop": {"loop": 0}}])",
+      "there is no step named 'tkae'. Those that produced something here: 'take'.");
+  says(
+      R"("pairs": [{"source_loop": {"produced": {"step": "take", "what": "rim"}}, "target_loop": {"loop": 0}}])",
+      "the step 'take' produces no selection 'rim' on this mesh. It produces 'above', 'below', 'loop', 'loop "
+      "0'.");
+  try {
+    parse_edit(
+        R"({"format": "meshgraft-edit", "version": 2, "inputs": {"ball": {"sample": "bar"}}, "output": "zz",
+      "steps": [{"kind": "cut", "mesh": "ball", "loop": [1, 2, 3]}, {"kind": "cut", "mesh": "ball", "loop": [1, 2, 3]}]})",
+        "edit.json");
+    FAIL() << "no step leaves 'zz'";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "edit.json: output: there is no mesh named 'zz'. Known are 'ball'.");
+  }
   EXPECT_THROW(run_edit(edit(R"({"kind": "merge", "target": "ball", "source": "ball"})")), Error);
 }
 

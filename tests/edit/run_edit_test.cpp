@@ -229,7 +229,7 @@ TEST_F(RunEdit, NamesTheFieldThatDoesNotFitTheMesh) {
        "handles[1].select: vertex 3 is already part of the handle 'h'");
   says(R"({"kind": "deform", "mesh": "sheet", "region": {"file": "no.txt"}})", "steps[0].region");
   says(R"({"kind": "deform", "mesh": "sheet", "region": {"produced": {"step": "x", "what": "y"}}})",
-       "steps[0].region: the step 'x' produces no selection 'y'");
+       "steps[0].region: there is no step named 'x'. Cut and merge steps");
 }
 
 TEST_F(RunEdit, SaysWhichStepCannotBeSolved) {

@@ -236,26 +236,125 @@ TEST(Obj, AChangedTopologyKeepsTheMaterialLibrary) {
   EXPECT_TRUE(folder.mesh("again.obj", written).faces == faces);
 }
 
-TEST(Obj, AJoinedMeshNamesTheMaterialLibrariesOfBoth) {
-  const TemporaryFolder folder;
-  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl steel\nf 1 2 3\n";
-  const Mesh first = folder.mesh("first.obj", "mtllib first.mtl\n" + triangle);
-  const Mesh second = folder.mesh("second.obj", "mtllib second.mtl\n" + triangle);
-  const std::string written = folder.written(join(first, second).mesh, "out.obj");
-  const std::size_t one = written.find("mtllib first.mtl\n"), other = written.find("mtllib second.mtl\n");
-  EXPECT_NE(one, std::string::npos);
-  EXPECT_NE(other, std::string::npos);
-  EXPECT_LT(one, other);
-  EXPECT_LT(other, written.find("\nv "));
-  const Mesh again = folder.mesh("again.obj", written);
-  EXPECT_EQ(again.face_count(), 2);
-  EXPECT_EQ(again.vertex_count(), 6);
+// Two triangles, of two materials.
+std::string with_materials(const std::string& library) {
+  return "mtllib " + library +
+         "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl skin\nf 1 2 3\nusemtl hair\nf 3 2 4\n";
+}
 
-  const Mesh third = folder.mesh("third.obj", "mtllib first.mtl\n" + triangle);
-  const std::string once = folder.written(join(first, third).mesh, "once.obj");
-  const std::size_t named = once.find("mtllib first.mtl\n");
-  EXPECT_NE(named, std::string::npos);
-  EXPECT_EQ(once.find("mtllib", named + 1), std::string::npos);
+TEST(Obj, AJoinedMeshDefinesTheMaterialsOfBoth) {
+  const TemporaryFolder folder;
+  for (const char* sub : {"a", "b", "out"}) std::filesystem::create_directory(folder / sub);
+  folder.file("a/one.mtl",
+              "# of one\nnewmtl skin\nKd 1 0 0\nmap_Kd -s 1 1 1 -o 0.5 -bm 2 tex/the skin.png\n"
+              "newmtl hair\nKd 0 0 1\nmap_Bump C:\\abs.png\nnewmtl unused\nKd 9 9 9\n");
+  folder.file("b/my two.mtl",
+              "newmtl skin\r\nKd 0 1 0\r\nmap_Kd ..\\b\\tex.png\r\nnewmtl hair\r\nbump /abs/b.png\r\n");
+  const Mesh one = folder.mesh("a/one.obj", with_materials("one.mtl"));
+  const Mesh two = folder.mesh("b/two.obj", with_materials("my two.mtl"));
+  const WriteResult result = write_mesh(join(one, two).mesh, folder / "out/whole.obj");
+  ASSERT_EQ(result.files,
+            (std::vector<std::filesystem::path>{folder / "out/whole.obj", folder / "out/whole.mtl"}));
+  EXPECT_EQ(result.notes, std::vector<std::string>());
+  EXPECT_EQ(read_file(folder / "out/whole.mtl"),
+            "# Materials, put together by meshgraft for whole.obj\n"
+            "\nnewmtl skin\nKd 1 0 0\nmap_Kd -s 1 1 1 -o 0.5 -bm 2 ../a/tex/the skin.png\n"
+            "\nnewmtl hair\nKd 0 0 1\nmap_Bump C:\\abs.png\n"
+            "\nnewmtl skin_2\nKd 0 1 0\nmap_Kd ../b/tex.png\n"
+            "\nnewmtl hair_2\nbump /abs/b.png\n");
+  const std::string written = read_file(folder / "out/whole.obj");
+  EXPECT_NE(written.find("\nmtllib whole.mtl\n"), std::string::npos) << written;
+  EXPECT_EQ(written.find("mtllib", written.find("mtllib") + 1), std::string::npos);
+  EXPECT_NE(written.find("\nusemtl hair_2\n"), std::string::npos) << written;
+
+  // And once more onto that.
+  const WriteResult again =
+      write_mesh(join(read_mesh(folder / "out/whole.obj"), one).mesh, folder / "out/whole.obj");
+  EXPECT_EQ(again.files.back(), folder / "out/whole_2.mtl") << "an input's library stays";
+  const std::string third = read_file(folder / "out/whole_2.mtl");
+  for (const char* name : {"skin\n", "hair_2\n", "skin_3\n", "hair_3\n"})
+    EXPECT_NE(third.find(std::string("newmtl ") + name), std::string::npos) << third;
+  EXPECT_NE(third.find("map_Kd ../b/tex.png"), std::string::npos) << third;
+}
+
+TEST(Obj, AMaterialLibraryReplacesOnlyOneOfItsKind) {
+  const TemporaryFolder folder;
+  folder.file("one.mtl", "newmtl skin\nKd 1 0 0\nnewmtl hair\n");
+  folder.file("two.mtl", "newmtl skin\nKd 0 1 0\nnewmtl hair\n");
+  folder.file("whole.mtl", "somebody's\n");
+  const Mesh both =
+      join(folder.mesh("one.obj", with_materials("one.mtl")), folder.mesh("two.obj", with_materials("two.mtl")))
+          .mesh;
+  EXPECT_EQ(write_mesh(both, folder / "whole.obj").files.back(), folder / "whole_2.mtl");
+  EXPECT_EQ(write_mesh(both, folder / "whole.obj").files.back(), folder / "whole_2.mtl") << "its own";
+  EXPECT_EQ(write_mesh(both, folder / "two.obj").files.back(), folder / "two_2.mtl");
+  EXPECT_EQ(read_file(folder / "whole.mtl"), "somebody's\n");
+  EXPECT_EQ(read_file(folder / "two.mtl"), "newmtl skin\nKd 0 1 0\nnewmtl hair\n");
+}
+
+TEST(Obj, NamesMaterialsThatAreNotDefined) {
+  const TemporaryFolder folder;
+  folder.file("one.mtl", "newmtl skin\n");
+  const Mesh one = folder.mesh("one.obj", with_materials("one.mtl"));
+  const Mesh two = folder.mesh("two.obj", with_materials("gone.mtl"));
+  const WriteResult result = write_mesh(join(one, two).mesh, folder / "whole.obj");
+  ASSERT_EQ(result.notes.size(), 1u);
+  EXPECT_NE(result.notes[0].find("gone.mtl"), std::string::npos) << result.notes[0];
+  const std::string written = read_file(folder / "whole.obj");
+  EXPECT_NE(written.find("mtllib gone.mtl\nmtllib whole.mtl\n"), std::string::npos) << written;
+
+  const Mesh three = folder.mesh("three.obj", with_materials("one.mtl"));
+  const WriteResult undefined = write_mesh(join(one, three).mesh, folder / "three_times.obj");
+  ASSERT_EQ(undefined.notes.size(), 2u);
+  EXPECT_NE(undefined.notes[0].find("'hair'"), std::string::npos) << undefined.notes[0];
+}
+
+TEST(Obj, FacesWithoutAMaterialTakeNobodysName) {
+  const TemporaryFolder folder;
+  const Mesh bare = folder.mesh("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  folder.file("part.mtl", "newmtl default\n");
+  const Mesh part =
+      folder.mesh("part.obj", "mtllib part.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl default\nf 1 2 3\n");
+  const std::string written = folder.written(join(part, bare).mesh, "whole.obj");
+  EXPECT_NE(written.find("usemtl default\nf 1 2 3\nusemtl default_2\nf 4 5 6\n"), std::string::npos) << written;
+}
+
+TEST(Obj, TellsWhatItCannotCarry) {
+  const TemporaryFolder folder;
+  const Mesh ply =
+      folder.mesh("in.ply",
+                  "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 3\nproperty float x\n"
+                  "property float y\nproperty float z\nproperty float heat\nelement face 1\n"
+                  "property list uchar int vertex_indices\nelement edge 2\nproperty int a\nend_header\n"
+                  "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n1\n2\n");
+  const WriteResult result = write_mesh(ply, folder / "out.obj");
+  ASSERT_EQ(result.notes.size(), 2u);
+  EXPECT_NE(result.notes[0].find("in.ply"), std::string::npos) << result.notes[0];
+  EXPECT_NE(result.notes[0].find("2 of 'edge', 'TextureFile a.png'"), std::string::npos) << result.notes[0];
+  EXPECT_NE(result.notes[1].find("'heat'"), std::string::npos) << result.notes[1];
+
+  folder.file("one.mtl", "newmtl skin\n");
+  const Mesh obj = folder.mesh("one.obj", with_materials("one.mtl") + "l 1 2\nl 2 3\n");
+  const WriteResult as_ply = write_mesh(obj, folder / "out.ply");
+  ASSERT_EQ(as_ply.notes.size(), 2u);
+  EXPECT_NE(as_ply.notes[0].find("2 'l' lines"), std::string::npos) << as_ply.notes[0];
+  EXPECT_NE(as_ply.notes[1].find("one.mtl"), std::string::npos) << as_ply.notes[1];
+
+  std::filesystem::create_directory(folder / "far");
+  const WriteResult moved = write_mesh(obj, folder / "far/one.obj");
+  ASSERT_EQ(moved.notes.size(), 1u);
+  EXPECT_NE(moved.notes[0].find("copy"), std::string::npos) << moved.notes[0];
+  EXPECT_EQ(write_mesh(obj, folder / "other.obj").notes, std::vector<std::string>());
+}
+
+TEST(Obj, KnowsTheFilesBehindIt) {
+  const TemporaryFolder folder;
+  folder.file("one.mtl", "newmtl skin\nmap_Kd -clamp on skin.png\nmap_d gone.png\n");
+  folder.file("skin.png", "png");
+  folder.mesh("one.obj", with_materials("one.mtl"));
+  EXPECT_EQ(files_behind(folder / "one.obj"),
+            (std::vector<std::filesystem::path>{folder / "one.obj", folder / "one.mtl", folder / "skin.png"}));
+  EXPECT_EQ(files_behind(folder / "gone.obj").size(), 1u);
 }
 
 TEST(Obj, ARefinedMeshKeepsTheMaterialLibrary) {

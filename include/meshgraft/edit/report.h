@@ -82,6 +82,7 @@ struct StepReport {
 struct EditReport {
   std::string edit;                  ///< the edit file
   std::vector<std::string> outputs;  ///< files that were written
+  std::vector<std::string> notes;    ///< what of the result a file has no place for, in sentences
   struct Input {
     std::string name, source;  ///< `source`: file or sample
     Index vertices = 0, faces = 0;

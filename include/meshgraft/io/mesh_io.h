@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
@@ -18,13 +19,25 @@ struct WriteOptions {
   bool overwrite = true;  ///< replace an existing file
 };
 
+struct WriteResult {
+  std::vector<std::filesystem::path> files;  ///< that were written: the mesh, then those that it refers to
+  std::vector<std::string> notes;            ///< what the format has no place for, a sentence each
+};
+
 /// Writes a mesh in the format of `path`'s extension. A mesh that was read from the same format and has its
 /// topology unchanged is written as it was read (scalar types, byte order, property order, comments, groups,
 /// .mtl reference, unknown elements), only positions and normals that changed are new; any other is written
-/// from its positions, faces and attributes. The file appears whole or not at all.
+/// from its positions, faces and attributes. An OBJ whose materials come from several files, or from another
+/// folder, gets a material library beside it (docs/files.md). The file appears whole or not at all.
 /// Throws Error(io) if it cannot be written, Error(input) if the extension is unknown.
-void write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
-                const Context& context = {});
+WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
+                       const Context& context = {});
+
+/// Throws Error(input) unless the extension of `path` is that of a format that `write_mesh` knows.
+void require_mesh_format(const std::filesystem::path& path);
+
+/// A mesh file and the files that it refers to, which exist: an OBJ's material libraries and their textures.
+std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path);
 
 /// Writes `content` to `path` so that a reader sees either the old file or the whole new one (a temporary
 /// file beside it, flushed, then renamed). Throws Error(io), leaving no temporary file behind.

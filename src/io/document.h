@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft::io {
+
+/// What every format remembers of a file.
+struct FileDocument : SourceDocument {
+  std::filesystem::path path;
+
+  /// What of the file neither the mesh nor its attributes hold, e.g. "3 'l' lines"; lost where a file is
+  /// composed anew.
+  virtual std::vector<std::string> beside_the_mesh() const = 0;
+};
+
+/// The files behind a mesh, each once.
+std::vector<const FileDocument*> documents_of(const Mesh& mesh);
+
+/// For a mesh that is composed anew: what its files lose by that, a sentence each.
+std::vector<std::string> left_out_notes(const Mesh& mesh);
+
+}  // namespace meshgraft::io
