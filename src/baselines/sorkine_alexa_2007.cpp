@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include <meshgraft/core/parallel.h>
 
+#include "../deform/rotations.h"
 #include "methods.h"
 
 namespace meshgraft::baselines {
@@ -39,10 +39,7 @@ class Arap {
       for_each_spoke(i, [&](Index j, double weight) {
         S += weight * (problem_.rest().row(i) - problem_.rest().row(j)).transpose() * (x.row(i) - x.row(j));
       });
-      const Eigen::JacobiSVD<Matrix3d> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      Matrix3d V = svd.matrixV();
-      if ((V * svd.matrixU().transpose()).determinant() < 0) V.col(2) *= -1;
-      rotations_[i] = V * svd.matrixU().transpose();
+      rotations_[i] = nearest_rotation(S.transpose());
     });
   }
 

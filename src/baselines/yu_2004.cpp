@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
+#include "../deform/rotations.h"
 #include "../mesh/disjoint_sets.h"
 #include "methods.h"
 
@@ -20,10 +20,7 @@ using Eigen::Vector3d;
 using TransformRow = Eigen::Matrix<double, 1, 12>;
 
 TransformRow to_row(const Matrix3d& W) {
-  const Eigen::JacobiSVD<Matrix3d> svd(W, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d U = svd.matrixU();
-  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;  // a reflection goes into S
-  const Matrix3d R = U * svd.matrixV().transpose();
+  const Matrix3d R = nearest_rotation(W);  // a reflection goes into S
   const Matrix3d S = R.transpose() * W;
   const Eigen::AngleAxisd rotation(R);
   TransformRow row;

@@ -1,7 +1,6 @@
 #include "constrained_system.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 
@@ -10,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "../core/stopwatch.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -21,12 +21,6 @@ void require_vertex(Index vertex, Index count, const std::string& place) {
 }
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Whether a vertex of a feature has a neighbour that is not in it.
 bool beside_others(Index vertex, const Triangles& triangles, std::span<const Index> faces,
@@ -51,7 +45,7 @@ ConstrainedSystem::ConstrainedSystem(const Points& points, const Triangles& tria
   if (residual_corrections_ < 0 || residual_corrections_ > 10)
     throw Error(ErrorCode::input, fmt::format("{} is not between 0 and 10", residual_corrections_),
                 "residual_corrections");
-  const auto start = Clock::now();
+  Stopwatch watch;
   cut_patch(triangles, states, options.operators.laplacian_order, context);
   take_anchors(all_anchors, states);
   if (patch_.size() > 0) {
@@ -62,7 +56,7 @@ ConstrainedSystem::ConstrainedSystem(const Points& points, const Triangles& tria
     summary.degenerate_vertices = count_degenerate();
   }
   summary.free_vertices = static_cast<Index>(free_.size());
-  summary.assemble_seconds = seconds_since(start);
+  summary.assemble_seconds = watch.lap();
   if (E_.cols() == 0) return;
   factorise(options.backend, summary, context);
   prepare_similarities(context);
@@ -275,18 +269,16 @@ CouplingGraph ConstrainedSystem::coupling_graph() const {
 }
 
 void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summary, const Context& context) {
-  auto start = Clock::now();
+  Stopwatch watch;
   const NormalMatrix normal = normal_matrix(context);
   normal_one_norm_ = one_norm(normal);
-  summary.assemble_seconds += seconds_since(start);
+  summary.assemble_seconds += watch.lap();
 
   solver_ = make_solver(backend);
-  start = Clock::now();
   solver_->analyse(normal, coupling_graph(), context);
-  summary.analyse_seconds = seconds_since(start);
-  start = Clock::now();
+  summary.analyse_seconds = watch.lap();
   solver_->factorise(normal, context);
-  summary.factorise_seconds = seconds_since(start);
+  summary.factorise_seconds = watch.lap();
   summary.solver = solver_->statistics();
 }
 

@@ -7,7 +7,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "run_steps.h"
-#include "stopwatch.h"
+#include "../core/stopwatch.h"
 
 namespace meshgraft {
 

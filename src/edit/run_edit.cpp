@@ -21,7 +21,7 @@
 #include "refine_boundary.h"
 #include "run_steps.h"
 #include "sha256.h"
-#include "stopwatch.h"
+#include "../core/stopwatch.h"
 
 namespace meshgraft {
 

@@ -14,7 +14,7 @@
 
 #include "run_steps.h"
 #include "selection_resolver.h"
-#include "stopwatch.h"
+#include "../core/stopwatch.h"
 
 namespace meshgraft {
 

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <meshgraft/core/error.h>
 
+#include "../deform/rotations.h"
 #include "loop_curve.h"
 
 namespace meshgraft {
@@ -145,11 +145,7 @@ Eigen::Matrix3d covariance(const Points& source, const Points& target, int shift
 }
 
 /// Largest trace of Rᵀ H over rotations R.
-double best_trace(const Eigen::Matrix3d& H) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.singularValues()[0] + svd.singularValues()[1] + sign * svd.singularValues()[2];
-}
+double best_trace(const Eigen::Matrix3d& H) { return (nearest_rotation(H).transpose() * H).trace(); }
 
 Profile similarity_profile(const Samples& source, const Samples& target) {
   Profile profile(sample_count);
@@ -298,13 +294,9 @@ int least_turn(const Samples& source, const Samples& target) {
   int best = 0;
   double most = -2;
   for (int k = 0; k < sample_count; ++k) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
-        covariance(source.points, target.points, k) +
-            normal_weight * covariance(source.normals, target.normals, k),
-        Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-    const double trace =
-        (svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose()).trace();
+    const Eigen::Matrix3d H = covariance(source.points, target.points, k) +
+                              normal_weight * covariance(source.normals, target.normals, k);
+    const double trace = nearest_rotation(H).trace();
     if (trace > most) most = trace, best = k;
   }
   return best;
