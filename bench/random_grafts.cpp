@@ -200,6 +200,13 @@ void print_measures(const std::vector<Outcome>& outcomes) {
        false},
       {"self-intersections of the seam",
        [](const Outcome& o) { return static_cast<double>(o.intersections.of_seam); }, false},
+      {"misfit of the loops",
+       [](const Outcome& o) {
+         double worst = 0;
+         for (const PairReport& pair : o.report.pairs) worst = std::max(worst, pair.misfit_rel);
+         return worst;
+       },
+       false},
       {"band displacement", [](const Outcome& o) { return o.report.seam.band_displacement_rel; }, false},
       {"seconds", [](const Outcome& o) { return o.seconds; }, false},
   };
