@@ -1,5 +1,6 @@
 // Grafts that nobody thought of give valid meshes, if need be from the start that a refusal names.
 // meshgraft_random_grafts makes more of them.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,6 +36,13 @@ TEST_P(RandomGrafts, GiveValidMeshesWithWellShapedSeams) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomGrafts,
                          testing::Values(4, 6, 10, 19, 22, 23, 36, 183, 246, 269, 274, 283),
                          testing::PrintToStringParamName());
+
+TEST(LoopsOfDifferentShape, AreNamedWhereTheSeamIsFolded) {
+  const test::RandomGraft graft = test::make_random_graft(101);
+  const test::Attempt made = test::attempt(graft);
+  ASSERT_TRUE(made.result) << graft.text;
+  EXPECT_THAT(made.result->report.notes, testing::Contains(testing::HasSubstr("differ in shape")));
+}
 
 }  // namespace
 }  // namespace meshgraft
