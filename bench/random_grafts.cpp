@@ -1,12 +1,13 @@
 // Random grafts of the built-in models on one another: whether their results are valid, why some are refused,
 // and how good the others are; prints markdown tables.
 //
-//   meshgraft_random_grafts [--count 500] [--seed 1] [--verbose]
+//   meshgraft_random_grafts [--count 500] [--seed 1] [--verbose] [--save FOLDER]
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
 
 #include "../cli/blas_kernels.h"
 #include "support/random_grafts.h"
@@ -28,15 +30,26 @@ struct Arguments {
   std::uint64_t first_seed = 1;
   int count = 500;
   bool verbose = false;
+  std::filesystem::path folder;  ///< for the meshes of each graft; none: they are not kept
+};
+
+struct Refusal {
+  std::string reason;
+  std::string text;  ///< with its numbers, and how the loops fit
+  bool is_right = true;
 };
 
 struct Outcome {
   std::uint64_t seed = 0;
   std::string text;
+  std::vector<Refusal> refusals;  ///< each followed by an attempt that does what it says, as far as it says it
+  bool merged = false;
   std::vector<std::string> faults;
-  std::string refusal;  ///< empty where it was not refused
   double seconds = 0;
   MergeReport report;
+  test::Intersections intersections;
+
+  bool is_valid() const { return merged && faults.empty(); }
 };
 
 // A message without its numbers, so that refusals for one reason count as one.
@@ -52,19 +65,51 @@ std::string reason_of(const Error& error) {
   return reason;
 }
 
-Outcome run_one(std::uint64_t seed) {
-  Outcome outcome{seed, {}, {}, {}, 0, {}};
-  const test::RandomGraft graft = test::make_random_graft(seed);
+// Why, and whether that is so: a start that was not found must hardly be better than another one.
+Refusal judged(const Error& error, const test::RandomGraft& graft) {
+  Refusal refusal{reason_of(error), fmt::format("{} ({})", error.problem(), error.remedy()), true};
+  if (error.remedy().find("--start") == std::string::npos) return refusal;
+  std::size_t pair = 0;
+  if (error.place().starts_with("pair ")) pair = std::strtoul(error.place().c_str() + 5, nullptr, 10);
+  const test::LoopFit fit = test::fit_of_loops(graft, pair);
+  refusal.is_right = fit.is_ambiguous();
+  refusal.text +=
+      fmt::format("; the best start leaves {:.3f}, another one {:.3f}, the worst {:.3f} of the radius",
+                  fit.best, fit.rival, fit.worst);
+  return refusal;
+}
+
+void save(const test::RandomGraft& graft, const MergeResult& result, const std::filesystem::path& folder,
+          std::uint64_t seed) {
+  std::filesystem::create_directories(folder);
+  write_mesh(graft.target, folder / fmt::format("{}_target.ply", seed));
+  write_mesh(graft.source, folder / fmt::format("{}_source.ply", seed));
+  write_mesh(result.mesh, folder / fmt::format("{}_result.ply", seed));
+}
+
+Outcome run_one(std::uint64_t seed, const Arguments& arguments) {
+  Outcome outcome{seed, {}, {}, false, {}, 0, {}, {}};
+  test::RandomGraft graft = test::make_random_graft(seed);
   outcome.text = graft.text;
-  const auto start = std::chrono::steady_clock::now();
   try {
-    const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, graft.options);
-    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    outcome.report = result.report;
-    outcome.faults = test::faults_of(graft, result);
-  } catch (const Error& error) {
-    outcome.refusal = reason_of(error);
-    if (error.code() == ErrorCode::internal) outcome.faults = {outcome.refusal};
+    for (bool again = true; again;) {
+      const auto start = std::chrono::steady_clock::now();
+      const test::Attempt made = test::attempt(graft);
+      outcome.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      again = false;
+      if (made.refusal) {
+        outcome.refusals.push_back(judged(*made.refusal, graft));
+        if (made.refusal->code() == ErrorCode::internal) outcome.faults = {outcome.refusals.back().reason};
+        // Each remedy settles one pair.
+        again = outcome.refusals.size() <= graft.pairs.size() && test::follow_remedy(graft, *made.refusal);
+        continue;
+      }
+      outcome.merged = true;
+      outcome.report = made.result->report;
+      outcome.faults = test::faults_of(graft, *made.result);
+      outcome.intersections = test::intersections_of(graft, *made.result);
+      if (!arguments.folder.empty()) save(graft, *made.result, arguments.folder, seed);
+    }
   } catch (const std::exception& error) {
     outcome.faults = {fmt::format("an exception: {}", error.what())};
   }
@@ -83,13 +128,57 @@ void print_counts(const std::vector<Outcome>& outcomes) {
       ++count.runs;
       if (count.seeds.size() < 5) count.seeds.push_back(outcome.seed);
     };
-    if (outcome.faults.empty() && outcome.refusal.empty()) add("valid");
-    if (outcome.faults.empty() && !outcome.refusal.empty()) add("refused: " + outcome.refusal);
+    if (outcome.is_valid())
+      add(outcome.refusals.empty() ? "valid" : "valid from the start that the refusal names");
+    else if (outcome.faults.empty())
+      add("refused");
     for (const std::string& fault : outcome.faults) add("INVALID: " + fault);
   }
   fmt::print("| outcome | grafts | for instance, number |\n|---|---:|---|\n");
   for (const auto& [what, count] : counts)
     fmt::print("| {} | {} | {} |\n", what, count.runs, fmt::join(count.seeds, ", "));
+}
+
+void print_refusals(const std::vector<Outcome>& outcomes) {
+  fmt::print("\n| refusal of number | reason | right |\n|---:|---|---|\n");
+  for (const Outcome& outcome : outcomes)
+    for (const Refusal& refusal : outcome.refusals)
+      fmt::print("| {} | {} | {} |\n", outcome.seed, refusal.text, refusal.is_right ? "yes" : "NO");
+}
+
+// How much more the seam is bent than the surfaces that it joins.
+double bend_beyond_surfaces(const SeamReport& seam) {
+  return seam.dihedral_p99_deg - std::max(seam.target_dihedral_p99_deg, seam.source_dihedral_p99_deg);
+}
+
+void print_shares(const std::vector<Outcome>& outcomes) {
+  struct Share {
+    std::string name;
+    std::function<bool(const Outcome&)> holds;
+  };
+  const std::vector<Share> shares{
+      {"smallest angles p1 below 10°", [](const Outcome& o) { return o.report.seam.angle_p1_deg < 10; }},
+      {"bends p99 more than 5° beyond both surfaces'",
+       [](const Outcome& o) { return bend_beyond_surfaces(o.report.seam) > 5; }},
+      {"bends p99 above 90°", [](const Outcome& o) { return o.report.seam.dihedral_p99_deg > 90; }},
+      {"bends p99 above 150° (folded)", [](const Outcome& o) { return o.report.seam.dihedral_p99_deg > 150; }},
+      {"new self-intersections", [](const Outcome& o) { return o.intersections.new_ones > 0; }},
+      {"self-intersections of the seam", [](const Outcome& o) { return o.intersections.of_seam > 0; }},
+      {"inverted local maps", [](const Outcome& o) { return o.report.shape.inverted > 0; }},
+  };
+  fmt::print("\n| of the valid ones | grafts | for instance, number |\n|---|---:|---|\n");
+  for (const Share& share : shares) {
+    int count = 0, all = 0;
+    std::vector<std::uint64_t> seeds;
+    for (const Outcome& outcome : outcomes) {
+      if (!outcome.is_valid()) continue;
+      ++all;
+      if (!share.holds(outcome)) continue;
+      ++count;
+      if (seeds.size() < 12) seeds.push_back(outcome.seed);
+    }
+    fmt::print("| {} | {} of {} | {} |\n", share.name, count, all, fmt::join(seeds, ", "));
+  }
 }
 
 void print_measures(const std::vector<Outcome>& outcomes) {
@@ -101,9 +190,22 @@ void print_measures(const std::vector<Outcome>& outcomes) {
   const std::vector<Measure> measures{
       {"smallest angle p1 (°)", [](const Outcome& o) { return o.report.seam.angle_p1_deg; }, true},
       {"dihedral p99 (°)", [](const Outcome& o) { return o.report.seam.dihedral_p99_deg; }, false},
+      {"the same beyond both surfaces' (°)",
+       [](const Outcome& o) { return bend_beyond_surfaces(o.report.seam); }, false},
       {"smallest singular value p5", [](const Outcome& o) { return o.report.shape.smallest_singular_p5; },
        true},
       {"inverted vertices", [](const Outcome& o) { return static_cast<double>(o.report.shape.inverted); },
+       false},
+      {"new self-intersections", [](const Outcome& o) { return static_cast<double>(o.intersections.new_ones); },
+       false},
+      {"self-intersections of the seam",
+       [](const Outcome& o) { return static_cast<double>(o.intersections.of_seam); }, false},
+      {"misfit of the loops",
+       [](const Outcome& o) {
+         double worst = 0;
+         for (const PairReport& pair : o.report.pairs) worst = std::max(worst, pair.misfit_rel);
+         return worst;
+       },
        false},
       {"band displacement", [](const Outcome& o) { return o.report.seam.band_displacement_rel; }, false},
       {"seconds", [](const Outcome& o) { return o.seconds; }, false},
@@ -112,8 +214,7 @@ void print_measures(const std::vector<Outcome>& outcomes) {
   for (const Measure& measure : measures) {
     std::vector<std::pair<double, std::uint64_t>> values;  // the worst last
     for (const Outcome& outcome : outcomes)
-      if (outcome.refusal.empty() && outcome.faults.empty())
-        values.emplace_back(measure.value(outcome), outcome.seed);
+      if (outcome.is_valid()) values.emplace_back(measure.value(outcome), outcome.seed);
     if (values.empty()) return;
     std::sort(values.begin(), values.end());
     if (measure.small_is_bad) std::reverse(values.begin(), values.end());
@@ -125,16 +226,24 @@ void print_measures(const std::vector<Outcome>& outcomes) {
 int run(const Arguments& arguments) {
   std::vector<Outcome> outcomes;
   for (int k = 0; k < arguments.count; ++k) {
-    outcomes.push_back(run_one(arguments.first_seed + static_cast<std::uint64_t>(k)));
+    outcomes.push_back(run_one(arguments.first_seed + static_cast<std::uint64_t>(k), arguments));
     const Outcome& last = outcomes.back();
     if (!arguments.verbose && last.faults.empty()) continue;
-    fmt::print(stderr, "{}: {}: {} {:.2f} s\n", last.seed, last.text,
-               !last.faults.empty()   ? fmt::format("INVALID {}", fmt::join(last.faults, "; "))
-               : last.refusal.empty() ? "valid"
-                                      : last.refusal,
-               last.seconds);
+    const SeamReport& seam = last.report.seam;
+    fmt::print(stderr,
+               "{}: {}: {}{} {:.2f} s; angle {:.1f}, bend {:.0f} ({:.0f}, {:.0f}), intersections {} ({}), "
+               "inverted {}\n",
+               last.seed, last.text, last.refusals.empty() ? "" : "refused, ",
+               !last.faults.empty() ? fmt::format("INVALID {}", fmt::join(last.faults, "; "))
+               : last.merged        ? "valid"
+                                    : "no result",
+               last.seconds, seam.angle_p1_deg, seam.dihedral_p99_deg, seam.target_dihedral_p99_deg,
+               seam.source_dihedral_p99_deg, last.intersections.new_ones, last.intersections.of_seam,
+               last.report.shape.inverted);
   }
   print_counts(outcomes);
+  print_refusals(outcomes);
+  print_shares(outcomes);
   print_measures(outcomes);
   const bool all_valid =
       std::all_of(outcomes.begin(), outcomes.end(), [](const Outcome& o) { return o.faults.empty(); });
@@ -150,6 +259,10 @@ std::optional<Arguments> parse(int argc, char** argv) {
       continue;
     }
     if (k + 1 == argc) return std::nullopt;
+    if (name == "--save") {
+      arguments.folder = argv[++k];
+      continue;
+    }
     const std::uint64_t value = std::strtoull(argv[++k], nullptr, 10);
     if (name == "--count") {
       arguments.count = static_cast<int>(value);
@@ -169,7 +282,7 @@ int main(int argc, char** argv) {
   meshgraft::cli::restart_with_better_blas_kernels(argv);
   const auto arguments = meshgraft::bench::parse(argc, argv);
   if (!arguments) {
-    fmt::print(stderr, "usage: meshgraft_random_grafts [--count 500] [--seed 1] [--verbose]\n");
+    fmt::print(stderr, "usage: meshgraft_random_grafts [--count 500] [--seed 1] [--verbose] [--save FOLDER]\n");
     return 2;
   }
   return meshgraft::bench::run(*arguments);

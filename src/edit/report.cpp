@@ -100,9 +100,13 @@ Json vector_json(const Eigen::MatrixBase<Derived>& vector) {
 }
 
 Json pair_json(const PairReport& pair) {
-  return {{"source_vertices", pair.source_vertices},         {"target_vertices", pair.target_vertices},
-          {"start", {pair.start.source, pair.start.target}}, {"confidence", pair.confidence},
-          {"raggedness_deg", pair.raggedness_deg},           {"edge_ratio", pair.edge_ratio}};
+  return {{"source_vertices", pair.source_vertices},
+          {"target_vertices", pair.target_vertices},
+          {"start", {pair.start.source, pair.start.target}},
+          {"confidence", pair.confidence},
+          {"raggedness_deg", pair.raggedness_deg},
+          {"misfit_rel", pair.misfit_rel},
+          {"edge_ratio", pair.edge_ratio}};
 }
 
 Json shape_json(const ShapeReport& shape) {

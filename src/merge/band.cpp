@@ -150,15 +150,18 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   }
 }
 
-// The free vertices next to the strips that are not on a sharp edge: they may leave their normals.
-std::vector<bool> near_strips(const Band& band) {
-  constexpr int rings = 2;
-  std::vector<bool> may_move;
-  for (std::size_t v = 0; v < band.column.size(); ++v) {
-    may_move.push_back(band.column[v] >= 0 && !band.is_sharp[v] && band.patch.ring[v] <= rings);
+// The free vertices next to the strips, which may leave their normals.
+struct NearStrips {
+  std::vector<bool> all, but_sharp;  // also those on the source's sharp edges, which are its folds, or not
+
+  explicit NearStrips(const Band& band) {
+    constexpr int rings = 2;
+    for (std::size_t v = 0; v < band.column.size(); ++v) {
+      all.push_back(band.column[v] >= 0 && band.patch.ring[v] <= rings);
+      but_sharp.push_back(all.back() && !band.is_sharp[v]);
+    }
   }
-  return may_move;
-}
+};
 
 }  // namespace
 
@@ -173,10 +176,15 @@ std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOpt
                 "Repair the mesh that it comes from");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
-    relax(points, band.patch, band.triangles, near_strips(band), context);
-    const Eigen::VectorXd wanted = continued_curvature(band, Shape(band, points, context).curvature);
-    for (int step = 0; step < options.smoothing_steps; ++step) fair(points, band, wanted, context);
-    unfold(points, band.patch, options.sharp_angle_deg, near_strips(band), context);
+    // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it went far.
+    const NearStrips near(band);
+    relax(points, band.patch, band.triangles, near.but_sharp, context);
+    for (int step = 0; step < options.smoothing_steps; ++step) {
+      unfold(points, band.patch, options.sharp_angle_deg, near.all, context);
+      fair(points, band, continued_curvature(band, Shape(band, points, context).curvature), context);
+      relax(points, band.patch, band.triangles, near.but_sharp, context);
+    }
+    unfold(points, band.patch, options.sharp_angle_deg, near.all, context);
   }
   std::vector<Index> moved;
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {

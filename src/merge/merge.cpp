@@ -260,8 +260,17 @@ PairReport report_pair(const LoopPair& pair, const Correspondence& correspondenc
   return report;
 }
 
+/// How far a posed loop is from its places, × their radius.
+double misfit_rel(const Points& posed, std::span<const VertexConstraint> held) {
+  Points there(posed.rows(), 3);
+  for (Eigen::Index i = 0; i < there.rows(); ++i)
+    there.row(i) = held[static_cast<std::size_t>(i)].position->transpose();
+  const Eigen::RowVector3d centre = there.colwise().mean();
+  return std::sqrt((posed - there).squaredNorm() / (there.rowwise() - centre).squaredNorm());
+}
+
 void add_notes(MergeReport& report, const MergeOptions& options) {
-  constexpr double ragged_deg = 25, unsure = 0.25;
+  constexpr double ragged_deg = 25, unsure = 0.25, unlike = 0.25, folded_deg = 60;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
@@ -275,6 +284,13 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
                       "vertex {} at source vertex {}; name a start if the part is turned",
                       p, pair.confidence, pair.start.target, pair.start.source));
   }
+  if (report.seam.dihedral_p99_deg > folded_deg)
+    for (std::size_t p = 0; p < report.pairs.size(); ++p)
+      if (report.pairs[p].misfit_rel > unlike)
+        report.notes.push_back(fmt::format(
+            "the loops of pair {} differ in shape (by {:.0f} % of their radius on average), so the seam "
+            "is bent by {:.0f}°; match more vertices, or cut loops that are more alike",
+            p, 100 * report.pairs[p].misfit_rel, report.seam.dihedral_p99_deg));
   constexpr double pinched = 0.3;
   if (report.shape.smallest_singular_p5 < pinched)
     report.notes.push_back(
@@ -362,6 +378,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
     if (options.size) boundary.scale = found ? 1 : *options.size;
     const auto held =
         boundary_constraints(source.pairs[p], sources[p], targets[p], correspondences[p], boundary);
+    report.pairs[p].misfit_rel = misfit_rel(sources[p].points, held);
     constraints.insert(constraints.end(), held.begin(), held.end());
     source_loops.push_back(source.pairs[p].source);
   }

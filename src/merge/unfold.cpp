@@ -18,7 +18,7 @@ class Cost {
  public:
   Cost(const Points& points, const SeamPatch& patch, double largest_deg)
       : triangles_(patch.triangles), edges_at_(patch.vertex.size()), triangles_at_(patch.vertex.size()) {
-    const double largest = 1 - std::cos(largest_deg * std::numbers::pi / 180);
+    const double largest = largest_deg * std::numbers::pi / 180;
     const std::vector<SeamEdge> edges = inner_edges(patch);
     const auto of_strip = [&](const SeamEdge& edge) {
       return patch.side[edge.triangles[0]] == SeamSide::strip ||
@@ -34,7 +34,7 @@ class Cost {
       const double now = bend(points, edge.triangles);
       const double crease = std::min(brought[edge.ends[0]], brought[edge.ends[1]]);
       edges_.push_back({edge.triangles, of_strip(edge) ? crease : std::max(largest, now)});
-      if (of_strip(edge) && now > crease) bent_.push_back(index);
+      if (of_strip(edge)) of_strip_.push_back(index);
       for (const Index t : edge.triangles) {
         for (int k = 0; k < 3; ++k) edges_at_[triangles_(t, k)].push_back(index);
       }
@@ -49,10 +49,11 @@ class Cost {
     }
   }
 
-  /// The vertices of the triangles at the edges that are bent too far, ascending.
-  std::vector<Index> at_folds() const {
+  /// The vertices of the triangles at the strips' edges that are bent too far, ascending.
+  std::vector<Index> at_folds(const Points& points) const {
     std::vector<Index> vertices;
-    for (const Index e : bent_) {
+    for (const Index e : of_strip_) {
+      if (bend(points, edges_[e].triangles) <= edges_[e].tolerated) continue;
       for (const Index t : edges_[e].triangles) {
         for (int k = 0; k < 3; ++k) vertices.push_back(triangles_(t, k));
       }
@@ -101,7 +102,8 @@ class Cost {
   }
 
   double bend(const Points& points, const std::array<Index, 2>& beside) const {
-    return 1 - area(points, beside[0]).normalized().dot(area(points, beside[1]).normalized());
+    const Vector3d a = area(points, beside[0]), b = area(points, beside[1]);
+    return std::atan2(a.cross(b).norm(), a.dot(b));
   }
 
   double harmonic_index(const Points& points, Index t) const {
@@ -116,7 +118,7 @@ class Cost {
 
   const Triangles& triangles_;
   std::vector<Edge> edges_;
-  std::vector<Index> bent_;
+  std::vector<Index> of_strip_;
   std::vector<double> index_;
   std::vector<std::vector<Index>> edges_at_, triangles_at_;
 };
@@ -153,12 +155,11 @@ void unfold(Points& points, const SeamPatch& patch, double largest_deg, const st
             const Context& context) {
   constexpr int most_sweeps = 50;
   const Cost cost(points, patch, largest_deg);
-  const std::vector<Index> vertices = cost.at_folds();
-  bool moved = !vertices.empty();
+  bool moved = true;
   for (int sweep = 0; sweep < most_sweeps && moved; ++sweep) {
     context.throw_if_stopped();
     moved = false;
-    for (const Index v : vertices) {
+    for (const Index v : cost.at_folds(points)) {
       if (may_move[v]) moved |= descend(points, cost, v);
     }
   }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <string_view>
@@ -16,8 +18,10 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/deform/intersections.h>
 #include <meshgraft/merge/pose_source.h>
 #include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
@@ -276,6 +280,87 @@ RandomGraft make_random_graft(std::uint64_t seed) {
   return graft;
 }
 
+Attempt attempt(const RandomGraft& graft) {
+  Attempt made;
+  try {
+    made.result = merge_meshes(graft.target, graft.source, graft.pairs, graft.options);
+  } catch (const Error& error) {
+    made.refusal = error;
+  }
+  return made;
+}
+
+bool follow_remedy(RandomGraft& graft, const Error& refusal) {
+  const std::size_t named = refusal.remedy().find("--start ");
+  std::size_t pair = 0;
+  Match start;
+  if (named == std::string::npos ||
+      std::sscanf(refusal.remedy().c_str() + named, "--start %d:%d", &start.target, &start.source) != 2)
+    return false;
+  if (std::sscanf(refusal.place().c_str(), "pair %zu", &pair) == 1 && pair >= graft.pairs.size()) return false;
+  graft.pairs[pair].matches = {start};
+  return true;
+}
+
+namespace {
+
+constexpr int fit_samples = 120;
+
+/// Points at equal lengths along a loop, and the tips of their normals, a radius long.
+Points evenly(const Mesh& mesh, const Points& normals, std::vector<Index> loop, bool backwards) {
+  if (backwards) std::reverse(loop.begin(), loop.end());
+  const Points points = points_of(mesh, loop);
+  const Eigen::Index count = points.rows();
+  std::vector<double> arc{0};
+  for (Eigen::Index i = 0; i < count; ++i)
+    arc.push_back(arc.back() + (points.row((i + 1) % count) - points.row(i)).norm());
+  const double radius = frame_of(points).radius;
+  Points samples(2 * fit_samples, 3);
+  for (int k = 0; k < fit_samples; ++k) {
+    const double length = arc.back() * k / fit_samples;
+    const Eigen::Index i = std::upper_bound(arc.begin(), arc.end() - 1, length) - arc.begin() - 1;
+    const double t = (length - arc[i]) / (arc[i + 1] - arc[i]);
+    const auto mean = [&](const auto& a, const auto& b) { return Eigen::RowVector3d((1 - t) * a + t * b); };
+    samples.row(2 * k) = mean(points.row(i), points.row((i + 1) % count));
+    samples.row(2 * k + 1) =
+        samples.row(2 * k) +
+        radius * mean(normals.row(loop[i]), normals.row(loop[(i + 1) % count])).normalized();
+  }
+  return samples;
+}
+
+}  // namespace
+
+bool LoopFit::is_ambiguous() const {
+  // What tessellation and the angles between normals leave over, and what a few hundredths of a radius are.
+  constexpr double hardly = 0.03;
+  return rival - best < hardly;
+}
+
+LoopFit fit_of_loops(const RandomGraft& graft, std::size_t pair) {
+  const LoopPair& loops = graft.pairs[pair].loops;
+  const Points from = evenly(graft.source, vertex_normals(graft.source), loops.source, false),
+               to = evenly(graft.target, vertex_normals(graft.target), loops.target, true);
+  const double radius = frame_of(to).radius;
+  std::vector<double> residual;
+  for (int shift = 0; shift < fit_samples; ++shift) {
+    Points shifted(to.rows(), 3);
+    shifted << to.bottomRows(to.rows() - 2 * shift), to.topRows(2 * shift);
+    const Eigen::Matrix4d pose = Eigen::umeyama(from.transpose(), shifted.transpose());
+    const Points posed =
+        (from * pose.topLeftCorner<3, 3>().transpose()).rowwise() + pose.topRightCorner<3, 1>().transpose();
+    residual.push_back(std::sqrt((posed - shifted).rowwise().squaredNorm().mean()) / radius);
+  }
+  const auto best = std::min_element(residual.begin(), residual.end());
+  LoopFit fit{*best, std::numeric_limits<double>::infinity(),
+              *std::max_element(residual.begin(), residual.end())};
+  for (int k = fit_samples / 12; k <= fit_samples - fit_samples / 12; ++k) {
+    const auto at = static_cast<std::size_t>((best - residual.begin() + k) % fit_samples);
+    fit.rival = std::min(fit.rival, residual[at]);
+  }
+  return fit;
+}
+
 namespace {
 
 void check_topology(const RandomGraft& graft, const MergeResult& result, std::vector<std::string>& faults) {
@@ -324,16 +409,57 @@ void check_target(const RandomGraft& graft, const MergeResult& result, std::vect
 
 }  // namespace
 
+namespace {
+
+/// Triangles whose height is lost in the rounding of their places.
+Index degenerate_triangles(const Mesh& mesh) {
+  constexpr double rounding = 1e-14;
+  const Triangles triangles = triangulate(mesh).triangles;
+  Index count = 0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Eigen::RowVector3d a = mesh.positions.row(triangles(t, 0)), b = mesh.positions.row(triangles(t, 1)),
+                             c = mesh.positions.row(triangles(t, 2));
+    const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    count += !((b - a).cross(c - a).norm() > rounding * longest);
+  }
+  return count;
+}
+
+/// Each vertex of an input becomes one of the result at most, and no two the same.
+void check_maps(const RandomGraft& graft, const MergeResult& result, std::vector<std::string>& faults) {
+  std::vector<int> uses(static_cast<std::size_t>(result.mesh.vertex_count()), 0);
+  for (const IndexMap* map : {&result.target, &result.source}) {
+    for (const Index v : map->new_index) {
+      if (v >= result.mesh.vertex_count()) return faults.emplace_back("an index map leaves the mesh"), void();
+      if (v >= 0 && ++uses[v] > 1) return faults.emplace_back("two vertices are mapped to one"), void();
+    }
+  }
+  if (result.source.new_index.size() != static_cast<std::size_t>(graft.source.vertex_count()) ||
+      std::any_of(result.source.new_index.begin(), result.source.new_index.end(),
+                  [](Index v) { return v < 0; }))
+    return faults.emplace_back("source vertices are gone"), void();
+  for (Index v = 0; v < graft.source.vertex_count(); ++v) {
+    const Index now = result.source.new_index[v];
+    if (!std::binary_search(result.band.begin(), result.band.end(), now) &&
+        result.mesh.positions.row(now) != result.grafted.row(v))
+      return faults.push_back(fmt::format("source vertex {} outside the band is not where it was grafted", v)),
+             void();
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> faults_of(const RandomGraft& graft, const MergeResult& result) {
   std::vector<std::string> faults;
   if (!result.mesh.positions.allFinite() || !result.grafted.allFinite())
     faults.emplace_back("coordinates that are not finite");
   check_topology(graft, result, faults);
   check_target(graft, result, faults);
-  const auto& kept = result.source.new_index;
-  if (kept.size() != static_cast<std::size_t>(graft.source.vertex_count()) ||
-      std::any_of(kept.begin(), kept.end(), [](Index v) { return v < 0; }))
-    faults.emplace_back("source vertices are gone");
+  check_maps(graft, result, faults);
+  if (const Index now = degenerate_triangles(result.mesh),
+      brought = degenerate_triangles(graft.target) + degenerate_triangles(graft.source);
+      now > brought)
+    faults.push_back(fmt::format("{} triangles without area", now - brought));
   for (const Attribute& attribute : result.mesh.attributes) {
     const Index count = attribute.domain == Domain::vertex ? result.mesh.vertex_count()
                         : attribute.domain == Domain::face ? result.mesh.face_count()
@@ -342,6 +468,38 @@ std::vector<std::string> faults_of(const RandomGraft& graft, const MergeResult& 
       faults.push_back(fmt::format("attribute {} has another length", attribute.name));
   }
   return faults;
+}
+
+namespace {
+
+std::vector<Index> all_vertices(const Mesh& mesh) {
+  std::vector<Index> vertices(static_cast<std::size_t>(mesh.vertex_count()));
+  std::iota(vertices.begin(), vertices.end(), 0);
+  return vertices;
+}
+
+Index self_intersection_count(const Mesh& mesh) {
+  const auto pairs = self_intersections(mesh.positions, triangulate(mesh).triangles, all_vertices(mesh));
+  return pairs ? static_cast<Index>(pairs->size()) : 0;
+}
+
+}  // namespace
+
+Intersections intersections_of(const RandomGraft& graft, const MergeResult& result) {
+  const Triangulation triangulation = triangulate(result.mesh);
+  const auto pairs =
+      self_intersections(result.mesh.positions, triangulation.triangles, all_vertices(result.mesh));
+  if (!pairs) return {};
+  Intersections found;
+  const Index brought = self_intersection_count(graft.target) + self_intersection_count(graft.source);
+  found.new_ones = std::max<Index>(0, static_cast<Index>(pairs->size()) - brought);
+  const auto is_of_seam = [&](Index t) {
+    return std::binary_search(result.new_faces.begin(), result.new_faces.end(), triangulation.face[t]);
+  };
+  found.of_seam = static_cast<Index>(std::count_if(pairs->begin(), pairs->end(), [&](const TrianglePair& pair) {
+    return is_of_seam(pair[0]) || is_of_seam(pair[1]);
+  }));
+  return found;
 }
 
 }  // namespace meshgraft::test

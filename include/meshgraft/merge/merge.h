@@ -72,7 +72,10 @@ struct PairReport {
   Match start;                ///< the source's first loop vertex and the target vertex nearest to its place
   double confidence = 1;      ///< of an automatic correspondence
   double raggedness_deg = 0;  ///< of the worse loop: mean turn per vertex beyond a smooth curve's
-  double edge_ratio = 1;      ///< mean edge length of the target's loop over that of the source's, as matched
+  /// RMS distance of the source's loop from its places on the target's, posed as well as the boundary allows
+  /// (or kept), × the radius of the target's loop: 0 for loops of one shape.
+  double misfit_rel = 0;
+  double edge_ratio = 1;  ///< mean edge length of the target's loop over that of the source's, as matched
 };
 
 /// Singular values and the like of the map source → result, over the source's faces, without its similarity.
