@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -280,7 +281,10 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
             ->type_name("PLANE"));
   plain(command.add_option("--size", arguments.size, "Scale of the part, where it is not to be found")
             ->type_name("S")
-            ->check(CLI::PositiveNumber));
+            ->check([](const std::string& text) {
+              const double size = std::strtod(text.c_str(), nullptr);
+              return size > 0 && size < 1e100 ? std::string() : text + " is not a positive number";
+            }));
   plain(command
             .add_option("--normal-angle", arguments.normal_angle_deg,
                         "Turn the target's normals about the tangents of its loops")
