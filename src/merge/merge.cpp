@@ -94,6 +94,17 @@ std::vector<Index> refined_loop(const std::vector<Index>& loop,
   return refined;
 }
 
+void take_refined(Source& source, RefineResult refined) {
+  std::map<std::array<Index, 2>, Index> middle;
+  for (std::size_t k = 0; k < refined.parents.size(); ++k) {
+    const auto [low, high] = std::minmax(refined.parents[k][0], refined.parents[k][1]);
+    middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
+  }
+  source.added += static_cast<Index>(refined.parents.size());
+  source.mesh = std::move(refined.mesh);
+  for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
+}
+
 /// Halves the source's edges around loops that have less than 1/ratio as many as what they meet (design: "few
 /// boundary vertices for a large region").
 void refine_source(Source& source, double ratio, const Context& context) {
@@ -107,15 +118,36 @@ void refine_source(Source& source, double ratio, const Context& context) {
       coarse.insert(coarse.end(), vertices.begin(), vertices.end());
     }
     if (coarse.empty()) return;
-    RefineResult refined = split_edges_within(source.mesh, coarse, context);
-    std::map<std::array<Index, 2>, Index> middle;
-    for (std::size_t k = 0; k < refined.parents.size(); ++k) {
-      const auto [low, high] = std::minmax(refined.parents[k][0], refined.parents[k][1]);
-      middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
+    take_refined(source, split_edges_within(source.mesh, coarse, context));
+  }
+}
+
+/// Halves the source's edges within its loops' radii that are too long for the part to bend there; along the
+/// loops only where they have hardly any vertices.
+void refine_within_reach(Source& source, const Context& context) {
+  constexpr double longest_rel = 0.35;  // × the loop's radius
+  constexpr std::size_t fewest_around = 12;
+  constexpr int most_levels = 6;
+  for (int level = 0; level < most_levels; ++level) {
+    const Points& points = source.mesh.positions;
+    const IndexLists rings = vertex_rings(source.mesh.vertex_count(), source.mesh.faces);
+    std::vector<double> longest(static_cast<std::size_t>(points.rows()),
+                                std::numeric_limits<double>::infinity());
+    std::vector<bool> keeps_its_loop(longest.size(), false);
+    for (const LoopPair& pair : source.pairs) {
+      const double radius = loop_radius(points, pair.source);
+      const std::vector<double> distance = edge_distance(pair.source, points, rings, radius);
+      for (std::size_t v = 0; v < longest.size(); ++v)
+        if (distance[v] <= radius) longest[v] = std::min(longest[v], longest_rel * radius);
+      for (const Index v : pair.source) keeps_its_loop[v] = pair.source.size() >= fewest_around;
     }
-    source.added += static_cast<Index>(refined.parents.size());
-    source.mesh = std::move(refined.mesh);
-    for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
+    const auto is_long = [&](Index a, Index b) {
+      return !(keeps_its_loop[a] && keeps_its_loop[b]) &&
+             (points.row(a) - points.row(b)).norm() > std::min(longest[a], longest[b]);
+    };
+    RefineResult refined = split_edges(source.mesh, is_long, context);
+    if (refined.parents.empty()) return;
+    take_refined(source, std::move(refined));
   }
 }
 
@@ -260,6 +292,24 @@ PairReport report_pair(const LoopPair& pair, const Correspondence& correspondenc
   return report;
 }
 
+/// A sentence where a part whose pose is kept stands so far from the target that a neck is drawn out between.
+void add_stretch_note(std::size_t pair, const LoopGeometry& source, std::span<const VertexConstraint> held,
+                      std::vector<std::string>& notes) {
+  constexpr double far_off = 3;  // × the loop's radius
+  double gap = 0, radius = 0;
+  const Eigen::RowVector3d centre = source.points.colwise().mean();
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto point = source.points.row(static_cast<Eigen::Index>(i));
+    gap += (held[i].position->transpose() - point).norm();
+    radius += (centre - point).norm();
+  }
+  if (gap <= far_off * radius) return;
+  notes.push_back(fmt::format(
+      "the source's loop of pair {} is {:.3g} times its radius away from the target's, and the part is "
+      "drawn out that far; --pose find brings it there",
+      pair, gap / radius));
+}
+
 void add_notes(MergeReport& report, const MergeOptions& options) {
   constexpr double ragged_deg = 25, unsure = 0.25;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
@@ -333,6 +383,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   source.pairs = checked_loops(target, source.mesh, pairs);
   require_held_components(source.mesh, source.pairs);
   refine_source(source, options.seam.edge_ratio, context);
+  refine_within_reach(source, context);
   const std::vector<Index> component = connected_components(source.mesh);
   const Points target_normals = vertex_normals(target), source_normals = vertex_normals(source.mesh);
   std::vector<LoopGeometry> sources, targets;
@@ -356,6 +407,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
                                                  correspondences, options.size, sources, targets)
                              : source.mesh.positions;
   std::vector<VertexConstraint> constraints;
+  std::vector<std::string> stretch_notes;
   std::vector<std::vector<Index>> source_loops;
   for (std::size_t p = 0; p < source.pairs.size(); ++p) {
     BoundaryOptions boundary{options.pose, {}, options.normal_angle_deg};
@@ -363,6 +415,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
     const auto held =
         boundary_constraints(source.pairs[p], sources[p], targets[p], correspondences[p], boundary);
     constraints.insert(constraints.end(), held.begin(), held.end());
+    if (!found) add_stretch_note(p, sources[p], held, stretch_notes);
     source_loops.push_back(source.pairs[p].source);
   }
   const Triangles triangles = triangulate(source.mesh, {.skip_out_of_range = true}).triangles;
@@ -388,7 +441,8 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // not those refined in
   result.new_faces = std::move(seam.new_faces);
   result.band = std::move(seam.band);
-  report.notes = std::move(seam.notes);
+  report.notes = std::move(stretch_notes);
+  report.notes.insert(report.notes.end(), seam.notes.begin(), seam.notes.end());
   report.seam = seam.report;
   report.seam_seconds = watch.lap();
   add_notes(report, options);
