@@ -1,7 +1,6 @@
 #include <meshgraft/deform/deformer.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "../core/stopwatch.h"
 #include "constrained_system.h"
 #include "rotation_field.h"
 
@@ -66,9 +66,9 @@ void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const
   system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
                                                context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   rotations = std::make_unique<RotationField>(*system, options, context);
-  summary.factorise_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.factorise_seconds += watch.seconds();
 }
 
 void Deformer::Impl::constrain(Index vertex, bool position, bool transform, VertexStates& states) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -293,42 +294,6 @@ std::size_t dropped_loop(const DropSpec& drop, Side& source, const std::string& 
   return 0;
 }
 
-// The target opened for a part that is dropped on it.
-OpenedHole opened_for(const MergeStep& step, const Mesh& target, const Mesh& part,
-                      const std::vector<Index>& loop, const std::string& place, const Context& context) {
-  try {
-    return open_hole(target, part, loop, {step.at->place, step.size, step.at->spin_deg}, context);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::cancelled) throw;
-    if (error.place() == "size") throw Error(error.code(), error.problem(), place + ".size", error.remedy());
-    throw Error(error.code(), error.problem(), place + ".at", error.remedy());
-  }
-}
-
-// The rim of a dropped part bends until it is level with the surface. Where that turns it inside out, it bends
-// half as far, or not at all.
-MergeResult merge_dropped(const OpenedHole& hole, const Mesh& part, const std::vector<MergePair>& pairs,
-                          MergeOptions& options, std::vector<std::string>& notes, const Context& context) {
-  const MergeOptions asked = options;
-  MergeResult result = merge_meshes(hole.target, part, pairs, options, context);
-  if (asked.normal_angle_deg != 0) return result;
-  for (const double angle_deg : {-45.0, -90.0}) {
-    if (result.report.shape.inverted == 0) break;
-    MergeOptions less = asked;
-    less.normal_angle_deg = angle_deg;
-    MergeResult other = merge_meshes(hole.target, part, pairs, less, context);
-    if (other.report.shape.inverted >= result.report.shape.inverted) continue;
-    result = std::move(other);
-    options.normal_angle_deg = angle_deg;
-  }
-  if (options.normal_angle_deg != 0)
-    notes.push_back(fmt::format(
-        "the part's rim turned inside out where it bends into the surface, so it bends less: a normal "
-        "angle of {:.0f}° was used",
-        options.normal_angle_deg));
-  return result;
-}
-
 // First one, then the other.
 IndexMap composed(const IndexMap& first, const IndexMap& second) {
   IndexMap both = first;
@@ -343,6 +308,7 @@ Error placed(const Error& error, const std::string& place) {
   if (inner.starts_with("pair "))
     return Error(error.code(), error.problem(), fmt::format("{}.pairs[{}]", place, inner.substr(5)),
                  error.remedy());
+  if (inner == "place") return Error(error.code(), error.problem(), place + ".at", error.remedy());
   for (const char* field : {"size", "normal_angle_deg", "reach", "fixed", "features"})
     if (inner == field) return Error(error.code(), error.problem(), place + "." + inner, error.remedy());
   return error.within(place);
@@ -354,33 +320,105 @@ std::optional<Index> count_intersections(const Mesh& mesh, std::span<const Index
   return found ? std::optional<Index>(static_cast<Index>(found->size())) : std::nullopt;
 }
 
-// Of the result, where the source or the seam takes part.
-void check_intersections(const Mesh& source, const Mesh& result, MergeOutcome& outcome,
-                         const Context& context) {
+// Pairs of faces that intersect: of the result, where the source or the seam takes part, and of the source.
+struct Intersections {
+  std::optional<Index> result, source;
+  double seconds = 0;
+
+  bool any_new() const { return result.value_or(0) > source.value_or(0); }
+};
+
+Intersections intersections_of(const Mesh& source, const MergeResult& merged, const Context& context) {
+  context.step("measure");
+  const Stopwatch watch;
   std::vector<Index> moved, all;
   for (Index v = 0; v < source.vertex_count(); ++v) {
     all.push_back(v);
-    const Index now = outcome.source_map.new_index[static_cast<std::size_t>(v)];
+    const Index now = merged.source.new_index[static_cast<std::size_t>(v)];
     if (now >= 0) moved.push_back(now);
   }
-  for (const Index face : outcome.new_faces)
-    moved.insert(moved.end(), result.faces[face].begin(), result.faces[face].end());
+  for (const Index face : merged.new_faces)
+    moved.insert(moved.end(), merged.mesh.faces[face].begin(), merged.mesh.faces[face].end());
   std::sort(moved.begin(), moved.end());
   moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
-  outcome.self_intersections = count_intersections(result, moved, context);
-  if (outcome.self_intersections.value_or(0) > 0)
-    outcome.source_self_intersections = count_intersections(source, all, context);
-  else
-    outcome.source_self_intersections = outcome.self_intersections;
+  Intersections found;
+  found.result = count_intersections(merged.mesh, moved, context);
+  found.source = found.result.value_or(0) > 0 ? count_intersections(source, all, context) : found.result;
+  found.seconds = watch.seconds();
+  return found;
 }
 
-void judge_intersections(const MergeOutcome& outcome, bool strict, std::vector<std::string>& notes,
-                         const std::string& place) {
-  const Index found = outcome.self_intersections.value_or(0);
-  if (found <= outcome.source_self_intersections.value_or(0)) return;
-  const std::string problem = fmt::format("{} pairs of faces of the result intersect", found);
-  if (strict) throw Error(ErrorCode::unsolvable, problem, place, "Another start, size or shape may help.");
-  notes.push_back(problem);
+void judge_intersections(const Intersections& found, const MergeStep& step, bool strict,
+                         std::vector<std::string>& notes, const std::string& place) {
+  if (!found.any_new()) return;
+  const std::string problem = fmt::format("{} pairs of faces of the result intersect", *found.result);
+  const std::string remedy =
+      step.at ? "another place, spin or size may help" : "another start, size or shape may help";
+  if (strict) throw Error(ErrorCode::unsolvable, problem, place, remedy);
+  notes.push_back(problem + "; " + remedy);
+}
+
+// A part on the target that was opened for it.
+struct Dropped {
+  OpenedHole hole;
+  MergeResult result;
+  MergeOptions options;
+  Intersections intersections;
+};
+
+// The rim of a dropped part bends until it is level with the surface. Where that turns it inside out, it bends
+// half as far, or not at all.
+Dropped merge_dropped(OpenedHole hole, const Mesh& part, MergeOptions options, const Context& context) {
+  const double asked_deg = options.normal_angle_deg;
+  options.size = hole.size;
+  Dropped dropped{std::move(hole), {}, options, {}};
+  const std::array pairs{dropped.hole.pair};
+  dropped.result = merge_meshes(dropped.hole.target, part, pairs, options, context);
+  if (asked_deg == 0)
+    for (const double angle_deg : {-45.0, -90.0}) {
+      if (dropped.result.report.shape.inverted == 0) break;
+      options.normal_angle_deg = angle_deg;
+      MergeResult other = merge_meshes(dropped.hole.target, part, pairs, options, context);
+      if (other.report.shape.inverted >= dropped.result.report.shape.inverted) continue;
+      dropped.result = std::move(other);
+      dropped.options = options;
+    }
+  if (dropped.options.normal_angle_deg != asked_deg)
+    dropped.hole.notes.push_back(fmt::format(
+        "the part's rim turned inside out where it bends into the surface, so it bends less: a normal "
+        "angle of {:.0f}° was used",
+        dropped.options.normal_angle_deg));
+  dropped.intersections = intersections_of(part, dropped.result, context);
+  return dropped;
+}
+
+// The part at the step's place, in its size. Where none is given, smaller ones are tried as long as the part
+// turns inside out, or would stand clear of the target and does not.
+Dropped drop_part(const MergeStep& step, const Mesh& target, const Mesh& part, const std::vector<Index>& loop,
+                  const MergeOptions& options, const Context& context) {
+  constexpr double smaller = 0.7;
+  constexpr int most_tries = 3;
+  Drop drop{step.at->place, step.size, step.at->spin_deg};
+  Dropped best = merge_dropped(open_hole(target, part, loop, drop, context), part, options, context);
+  const auto inverted = [&](const Dropped& dropped) { return dropped.result.report.shape.inverted; };
+  drop.size = best.hole.size;
+  for (int k = 0; k < most_tries && !step.size; ++k) {
+    if (inverted(best) == 0 && (!best.hole.clear || !best.intersections.any_new())) break;
+    drop.size = smaller * *drop.size;
+    Dropped other = merge_dropped(open_hole(target, part, loop, drop, context), part, options, context);
+    const bool better =
+        inverted(other) < inverted(best) || (inverted(other) == 0 && !other.intersections.any_new());
+    if (!better) continue;
+    best = std::move(other);
+    best.hole.notes.push_back(fmt::format(
+        "the part is scaled by {:.3g}: larger, it turns inside out or cuts into the target", *drop.size));
+  }
+  if (inverted(best) > 0 && options.shape == MergeShape::similar)
+    throw Error(ErrorCode::input,
+                fmt::format("the part turns inside out at {} vertices beside the hole, at size {:.3g}",
+                            inverted(best), best.hole.size),
+                "place", "Name another place, or a smaller size");
+  return best;
 }
 
 std::vector<Index> present(const IndexMap& map, Index count) {
@@ -449,36 +487,40 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   outcome.options = resolve_options(step, source, options.overrides, place);
   require_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
   const Mesh part = posed(step, source.scene.mesh, target.scene.mesh, outcome.options, place);
-  OpenedHole hole;
-  if (step.at) {
-    hole = opened_for(step, target.scene.mesh, part, pairs.front().loops.source, place, context);
-    pairs = {hole.pair};
-    outcome.options.size = hole.size;
-  }
   report.seconds.select = watch.lap();
 
   MergeResult result;
+  Intersections intersections;
   try {
-    result = step.at ? merge_dropped(hole, part, pairs, outcome.options, hole.notes, context)
-                     : merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
+    if (step.at) {
+      Dropped dropped =
+          drop_part(step, target.scene.mesh, part, pairs.front().loops.source, outcome.options, context);
+      result = std::move(dropped.result);
+      result.target = composed(dropped.hole.vertex, result.target);
+      outcome.options = dropped.options;
+      report.notes = std::move(dropped.hole.notes);
+      intersections = dropped.intersections;
+    } else {
+      result = merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
+      intersections = intersections_of(part, result, context);
+    }
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(error, place);
   }
-  watch.lap();
-  if (step.at) result.target = composed(hole.vertex, result.target);
+  // What remains is the hole's, and that of sizes that were tried before.
+  report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - intersections.seconds);
+  report.seconds.measure = intersections.seconds;
   take_seconds(result.report, report.seconds);
   outcome.report = std::move(result.report);
   outcome.target_map = result.target;
   outcome.source_map = result.source;
   outcome.new_faces = result.new_faces;
   outcome.grafted = std::move(result.grafted);
-  report.notes = std::move(hole.notes);
   report.notes.insert(report.notes.end(), outcome.report.notes.begin(), outcome.report.notes.end());
-  context.step("measure");
-  check_intersections(part, result.mesh, outcome, context);
-  judge_intersections(outcome, options.strict, report.notes, place);
-  report.seconds.measure += watch.lap();
+  outcome.self_intersections = intersections.result;
+  outcome.source_self_intersections = intersections.source;
+  judge_intersections(intersections, step, options.strict, report.notes, place);
 
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();

@@ -15,22 +15,13 @@ namespace {
 // Why a vertex is not simply free.
 constexpr std::uint8_t of_feature = 1, stays = 2;
 
-double radius_of(const Points& points, const std::vector<Index>& loop) {
-  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-  for (const Index v : loop) centre += points.row(v);
-  centre /= static_cast<double>(loop.size());
-  double sum = 0;
-  for (const Index v : loop) sum += (points.row(v) - centre).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(loop.size()));
-}
-
 /// So many times the loop's own radius, and no more than half of the way to the farthest vertex.
 double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
                      double radii) {
   double farthest = 0;
   for (const double distance : edge_distance(loop, points, rings, std::numeric_limits<double>::infinity()))
     if (std::isfinite(distance)) farthest = std::max(farthest, distance);
-  return std::min(radii * radius_of(points, loop), farthest / 2);
+  return std::min(radii * loop_radius(points, loop), farthest / 2);
 }
 
 /// One similarity for the far part of each component; its scale is that of the posed source if it is given.
@@ -49,6 +40,15 @@ void add_far_parts(std::span<const Index> far, const std::vector<Index>& compone
 }
 
 }  // namespace
+
+double loop_radius(const Points& points, const std::vector<Index>& loop) {
+  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+  for (const Index v : loop) centre += points.row(v);
+  centre /= static_cast<double>(loop.size());
+  double sum = 0;
+  for (const Index v : loop) sum += (points.row(v) - centre).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(loop.size()));
+}
 
 std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
                                 std::span<const std::vector<Index>> loops, const Reach& reach, double radii) {

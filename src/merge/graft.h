@@ -19,6 +19,9 @@ struct Graft {
   EvaluationReport evaluation;
 };
 
+/// Root mean square distance of a loop's vertices from their centre.
+double loop_radius(const Points& points, const std::vector<Index>& loop);
+
 /// The vertices of a source beyond reach of its loops, ascending: by `reach`, or, where it names none, by
 /// `radii` × each loop's own radius (half the way to the farthest vertex at most).
 std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,

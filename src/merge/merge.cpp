@@ -1,7 +1,6 @@
 #include <meshgraft/merge/merge.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -17,6 +16,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/winding.h>
 
+#include "../core/stopwatch.h"
 #include "boundary_condition.h"
 #include "graft.h"
 #include "loops.h"
@@ -41,19 +41,6 @@ std::string_view to_string(MergeShape value) {
 }
 
 namespace {
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = Clock::now();
-    return std::chrono::duration<double>(now - std::exchange(lap_, now)).count();
-  }
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now(), lap_ = start_;
-};
 
 void validate(const MergeOptions& options, const Mesh& source) {
   const auto require = [](bool good, std::string what, const char* field, std::string remedy = {}) {
@@ -94,6 +81,17 @@ std::vector<Index> refined_loop(const std::vector<Index>& loop,
   return refined;
 }
 
+void take_refined(Source& source, RefineResult refined) {
+  std::map<std::array<Index, 2>, Index> middle;
+  for (std::size_t k = 0; k < refined.parents.size(); ++k) {
+    const auto [low, high] = std::minmax(refined.parents[k][0], refined.parents[k][1]);
+    middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
+  }
+  source.added += static_cast<Index>(refined.parents.size());
+  source.mesh = std::move(refined.mesh);
+  for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
+}
+
 /// Halves the source's edges around loops that have less than 1/ratio as many as what they meet (design: "few
 /// boundary vertices for a large region").
 void refine_source(Source& source, double ratio, const Context& context) {
@@ -107,15 +105,36 @@ void refine_source(Source& source, double ratio, const Context& context) {
       coarse.insert(coarse.end(), vertices.begin(), vertices.end());
     }
     if (coarse.empty()) return;
-    RefineResult refined = split_edges_within(source.mesh, coarse, context);
-    std::map<std::array<Index, 2>, Index> middle;
-    for (std::size_t k = 0; k < refined.parents.size(); ++k) {
-      const auto [low, high] = std::minmax(refined.parents[k][0], refined.parents[k][1]);
-      middle[{low, high}] = source.mesh.vertex_count() + static_cast<Index>(k);
+    take_refined(source, split_edges_within(source.mesh, coarse, context));
+  }
+}
+
+/// Halves the source's edges within its loops' radii that are too long for the part to bend there; along the
+/// loops only where they have hardly any vertices.
+void refine_within_reach(Source& source, const Context& context) {
+  constexpr double longest_rel = 0.35;  // × the loop's radius
+  constexpr std::size_t fewest_around = 12;
+  constexpr int most_levels = 6;
+  for (int level = 0; level < most_levels; ++level) {
+    const Points& points = source.mesh.positions;
+    const IndexLists rings = vertex_rings(source.mesh.vertex_count(), source.mesh.faces);
+    std::vector<double> longest(static_cast<std::size_t>(points.rows()),
+                                std::numeric_limits<double>::infinity());
+    std::vector<bool> keeps_its_loop(longest.size(), false);
+    for (const LoopPair& pair : source.pairs) {
+      const double radius = loop_radius(points, pair.source);
+      const std::vector<double> distance = edge_distance(pair.source, points, rings, radius);
+      for (std::size_t v = 0; v < longest.size(); ++v)
+        if (distance[v] <= radius) longest[v] = std::min(longest[v], longest_rel * radius);
+      for (const Index v : pair.source) keeps_its_loop[v] = pair.source.size() >= fewest_around;
     }
-    source.added += static_cast<Index>(refined.parents.size());
-    source.mesh = std::move(refined.mesh);
-    for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
+    const auto is_long = [&](Index a, Index b) {
+      return !(keeps_its_loop[a] && keeps_its_loop[b]) &&
+             (points.row(a) - points.row(b)).norm() > std::min(longest[a], longest[b]);
+    };
+    RefineResult refined = split_edges(source.mesh, is_long, context);
+    if (refined.parents.empty()) return;
+    take_refined(source, std::move(refined));
   }
 }
 
@@ -270,7 +289,7 @@ double misfit_rel(const Points& posed, std::span<const VertexConstraint> held) {
 }
 
 void add_notes(MergeReport& report, const MergeOptions& options) {
-  constexpr double ragged_deg = 25, unsure = 0.25, unlike = 0.25, folded_deg = 60;
+  constexpr double ragged_deg = 25, unsure = 0.25, unlike = 0.25, folded_deg = 60, far_off = 3;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
@@ -284,13 +303,19 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
                       "vertex {} at source vertex {}; name a start if the part is turned",
                       p, pair.confidence, pair.start.target, pair.start.source));
   }
-  if (report.seam.dihedral_p99_deg > folded_deg)
-    for (std::size_t p = 0; p < report.pairs.size(); ++p)
-      if (report.pairs[p].misfit_rel > unlike)
-        report.notes.push_back(fmt::format(
-            "the loops of pair {} differ in shape (by {:.0f} % of their radius on average), so the seam "
-            "is bent by {:.0f}°; match more vertices, or cut loops that are more alike",
-            p, 100 * report.pairs[p].misfit_rel, report.seam.dihedral_p99_deg));
+  for (std::size_t p = 0; p < report.pairs.size(); ++p) {
+    const double misfit = report.pairs[p].misfit_rel;
+    if (options.pose == MergePose::keep && misfit > far_off)
+      report.notes.push_back(fmt::format(
+          "the source's loop of pair {} is {:.3g} times the radius of the target's away, and the part "
+          "is drawn out that far; --pose find brings it there",
+          p, misfit));
+    else if (report.seam.dihedral_p99_deg > folded_deg && misfit > unlike)
+      report.notes.push_back(fmt::format(
+          "the loops of pair {} differ in shape (by {:.0f} % of their radius on average), so the seam "
+          "is bent by {:.0f}°; match more vertices, or cut loops that are more alike",
+          p, 100 * misfit, report.seam.dihedral_p99_deg));
+  }
   constexpr double pinched = 0.3;
   if (report.shape.smallest_singular_p5 < pinched)
     report.notes.push_back(
@@ -349,6 +374,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   source.pairs = checked_loops(target, source.mesh, pairs);
   require_held_components(source.mesh, source.pairs);
   refine_source(source, options.seam.edge_ratio, context);
+  refine_within_reach(source, context);
   const std::vector<Index> component = connected_components(source.mesh);
   const Points target_normals = vertex_normals(target), source_normals = vertex_normals(source.mesh);
   std::vector<LoopGeometry> sources, targets;

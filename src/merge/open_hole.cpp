@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -11,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/deform/intersections.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/refine.h>
@@ -44,23 +46,26 @@ void validate(const Drop& drop, const Mesh& target) {
                 "place", "Name another vertex, or a point");
 }
 
-/// A source's loop, flattened: `axis` points to where the source is.
+/// A source's loop, flattened: `axis` points to where the source is; the outline's origin is at `centre`.
 struct FlatLoop {
   std::vector<Index> vertices;
-  Vector axis, first_axis;
+  Vector axis, first_axis, centre;
   Outline outline;
   bool smoothed = false;
 };
 
-/// Moves a polygon's centre of area to the origin.
-void centre(PlanePoints& polygon) {
+/// Moves a polygon's centre of area to the origin; where it was.
+Eigen::RowVector2d centre(PlanePoints& polygon) {
   Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
-  polygon.rowwise() -= Eigen::RowVector2d(polygon.colwise().mean());
+  const Eigen::RowVector2d mean = polygon.colwise().mean();
+  polygon.rowwise() -= mean;
   for (Eigen::Index i = 0; i < polygon.rows(); ++i) {
     const Eigen::RowVector2d a = polygon.row(i), b = polygon.row((i + 1) % polygon.rows());
     sum += (a.x() * b.y() - a.y() * b.x()) * (a + b) / 3;
   }
-  polygon.rowwise() -= Eigen::RowVector2d(sum / double_area(polygon));
+  const Eigen::RowVector2d shift = sum / double_area(polygon);
+  polygon.rowwise() -= shift;
+  return mean + shift;
 }
 
 /// Rounds a polygon off until it does not cross itself, and gives it its width back.
@@ -90,7 +95,8 @@ FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
   const Vector axis = loop_axis(points), first = axis.transpose().unitOrthogonal().transpose();
   Eigen::Matrix<double, 3, 2> axes;
   axes << first.transpose(), axis.transpose().cross(first.transpose());
-  PlanePoints polygon = (points.rowwise() - Vector(points.colwise().mean())) * axes;
+  const Vector mean = points.colwise().mean();
+  PlanePoints polygon = (points.rowwise() - mean) * axes;
   const double length = LoopCurve(points).length();
   if (!(2 * std::numbers::pi * double_area(polygon) > least_area * length * length))
     throw Error(ErrorCode::input, fmt::format("the source's loop at vertex {} spans no area", loop.front()), "",
@@ -101,18 +107,20 @@ FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
         ErrorCode::input,
         fmt::format("the source's loop at vertex {} crosses itself as seen along its axis", loop.front()), "",
         "Cut the source again, along a simpler curve");
-  centre(polygon);
-  return {std::move(loop), axis, first, Outline(std::move(polygon)), !simple};
+  const Vector middle = mean + centre(polygon) * axes.transpose();
+  return {std::move(loop), axis, first, middle, Outline(std::move(polygon)), !simple};
 }
 
 /// The target with what is asked of it again and again.
 struct Surface {
-  explicit Surface(const Mesh& mesh_, const Context& context)
-      : mesh(mesh_),
+  Surface(std::shared_ptr<const Mesh> shared_mesh, const Context& context)
+      : shared(std::move(shared_mesh)),
+        mesh(*shared),
         triangles(triangulate(mesh, {.skip_out_of_range = true}).triangles),
         rings(vertex_rings(mesh.vertex_count(), triangles, context)),
         normals(vertex_normals(mesh)) {}
 
+  std::shared_ptr<const Mesh> shared;
   const Mesh& mesh;
   Triangles triangles;
   IndexLists rings;
@@ -245,8 +253,9 @@ std::vector<Index> connected_inside(const std::vector<double>& values, const Ind
 
 Drawing draw(const Outline& outline, double scale, const PlanePoints& places, const IndexLists& rings) {
   std::vector<double> values(static_cast<std::size_t>(places.rows()), scale * outline.reach());
+  const double surely_outside = most_widened * scale * outline.reach();
   for (Eigen::Index v = 0; v < places.rows(); ++v)
-    if (places.row(v).allFinite())
+    if (places.row(v).norm() <= surely_outside)  // and not NaN
       values[static_cast<std::size_t>(v)] = scale * outline.signed_distance(places.row(v) / scale);
   Drawing drawing{values, connected_inside(values, rings), scale};
   for (double& value : drawing.values) value = std::abs(value);
@@ -284,21 +293,16 @@ Drawing draw_as_wide(const Surface& surface, const Outline& outline, double size
   }
 }
 
-/// The mesh with edges around the outline halved that are too long to draw it; false where there are none.
-bool refine_around(Mesh& mesh, const Drawing& drawing, const PlanePoints& places, double longest,
-                   const Context& context) {
-  bool any = false;
-  const auto is_long = [&](Index a, Index b) {
-    if (!places.row(a).allFinite() || !places.row(b).allFinite()) return false;
-    const double length = (mesh.positions.row(a) - mesh.positions.row(b)).norm();
-    const bool chosen =
-        length > longest && std::min(std::abs(drawing.values[a]), std::abs(drawing.values[b])) <= length;
-    any = any || chosen;
-    return chosen;
-  };
-  RefineResult refined = split_edges(mesh, is_long, context);
-  if (any) mesh = std::move(refined.mesh);
-  return any;
+constexpr const char* no_disc = "the loop reaches round the surface there, so that what it encloses is no disc";
+
+/// Of the vertices, edges and triangles that lie wholly within the outline: 1 for a disc.
+std::ptrdiff_t inner_euler_characteristic(const Surface& surface, const Drawing& drawing) {
+  const auto is_inside = [&](Index v) { return drawing.is_inside(v); };
+  std::ptrdiff_t half_edges = 0, faces = 0;
+  for (const Index v : drawing.inside)
+    half_edges += std::count_if(surface.rings[v].begin(), surface.rings[v].end(), is_inside);
+  for (const auto& t : surface.triangles.rowwise()) faces += std::all_of(t.begin(), t.end(), is_inside) ? 1 : 0;
+  return std::ssize(drawing.inside) - half_edges / 2 + faces;
 }
 
 /// What keeps the part of the surface within the outline from being cut away.
@@ -328,6 +332,7 @@ std::optional<Misfit> find_obstacle(const Surface& surface, const Drawing& drawi
   for (const std::vector<Index>& loop : boundary_loops(patch))
     for (const Index v : loop)
       if (drawing.is_inside(v)) return Misfit{fmt::format("the hole would reach the boundary at vertex {}", v)};
+  if (inner_euler_characteristic(surface, drawing) != 1) return Misfit{no_disc};
   return std::nullopt;
 }
 
@@ -369,21 +374,207 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
   return matches;
 }
 
-struct Opening {
-  OpenedHole hole;
-  double width_rel = 1;  ///< of the hole, × the loop's
-  double flatness = 1;   ///< of the hole, × the outline as it was drawn: less where the surface curves away
+/// A surface spread out around a place.
+struct Chart {
+  Surface surface;
+  SurfacePoint place;
+  Vector normal, first_axis;  ///< of the tangent plane
+  PlanePoints places;
 };
 
+std::shared_ptr<const Chart> spread_out(std::shared_ptr<const Mesh> mesh, const Drop& drop, double reach,
+                                        const Context& context) {
+  Surface surface(std::move(mesh), context);
+  SurfacePoint place = place_on(surface, drop);
+  const Vector normal = mean_normal(surface, place, 0), axis = normal.transpose().unitOrthogonal().transpose();
+  PlanePoints places = exponential_map(surface.mesh.positions, surface.normals, surface.rings,
+                                       {place.point, normal, axis, place.corners}, reach, context);
+  return std::make_shared<Chart>(Chart{std::move(surface), std::move(place), normal, axis, std::move(places)});
+}
+
+/// An outline on a chart.
+struct Layout {
+  PlanePoints places;  ///< the chart's, along the outline's axes
+  Drawing drawing;
+};
+
+/// How the outline stands on the surface: the axes that its own come to.
+struct Stand {
+  Vector normal, first_axis;
+};
+
+Layout lay_out(const Chart& chart, const Outline& outline, double size, const Stand& stand) {
+  const Vector axis = turned(stand.first_axis, stand.normal, chart.normal);
+  const double x = axis.dot(chart.first_axis), y = axis.dot(chart.normal.cross(chart.first_axis));
+  Eigen::Matrix2d turn;
+  turn << x, -y, y, x;
+  Layout layout{chart.places * turn, {}};
+  layout.drawing = draw_as_wide(chart.surface, outline, size, layout.places);
+  return layout;
+}
+
+/// The mesh with edges around the outline halved that are too long to draw it; null where there are none.
+std::shared_ptr<const Mesh> refined_around(const Mesh& mesh, const Layout& layout, double longest,
+                                           const Context& context) {
+  const auto is_long = [&](Index a, Index b) {
+    if (!layout.places.row(a).allFinite() || !layout.places.row(b).allFinite()) return false;
+    const double length = (mesh.positions.row(a) - mesh.positions.row(b)).norm();
+    const auto depth = [&](Index v) { return std::abs(layout.drawing.values[v]); };
+    return length > longest && std::min(depth(a), depth(b)) <= length;
+  };
+  bool any = false;
+  for (Index f = 0; f < mesh.face_count() && !any; ++f) {
+    const auto face = mesh.faces[f];
+    for (std::size_t c = 0; c < face.size(); ++c)
+      for (std::size_t d = 0; d < c; ++d) any = any || is_long(face[c], face[d]);
+  }
+  if (!any) return nullptr;
+  return std::make_shared<const Mesh>(split_edges(mesh, is_long, context).mesh);
+}
+
+/// An outline on a surface that has room for it.
+struct Fit {
+  std::shared_ptr<const Chart> chart;
+  Layout layout;
+  Stand stand;
+  double size = 1;
+};
+
+/// What came of trying a size.
+struct Trial {
+  std::shared_ptr<const Fit> fit;  ///< null where there is no room
+  std::string misfit;
+};
+
+/// Tries sizes of a loop at a place.
+class Fitting {
+ public:
+  /// The chart is made once, for sizes up to `largest`.
+  Fitting(const Mesh& target, const FlatLoop& loop, const Drop& drop, double largest, const Context& context)
+      : loop_(loop),
+        drop_(drop),
+        context_(context),
+        chart_(spread_out(std::shared_ptr<const Mesh>(&target, [](const Mesh*) {}), drop, reach(largest),
+                          context)) {}
+
+  /// Without `may_widen` the hole has to be as wide as the loop without having been widened much.
+  Trial at(double size, bool may_widen) const {
+    constexpr int most_halvings = 12;
+    constexpr double edge_ratio = 2, fewest_edges = 24;
+    const double longest = size * loop_.outline.length() /
+                           std::max(fewest_edges, static_cast<double>(loop_.outline.size()) / edge_ratio);
+    const Stand stand = stand_at(size);
+    Fit fit{chart_, lay_out(*chart_, loop_.outline, size, stand), stand, size};
+    for (int halving = 0; halving < most_halvings; ++halving) {
+      const auto refined = refined_around(fit.chart->surface.mesh, fit.layout, longest, context_);
+      if (!refined) break;
+      fit.chart = spread_out(refined, drop_, reach(size), context_);
+      fit.layout = lay_out(*fit.chart, loop_.outline, size, fit.stand);
+    }
+    if (std::optional<Misfit> obstacle = find_obstacle(fit.chart->surface, fit.layout.drawing))
+      return {nullptr, std::move(obstacle->what)};
+    const double width = drawn_width(fit.chart->surface, fit.layout.drawing) / loop_.outline.width();
+    if (width < roomy * (may_widen ? size : fit.layout.drawing.scale))
+      return {nullptr, "the surface is too narrow there for the loop"};
+    return {std::make_shared<const Fit>(std::move(fit)), {}};
+  }
+
+  /// The largest size below one that does not fit, to three digits; 0 where none does.
+  double largest_below(double size, double least) const {
+    constexpr double step = std::numbers::sqrt2 / 2;
+    constexpr int bisections = 3;
+    const auto fits = [&](double s) { return at(s, true).fit != nullptr; };
+    double too_large = size, fitting = rounded(size * step);
+    for (; !fits(fitting); fitting = rounded(fitting * step)) {
+      if (fitting < least) return 0;
+      too_large = fitting;
+    }
+    for (int k = 0; k < bisections; ++k) {
+      const double middle = rounded(std::sqrt(fitting * too_large));
+      (fits(middle) ? fitting : too_large) = middle;
+    }
+    return fitting;
+  }
+
+ private:
+  static double rounded(double size) { return std::stod(fmt::format("{:.3g}", size)); }
+  double reach(double size) const { return most_widened * size * loop_.outline.reach(); }
+
+  Stand stand_at(double size) const {
+    const Vector normal = mean_normal(chart_->surface, chart_->place, size * loop_.outline.reach());
+    return {normal, laid_axis(loop_, normal, drop_.spin_deg)};
+  }
+
+  const FlatLoop& loop_;
+  const Drop& drop_;
+  const Context& context_;
+  std::shared_ptr<const Chart> chart_;
+};
+
+/// The place, at the mean height of the hole's rim.
+Vector rim_centre(const Fit& fit) {
+  const Surface& surface = fit.chart->surface;
+  const Vector place = fit.chart->place.point;
+  double height = 0;
+  Index count = 0;
+  for (const Index v : fit.layout.drawing.inside)
+    for (const Index u : surface.rings[v]) {
+      if (fit.layout.drawing.is_inside(u)) continue;
+      const double s =
+          fit.layout.drawing.values[v] / (fit.layout.drawing.values[v] - fit.layout.drawing.values[u]);
+      const Vector crossing = (1 - s) * surface.mesh.positions.row(v) + s * surface.mesh.positions.row(u);
+      height += (crossing - place).dot(fit.stand.normal);
+      ++count;
+    }
+  return place + height / static_cast<double>(count) * fit.stand.normal;
+}
+
+/// Whether the source, as it would stand there undeformed, cuts through the target beyond its loop's radius.
+bool cuts_through(const Mesh& source, const FlatLoop& loop, const Fit& fit, const Context& context) {
+  const Surface& surface = fit.chart->surface;
+  Eigen::Matrix3d from, to;
+  from << loop.first_axis.transpose(), loop.axis.cross(loop.first_axis).transpose(), loop.axis.transpose();
+  to << fit.stand.first_axis.transpose(), fit.stand.normal.cross(fit.stand.first_axis).transpose(),
+      fit.stand.normal.transpose();
+  const Points posed =
+      ((source.positions.rowwise() - loop.centre) * (fit.size * from * to.transpose())).rowwise() +
+      rim_centre(fit);
+  const Triangles triangles = triangulate(source, {.skip_out_of_range = true}).triangles;
+  const Index offset = surface.mesh.vertex_count();
+  std::vector<Index> corners;
+  for (const auto& t : surface.triangles.rowwise())
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return fit.layout.drawing.is_inside(v); }))
+      corners.insert(corners.end(), t.begin(), t.end());
+  const auto of_target = static_cast<Index>(corners.size() / 3);
+  const double radius = loop.outline.width() / std::sqrt(std::numbers::pi);
+  const std::vector<double> away =
+      edge_distance(loop.vertices, source.positions, vertex_rings(source.vertex_count(), triangles), radius);
+  std::vector<Index> free;
+  for (const auto& t : triangles.rowwise()) {
+    if (std::any_of(t.begin(), t.end(), [&](Index v) { return std::isfinite(away[v]); })) continue;
+    for (const Index v : t) {
+      corners.push_back(offset + v);
+      free.push_back(offset + v);
+    }
+  }
+  Points points(offset + posed.rows(), 3);
+  points << surface.mesh.positions, posed;
+  const auto pairs = self_intersections(
+      points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3),
+      free, context);
+  return pairs && std::any_of(pairs->begin(), pairs->end(), [&](const TrianglePair& pair) {
+           return pair[0] < of_target && pair[1] >= of_target;
+         });
+}
+
 /// Cuts the outline's inside away.
-std::variant<Opening, Misfit> cut_open(const Surface& surface, const Drawing& drawing, const FlatLoop& loop,
-                                       const PlanePoints& places, const Context& context) {
+std::variant<OpenedHole, Misfit> cut_open(const Fit& fit, const FlatLoop& loop, Index target_vertices,
+                                          const Context& context) {
   constexpr double snap = 0.25;  // the ring around the hole goes anyway
-  CutResult cut = cut_at_zero(surface.mesh, drawing.values, {.keep = CutKeep::above, .snap = snap}, context);
-  const Index removed =
-      summarise_topology(surface.mesh).euler_characteristic - summarise_topology(cut.mesh).euler_characteristic;
-  if (cut.loops.size() != 1 || removed != 1)
-    return Misfit{"the loop reaches round the surface there, so that what it encloses is no disc"};
+  const auto& [places, drawing] = fit.layout;
+  CutResult cut =
+      cut_at_zero(fit.chart->surface.mesh, drawing.values, {.keep = CutKeep::above, .snap = snap}, context);
+  if (cut.loops.size() != 1) return Misfit{no_disc};
   std::vector<double> arcs;
   for (const Index v : cut.loops.front()) {
     const Between& origin = cut.origin[static_cast<std::size_t>(v)];
@@ -391,97 +582,149 @@ std::variant<Opening, Misfit> cut_open(const Surface& surface, const Drawing& dr
         (1 - origin.t) * places.row(origin.from) + origin.t * places.row(origin.to);
     arcs.push_back(loop.outline.arc_of_nearest(place / drawing.scale));
   }
-  Opening opening;
-  opening.hole.pair = {{loop.vertices, cut.loops.front()},
-                       matches_along(loop.outline, loop.vertices, cut.loops.front(), arcs)};
-  opening.hole.vertex = std::move(cut.vertex);
-  opening.hole.target = std::move(cut.mesh);
-  return opening;
+  OpenedHole hole;
+  hole.pair = {{loop.vertices, cut.loops.front()},
+               matches_along(loop.outline, loop.vertices, cut.loops.front(), arcs)};
+  hole.vertex = std::move(cut.vertex);
+  hole.vertex.new_index.resize(static_cast<std::size_t>(target_vertices));
+  hole.target = std::move(cut.mesh);
+  hole.size = fit.size;
+  return hole;
 }
 
-std::variant<Opening, Misfit> open_at_size(const Mesh& target, const FlatLoop& loop, double size,
-                                           const Drop& drop, const Context& context) {
-  constexpr int most_halvings = 12;
-  constexpr double edge_ratio = 2, fewest_edges = 24;
-  const double longest = size * loop.outline.length() /
-                         std::max(fewest_edges, static_cast<double>(loop.outline.size()) / edge_ratio);
-  const double reach = most_widened * size * loop.outline.reach();
-  Mesh mesh = target;
-  std::optional<Vector> normal;
-  for (int halving = 0;; ++halving) {
-    const Surface surface(mesh, context);
-    const SurfacePoint place = place_on(surface, drop);
-    if (!normal) normal = mean_normal(surface, place, size * loop.outline.reach());
-    Vector local = Vector::Zero();
-    for (const Index v : place.corners) local += surface.normals.row(v);
-    local = local.norm() > 0 ? Vector(local.normalized()) : *normal;
-    const Vector axis = turned(laid_axis(loop, *normal, drop.spin_deg), *normal, local);
-    const PlanePoints places = exponential_map(mesh.positions, surface.normals, surface.rings,
-                                               {place.point, local, axis, place.corners}, reach, context);
-    const Drawing drawing = draw_as_wide(surface, loop.outline, size, places);
-    if (halving < most_halvings && refine_around(mesh, drawing, places, longest, context)) continue;
-    if (std::optional<Misfit> obstacle = find_obstacle(surface, drawing)) return *std::move(obstacle);
-    auto result = cut_open(surface, drawing, loop, places, context);
-    if (auto* opening = std::get_if<Opening>(&result)) {
-      const double width = drawn_width(surface, drawing) / loop.outline.width();
-      opening->width_rel = width / size;
-      opening->flatness = width / drawing.scale;
-      opening->hole.vertex.new_index.resize(static_cast<std::size_t>(target.vertex_count()));
-      opening->hole.size = size;
-    }
-    return result;
+/// Sizes that a loop may have on a target at all.
+struct SizeRange {
+  double least, largest;
+
+  SizeRange(const Mesh& target, const FlatLoop& loop) {
+    constexpr double least_width = 1e-6;  // × the target's diagonal
+    const Points& x = target.positions;
+    const double diagonal = x.rows() > 0 ? (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm() : 0;
+    largest = diagonal / loop.outline.width();
+    least = least_width * largest;
   }
+};
+
+constexpr double smaller = std::numbers::sqrt2 / 2;  // the next size that is tried
+
+constexpr int most_tries_to_clear = 4;
+
+/// What to do where the part reaches into the target.
+std::string advice_to_clear(const Mesh& source, const FlatLoop& loop, const Fitting& fitting, double size,
+                            const Context& context) {
+  double other = size;
+  for (int k = 0; k < most_tries_to_clear; ++k) {
+    other *= smaller;
+    const Trial trial = fitting.at(other, true);
+    if (trial.fit && !cuts_through(source, loop, *trial.fit, context))
+      return fmt::format("the part reaches into the target at size {:.3g}; at {:.3g} it stands clear", size,
+                         other);
+  }
+  return "the part reaches into the target; another spin or place may help";
+}
+
+OpenedHole open_at_size(const Mesh& target, const Mesh& source, const FlatLoop& loop, const Drop& drop,
+                        const Context& context) {
+  const SizeRange range(target, loop);
+  const double size = *drop.size;
+  if (size < range.least)
+    throw Error(
+        ErrorCode::input,
+        fmt::format("the part's loop would be less than a millionth of the target's size at {:.3g}", size),
+        "size", fmt::format("Use a size of {:.2g} or more", 1.1 * range.least));
+  const Fitting fitting(target, loop, drop, std::min(size, range.largest), context);
+  std::string problem = "the part's loop is larger than the target";
+  if (size <= range.largest) {
+    const Trial trial = fitting.at(size, true);
+    problem = trial.misfit;
+    if (trial.fit) {
+      auto opened = cut_open(*trial.fit, loop, target.vertex_count(), context);
+      if (auto* hole = std::get_if<OpenedHole>(&opened)) {
+        hole->clear = !cuts_through(source, loop, *trial.fit, context);
+        if (!hole->clear) hole->notes.push_back(advice_to_clear(source, loop, fitting, size, context));
+        return std::move(*hole);
+      }
+      problem = std::get<Misfit>(opened).what;
+    }
+  }
+  const double fits = fitting.largest_below(std::min(size, range.largest), range.least);
+  throw Error(ErrorCode::input, fmt::format("{}, at size {:.3g}", problem, size), "place",
+              fits > 0 ? fmt::format("Use a size of at most {:.3g}, or name another place", fits)
+                       : "Name another place");
+}
+
+/// In the part's own size, or the largest smaller one that has room and does not cut through the target.
+OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const FlatLoop& loop, const Drop& drop,
+                                const Context& context) {
+  constexpr double least_width = 1e-3;  // × the target's diagonal
+  const SizeRange range(target, loop);
+  const double least = std::min(smaller, least_width * range.largest);
+  const Fitting fitting(target, loop, drop, std::min(1.0, range.largest), context);
+  std::string why = "the part's loop is larger than the target";
+  const auto open = [&](const Fit& fit, const std::string& reason) -> std::optional<OpenedHole> {
+    auto opened = cut_open(fit, loop, target.vertex_count(), context);
+    if (auto* hole = std::get_if<OpenedHole>(&opened)) {
+      if (fit.size < 1)
+        hole->notes.push_back(fmt::format("the part is scaled by {:.3g}: {}", fit.size, reason));
+      return std::move(*hole);
+    }
+    why = std::get<Misfit>(opened).what;
+    return std::nullopt;
+  };
+  std::shared_ptr<const Fit> widest;  // that has room, but reaches into the target
+  std::string why_widest;
+  int tries = 0;
+  for (double size = 1; size >= least && tries < most_tries_to_clear; size *= smaller) {
+    if (size > range.largest) continue;
+    const Trial trial = fitting.at(size, false);
+    if (!trial.fit) {
+      why = trial.misfit;
+    } else if (!cuts_through(source, loop, *trial.fit, context)) {
+      if (auto hole = open(*trial.fit, why)) return *std::move(hole);
+    } else {
+      ++tries;
+      if (!widest) {
+        widest = trial.fit;
+        why_widest = why;
+      }
+      why = "it would reach into the target";
+    }
+  }
+  if (widest) {
+    if (auto hole = open(*widest, why_widest)) {
+      hole->clear = false;
+      hole->notes.emplace_back("the part reaches into the target; another spin or place may help");
+      return *std::move(hole);
+    }
+  }
+  throw Error(ErrorCode::input, why, "place", "Name another place");
+}
+
+/// A hole around a vertex of the boundary would reach it at any size.
+void require_inner_place(const Mesh& target, const Drop& drop) {
+  const auto* vertex = std::get_if<Index>(&drop.place);
+  if (vertex == nullptr) return;
+  for (const auto& loop : boundary_loops(target))
+    if (std::find(loop.begin(), loop.end(), *vertex) != loop.end())
+      throw Error(ErrorCode::input, fmt::format("target vertex {} is on the boundary", *vertex), "place",
+                  "Name a vertex farther inside, or fill the hole there by a merge without --at");
 }
 
 }  // namespace
 
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context) {
-  constexpr double smaller = std::numbers::sqrt2 / 2, smallest = 1e-9;
   context.step("open");
   validate(drop, target);
+  require_inner_place(target, drop);
   std::vector<Index> loop = checked_loop(source, "source", source_loop);
   if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // as it will be turned over
   const FlatLoop flat = flatten(source, std::move(loop));
-  const auto finished = [&](OpenedHole hole) {
-    if (flat.smoothed)
-      hole.notes.emplace_back(
-          "the source's loop crosses itself as seen along its axis; the hole is rounded off");
-    return hole;
-  };
-
-  if (drop.size) {
-    auto result = open_at_size(target, flat, *drop.size, drop, context);
-    if (const auto* misfit = std::get_if<Misfit>(&result))
-      throw Error(ErrorCode::input, misfit->what, "place", "Name another place, or a smaller size");
-    Opening& opening = std::get<Opening>(result);
-    if (opening.width_rel < roomy)
-      opening.hole.notes.push_back(
-          fmt::format("the surface is narrow there: the hole is {:.2f} times as wide as the part's loop; a "
-                      "smaller size fits better",
-                      opening.width_rel));
-    return finished(std::move(opening.hole));
-  }
-
-  const Points& x = target.positions;
-  const double diagonal = x.rows() > 0 ? (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm() : 0;
-  std::string why = "the loop is larger than the target";
-  for (double size = 1; size > smallest; size *= smaller) {
-    if (size * flat.outline.width() > diagonal) continue;
-    auto result = open_at_size(target, flat, size, drop, context);
-    if (const auto* misfit = std::get_if<Misfit>(&result)) {
-      why = misfit->what;
-      continue;
-    }
-    Opening& opening = std::get<Opening>(result);
-    if (opening.flatness < roomy) {
-      why = "the surface is too narrow there for the loop";
-      continue;
-    }
-    if (size < 1) opening.hole.notes.push_back(fmt::format("the part is scaled by {:.3g}: {}", size, why));
-    return finished(std::move(opening.hole));
-  }
-  throw Error(ErrorCode::input, why, "place", "Name another place, or a smaller size");
+  OpenedHole hole = drop.size ? open_at_size(target, source, flat, drop, context)
+                              : open_at_largest_size(target, source, flat, drop, context);
+  if (flat.smoothed)
+    hole.notes.emplace_back("the source's loop crosses itself as seen along its axis; the hole is rounded off");
+  return hole;
 }
 
 }  // namespace meshgraft

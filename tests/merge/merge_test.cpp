@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -75,9 +76,9 @@ Graft cut_sample(const std::string& sample, int resolution, const Eigen::Vector3
 
 // Parts with one loop, several, and of a genus; none of the loops is so round that it has no start.
 std::vector<Graft> grafts_back() {
-  return {cut_sample("cactus", 40, {0, 0, 1.3}, {0.2, 0.1, 1}),
-          cut_sample("dinosaur", 48, {-1, 0, 0}, {-1, 0.1, 0.2}),
-          cut_sample("octopus", 56, {0, 0, 0.8}, {0, 0.1, 1}), cut_sample("head", 40, {0, 0, 0}, {0.1, 0.2, 1}),
+  return {cut_sample("cactus", 28, {0, 0, 1.3}, {0.2, 0.1, 1}),
+          cut_sample("dinosaur", 34, {-1, 0, 0}, {-1, 0.1, 0.2}),
+          cut_sample("octopus", 40, {0, 0, 0.8}, {0, 0.1, 1}), cut_sample("head", 28, {0, 0, 0}, {0.1, 0.2, 1}),
           cut_sample("torus", 30, {0.1, 0, 0}, {1, 0.2, 0.3})};
 }
 
@@ -262,8 +263,92 @@ TEST(Merge, TurnsTheTargetsNormals) {
   EXPECT_LT((width(wider) - width(straight)) * (width(narrower) - width(straight)), 0);
 }
 
+// A tube of radius 1 with `rows` rows of `around` vertices, closed above; its loop is at z = 0.
+Mesh peg(Index rows, Index around) {
+  Mesh mesh;
+  mesh.positions.resize(rows * around + 1, 3);
+  const auto angle = [&](Index k) { return 2 * std::numbers::pi * k / around; };
+  for (Index r = 0; r < rows; ++r)
+    for (Index k = 0; k < around; ++k)
+      mesh.positions.row(r * around + k) << std::cos(angle(k)), std::sin(angle(k)), 2.0 * r / (rows - 1);
+  const Index top = rows * around;
+  mesh.positions.row(top) << 0, 0, 2;
+  for (Index k = 0; k < around; ++k) {
+    const Index next = (k + 1) % around;
+    for (Index r = 0; r + 1 < rows; ++r)
+      mesh.faces.push_back(
+          std::vector<Index>{r * around + k, r * around + next, (r + 1) * around + next, (r + 1) * around + k});
+    mesh.faces.push_back(std::vector<Index>{(rows - 1) * around + k, (rows - 1) * around + next, top});
+  }
+  return mesh;
+}
+
+// A surface with a hole of a radius around z, 32 vertices around: a plate, or a tube cut off at an angle.
+Mesh holed(double radius, double tilt_deg, bool plate) {
+  constexpr Index around = 32, rows = 10;
+  const double slope = std::tan(tilt_deg * std::numbers::pi / 180);
+  Mesh mesh;
+  mesh.positions.resize(rows * around, 3);
+  for (Index r = 0; r < rows; ++r)
+    for (Index k = 0; k < around; ++k) {
+      const double angle = 2 * std::numbers::pi * k / around, way = plate ? radius * (1 + 0.3 * r) : radius;
+      const double x = way * std::cos(angle), y = way * std::sin(angle);
+      mesh.positions.row(r * around + k) << x, y,
+          plate ? x * slope : x * slope * (rows - 1 - r) / (rows - 1) - 0.25 * radius * r;
+    }
+  for (Index r = 0; r + 1 < rows; ++r)
+    for (Index k = 0; k < around; ++k) {
+      const Index next = (k + 1) % around;
+      mesh.faces.push_back(
+          std::vector<Index>{r * around + k, (r + 1) * around + k, (r + 1) * around + next, r * around + next});
+    }
+  return mesh;
+}
+
+// The loop that holds vertex 0.
+std::vector<Index> first_loop(const Mesh& mesh) {
+  for (std::vector<Index>& loop : boundary_loops(mesh))
+    if (loop.front() == 0) return loop;
+  return {};
+}
+
+TEST(Merge, BendsPartsOfFewRows) {
+  for (const bool plate : {true, false})
+    for (const Index rows : {2, 3, 5})
+      for (const Index around : {8, 16, 40})
+        for (const double tilt_deg : {0.0, plate ? 45.0 : 60.0}) {
+          const Mesh target = holed(rows == 2 ? 0.5 : 2, tilt_deg, plate), source = peg(rows, around);
+          const MergePair pair{{first_loop(source), first_loop(target)}, {{0, 0}}};
+          const MergeResult result = merge_meshes(target, source, {{pair}});
+          const std::string what =
+              fmt::format("{} rows of {} on a {} at {}°", rows, around, plate ? "plate" : "tube", tilt_deg);
+          EXPECT_EQ(result.report.shape.inverted, 0) << what;
+          EXPECT_GE(result.report.shape.smallest_singular_p5, 0.5) << what;
+          EXPECT_TRUE(result.report.seam.manifold && result.report.seam.oriented) << what;
+          EXPECT_LT(result.report.seam.dihedral_p99_deg, 80) << what;
+          EXPECT_EQ(result.grafted.rows(), source.vertex_count());
+          EXPECT_EQ(result.source.new_index.size(), static_cast<std::size_t>(source.vertex_count()));
+          // It stands on the hole.
+          const Eigen::Vector3d up = result.report.shape.similarity.rotation.col(2);
+          const double slope = tilt_deg * std::numbers::pi / 180;
+          EXPECT_GT(up.dot(Eigen::Vector3d(-std::sin(slope), 0, std::cos(slope))), std::cos(0.6)) << what;
+        }
+}
+
+TEST(Merge, TellsWhenAKeptPoseDrawsOutANeck) {
+  const Mesh target = holed(1, 0, true);
+  Mesh source = peg(6, 16);
+  const MergePair pair{{first_loop(source), first_loop(target)}, {{0, 0}}};
+  const auto notes = [&] {
+    return merge_meshes(target, source, {{pair}}, {.pose = MergePose::keep}).report.notes;
+  };
+  EXPECT_THAT(notes(), testing::Not(testing::Contains(HasSubstr("drawn out"))));
+  source.positions.col(2).array() += 5;
+  EXPECT_THAT(notes(), testing::Contains(HasSubstr("is 5 times the radius of the target's away")));
+}
+
 TEST(Merge, RefinesTheCoarserSide) {
-  for (const auto& [target_resolution, source_resolution] : {std::pair(80, 24), std::pair(24, 80)}) {
+  for (const auto& [target_resolution, source_resolution] : {std::pair(60, 24), std::pair(24, 60)}) {
     Graft graft{"", make_sample("bust", target_resolution), make_sample("head", source_resolution), {}};
     graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(0)}, {}}};
     const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs);

@@ -31,7 +31,7 @@ Eigen::RowVector3d middle(const Points& positions, const std::vector<Index>& loo
 }
 
 // A part with one loop around z, 1.2 long.
-Mesh head() { return make_sample("head", 40); }
+Mesh head() { return make_sample("head", 24); }
 
 std::vector<Index> only_loop(const Mesh& mesh) {
   const auto loops = boundary_loops(mesh);
@@ -67,7 +67,7 @@ TEST(OpenHole, LaysTheLoopOnAFlatPlace) {
           (Eigen::AngleAxisd(spin_deg * std::numbers::pi / 180, Eigen::Vector3d::UnitX()) *
            Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()))
               .toRotationMatrix();
-      EXPECT_GE(hole.pair.matches.size(), 8U);
+      EXPECT_GE(hole.pair.matches.size(), 6U);
       const Match& first = hole.pair.matches.front();
       for (const Match& match : hole.pair.matches) {
         const Eigen::RowVector3d here = part.positions.row(match.source) - part.positions.row(first.source);
@@ -103,9 +103,9 @@ TEST(OpenHole, GivesGraftsWithoutAGap) {
   };
   const std::vector<Case> cases = {{"bar", 12, {bar_side, 1.0}},
                                    {"bar", 12, {Eigen::Vector3d(0.1, 0.05, 4), 0.8, 120}},
-                                   {"torus", 40, {Eigen::Vector3d(1, 0, 0.8), 0.5, 45}},
-                                   {"torus", 40, {Index{7}, {}, -200}},
-                                   {"octopus", 40, {Index{100}, {}}}};
+                                   {"torus", 24, {Eigen::Vector3d(1, 0, 0.8), 0.5, 45}},
+                                   {"torus", 24, {Index{7}, {}, -200}},
+                                   {"octopus", 28, {Index{100}, {}}}};
   for (const Case& c : cases) {
     const Mesh target = make_sample(c.target, c.resolution);
     const OpenedHole hole = open_hole(target, part, only_loop(part), c.drop);
@@ -144,6 +144,89 @@ TEST(OpenHole, TurnsAPartOverToThePlaceAsLittleAsPossible) {
   }
 }
 
+// The number after "at most" in a refusal.
+double size_that_fits(const std::string& message) {
+  const std::size_t found = message.find("at most ");
+  return found == std::string::npos ? 0 : std::stod(message.substr(found + 8));
+}
+
+TEST(OpenHole, NamesTheLargestSizeThatFits) {
+  const Mesh part = head();
+  const std::vector<Index> loop = only_loop(part);
+  const std::vector<std::pair<Mesh, Eigen::Vector3d>> cases = {{make_sample("bar", 12), bar_side},
+                                                               {make_sample("torus", 30), {1.4, 0, 0.4}},
+                                                               {make_sample("bumpy_plane", 24), {0.3, 0.1, 0}},
+                                                               {make_sample("cactus", 24), {0, 0, 2.7}}};
+  for (const auto& [target, place] : cases) {
+    for (const double size : {6.0, 1e6}) {
+      const std::string refusal = error_of(target, part, loop, {place, size});
+      const double fitting = size_that_fits(refusal);
+      ASSERT_GT(fitting, 0) << refusal;
+      EXPECT_EQ(open_hole(target, part, loop, {place, fitting}).size, fitting);
+      EXPECT_GT(size_that_fits(error_of(target, part, loop, {place, 1.3 * fitting})), 0);
+    }
+  }
+}
+
+TEST(OpenHole, FindsRoomOrTellsAllOverASurface) {
+  // Wherever the part goes, the hole is a disc of the loop's size, and the part grows out of it; but the tips
+  // of cones are too narrow at any size.
+  const Mesh part = head();
+  int refused = 0;
+  const std::vector<Index> loop = only_loop(part);
+  for (const char* name : {"cactus", "octopus", "bust"}) {
+    const Mesh target = make_sample(name, 24);
+    const Index euler = summarise_topology(target).euler_characteristic;
+    std::vector<bool> on_boundary(static_cast<std::size_t>(target.vertex_count()), false);
+    for (const auto& boundary : boundary_loops(target))
+      for (const Index v : boundary) on_boundary[v] = true;
+    for (Index k = 1; k <= 3; ++k) {
+      const Index v = k * target.vertex_count() / 4;
+      if (on_boundary[v]) {
+        EXPECT_THAT(error_of(target, part, loop, {v}), HasSubstr("is on the boundary"));
+        continue;
+      }
+      OpenedHole hole;
+      try {
+        hole = open_hole(target, part, loop, {v});
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("too narrow there")) << name << " at " << v;
+        ++refused;
+        continue;
+      }
+      EXPECT_LE(hole.size, 1);
+      EXPECT_EQ(hole.size < 1, !hole.notes.empty() && hole.notes.front().starts_with("the part is scaled"));
+      EXPECT_NEAR(length(hole.target.positions, hole.pair.loops.target),
+                  hole.size * length(part.positions, loop), 0.35 * hole.size * length(part.positions, loop))
+          << name << " at " << v;
+      EXPECT_EQ(summarise_topology(hole.target).euler_characteristic, euler - 1) << name << " at " << v;
+      const MergeResult result = merge_meshes(hole.target, part, {{hole.pair}}, {.size = hole.size});
+      EXPECT_TRUE(result.report.seam.manifold && result.report.seam.oriented) << name << " at " << v;
+      EXPECT_EQ(result.report.seam.euler_characteristic, euler) << name << " at " << v;
+    }
+  }
+  EXPECT_LE(refused, 1);
+}
+
+TEST(OpenHole, ShrinksAPartThatWouldReachIntoTheTarget) {
+  // In a corner of two walls: the head is wider than its neck.
+  Mesh corner = make_sample("bumpy_plane", 40);
+  for (auto point : corner.positions.rowwise())
+    point = Eigen::RowVector3d(std::min(point.x(), 0.0), point.y(), std::max(point.x(), 0.0));
+  Mesh part = head();
+  part.positions *= 0.35;
+  const std::vector<Index> loop = only_loop(part);
+  const OpenedHole hole = open_hole(corner, part, loop, {Eigen::Vector3d(-0.1, 0, 0)});
+  EXPECT_LT(hole.size, 1);
+  EXPECT_TRUE(hole.clear);
+  ASSERT_EQ(hole.notes.size(), 1U);
+  EXPECT_THAT(hole.notes.front(), HasSubstr("reach into the target"));
+  const OpenedHole asked = open_hole(corner, part, loop, {Eigen::Vector3d(-0.1, 0, 0), 1.0});
+  EXPECT_FALSE(asked.clear);
+  ASSERT_EQ(asked.notes.size(), 1U);
+  EXPECT_THAT(asked.notes.front(), HasSubstr("it stands clear"));
+}
+
 TEST(OpenHole, RefusesWhatCannotBeOpened) {
   const Mesh bar = make_sample("bar", 12), sheet = make_sample("bumpy_plane", 20),
              tube = make_sample("cylinder", 20), part = head();
@@ -153,10 +236,13 @@ TEST(OpenHole, RefusesWhatCannotBeOpened) {
               HasSubstr("away from the target's surface"));
   EXPECT_THAT(error_of(bar, part, loop, {bar_side, -1.0}), HasSubstr("not a positive number"));
   EXPECT_THAT(error_of(bar, part, {0, 1, 2}, {bar_side}), HasSubstr("source"));
-  EXPECT_THAT(error_of(bar, part, loop, {bar_side, 100.0}), HasSubstr("larger than the surface"));
-  EXPECT_THAT(error_of(make_sample("torus", 40), part, loop, {Eigen::Vector3d(1.4, 0, 0.4), 6.0}),
+  EXPECT_THAT(error_of(bar, part, loop, {bar_side, 1e9}), HasSubstr("larger than the target, at size 1e+09"));
+  EXPECT_THAT(error_of(bar, part, loop, {bar_side, 1e-12}), HasSubstr("less than a millionth"));
+  EXPECT_THAT(error_of(bar, part, loop, {bar_side, std::nan("")}), HasSubstr("not a positive number"));
+  EXPECT_THAT(error_of(make_sample("torus", 24), part, loop, {Eigen::Vector3d(1.4, 0, 0.4), 6.0}),
               HasSubstr("no disc"));
-  EXPECT_THAT(error_of(sheet, part, loop, {boundary_loops(sheet).at(0).at(3)}), HasSubstr("the boundary"));
+  EXPECT_THAT(error_of(sheet, part, loop, {boundary_loops(sheet).at(0).at(3)}),
+              HasSubstr("is on the boundary"));
   EXPECT_THAT(error_of(tube, part, loop, {Eigen::Vector3d(0.5, 0, 3.9), 1.0}), HasSubstr("the boundary"));
   EXPECT_THAT(error_of(bar, bar, loop, {bar_side}), HasSubstr("has no boundary loop"));
 }
