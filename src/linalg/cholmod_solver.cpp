@@ -10,6 +10,7 @@
 #include "backends.h"
 #include "blas_threads.h"
 #include "dissection.h"
+#include "one_thread.h"
 
 namespace meshgraft {
 
@@ -81,7 +82,7 @@ class CholmodSolver final : public LinearSolver {
     context.step("factorise");
     const SingleThreadedBlas single_threaded;
     cholmod_sparse matrix = view(lower);
-    cholmod_l_factorize(&matrix, factor_, &common_);
+    with_one_openmp_thread([&] { cholmod_l_factorize(&matrix, factor_, &common_); });
     if (common_.status == CHOLMOD_NOT_POSDEF || factor_->minor < factor_->n)
       throw Error(ErrorCode::unsolvable,
                   fmt::format("the normal equations are not positive definite (at step {} of {})",
@@ -105,7 +106,8 @@ class CholmodSolver final : public LinearSolver {
     const SingleThreadedBlas single_threaded;
     const std::lock_guard lock(mutex_);  // the workspace is shared between callers
     cholmod_dense* x = nullptr;
-    cholmod_l_solve2(CHOLMOD_A, factor_, &b, nullptr, &x, nullptr, &work_y_, &work_e_, &common_);
+    with_one_openmp_thread(
+        [&] { cholmod_l_solve2(CHOLMOD_A, factor_, &b, nullptr, &x, nullptr, &work_y_, &work_e_, &common_); });
     check("solve");
     Eigen::MatrixXd result =
         Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), rhs.rows(), rhs.cols());
