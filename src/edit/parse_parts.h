@@ -2,8 +2,12 @@
 
 #include <array>
 #include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include <meshgraft/edit/edit_file.h>
 
@@ -28,8 +32,15 @@ inline constexpr std::array<std::string_view, 15> deformer_fields = {
     "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
 DeformerOptions parse_deformer(const json::Object& fields);
 
+/// Refuses an element whose name an earlier one of its list has.
+inline void require_new_name(std::set<std::string>& names, const std::string& name, const json::Value& value) {
+  if (!names.insert(name).second) value.fail(fmt::format("the name '{}' is already taken", name));
+}
+
+EditStep parse_deform_step(const json::Value& value);
 EditStep parse_merge_step(const json::Value& value);
 EditStep parse_cut_step(const json::Value& value);
+EditFile parse_deform_version_1(const json::Value& root);
 EditFile parse_merge_version_1(const json::Value& root);
 
 }  // namespace meshgraft

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -8,14 +7,13 @@
 #include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/merge/drop.h>
 #include <meshgraft/merge/merge.h>
-#include <meshgraft/merge/open_hole.h>
 #include <meshgraft/merge/pose_source.h>
 
+#include "../core/stopwatch.h"
 #include "run_steps.h"
 #include "selection_resolver.h"
-#include "../core/stopwatch.h"
 
 namespace meshgraft {
 
@@ -294,14 +292,6 @@ std::size_t dropped_loop(const DropSpec& drop, Side& source, const std::string& 
   return 0;
 }
 
-// First one, then the other.
-IndexMap composed(const IndexMap& first, const IndexMap& second) {
-  IndexMap both = first;
-  for (Index& v : both.new_index)
-    if (v >= 0) v = second.new_index[static_cast<std::size_t>(v)];
-  return both;
-}
-
 // The error of a library call, at the field of the step that it is about.
 Error placed(const Error& error, const std::string& place) {
   const std::string& inner = error.place();
@@ -314,41 +304,7 @@ Error placed(const Error& error, const std::string& place) {
   return error.within(place);
 }
 
-std::optional<Index> count_intersections(const Mesh& mesh, std::span<const Index> vertices,
-                                         const Context& context) {
-  const auto found = self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
-  return found ? std::optional<Index>(static_cast<Index>(found->size())) : std::nullopt;
-}
-
-// Pairs of faces that intersect: of the result, where the source or the seam takes part, and of the source.
-struct Intersections {
-  std::optional<Index> result, source;
-  double seconds = 0;
-
-  bool any_new() const { return result.value_or(0) > source.value_or(0); }
-};
-
-Intersections intersections_of(const Mesh& source, const MergeResult& merged, const Context& context) {
-  context.step("measure");
-  const Stopwatch watch;
-  std::vector<Index> moved, all;
-  for (Index v = 0; v < source.vertex_count(); ++v) {
-    all.push_back(v);
-    const Index now = merged.source.new_index[static_cast<std::size_t>(v)];
-    if (now >= 0) moved.push_back(now);
-  }
-  for (const Index face : merged.new_faces)
-    moved.insert(moved.end(), merged.mesh.faces[face].begin(), merged.mesh.faces[face].end());
-  std::sort(moved.begin(), moved.end());
-  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
-  Intersections found;
-  found.result = count_intersections(merged.mesh, moved, context);
-  found.source = found.result.value_or(0) > 0 ? count_intersections(source, all, context) : found.result;
-  found.seconds = watch.seconds();
-  return found;
-}
-
-void judge_intersections(const Intersections& found, const MergeStep& step, bool strict,
+void judge_intersections(const MergeIntersections& found, const MergeStep& step, bool strict,
                          std::vector<std::string>& notes, const std::string& place) {
   if (!found.any_new()) return;
   const std::string problem = fmt::format("{} pairs of faces of the result intersect", *found.result);
@@ -356,69 +312,6 @@ void judge_intersections(const Intersections& found, const MergeStep& step, bool
       step.at ? "another place, spin or size may help" : "another start, size or shape may help";
   if (strict) throw Error(ErrorCode::unsolvable, problem, place, remedy);
   notes.push_back(problem + "; " + remedy);
-}
-
-// A part on the target that was opened for it.
-struct Dropped {
-  OpenedHole hole;
-  MergeResult result;
-  MergeOptions options;
-  Intersections intersections;
-};
-
-// The rim of a dropped part bends until it is level with the surface. Where that turns it inside out, it bends
-// half as far, or not at all.
-Dropped merge_dropped(OpenedHole hole, const Mesh& part, MergeOptions options, const Context& context) {
-  const double asked_deg = options.normal_angle_deg;
-  options.size = hole.size;
-  Dropped dropped{std::move(hole), {}, options, {}};
-  const std::array pairs{dropped.hole.pair};
-  dropped.result = merge_meshes(dropped.hole.target, part, pairs, options, context);
-  if (asked_deg == 0)
-    for (const double angle_deg : {-45.0, -90.0}) {
-      if (dropped.result.report.shape.inverted == 0) break;
-      options.normal_angle_deg = angle_deg;
-      MergeResult other = merge_meshes(dropped.hole.target, part, pairs, options, context);
-      if (other.report.shape.inverted >= dropped.result.report.shape.inverted) continue;
-      dropped.result = std::move(other);
-      dropped.options = options;
-    }
-  if (dropped.options.normal_angle_deg != asked_deg)
-    dropped.hole.notes.push_back(fmt::format(
-        "the part's rim turned inside out where it bends into the surface, so it bends less: a normal "
-        "angle of {:.0f}° was used",
-        dropped.options.normal_angle_deg));
-  dropped.intersections = intersections_of(part, dropped.result, context);
-  return dropped;
-}
-
-// The part at the step's place, in its size. Where none is given, smaller ones are tried as long as the part
-// turns inside out, or would stand clear of the target and does not.
-Dropped drop_part(const MergeStep& step, const Mesh& target, const Mesh& part, const std::vector<Index>& loop,
-                  const MergeOptions& options, const Context& context) {
-  constexpr double smaller = 0.7;
-  constexpr int most_tries = 3;
-  Drop drop{step.at->place, step.size, step.at->spin_deg};
-  Dropped best = merge_dropped(open_hole(target, part, loop, drop, context), part, options, context);
-  const auto inverted = [&](const Dropped& dropped) { return dropped.result.report.shape.inverted; };
-  drop.size = best.hole.size;
-  for (int k = 0; k < most_tries && !step.size; ++k) {
-    if (inverted(best) == 0 && (!best.hole.clear || !best.intersections.any_new())) break;
-    drop.size = smaller * *drop.size;
-    Dropped other = merge_dropped(open_hole(target, part, loop, drop, context), part, options, context);
-    const bool better =
-        inverted(other) < inverted(best) || (inverted(other) == 0 && !other.intersections.any_new());
-    if (!better) continue;
-    best = std::move(other);
-    best.hole.notes.push_back(fmt::format(
-        "the part is scaled by {:.3g}: larger, it turns inside out or cuts into the target", *drop.size));
-  }
-  if (inverted(best) > 0 && options.shape == MergeShape::similar)
-    throw Error(ErrorCode::input,
-                fmt::format("the part turns inside out at {} vertices beside the hole, at size {:.3g}",
-                            inverted(best), best.hole.size),
-                "place", "Name another place, or a smaller size");
-  return best;
 }
 
 std::vector<Index> present(const IndexMap& map, Index count) {
@@ -490,27 +383,28 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   report.seconds.select = watch.lap();
 
   MergeResult result;
-  Intersections intersections;
+  MergeIntersections intersections;
   try {
     if (step.at) {
-      Dropped dropped =
-          drop_part(step, target.scene.mesh, part, pairs.front().loops.source, outcome.options, context);
-      result = std::move(dropped.result);
-      result.target = composed(dropped.hole.vertex, result.target);
+      const Drop drop{step.at->place, step.size, step.at->spin_deg};
+      DropResult dropped =
+          drop_part(target.scene.mesh, part, pairs.front().loops.source, drop, outcome.options, context);
+      result = std::move(dropped.merge);
       outcome.options = dropped.options;
-      report.notes = std::move(dropped.hole.notes);
+      report.notes = std::move(dropped.notes);
       intersections = dropped.intersections;
     } else {
       result = merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
-      intersections = intersections_of(part, result, context);
+      const Stopwatch measuring;
+      intersections = count_intersections(part, result, context);
+      report.seconds.measure = measuring.seconds();
     }
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(error, place);
   }
   // What remains is the hole's, and that of sizes that were tried before.
-  report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - intersections.seconds);
-  report.seconds.measure = intersections.seconds;
+  report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);
   take_seconds(result.report, report.seconds);
   outcome.report = std::move(result.report);
   outcome.target_map = result.target;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/merge/drop.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
@@ -225,6 +226,34 @@ TEST(OpenHole, ShrinksAPartThatWouldReachIntoTheTarget) {
   EXPECT_FALSE(asked.clear);
   ASSERT_EQ(asked.notes.size(), 1U);
   EXPECT_THAT(asked.notes.front(), HasSubstr("it stands clear"));
+}
+
+TEST(DropPart, GraftsOnAClosedTargetAndMapsItsVertices) {
+  const Mesh part = head();
+  for (const char* name : {"bar", "cactus"}) {
+    const Mesh target = make_sample(name, 20);
+    const Index top = [&] {
+      Eigen::Index highest = 0;
+      target.positions.col(2).maxCoeff(&highest);
+      return static_cast<Index>(highest);
+    }();
+    const Drop drop{std::string(name) == "bar" ? Drop{bar_side} : Drop{top, 0.3}};
+    const DropResult result = drop_part(target, part, only_loop(part), drop);
+    EXPECT_TRUE(result.merge.report.seam.manifold && result.merge.report.seam.oriented) << name;
+    EXPECT_EQ(result.merge.report.seam.euler_characteristic, summarise_topology(target).euler_characteristic);
+    EXPECT_EQ(result.merge.report.shape.inverted, 0);
+    EXPECT_FALSE(result.intersections.any_new()) << name;
+    ASSERT_TRUE(result.options.size.has_value());
+    EXPECT_EQ(*result.options.size, drop.size.value_or(1));
+    ASSERT_EQ(result.merge.target.new_index.size(), static_cast<std::size_t>(target.vertex_count()));
+    // Most of the target is where it was, under its new number.
+    Index unmoved = 0;
+    for (Index v = 0; v < target.vertex_count(); ++v) {
+      const Index now = result.merge.target.new_index[v];
+      unmoved += now >= 0 && result.merge.mesh.positions.row(now) == target.positions.row(v) ? 1 : 0;
+    }
+    EXPECT_GT(unmoved, target.vertex_count() / 2) << name;
+  }
 }
 
 TEST(OpenHole, RefusesWhatCannotBeOpened) {

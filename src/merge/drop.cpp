@@ -1,0 +1,113 @@
+#include <meshgraft/merge/drop.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/intersections.h>
+
+namespace meshgraft {
+
+namespace {
+
+std::optional<Index> count_pairs(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  const auto found = self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
+  return found ? std::optional<Index>(static_cast<Index>(found->size())) : std::nullopt;
+}
+
+/// One try in one size.
+struct Trial {
+  OpenedHole hole;
+  DropResult drop;
+
+  Index inverted() const { return drop.merge.report.shape.inverted; }
+};
+
+Trial graft_in_hole(OpenedHole hole, const Mesh& part, const MergeOptions& asked, const Context& context) {
+  Trial trial{std::move(hole), {}};
+  DropResult& drop = trial.drop;
+  drop.options = asked;
+  drop.options.size = trial.hole.size;
+  const std::array pairs{trial.hole.pair};
+  drop.merge = merge_meshes(trial.hole.target, part, pairs, drop.options, context);
+  if (asked.normal_angle_deg == 0)
+    for (const double angle_deg : {-45.0, -90.0}) {
+      if (trial.inverted() == 0) break;
+      MergeOptions options = drop.options;
+      options.normal_angle_deg = angle_deg;
+      MergeResult other = merge_meshes(trial.hole.target, part, pairs, options, context);
+      if (other.report.shape.inverted >= trial.inverted()) continue;
+      drop.merge = std::move(other);
+      drop.options = options;
+    }
+  drop.notes = trial.hole.notes;
+  if (drop.options.normal_angle_deg != asked.normal_angle_deg)
+    drop.notes.push_back(fmt::format(
+        "the part's rim turned inside out where it bends into the surface, so it bends less: a normal "
+        "angle of {:.0f}° was used",
+        drop.options.normal_angle_deg));
+  drop.intersections = count_intersections(part, drop.merge, context);
+  return trial;
+}
+
+}  // namespace
+
+MergeIntersections count_intersections(const Mesh& source, const MergeResult& merged, const Context& context) {
+  context.step("measure");
+  std::vector<Index> moved;
+  for (const Index v : merged.source.new_index)
+    if (v >= 0) moved.push_back(v);
+  for (const Index face : merged.new_faces)
+    moved.insert(moved.end(), merged.mesh.faces[face].begin(), merged.mesh.faces[face].end());
+  std::sort(moved.begin(), moved.end());
+  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+  MergeIntersections found;
+  found.result = found.source = count_pairs(merged.mesh, moved, context);
+  if (found.result.value_or(0) == 0) return found;
+  std::vector<Index> all(static_cast<std::size_t>(source.vertex_count()));
+  std::iota(all.begin(), all.end(), Index{0});
+  found.source = count_pairs(source, all, context);
+  return found;
+}
+
+DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
+                     const Drop& drop, const MergeOptions& options, const Context& context) {
+  constexpr double smaller = 0.7;
+  constexpr int most_tries = 3;
+  Drop trying = drop;
+  const auto trial_of_size = [&] {
+    return graft_in_hole(open_hole(target, source, source_loop, trying, context), source, options, context);
+  };
+  Trial best = trial_of_size();
+  trying.size = best.hole.size;
+  for (int k = 0; k < most_tries && !drop.size; ++k) {
+    if (best.inverted() == 0 && (!best.hole.clear || !best.drop.intersections.any_new())) break;
+    trying.size = smaller * *trying.size;
+    Trial other = trial_of_size();
+    const bool better =
+        other.inverted() < best.inverted() || (other.inverted() == 0 && !other.drop.intersections.any_new());
+    if (!better) continue;
+    best = std::move(other);
+    best.drop.notes.push_back(fmt::format(
+        "the part is scaled by {:.3g}: larger, it turns inside out or cuts into the target", *trying.size));
+  }
+  if (best.inverted() > 0 && options.shape == MergeShape::similar)
+    throw Error(ErrorCode::input,
+                fmt::format("the part turns inside out at {} vertices beside the hole, at size {:.3g}",
+                            best.inverted(), best.hole.size),
+                "place", "Name another place, or a smaller size");
+  // From the closed target on.
+  IndexMap& map = best.drop.merge.target;
+  IndexMap from_closed = best.hole.vertex;
+  for (Index& v : from_closed.new_index)
+    if (v >= 0) v = map.new_index[static_cast<std::size_t>(v)];
+  map = std::move(from_closed);
+  return std::move(best.drop);
+}
+
+}  // namespace meshgraft
