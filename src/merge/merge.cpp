@@ -289,7 +289,7 @@ double misfit_rel(const Points& posed, std::span<const VertexConstraint> held) {
 }
 
 void add_notes(MergeReport& report, const MergeOptions& options) {
-  constexpr double ragged_deg = 25, unsure = 0.25, unlike = 0.25, folded_deg = 60, far_off = 3;
+  constexpr double ragged_deg = 25, unsure = 0.25, unlike = 0.25, folded_deg = 60, far_off = 4;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
