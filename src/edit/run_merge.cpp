@@ -76,8 +76,14 @@ void require_sound(const Side& side, std::size_t number, const std::string& plac
 // The boundary loop that has exactly the selected vertices.
 std::size_t loop_of(Side& side, const SelectionSpec& spec, const std::string& place) {
   require_loops(side, place);
-  const std::vector<Index> wanted = side.selections.vertices(spec, place);
   const auto& loops = side.context.loops;
+  if (const auto* loop = std::get_if<Selection::Loop>(&spec.kind)) {
+    if (loop->number >= 0 && static_cast<std::size_t>(loop->number) < loops.size())
+      return static_cast<std::size_t>(loop->number);
+    throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop {}", side.name, loop->number), place,
+                fmt::format("Its loops are {}.", loop_list(side)));
+  }
+  const std::vector<Index> wanted = side.selections.vertices(spec, place);
   for (std::size_t k = 0; k < loops.size(); ++k) {
     if (loops[k].size() != wanted.size()) continue;
     std::vector<Index> sorted = loops[k];
@@ -169,7 +175,7 @@ void add_matches(const MergeStep& step, const Side& source, const Side& target, 
     if (pair == pairs.end() || pair->source != from || pair->target != to)
       throw Error(
           ErrorCode::input,
-          fmt::format("it joins loop {} of the source and loop {} of the target, which are no pair", from, to),
+          fmt::format("it joins loop {} of the target and loop {} of the source, which are no pair", to, from),
           where);
     pair->matches.push_back(match);
   }
@@ -233,7 +239,12 @@ MergeOptions resolve_options(const MergeStep& step, Side& source, const Settings
   options.pose = step.pose;
   options.shape = overrides.shape.value_or(step.shape);
   options.reach = step.reach;
-  if (step.fixed) options.fixed = source.selections.vertices(*step.fixed, place + ".fixed");
+  if (step.fixed) {
+    options.fixed = source.selections.vertices(*step.fixed, place + ".fixed");
+    if (options.fixed.empty())
+      throw Error(ErrorCode::input, "it selects no vertex of the source", place + ".fixed",
+                  "Name some, or leave it out: then the part beyond reach stays");
+  }
   for (std::size_t i = 0; i < step.features.size(); ++i)
     options.features.push_back(
         {source.selections.vertices(step.features[i].select, fmt::format("{}.features[{}].select", place, i)),
@@ -308,10 +319,9 @@ void judge_intersections(const MergeIntersections& found, const MergeStep& step,
                          std::vector<std::string>& notes, const std::string& place) {
   if (!found.any_new()) return;
   const std::string problem = fmt::format("{} pairs of faces of the result intersect", *found.result);
-  const std::string remedy =
-      step.at ? "another place, spin or size may help" : "another start, size or shape may help";
-  if (strict) throw Error(ErrorCode::unsolvable, problem, place, remedy);
-  notes.push_back(problem + "; " + remedy);
+  const std::string remedy = step.at ? "place, spin or size may help" : "start, size or shape may help";
+  if (strict) throw Error(ErrorCode::unsolvable, problem, place, "Another " + remedy);
+  notes.push_back(problem + "; another " + remedy);
 }
 
 std::vector<Index> present(const IndexMap& map, Index count) {
@@ -414,6 +424,9 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   report.notes.insert(report.notes.end(), outcome.report.notes.begin(), outcome.report.notes.end());
   outcome.self_intersections = intersections.result;
   outcome.source_self_intersections = intersections.source;
+  if (options.strict && !outcome.report.seam.manifold)
+    throw Error(ErrorCode::unsolvable, "the result is not a manifold", place,
+                "`meshgraft info` tells whether one of the two meshes was not");
   judge_intersections(intersections, step, options.strict, report.notes, place);
 
   report.counts.vertices = result.mesh.vertex_count();

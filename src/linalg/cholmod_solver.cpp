@@ -67,6 +67,8 @@ class CholmodSolver final : public LinearSolver {
     std::vector<std::int64_t> order;
     if (dissects) order = dissection_order(matrix, dissect(lower, graph, context));
     cholmod_l_free_factor(&factor_, &common_);
+    std::unique_lock metis_lock(metis_mutex(), std::defer_lock);
+    if (use_metis) metis_lock.lock();
     factor_ = cholmod_l_analyze_p(&matrix, dissects ? order.data() : nullptr, nullptr, 0, &common_);
     check("analysis");
     context.throw_if_stopped();

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <mutex>
+#include <memory>
+#include <new>
 #include <span>
+#include <utility>
 
 namespace meshgraft {
 
@@ -39,8 +41,7 @@ std::vector<int> bisect(const CouplingGraph& graph, int levels) {
   std::vector<idx_t> options(METIS_NOPTIONS), part(weights.size(), 0);
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_SEED] = 1;
-  static std::mutex one_at_a_time;  // METIS draws from the C library's random numbers
-  const std::lock_guard lock(one_at_a_time);
+  const std::lock_guard lock(metis_mutex());
   const int status = METIS_PartGraphRecursive(&vertices, &constraints, offsets.data(), neighbours.data(),
                                               weights.data(), nullptr, nullptr, &parts, nullptr, nullptr,
                                               options.data(), &cut_edges, part.data());
@@ -83,18 +84,22 @@ std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vecto
   across.nz = -1;  // columns are compressed
   across.p = offsets.data();
   across.i = rows.data();
-  cs_dld* blocks = cs_dl_dmperm(&across, 0);
+  const std::unique_ptr<cs_dld, decltype(&cs_dl_dfree)> blocks(cs_dl_dmperm(&across, 0), &cs_dl_dfree);
   if (blocks == nullptr) throw std::bad_alloc();
   std::vector<int> touching;
   for (SuiteSparse_long k = 0; k < blocks->rr[2]; ++k) touching.push_back(left[blocks->p[k]]);
   for (SuiteSparse_long k = blocks->cc[3]; k < blocks->cc[4]; ++k) touching.push_back(right[blocks->q[k]]);
-  cs_dl_dfree(blocks);
   for (const int unknown : left) place[unknown] = -1;
   for (const int unknown : right) place[unknown] = -1;
   return touching;
 }
 
 }  // namespace
+
+std::mutex& metis_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 std::vector<std::int64_t> dissect(const NormalMatrix& lower, const CouplingGraph& graph,
                                   const Context& context) {

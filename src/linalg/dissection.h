@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 #include <meshgraft/linalg/linear_solver.h>
@@ -14,5 +15,9 @@ namespace meshgraft {
 /// coupled, with four times the fill.
 std::vector<std::int64_t> dissect(const NormalMatrix& lower, const CouplingGraph& graph,
                                   const Context& context = {});
+
+/// Held by whoever calls METIS, directly or through CHOLMOD: it seeds and draws the C library's random numbers,
+/// so its cuts are the same every time only while nobody else does.
+std::mutex& metis_mutex();
 
 }  // namespace meshgraft

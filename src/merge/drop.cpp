@@ -79,6 +79,9 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
                      const Drop& drop, const MergeOptions& options, const Context& context) {
   constexpr double smaller = 0.7;
   constexpr int most_tries = 3;
+  if (options.pose != MergePose::find)
+    throw Error(ErrorCode::input, "a part that is dropped has no pose to keep", "pose",
+                "Let the pose be found");
   Drop trying = drop;
   const auto trial_of_size = [&] {
     return graft_in_hole(open_hole(target, source, source_loop, trying, context), source, options, context);
@@ -88,11 +91,16 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
   for (int k = 0; k < most_tries && !drop.size; ++k) {
     if (best.inverted() == 0 && (!best.hole.clear || !best.drop.intersections.any_new())) break;
     trying.size = smaller * *trying.size;
-    Trial other = trial_of_size();
-    const bool better =
-        other.inverted() < best.inverted() || (other.inverted() == 0 && !other.drop.intersections.any_new());
-    if (!better) continue;
-    best = std::move(other);
+    try {
+      Trial other = trial_of_size();
+      const bool better =
+          other.inverted() < best.inverted() || (other.inverted() == 0 && !other.drop.intersections.any_new());
+      if (!better) continue;
+      best = std::move(other);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      continue;  // this size does not fit
+    }
     best.drop.notes.push_back(fmt::format(
         "the part is scaled by {:.3g}: larger, it turns inside out or cuts into the target", *trying.size));
   }

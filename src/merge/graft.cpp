@@ -77,6 +77,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   if (options.pose == MergePose::keep) {
     for (const Index v : far) taken[v] |= stays;
     for (const Index v : options.fixed) taken[v] |= stays;
+    for (const VertexConstraint& held : constraints) taken[held.vertex] &= static_cast<std::uint8_t>(~stays);
   }
   std::vector<Feature> features;
   for (const MergeFeature& feature : options.features) {

@@ -42,13 +42,24 @@ std::string_view to_string(MergeShape value) {
 
 namespace {
 
-void validate(const MergeOptions& options, const Mesh& source) {
+double diagonal(const Mesh& mesh) {
+  if (mesh.vertex_count() == 0) return 0;
+  return (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).norm();
+}
+
+void validate(const MergeOptions& options, const Mesh& source, const Mesh& target) {
   const auto require = [](bool good, std::string what, const char* field, std::string remedy = {}) {
     if (!good) throw Error(ErrorCode::input, std::move(what), field, std::move(remedy));
   };
-  if (options.size)
-    require(*options.size > 0 && *options.size < 1e100,
-            fmt::format("{} is not a positive number", *options.size), "size");
+  if (options.size) {
+    constexpr double extreme = 1e6;
+    const double same = diagonal(target) / diagonal(source);  // makes both equally large
+    require(*options.size > 0, fmt::format("{} is not a positive number", *options.size), "size");
+    require(!(*options.size < same / extreme) && !(*options.size > same * extreme),
+            fmt::format("{:.3g} makes the part over a million times {} than the target", *options.size,
+                        *options.size < same ? "smaller" : "larger"),
+            "size", fmt::format("Size {:.2g} makes both equally large", same));
+  }
   require(std::abs(options.normal_angle_deg) <= 180,
           fmt::format("{} is not between -180 and 180", options.normal_angle_deg), "normal_angle_deg");
   require(!options.reach.rings || *options.reach.rings >= 1, "it is less than one ring", "reach");
@@ -254,9 +265,10 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
     report.factorise_seconds += graft.summary.analyse_seconds + graft.summary.factorise_seconds;
     ShapeReport shape = measure_shape(part.rest, graft.positions, part.triangles, far, part.component);
     shape.inverted = graft.evaluation.inverted_maps;
-    if (doubling > 0 && shape.inverted >= report.shape.inverted &&
-        shape.smallest_singular_p5 < report.shape.smallest_singular_p5 + better)
-      continue;
+    const bool helps = shape.inverted < report.shape.inverted ||
+                       (shape.inverted == report.shape.inverted &&
+                        shape.smallest_singular_p5 >= report.shape.smallest_singular_p5 + better);
+    if (doubling > 0 && !helps) continue;
     best = std::move(graft);
     report.shape = shape;
     report.evaluation = best.evaluation;
@@ -289,7 +301,7 @@ double misfit_rel(const Points& posed, std::span<const VertexConstraint> held) {
 }
 
 void add_notes(MergeReport& report, const MergeOptions& options) {
-  constexpr double ragged_deg = 25, unsure = 0.25, unlike = 0.25, folded_deg = 60, far_off = 4;
+  constexpr double ragged_deg = 25, unsure = 0.4, unlike = 0.25, folded_deg = 60, far_off = 4;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
@@ -305,7 +317,7 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
   }
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const double misfit = report.pairs[p].misfit_rel;
-    if (options.pose == MergePose::keep && misfit > far_off)
+    if (options.pose == MergePose::keep && (misfit > far_off || (misfit > 1 && report.shape.inverted > 0)))
       report.notes.push_back(fmt::format(
           "the source's loop of pair {} is {:.3g} times the radius of the target's away, and the part "
           "is drawn out that far; --pose find brings it there",
@@ -322,6 +334,9 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
         fmt::format("the part is squeezed to {:.0f} % of its width near the seam; another reach, a "
                     "finer part, or a given size may help",
                     100 * report.shape.smallest_singular_p5));
+  if (!report.seam.manifold)
+    report.notes.emplace_back(
+        "the result is not a manifold; `meshgraft info` tells whether one of the two meshes was not");
   if (report.evaluation.fell_back_to_linear)
     report.notes.emplace_back("a feature turned inside out, so maps were blended linearly");
   if (report.shape.inverted > 0)
@@ -360,7 +375,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
 
   // Loops, and which of their points meet.
   context.step("match");
-  validate(options, source_mesh);
+  validate(options, source_mesh, target);
   const bool turn = windings_disagree(target, source_mesh);
   if (turn && !options.fix_winding)
     throw Error(

@@ -658,6 +658,9 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
                                 const Context& context) {
   constexpr double least_width = 1e-3;  // × the target's diagonal
   const SizeRange range(target, loop);
+  if (range.least > 1)
+    throw Error(ErrorCode::input, "the part's loop is less than a millionth of the target's size", "size",
+                fmt::format("Are their units different? Give a size of {:.2g} or more", 1.1 * range.least));
   const double least = std::min(smaller, least_width * range.largest);
   const Fitting fitting(target, loop, drop, std::min(1.0, range.largest), context);
   std::string why = "the part's loop is larger than the target";
