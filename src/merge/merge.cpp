@@ -244,7 +244,7 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
                          const MergeOptions& options, MergeReport& report, const Context& context) {
   constexpr double roomy = 0.7, better = 0.03, fewest_far = 0.05;
   constexpr int most_doublings = 3;
-  constexpr std::size_t most_near = 40000;  // vertices; a longer reach takes many seconds
+  constexpr std::size_t most_near = 20000;  // vertices; a longer reach takes many seconds
   const IndexLists rings = vertex_rings(static_cast<Index>(part.rest.rows()), part.triangles, context);
   const bool by_list = options.pose == MergePose::keep && !options.fixed.empty();
   const bool given = options.reach.rings || options.reach.length || options.shape == MergeShape::ft05 ||
