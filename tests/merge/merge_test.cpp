@@ -335,6 +335,44 @@ TEST(Merge, BendsPartsOfFewRows) {
         }
 }
 
+TEST(Merge, KeepsAPartThatIsFixedAsAWhole) {
+  const Mesh target = holed(1, 0, true), source = peg(6, 16);
+  const MergePair pair{{first_loop(source), first_loop(target)}, {{0, 0}}};
+  MergeOptions options{.pose = MergePose::keep};
+  for (Index v = 0; v < source.vertex_count(); ++v) options.fixed.push_back(v);
+  const MergeResult result = merge_meshes(target, source, {{pair}}, options);
+  const std::vector<Index> loop = first_loop(source);
+  for (Index v = 0; v < source.vertex_count(); ++v)
+    if (std::find(loop.begin(), loop.end(), v) == loop.end())
+      EXPECT_EQ(result.grafted.row(v), source.positions.row(v)) << v;
+}
+
+TEST(Merge, RefusesSizesAMillionTimesOff) {
+  const Mesh target = holed(1, 0, true), source = peg(6, 16);
+  const MergePair pair{{first_loop(source), first_loop(target)}, {{0, 0}}};
+  for (const double size : {1e-300, 1e-20, 1e9, 1e99, 1e300}) {
+    try {
+      merge_meshes(target, source, {{pair}}, {.size = size});
+      ADD_FAILURE() << size << " was accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.place(), "size");
+      EXPECT_THAT(error.what(), HasSubstr("a million times"));
+    }
+  }
+}
+
+TEST(Merge, TellsWhenTheResultIsNoManifold) {
+  const Mesh target = holed(1, 0, true);
+  Mesh source = peg(6, 16);
+  const MergePair pair{{first_loop(source), first_loop(target)}, {{0, 0}}};
+  const auto merged = [&] { return merge_meshes(target, source, {{pair}}).report; };
+  EXPECT_TRUE(merged().seam.manifold);
+  EXPECT_THAT(merged().notes, testing::Not(testing::Contains(HasSubstr("not a manifold"))));
+  source.faces.push_back(std::vector<Index>{5 * 16, 5 * 16 + 8, 6 * 16});  // a wall within the cap
+  EXPECT_FALSE(merged().seam.manifold);
+  EXPECT_THAT(merged().notes, testing::Contains(HasSubstr("not a manifold")));
+}
+
 TEST(Merge, TellsWhenAKeptPoseDrawsOutANeck) {
   const Mesh target = holed(1, 0, true);
   Mesh source = peg(6, 16);
