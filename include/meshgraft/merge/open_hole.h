@@ -27,10 +27,12 @@ struct Drop {
 /// A target with a hole for a source's loop.
 struct OpenedHole {
   Mesh target;
-  IndexMap vertex;    ///< target's vertices → `target`; -1 within the hole
-  MergePair pair;     ///< the two loops, and vertices of them that meet
-  double size = 1;    ///< of the source
-  bool clear = true;  ///< the source does not cut through the target there, as it would stand undeformed
+  IndexMap vertex;  ///< target's vertices → `target`; -1 within the hole
+  MergePair pair;   ///< the two loops, and vertices of them that meet
+  double size = 1;  ///< of the source
+  /// The source does not cut through the target there, as it would stand undeformed. Not known in a build
+  /// without CGAL, where it is true.
+  bool clear = true;
   std::vector<std::string> notes;  ///< sentences for people
 };
 
