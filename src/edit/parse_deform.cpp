@@ -223,12 +223,7 @@ EditFile parse_deform_version_1(const Value& root) {
   const Object fields(root, {"format", "version", "kind", "name", "about", "paper", "mesh", "counts", "roi",
                              "fixed", "handles", "expected"});
   EditFile edit;
-  fields.optional("name", [&](const Value& v) { edit.name = v.string(); });
-  fields.optional("about", [&](const Value& v) { edit.about = v.string(); });
-  fields.optional("paper", [](const Value& v) { v.string(); });
-  fields.optional("expected", [](const Value& v) {
-    if (!v.is_null() && !v.is_object()) v.fail("expected an object or null");
-  });
+  read_heading_version_1(fields, edit);
   EditInput input;
   input.name = "mesh";
   input.file = fields.required("mesh").name();

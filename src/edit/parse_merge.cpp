@@ -269,12 +269,7 @@ EditFile parse_merge_version_1(const Value& root) {
       root, {"format", "version", "kind", "mode", "name", "about", "paper", "source", "target", "counts",
              "source_transform", "normal_angle_degrees", "pairs", "handles", "expected"});
   EditFile edit;
-  fields.optional("name", [&](const Value& v) { edit.name = v.string(); });
-  fields.optional("about", [&](const Value& v) { edit.about = v.string(); });
-  fields.optional("paper", [](const Value& v) { v.string(); });
-  fields.optional("expected", [](const Value& v) {
-    if (!v.is_null() && !v.is_object()) v.fail("expected an object or null");
-  });
+  read_heading_version_1(fields, edit);
   edit.inputs.push_back({.name = "source", .file = fields.required("source").name()});
   edit.inputs.push_back({.name = "target", .file = fields.required("target").name()});
 

@@ -25,6 +25,16 @@ inline void read_count(const json::Object& fields, std::string_view key, std::op
   fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
 }
 
+/// What both kinds of version 1 files say of themselves.
+inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
+  fields.optional("name", [&](const json::Value& v) { edit.name = v.string(); });
+  fields.optional("about", [&](const json::Value& v) { edit.about = v.string(); });
+  fields.optional("paper", [](const json::Value& v) { v.string(); });
+  fields.optional("expected", [](const json::Value& v) {
+    if (!v.is_null() && !v.is_object()) v.fail("expected an object or null");
+  });
+}
+
 /// The fields of settings that `parse_deformer` reads.
 inline constexpr std::array<std::string_view, 15> deformer_fields = {
     "method",  "stiffness",        "iterations",      "smoothing_length_rel", "weights",
