@@ -159,10 +159,24 @@ class Resolver {
   explicit Resolver(const SelectionContext& context) : context_(context), count_(context.mesh.vertex_count()) {}
 
   std::vector<Index> resolve(const Selection& selection, const std::string& place) const {
-    return std::visit([&](const auto& kind) { return vertices(kind, place); }, selection.kind);
+    std::vector<Index> found =
+        std::visit([&](const auto& kind) { return vertices(kind, place); }, selection.kind);
+    return context_.weld.empty() ? found : representatives(found);
   }
 
  private:
+  // Each place once, where it comes first.
+  std::vector<Index> representatives(std::span<const Index> vertices) const {
+    Flags seen(count_, false);
+    std::vector<Index> distinct;
+    for (const Index v : vertices) {
+      const Index place = context_.weld.of(v);
+      if (!seen[place]) distinct.push_back(place);
+      seen[place] = true;
+    }
+    return distinct;
+  }
+
   Eigen::Vector3d position(Index v) const { return context_.mesh.positions.row(v).transpose(); }
 
   std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& place) const {
@@ -447,8 +461,9 @@ std::optional<Number> parse_number(std::string_view text) {
 
 }  // namespace
 
-SelectionContext::SelectionContext(const Mesh& the_mesh)
+SelectionContext::SelectionContext(const Mesh& the_mesh, Weld the_weld)
     : mesh(the_mesh),
+      weld(std::move(the_weld)),
       rings(vertex_rings(the_mesh.vertex_count(), the_mesh.faces)),
       components(connected_components(the_mesh)),
       loops(boundary_loops(the_mesh)) {}

@@ -168,13 +168,14 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
 
 DeformSettings parse_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
-  known.emplace_back("refine_boundary");
+  known.insert(known.end(), {"refine_boundary", "weld"});
   const Object fields(value, known);
   DeformSettings settings;
   settings.deformer = parse_deformer(fields);
   fields.optional("refine_boundary", [&](const Value& v) {
     settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
   });
+  fields.optional("weld", [&](const Value& v) { settings.weld = v.boolean(); });
   return settings;
 }
 

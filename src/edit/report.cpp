@@ -177,7 +177,8 @@ void add_cut(Json& json, const CutOutcome& cut) {
 Json settings_in_force(const StepReport& step) {
   if (std::holds_alternative<DeformMethod>(step.method)) return settings_json(step.settings);
   return {{"backend", backend_word(step.settings.deformer.backend)},
-          {"refine_boundary", step.settings.refine_boundary}};
+          {"refine_boundary", step.settings.refine_boundary},
+          {"weld", step.settings.weld}};
 }
 
 Json deform_json(const StepReport& step) {

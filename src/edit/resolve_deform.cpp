@@ -121,13 +121,15 @@ HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const Select
 }
 
 // Targets and transforms joined per vertex, ascending.
-std::vector<VertexConstraint> resolve_constraints(const DeformStep& step, Index vertex_count, Roles& roles,
-                                                  const std::string& place) {
+std::vector<VertexConstraint> resolve_constraints(const DeformStep& step, const SelectionContext& context,
+                                                  Roles& roles, const std::string& place) {
+  const Index vertex_count = context.mesh.vertex_count();
   std::map<Index, VertexConstraint> constraints;
   const auto constraint_of = [&](Index vertex, const std::string& where) -> VertexConstraint& {
     if (vertex >= vertex_count)
       throw Error(ErrorCode::input,
                   fmt::format("vertex {} does not exist; the mesh has {}", vertex, vertex_count), where);
+    vertex = context.weld.of(vertex);
     auto [entry, is_new] = constraints.try_emplace(vertex);
     if (is_new) {
       if (!roles.is_inside(vertex))
@@ -144,14 +146,14 @@ std::vector<VertexConstraint> resolve_constraints(const DeformStep& step, Index 
   for (std::size_t i = 0; i < step.targets.size(); ++i) {
     const std::string where = fmt::format("{}.targets[{}]", place, i);
     VertexConstraint& constraint = constraint_of(step.targets[i].vertex, where);
-    if (constraint.position)
+    if (constraint.position && (context.weld.empty() || *constraint.position != step.targets[i].position))
       throw Error(ErrorCode::input, fmt::format("vertex {} has two targets", constraint.vertex), where);
     constraint.position = step.targets[i].position;
   }
   for (std::size_t i = 0; i < step.transforms.size(); ++i) {
     const std::string where = fmt::format("{}.transforms[{}]", place, i);
     VertexConstraint& constraint = constraint_of(step.transforms[i].vertex, where);
-    if (constraint.transform)
+    if (constraint.transform && (context.weld.empty() || *constraint.transform != step.transforms[i].matrix))
       throw Error(ErrorCode::input, fmt::format("vertex {} has two transforms", constraint.vertex), where);
     constraint.transform = step.transforms[i].matrix;
   }
@@ -233,7 +235,7 @@ ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, cons
         resolve_pose(step.handles[i].pose, handle, selections, edit, context, handle_place + ".pose"));
     region.handles.push_back(std::move(handle));
   }
-  resolved.constraints = resolve_constraints(step, mesh.vertex_count(), roles, place);
+  resolved.constraints = resolve_constraints(step, context, roles, place);
 
   // A rim that nobody asked for gives way to handles and targets.
   for (const Index v : rim) {
@@ -249,7 +251,7 @@ ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, cons
   found.free = *found.region - *found.fixed - handle_count - static_cast<Index>(resolved.constraints.size());
   require_counts(step.counts, found, place);
 
-  region.whole = *found.region == mesh.vertex_count();
+  region.whole = all || *found.region == mesh.vertex_count();
   if (!region.whole) region.vertices = std::move(inside);
   return resolved;
 }

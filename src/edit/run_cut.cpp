@@ -6,8 +6,8 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "run_steps.h"
 #include "../core/stopwatch.h"
+#include "run_steps.h"
 
 namespace meshgraft {
 
@@ -70,6 +70,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
 
   Scene opened = make_scene(std::move(result.mesh), scene.label + ", cut", context);
   opened.produced = std::move(produced);
+  opened.is_cut = true;
   scenes.insert_or_assign(report.result, std::move(opened));
   report.seconds.triage = watch.lap();
   report.seconds.total = watch.seconds();

@@ -16,12 +16,13 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/weld.h>
 #include <meshgraft/samples/samples.h>
 
+#include "../core/stopwatch.h"
 #include "refine_boundary.h"
 #include "run_steps.h"
 #include "sha256.h"
-#include "../core/stopwatch.h"
 
 namespace meshgraft {
 
@@ -46,10 +47,11 @@ std::string label_of(const EditInput& input) {
                                : fmt::format("sample {} at resolution {}", input.sample, input.resolution);
 }
 
-void require_usable_within_reach(const Scene& scene, const Region& region, const IndexLists& rings, int reach) {
+void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionContext& selections,
+                                 int reach) {
   const std::vector<Index> vertices =
-      region.whole ? std::vector<Index>() : grow_rings(region.vertices, reach, rings);
-  require_usable(scene.triage, scene.mesh, vertices, scene.label);
+      region.whole ? std::vector<Index>() : grow_rings(region.vertices, reach, selections.rings);
+  require_usable(scene.triage, selections.mesh, vertices, scene.label);
 }
 
 // All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
@@ -160,6 +162,13 @@ std::vector<std::string> notes_of(const StepReport& report) {
   return notes;
 }
 
+std::string weld_note(const Weld& weld) {
+  return fmt::format(
+      "{} boundary vertices at {} places were welded for the solve; the result keeps them apart "
+      "('weld': false lets such places open)",
+      weld.copies + weld.places, weld.places);
+}
+
 double largest_displacement(const Points& rest, const Points& edited) {
   double largest = 0;
   for (Eigen::Index i = 0; i < rest.rows(); ++i)
@@ -183,16 +192,20 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.settings.deformer = effective_options(step.settings.deformer, options.overrides);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
+  const Weld weld = report.settings.weld && !scene.is_cut ? coincident_boundary(scene.mesh, context) : Weld();
+  Mesh whole = weld.empty() ? Mesh() : welded(scene.mesh, weld);
+  Mesh& mesh = weld.empty() ? scene.mesh : whole;
+
   context.step("select");
   DeformProblem problem;
   {
-    const SelectionContext selections(scene.mesh);
+    const SelectionContext selections(mesh, weld);
     problem.deform = resolve_deform(edit, step, selections, place, scene.produced);
     report.seconds.select = watch.lap();
-    require_usable_within_reach(scene, problem.deform.region, selections.rings, reach_rings(report.settings));
+    require_usable_within_reach(scene, problem.deform.region, selections, reach_rings(report.settings));
   }
-  problem.rest = scene.mesh.positions;
-  problem.triangles = triangulate(scene.mesh, {.skip_out_of_range = true}).triangles;
+  problem.rest = mesh.positions;
+  problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   const Triangles triangles = problem.triangles;
   report.seconds.triage = watch.lap();
 
@@ -217,13 +230,18 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   watch.lap();
   const Index count = scene.mesh.vertex_count();
   std::erase_if(solution.free, [&](Index v) { return v >= count; });
-  const Points rest = std::exchange(scene.mesh.positions, solution.positions.topRows(count));
-  update_normals(scene.mesh, rest);
+  const Points rest = std::exchange(mesh.positions, solution.positions.topRows(count));
+  update_normals(mesh, rest);
   for (const Index v : solution.free) scene.was_free[v] = 1;
+  if (!weld.empty()) {
+    unweld(mesh, weld, scene.mesh);
+    for (Index v = 0; v < count; ++v) scene.was_free[v] = scene.was_free[weld.of(v)];
+  }
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
   report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
   report.notes = notes_of(report);
+  if (!weld.empty()) report.notes.push_back(weld_note(weld));
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();
   return report;

@@ -22,6 +22,7 @@ struct Scene {
   std::string label;  ///< the file or sample it came from
   TriageReport triage;
   std::vector<std::uint8_t> was_free;  ///< per vertex, in any deform step
+  bool is_cut = false;                 ///< by the edit: what lies at one place there was taken apart on purpose
   ProducedSets produced;
 };
 

@@ -72,6 +72,75 @@ class RunEdit : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+/// Every face with vertices of its own; vertex `origin[v]` of the mesh is at the place of v.
+Mesh soup_of(const Mesh& mesh, std::vector<Index>& origin) {
+  Mesh soup;
+  origin = mesh.faces.corners();
+  soup.positions.resize(static_cast<Eigen::Index>(origin.size()), 3);
+  for (std::size_t c = 0; c < origin.size(); ++c)
+    soup.positions.row(static_cast<Eigen::Index>(c)) = mesh.positions.row(origin[c]);
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    const Index first = mesh.faces.first_corner(f);
+    soup.faces.push_back(std::vector<Index>{first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+TEST_F(RunEdit, SolvesASoupAsTheSurfaceThatItIsOf) {
+  std::vector<Index> origin;
+  const Mesh soup = soup_of(sheet(), origin);
+  write_mesh(soup, folder_ / "soup.ply");
+  const std::string within = R"({"kind": "deform", "mesh": "sheet",
+      "region": {"grow": {"of": {"sphere": {"centre": [5, 6, 0], "radius": 2.5}}, "rings": 3}},
+      "handles": [{"name": "bump", "select": {"sphere": {"centre": [5, 6, 0], "radius": 1.6}},
+                   "pose": {"translate": [0, 0, 2]}}]})";
+  for (const std::string& text : {step(), within}) {
+    const EditResult whole = run_edit(edit(text));
+    const EditResult result = run_edit(edit(text, R"({"file": "soup.ply"})"));
+    EXPECT_EQ(result.mesh.faces, soup.faces);
+    EXPECT_EQ(result.report.steps[0].counts.free, whole.report.steps[0].counts.free);
+    for (Index v = 0; v < soup.vertex_count(); ++v)
+      EXPECT_LT((result.mesh.positions.row(v) - whole.mesh.positions.row(origin[v])).norm(), 1e-8) << v;
+    ASSERT_EQ(result.report.steps[0].notes.size(), 1U);
+    EXPECT_NE(result.report.steps[0].notes[0].find("welded for the solve"), std::string::npos);
+  }
+  EXPECT_NE(refusal(edit(step(R"(, "settings": {"weld": false})"), R"({"file": "soup.ply"})")), "(accepted)");
+}
+
+TEST_F(RunEdit, TakesTargetsOfAnyCopyOfAPlace) {
+  std::vector<Index> origin;
+  write_mesh(soup_of(sheet(), origin), folder_ / "soup.ply");
+  const auto copies_of = [&](Index vertex) {
+    std::vector<Index> copies;
+    for (Index c = 0; c < static_cast<Index>(origin.size()); ++c)
+      if (origin[c] == vertex) copies.push_back(c);
+    return copies;
+  };
+  const std::vector<Index> copies = copies_of(5 * side + 5);
+  const auto targets = [&](double second) {
+    return R"(, "targets": [{"vertex": )" + std::to_string(copies[1]) +
+           R"(, "position": [5, 5, 2]}, {"vertex": )" + std::to_string(copies[3]) + R"(, "position": [5, 5, )" +
+           std::to_string(second) + "]}]";
+  };
+  const EditResult result = run_edit(edit(step(targets(2)), R"({"file": "soup.ply"})"));
+  for (const Index v : copies) EXPECT_EQ(result.mesh.positions.row(v), Eigen::RowVector3d(5, 5, 2));
+  EXPECT_NE(refusal(edit(step(targets(3)), R"({"file": "soup.ply"})")).find("two targets"), std::string::npos);
+}
+
+TEST_F(RunEdit, LetsWhatItCutComeApart) {
+  const std::string cut = R"({"kind": "cut", "name": "halves", "mesh": "sheet",
+      "plane": {"point": [0, 5.5, 0], "normal": [0, 1, 0]}, "keep": "both"}, )";
+  const EditResult result = run_edit(edit(cut + R"({"kind": "deform", "mesh": "sheet",
+      "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+      "handles": [{"name": "upper", "select": {"produced": {"step": "halves", "what": "above"}},
+                   "pose": {"translate": [0, 4, 0]}}]})"));
+  EXPECT_TRUE(result.report.steps[1].notes.empty());
+  const Index seam = side + side - 1;  // edges of the sheet that the plane y = 5.5 crosses, diagonals too
+  EXPECT_EQ(result.mesh.vertex_count(), side * side + 2 * seam);
+  const auto moved = (result.mesh.positions - result.rest).rowwise().norm().eval();
+  EXPECT_EQ((moved.array() > 3.9).count(), 6 * side + seam);
+}
+
 TEST_F(RunEdit, MovesHandlesExactlyKeepsTheFixedAndBendsTheRest) {
   const EditResult result = run_edit(edit(step()));
   const Points& rest = result.rest;

@@ -11,13 +11,16 @@
 
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/weld.h>
 
 namespace meshgraft {
 
-/// What a selection is resolved against; made once per mesh, which must outlive it.
+/// What a selection is resolved against; made once per mesh, which must outlive it. For a welded mesh with its
+/// weld: selections then name representatives.
 struct SelectionContext {
-  explicit SelectionContext(const Mesh& mesh);
+  explicit SelectionContext(const Mesh& mesh, Weld weld = {});
   const Mesh& mesh;
+  Weld weld;
   IndexLists rings;                       ///< over the polygons' edges
   std::vector<Index> components;          ///< per vertex, -1 for isolated ones
   std::vector<std::vector<Index>> loops;  ///< boundary loops as `boundary_loops` orders them

@@ -135,6 +135,8 @@ struct DeformSettings {
   /// How often the surroundings of handles and of the fixed rim are halved for the solve (FT05 section 6); the
   /// result has the original vertices only.
   int refine_boundary = 0;
+  /// Vertices of a boundary at exactly the same place are one for the solve (a soup, a seam of UVs).
+  bool weld = true;
 };
 
 /// Deforms one mesh (FT05 sections 3 and 4).
@@ -175,8 +177,8 @@ struct MergeFeatureSpec {
 
 /// Where a part is dropped on a surface without a hole: as `Drop`.
 struct DropSpec {
-  VertexSpec place;     ///< a vertex of the target, or the surface nearest to a point
-  double spin_deg = 0;  ///< turn about the target's normal
+  VertexSpec place;                            ///< a vertex of the target, or the surface nearest to a point
+  double spin_deg = 0;                         ///< turn about the target's normal
   std::optional<SelectionSpec> source_loop{};  ///< absent: the source's only loop
 };
 
