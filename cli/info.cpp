@@ -165,6 +165,7 @@ void print_box(const MeshFacts& facts) {
                           facts.high(0), facts.low(1), facts.high(1), facts.low(2), facts.high(2)));
   line("size",
        fmt::format("{:.6g} × {:.6g} × {:.6g}, diagonal {:.6g}", size(0), size(1), size(2), size.norm()));
+  if (const std::string unit = unit_of(facts.mesh); !unit.empty()) line("unit", unit);
 }
 
 void print_attributes(const Mesh& mesh) {
@@ -221,6 +222,7 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
   json["oriented"] = topology.oriented;
   json["box"] =
       has_box(facts) ? Json{{"min", point_json(facts.low)}, {"max", point_json(facts.high)}} : Json(nullptr);
+  json["unit"] = unit_of(facts.mesh).empty() ? Json(nullptr) : Json(unit_of(facts.mesh));
   json["attributes"] = attributes;
   json["triage"] = Json::parse(write_triage(facts.triage));
   return json;

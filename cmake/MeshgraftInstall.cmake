@@ -11,7 +11,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/
 install(FILES LICENSE THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # find_package(meshgraft). A static library hands its own libraries on to whoever links it; the modules that
-# find CHOLMOD, METIS and CXSparse go along because those have no configuration of their own.
+# find CHOLMOD, METIS, CXSparse, lib3mf and libzip go along because those have no configuration of their own.
 get_target_property(meshgraft_library_type meshgraft TYPE)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/meshgraft)
 install(EXPORT meshgraft NAMESPACE meshgraft:: DESTINATION ${config_dir} FILE meshgraftTargets.cmake)
@@ -20,7 +20,8 @@ configure_package_config_file(cmake/meshgraftConfig.cmake.in meshgraftConfig.cma
 write_basic_package_version_file(meshgraftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/meshgraftConfig.cmake ${PROJECT_BINARY_DIR}/meshgraftConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake ${PROJECT_SOURCE_DIR}/cmake/FindMETIS.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/FindCXSparse.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindCXSparse.cmake ${PROJECT_SOURCE_DIR}/cmake/FindLibZip.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/Findlib3MF.cmake
         DESTINATION ${config_dir})
 
 # pkg-config meshgraft. A static library lists all that it needs, so that plain --libs is enough for both kinds.
@@ -30,6 +31,9 @@ if(meshgraft_library_type STREQUAL STATIC_LIBRARY)
   string(APPEND pc_requires " tbb fmt libcrypto")
   if(MESHGRAFT_WITH_CHOLMOD)
     string(JOIN " " pc_libs ${CHOLMOD_LIBRARY} ${METIS_LIBRARY} ${CXSparse_LIBRARY} ${CHOLMOD_BLAS_LIBRARIES} ${OpenMP_CXX_LIBRARIES})
+  endif()
+  if(MESHGRAFT_WITH_3MF)
+    string(APPEND pc_requires " lib3MF libzip expat")
   endif()
   if(MESHGRAFT_WITH_CGAL)
     string(APPEND pc_requires " gmp mpfr")

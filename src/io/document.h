@@ -15,6 +15,9 @@ struct FileDocument : SourceDocument {
   /// What of the file neither the mesh nor its attributes hold, e.g. "3 'l' lines"; lost where a file is
   /// composed anew.
   virtual std::vector<std::string> beside_the_mesh() const = 0;
+
+  /// What a length of 1 means, as the format spells it ("millimeter"); empty where the file does not tell.
+  virtual std::string unit() const { return {}; }
 };
 
 /// The files behind a mesh, each once.

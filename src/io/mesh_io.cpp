@@ -1,24 +1,31 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 
+#include "document.h"
 #include "file.h"
 #include "format.h"
 #include "obj.h"
 #include "obj_materials.h"
 #include "ply.h"
+#include "threemf.h"
 
 namespace meshgraft {
 
 namespace io {
 
 std::span<const Format> formats() {
-  static const std::array<Format, 2> all = {ply_format(), obj_format()};
+  static const std::vector<Format> all = {
+      ply_format(),
+      obj_format(),
+#ifdef MESHGRAFT_HAS_3MF
+      threemf_format(),
+#endif
+  };
   return all;
 }
 
@@ -94,6 +101,11 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
   io::write_file(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
   context.step("write", 1);
   return result;
+}
+
+std::string unit_of(const Mesh& mesh) {
+  const auto* document = dynamic_cast<const io::FileDocument*>(mesh.source.get());
+  return document == nullptr ? std::string() : document->unit();
 }
 
 void require_mesh_format(const std::filesystem::path& path) { format_of_extension(path); }

@@ -9,7 +9,7 @@
 
 namespace meshgraft {
 
-/// Reads a mesh; the format follows the content where it has a signature, else the extension (.ply, .obj).
+/// Reads a mesh; the format follows the content where it has a signature, else the extension (docs/files.md).
 /// Everything the file carries is kept: what has a meaning here as attributes, the rest in `Mesh::source`.
 /// Indices may be out of range and coordinates non-finite: `triage` names them.
 /// Throws Error(io) if the file cannot be read, Error(input) with file and line (or byte) if it is malformed.
@@ -32,6 +32,10 @@ struct WriteResult {
 /// Throws Error(io) if it cannot be written, Error(input) if the extension is unknown.
 WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
                        const Context& context = {});
+
+/// What a length of 1 means in the file behind a mesh ("millimeter", "inch"); empty where it does not tell, as
+/// most formats do not.
+std::string unit_of(const Mesh& mesh);
 
 /// Throws Error(input) unless the extension of `path` is that of a format that `write_mesh` knows.
 void require_mesh_format(const std::filesystem::path& path);
