@@ -8,9 +8,10 @@ endif
 
 PREFIX ?= /usr/local
 BENCH_ARGS ?=
+FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test build install lint format bench asan tsan docs-pictures clean
+.PHONY: help demo test build install lint format bench asan tsan fuzz docs-pictures clean
 
 help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
@@ -51,6 +52,11 @@ asan: ## the small tests under address and undefined-behaviour sanitizers
 tsan: ## the threaded tests under the thread sanitizer
 	@tools/bootstrap.sh build test
 	@python3 tools/run_tests.py tsan
+
+fuzz: ## the fuzz targets, two at a time, FUZZ_SECONDS each
+	@tools/bootstrap.sh build fuzz
+	@cmake --preset fuzz && cmake --build --preset fuzz
+	@tools/fuzz.sh $(FUZZ_SECONDS)
 
 docs-pictures: build ## make the pictures of README and docs again
 	@tools/bootstrap.sh docs

@@ -1,0 +1,58 @@
+// Reads arbitrary bytes as a mesh file of the format MESHGRAFT_FUZZ_FORMAT. What can be read must stand every
+// question that a command asks first, come back byte for byte where nothing was changed, and survive an edit.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/triage.h>
+
+#include "../src/io/format.h"
+
+namespace {
+
+using meshgraft::Mesh;
+
+const meshgraft::io::Format& format() {
+  for (const meshgraft::io::Format& format : meshgraft::io::formats())
+    if (format.name == MESHGRAFT_FUZZ_FORMAT) return format;
+  std::abort();
+}
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+std::string written(const Mesh& mesh, const std::string& name) { return format().write(mesh, name, {}).content; }
+
+void try_to_write_edited(Mesh mesh, const std::string& name) {
+  mesh.positions.array() *= 1.5;
+  try {
+    const Mesh again = format().read(written(mesh, name), name, {});
+    require(again.face_count() == mesh.face_count());
+  } catch (const meshgraft::Error&) {
+    // What no number of the format can hold.
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string content(reinterpret_cast<const char*>(data), size);
+  const std::string name = "/fuzz/in" + std::string(format().extensions[0]);
+  Mesh mesh;
+  try {
+    mesh = format().read(content, name, {});
+  } catch (const meshgraft::Error&) {
+    return 0;
+  }
+  meshgraft::triage(mesh);
+  meshgraft::summarise_topology(mesh);
+  meshgraft::boundary_loops(mesh);
+  require(written(mesh, name) == content);
+  try_to_write_edited(std::move(mesh), name);
+  return 0;
+}
