@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <meshgraft/mesh/mesh.h>
+
+#include "edge_table.h"
+
+namespace meshgraft {
+
+/// For each of `vertices` (ascending) the smallest of them that is at exactly the same place; non-finite ones
+/// are alone.
+std::vector<Index> coincident_classes(const Points& positions, std::span<const Index> vertices);
+
+/// Vertices at the ends of edges with one face, ascending.
+std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table);
+
+/// Half-edges on the boundary, by the places of their ends: rows of half-edges that run between the same two
+/// places, two or more a row, each row ascending, rows in the order of their first one. `place` has for each
+/// vertex of the mesh a number that is equal where the place is, -1 where it is of no interest.
+std::vector<std::vector<Index>> coincident_boundary_edges(const EdgeTable& table, std::span<const Index> place);
+
+}  // namespace meshgraft
