@@ -7,6 +7,7 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "face_defects.h"
 #include "hole_triangulation.h"
 #include "repair_surface.h"
 
@@ -98,45 +99,81 @@ std::vector<std::array<Index, 3>> cover(const RepairSurface& surface, const Hole
 
 }  // namespace
 
+namespace {
+
+// Corners of new faces: those of the loop by their place in it, its length for the new vertex in the middle.
+using Cover = std::vector<std::array<Index, 3>>;
+
+// Faces without area would be taken out again.
+bool have_area(const RepairSurface& surface, const Hole& hole, const Cover& triangles,
+               const Eigen::RowVector3d& middle) {
+  const auto n = static_cast<Index>(hole.vertices.size());
+  Points corners(3, 3);
+  return std::none_of(triangles.begin(), triangles.end(), [&](const std::array<Index, 3>& t) {
+    for (int k = 0; k < 3; ++k)
+      corners.row(k) = t[k] < n ? Eigen::RowVector3d(surface.positions().row(hole.vertices[t[k]])) : middle;
+    return has_no_area(std::array<Index, 3>{0, 1, 2}, corners);
+  });
+}
+
+Eigen::RowVector3d middle_of(const RepairSurface& surface, const Hole& hole) {
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+  for (const Index v : hole.vertices)
+    middle += surface.positions().row(v) / static_cast<double>(hole.vertices.size());
+  return middle;
+}
+
+// Triangles between the loop's vertices, or (no edge of which can be there already) about a new one in its
+// middle.
+Cover cover_of(const RepairSurface& surface, const Hole& hole) {
+  const auto n = static_cast<Index>(hole.vertices.size());
+  const auto beside = [&](Index k) { return surface.face_of(hole.outside[k]); };
+  if (n == 3 && beside(0) == beside(1) && beside(1) == beside(2)) return {};  // the other side of a lone face
+  const Eigen::RowVector3d middle = middle_of(surface, hole);
+  Cover triangles = cover(surface, hole);
+  if (triangles.empty()) return {};
+  if (!repeats_an_edge(surface, hole, triangles) && have_area(surface, hole, triangles, middle))
+    return triangles;
+  triangles.clear();
+  for (Index k = 0; k < n; ++k) triangles.push_back({k, (k + 1) % n, n});
+  return have_area(surface, hole, triangles, middle) ? triangles : Cover{};
+}
+
+// Adds the faces; their attributes continue those of the faces beside them.
+void add_cover(const RepairSurface& surface, const Hole& hole, const Cover& triangles, RepairFaces& filled,
+               std::vector<NewVertex>& added) {
+  const auto n = static_cast<Index>(hole.vertices.size());
+  const RepairFaces& traced = surface.traced();
+  const auto value_at = [&](Index k) { return traced.corner[surface.edges().next[hole.outside[k]]]; };
+  std::vector<Index> vertices = hole.vertices;
+  std::vector<Between> values;
+  for (Index k = 0; k < n; ++k) values.push_back(value_at(k));
+  if (triangles.front()[2] == n) {
+    vertices.push_back(surface.mesh().vertex_count() + static_cast<Index>(added.size()));
+    values.push_back({values[0].from, values[n / 2].from, 0.5});
+    added.push_back({middle_of(surface, hole), -1, hole.vertices[0], hole.vertices[n / 2]});
+  }
+  const Index origin = traced.origin[surface.face_of(hole.outside[0])];
+  for (const auto& t : triangles)
+    filled.add(std::array{vertices[t[0]], vertices[t[1]], vertices[t[2]]},
+               std::array{values[t[0]], values[t[1]], values[t[2]]}, origin, true);
+}
+
+}  // namespace
+
 bool fill_holes(RepairSurface& surface, std::optional<Index> most_edges) {
-  std::vector<Hole> holes = find_holes(surface, most_edges);
   RepairFaces filled = surface.traced();
-  std::vector<NewVertex> centres;
+  std::vector<NewVertex> added;
   std::vector<Index> given;
   Index count = 0, left = 0;
-  const Index vertices = surface.mesh().vertex_count();
-  for (const Hole& hole : holes) {
+  for (const Hole& hole : find_holes(surface, most_edges)) {
     surface.context().throw_if_stopped();
-    const std::size_t n = hole.vertices.size();
-    auto triangles = cover(surface, hole);
-    const bool is_lone_face = n == 3 && surface.face_of(hole.outside[0]) == surface.face_of(hole.outside[1]) &&
-                              surface.face_of(hole.outside[1]) == surface.face_of(hole.outside[2]);
-    if (triangles.empty() || is_lone_face) {
+    const Cover triangles = cover_of(surface, hole);
+    if (triangles.empty()) {
       ++left;
       continue;
     }
-    const auto value = [&](Index k) {  // of the face beyond the edge that ends... at the vertex
-      return surface.traced().corner[surface.edges().next[hole.outside[k]]];
-    };
-    const Index origin = surface.traced().origin[surface.face_of(hole.outside[0])];
-    if (repeats_an_edge(surface, hole, triangles)) {
-      // A fan about a new vertex has no edge between two of the loop's vertices.
-      Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-      for (const Index v : hole.vertices) centre += surface.positions().row(v) / static_cast<double>(n);
-      const auto across = static_cast<Index>(n / 2);
-      const Index middle = vertices + static_cast<Index>(centres.size());
-      centres.push_back({centre, -1, hole.vertices[0], hole.vertices[across]});
-      const Between middle_value{value(0).from, value(across).from, 0.5};
-      for (Index k = 0; k < static_cast<Index>(n); ++k) {
-        const Index next = (k + 1) % static_cast<Index>(n);
-        filled.add(std::array{hole.vertices[k], hole.vertices[next], middle},
-                   std::array{value(k), value(next), middle_value}, origin, true);
-      }
-    } else {
-      for (const auto& t : triangles)
-        filled.add(std::array{hole.vertices[t[0]], hole.vertices[t[1]], hole.vertices[t[2]]},
-                   std::array{value(t[0]), value(t[1]), value(t[2])}, origin, true);
-    }
+    add_cover(surface, hole, triangles, filled, added);
     ++count;
     for (const Index v : hole.vertices)
       if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
@@ -149,7 +186,7 @@ bool fill_holes(RepairSurface& surface, std::optional<Index> most_edges) {
   surface.report("filled-hole", Domain::vertex, std::move(given), count,
                  "hole was closed (the vertices around it are named)",
                  "holes were closed (the vertices around them are named)");
-  surface.add_vertices(centres);
+  surface.add_vertices(added);
   surface.replace_faces(std::move(filled));
   return true;
 }

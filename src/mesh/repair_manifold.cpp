@@ -114,40 +114,55 @@ void turn_faces(RepairSurface& surface, const std::vector<char>& turn) {
   surface.replace_faces(std::move(turned));
 }
 
-// Faces to turn so that neighbours run alike, the fewer ones of each part that hangs together by edges.
-std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& contradictions) {
+// The faces that hang together with `seed` by edges, and how each has to be turned to run as the seed does.
+struct WoundPart {
+  std::vector<Index> faces;
+  Index against = 0;         // edges whose faces run against each other now
+  Index contradictions = 0;  // and after turning: there are none on a surface with two sides
+};
+
+WoundPart follow_winding(const RepairSurface& surface, Index seed, std::vector<char>& reached,
+                         std::vector<char>& turn) {
   const EdgeTable& table = surface.edges();
   const Faces& faces = surface.faces();
-  std::vector<char> turn(faces.size(), 0), reached(faces.size(), 0);
-  std::vector<Index> part;
-  contradictions = 0;
-  for (Index seed = 0; seed < faces.size(); ++seed) {
-    if (reached[seed]) continue;
-    part.assign(1, seed);
-    reached[seed] = 1;
-    for (std::size_t k = 0; k < part.size(); ++k) {
-      const Index f = part[k];
-      for (Index c = faces.first_corner(f); c < faces.first_corner(f + 1); ++c) {
-        if (table.edge[c] < 0) continue;
-        const std::optional<bool> alike = wound_alike(surface.mesh(), table, table.edge[c]);
-        if (!alike) continue;
-        const auto along = table.half_edges[table.edge[c]];
-        const Index other = surface.face_of(along[0] == c ? along[1] : along[0]);
-        const char wanted = *alike ? turn[f] : !turn[f];
-        if (!reached[other]) {
-          reached[other] = 1;
-          turn[other] = wanted;
-          part.push_back(other);
-        } else if (turn[other] != wanted) {
-          ++contradictions;  // seen from both sides
-        }
+  WoundPart part{.faces = {seed}};
+  reached[seed] = 1;
+  for (std::size_t k = 0; k < part.faces.size(); ++k) {
+    const Index f = part.faces[k];
+    for (Index c = faces.first_corner(f); c < faces.first_corner(f + 1); ++c) {
+      if (table.edge[c] < 0) continue;
+      const std::optional<bool> alike = wound_alike(surface.mesh(), table, table.edge[c]);
+      if (!alike) continue;
+      const auto along = table.half_edges[table.edge[c]];
+      const Index other = surface.face_of(along[0] == c ? along[1] : along[0]);
+      const char wanted = *alike ? turn[f] : !turn[f];
+      part.against += !*alike;
+      if (!reached[other]) {
+        reached[other] = 1;
+        turn[other] = wanted;
+        part.faces.push_back(other);
+      } else if (turn[other] != wanted) {
+        ++part.contradictions;
       }
     }
-    const auto turned = std::count_if(part.begin(), part.end(), [&](Index f) { return turn[f] != 0; });
-    if (2 * turned > static_cast<std::ptrdiff_t>(part.size()))
-      for (const Index f : part) turn[f] = !turn[f];
   }
-  contradictions /= 2;
+  return part;  // each edge was seen from both sides
+}
+
+// Faces to turn so that neighbours run alike, the fewer ones of each part.
+std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& contradictions) {
+  std::vector<char> turn(surface.faces().size(), 0), reached(surface.faces().size(), 0);
+  contradictions = 0;
+  for (Index seed = 0; seed < surface.faces().size(); ++seed) {
+    if (reached[seed]) continue;
+    const WoundPart part = follow_winding(surface, seed, reached, turn);
+    contradictions += part.contradictions;
+    const auto turned =
+        std::count_if(part.faces.begin(), part.faces.end(), [&](Index f) { return turn[f] != 0; });
+    const bool helps = part.contradictions < part.against;
+    const bool most = 2 * turned > static_cast<std::ptrdiff_t>(part.faces.size());
+    for (const Index f : part.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
+  }
   return turn;
 }
 

@@ -81,6 +81,20 @@ Index face_across(const std::vector<Face>& faces, Index f, Index a, Index b) {
   return -1;
 }
 
+// The first face from the middle of the list on that has no vertex on the boundary, -1 for none.
+Index inner_face(const Mesh& mesh) {
+  std::vector<char> rim(mesh.vertex_count(), 0);
+  for (const auto& loop : boundary_loops(mesh))
+    for (const Index v : loop) rim[v] = 1;
+  const Index count = mesh.face_count();
+  for (Index k = 0; k < count; ++k) {
+    const Index f = (count / 2 + k) % count;
+    const auto face = mesh.faces[f];
+    if (std::none_of(face.begin(), face.end(), [&](Index v) { return rim[v] != 0; })) return f;
+  }
+  return -1;
+}
+
 bool is_closed(const Mesh& mesh) { return summarise_topology(mesh).closed; }
 
 }  // namespace
@@ -126,25 +140,21 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     const Index alone = add_vertex(mesh, clean.positions.row(face[0]));
     expect(Domain::vertex, {alone});
   } else if (kind == "duplicate-vertex") {
-    // The face is cut off along all its sides.
-    std::vector<Index> named;
-    for (Index& v : faces[middle]) v = add_vertex(mesh, Eigen::RowVector3d(clean.positions.row(v)));
-    for (int k = 0; k < 3; ++k) {
-      const Index a = face[k], b = face[(k + 1) % 3], c = face[(k + 2) % 3];
-      const bool meets_ab = face_across(faces_of(clean), middle, a, b) >= 0;
-      if (meets_ab || face_across(faces_of(clean), middle, c, a) >= 0) {
-        named.push_back(a);
-        named.push_back(faces[middle][k]);
-      }
-    }
+    // A face inside the surface is cut off along all its sides.
+    const Index inner = inner_face(clean);
+    if (inner < 0) return result;
+    std::vector<Index> named = faces[inner];
+    for (Index& v : faces[inner]) v = add_vertex(mesh, Eigen::RowVector3d(clean.positions.row(v)));
+    named.insert(named.end(), faces[inner].begin(), faces[inner].end());
     mesh = with_faces(mesh, faces);
     expect(Domain::vertex, named);
   } else if (kind == "non-manifold-edge") {
     for (int k = 0; k < 3; ++k) {
       const Index a = face[k], b = face[(k + 1) % 3];
       if (face_across(faces, middle, a, b) < 0) continue;
+      const Eigen::RowVector3d p = clean.positions.row(a), way = clean.positions.row(b) - p;
       const Index tip =
-          add_vertex(mesh, clean.positions.row(a) + Eigen::RowVector3d(0, 0, 7 * box_diagonal(clean)));
+          add_vertex(mesh, p + 7 * box_diagonal(clean) * way.cross(Eigen::RowVector3d(3, 1, 2)).normalized());
       mesh.faces.push_back(Face{a, b, tip});
       expect(Domain::vertex, {a, b}, 1);
       break;
