@@ -105,12 +105,27 @@ void print_summary(const RepairArguments& arguments, const Mesh& given, const Re
   for (const std::string& file : written.files) fmt::print("  wrote {}\n", file);
 }
 
+#ifdef MESHGRAFT_HAS_RENDER
+// Without what cannot be drawn.
+Mesh drawable(const Mesh& mesh) {
+  return repair(mesh, {.clean_faces = false,
+                       .remove_duplicate_shells = false,
+                       .weld = false,
+                       .split_non_manifold = false,
+                       .remove_debris = false,
+                       .unify_winding = false,
+                       .hole_edges = 0})
+      .mesh;
+}
+#endif
+
 void write_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh& given,
                    const RepairResult& result, WrittenOutputs& written, const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
-    const std::vector<const Mesh*> meshes{&given, &result.mesh};
+    const Mesh before = drawable(given);
+    const std::vector<const Mesh*> meshes{&before, &result.mesh};
     picture = make_picture(meshes, std::vector<std::string>{"before", "after"},
                            quick_options_of(arguments.view), context);
   }

@@ -20,14 +20,31 @@ std::uint64_t hash_of(const Points& positions, Index vertex) {
   return hash;
 }
 
+// Hashes with the places in `vertices` that they are of, sorted: by buckets first, which takes linear time.
+std::vector<std::pair<std::uint64_t, Index>> by_hash(const Points& positions, std::span<const Index> vertices) {
+  const auto bits = static_cast<int>(std::bit_width(vertices.size() / 4));
+  const auto bucket = [bits](std::uint64_t hash) { return bits == 0 ? 0 : hash >> (64 - bits); };
+  std::vector<std::uint64_t> hash(vertices.size());
+  std::vector<std::size_t> start((std::size_t{1} << bits) + 1, 0);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    hash[k] = hash_of(positions, vertices[k]);
+    ++start[bucket(hash[k]) + 1];
+  }
+  for (std::size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
+  std::vector<std::pair<std::uint64_t, Index>> order(vertices.size());
+  std::vector<std::size_t> cursor(start.begin(), start.end() - 1);
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    order[cursor[bucket(hash[k])]++] = {hash[k], static_cast<Index>(k)};
+  for (std::size_t b = 1; b < start.size(); ++b)
+    std::sort(order.begin() + static_cast<std::ptrdiff_t>(start[b - 1]),
+              order.begin() + static_cast<std::ptrdiff_t>(start[b]));
+  return order;
+}
+
 }  // namespace
 
 std::vector<Index> coincident_classes(const Points& positions, std::span<const Index> vertices) {
-  std::vector<std::pair<std::uint64_t, Index>> order;  // hash, place in `vertices`
-  order.reserve(vertices.size());
-  for (std::size_t k = 0; k < vertices.size(); ++k)
-    order.emplace_back(hash_of(positions, vertices[k]), static_cast<Index>(k));
-  std::sort(order.begin(), order.end());
+  std::vector<std::pair<std::uint64_t, Index>> order = by_hash(positions, vertices);
   std::vector<Index> classes(vertices.begin(), vertices.end());
   const auto place = [&](std::size_t k) { return positions.row(vertices[order[k].second]); };
   for (std::size_t begin = 0; begin < order.size();) {
@@ -55,28 +72,34 @@ std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table)
   return vertices;
 }
 
-std::vector<std::vector<Index>> coincident_boundary_edges(const EdgeTable& table,
-                                                          std::span<const Index> place) {
-  using Key = std::pair<Index, Index>;
-  std::vector<std::pair<Key, Index>> keyed;
-  for (Index e = 0; e < table.edge_count(); ++e) {
-    if (table.half_edges[e].size() != 1) continue;
-    const Index half_edge = table.half_edges[e][0];
-    const Key key = std::minmax(place[table.ends[e][0]], place[table.ends[e][1]]);
-    if (key.first >= 0 && key.first != key.second) keyed.emplace_back(key, half_edge);
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<std::vector<Index>> rows;
-  for (std::size_t begin = 0; begin < keyed.size();) {
-    std::size_t end = begin + 1;
-    while (end < keyed.size() && keyed[end].first == keyed[begin].first) ++end;
-    if (end - begin > 1) {
-      rows.emplace_back();
-      for (std::size_t k = begin; k < end; ++k) rows.back().push_back(keyed[k].second);
+IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> place) {
+  // Buckets by the smaller place, each then sorted by (larger place, half-edge).
+  const auto places = [&](Index e) { return std::minmax(place[table.ends[e][0]], place[table.ends[e][1]]); };
+  const auto counts = [&](Index e) {
+    return table.half_edges[e].size() == 1 && places(e).first >= 0 && places(e).first != places(e).second;
+  };
+  std::vector<Index> start(place.size() + 1, 0);
+  for (Index e = 0; e < table.edge_count(); ++e)
+    if (counts(e)) ++start[places(e).first + 1];
+  for (std::size_t v = 0; v < place.size(); ++v) start[v + 1] += start[v];
+  std::vector<std::pair<Index, Index>> bucket(start.back());
+  std::vector<Index> cursor(start.begin(), start.end() - 1);
+  for (Index e = 0; e < table.edge_count(); ++e)
+    if (counts(e)) bucket[cursor[places(e).first]++] = {places(e).second, table.half_edges[e][0]};
+
+  IndexLists rows;
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    std::sort(bucket.begin() + start[v], bucket.begin() + start[v + 1]);
+    for (Index first = start[v]; first < start[v + 1];) {
+      Index last = first + 1;
+      while (last < start[v + 1] && bucket[last].first == bucket[first].first) ++last;
+      if (last - first > 1) {
+        for (Index k = first; k < last; ++k) rows.values.push_back(bucket[k].second);
+        rows.offsets.push_back(static_cast<Index>(rows.values.size()));
+      }
+      first = last;
     }
-    begin = end;
   }
-  std::sort(rows.begin(), rows.end());
   return rows;
 }
 

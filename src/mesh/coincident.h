@@ -16,9 +16,8 @@ std::vector<Index> coincident_classes(const Points& positions, std::span<const I
 /// Vertices at the ends of edges with one face, ascending.
 std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table);
 
-/// Half-edges on the boundary, by the places of their ends: rows of half-edges that run between the same two
-/// places, two or more a row, each row ascending, rows in the order of their first one. `place` has for each
-/// vertex of the mesh a number that is equal where the place is, -1 where it is of no interest.
-std::vector<std::vector<Index>> coincident_boundary_edges(const EdgeTable& table, std::span<const Index> place);
+/// Half-edges on the boundary that run between the same two places, two or more a row, each row ascending.
+/// `place` has for each vertex of the mesh the smallest vertex at its place, -1 where it is of no interest.
+IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> place);
 
 }  // namespace meshgraft

@@ -11,6 +11,8 @@
 #include <Eigen/Geometry>
 #include <nanoflann.hpp>
 
+#include <meshgraft/core/parallel.h>
+
 #include "coincident.h"
 #include "repair_surface.h"
 
@@ -76,13 +78,23 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
   if (!(widest > 0)) return place;
 
   const VertexTree tree(positions, representatives);
+  std::vector<std::vector<Index>> near(representatives.size());  // smaller ones within reach of both
+  parallel_blocks(
+      representatives.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const Index v = representatives[i];
+          for (const Index k : tree.within(positions.row(v), std::min(widest, reach[v]))) {
+            const Index w = representatives[k];
+            if (w < v && (positions.row(v) - positions.row(w)).norm() <= std::min(widest, reach[w]))
+              near[i].push_back(w);
+          }
+        }
+      },
+      surface.context());
   DisjointSets sets(count);
-  for (const Index v : representatives) {
-    for (const Index k : tree.within(positions.row(v), std::min(widest, reach[v]))) {
-      const Index w = representatives[k];
-      if (w < v && (positions.row(v) - positions.row(w)).norm() <= std::min(widest, reach[w])) sets.unite(v, w);
-    }
-  }
+  for (std::size_t i = 0; i < near.size(); ++i)
+    for (const Index w : near[i]) sets.unite(representatives[i], w);
   for (const Index v : boundary) place[v] = sets.root(place[v]);
   return place;
 }
@@ -107,13 +119,22 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
   };
   std::vector<Eigen::RowVector3d> inward;  // from the edge into the face, at right angles
   for (const Index c : half_edges) inward.push_back(surface.face_normal(surface.face_of(c)).cross(along(c)));
+  // A face that hangs by this edge alone is more likely what does not belong here.
+  const auto looseness = [&](Index c) {
+    double loose = 0;
+    for (Index side = table.next[c]; side != c; side = table.next[side]) loose += table.is_boundary(side);
+    return loose;
+  };
+  std::vector<double> loose;
+  for (const Index c : half_edges) loose.push_back(looseness(c));
   std::vector<Candidate> candidates;
-  constexpr double against = 4;  // more than any angle counts
+  constexpr double against = 6;  // more than any angle and loose side counts
   for (std::size_t i = 0; i < half_edges.size(); ++i)
     for (std::size_t k = i + 1; k < half_edges.size(); ++k) {
       const bool run_alike = along(half_edges[i]).dot(along(half_edges[k])) > 0;
       candidates.push_back(
-          {inward[i].dot(inward[k]) + (run_alike ? against : 0), half_edges[i], half_edges[k]});
+          {inward[i].dot(inward[k]) + std::min(loose[i] + loose[k], 3.0) + (run_alike ? against : 0),
+           half_edges[i], half_edges[k]});
     }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& x, const Candidate& y) { return x.score < y.score; });
@@ -134,8 +155,9 @@ bool stitch(RepairSurface& surface, std::optional<double> distance) {
   const std::vector<Index>& corners = surface.faces().corners();
   const std::vector<Index> place = boundary_places(surface, distance);
   DisjointSets sets(surface.mesh().vertex_count());
-  for (const auto& row : coincident_boundary_edges(table, place)) {
-    for (const auto& [a, b] : pair_up(surface, row)) {
+  const IndexLists rows = coincident_boundary_edges(table, place);
+  for (Index row = 0; row < rows.size(); ++row) {
+    for (const auto& [a, b] : pair_up(surface, rows[row])) {
       const std::array ends{corners[a], corners[table.next[a]]};
       std::array others{corners[b], corners[table.next[b]]};
       if (place[ends[0]] != place[others[0]]) std::swap(others[0], others[1]);

@@ -58,9 +58,8 @@ std::vector<Index> torn_vertices(const Mesh& mesh, const EdgeTable& table) {
   std::vector<Index> place(mesh.vertex_count(), -1);
   for (std::size_t k = 0; k < boundary.size(); ++k) place[boundary[k]] = classes[k];
   std::vector<Index> ends;
-  for (const auto& row : coincident_boundary_edges(table, place))
-    for (const Index half_edge : row)
-      ends.insert(ends.end(), {mesh.faces.corners()[half_edge], mesh.faces.corners()[table.next[half_edge]]});
+  for (const Index half_edge : coincident_boundary_edges(table, place).values)
+    ends.insert(ends.end(), {mesh.faces.corners()[half_edge], mesh.faces.corners()[table.next[half_edge]]});
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   std::vector<Index> shared(mesh.vertex_count(), 0);
