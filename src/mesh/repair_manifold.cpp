@@ -115,6 +115,7 @@ void turn_faces(RepairSurface& surface, const std::vector<char>& turn) {
 }
 
 // The faces that hang together with `seed` by edges, and how each has to be turned to run as the seed does.
+// Edges count from both sides.
 struct WoundPart {
   std::vector<Index> faces;
   Index against = 0;         // edges whose faces run against each other now
@@ -146,7 +147,7 @@ WoundPart follow_winding(const RepairSurface& surface, Index seed, std::vector<c
       }
     }
   }
-  return part;  // each edge was seen from both sides
+  return part;
 }
 
 // Faces to turn so that neighbours run alike, the fewer ones of each part.
@@ -156,10 +157,10 @@ std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& co
   for (Index seed = 0; seed < surface.faces().size(); ++seed) {
     if (reached[seed]) continue;
     const WoundPart part = follow_winding(surface, seed, reached, turn);
-    contradictions += part.contradictions;
     const auto turned =
         std::count_if(part.faces.begin(), part.faces.end(), [&](Index f) { return turn[f] != 0; });
     const bool helps = part.contradictions < part.against;
+    contradictions += (helps ? part.contradictions : part.against) / 2;  // each was seen from both sides
     const bool most = 2 * turned > static_cast<std::ptrdiff_t>(part.faces.size());
     for (const Index f : part.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
   }
@@ -173,10 +174,9 @@ bool unify_winding(RepairSurface& surface) {
   Index contradictions = 0;
   const std::vector<char> against = faces_against_the_rest(surface, contradictions);
   if (contradictions > 0)
-    surface.note(
-        std::to_string(contradictions) +
-        " edges keep faces that are wound against each other: a surface with one side, as a Möbius strip "
-        "is, has no winding for all of its faces.");
+    surface.note(std::to_string(contradictions) + (contradictions == 1 ? " edge keeps" : " edges keep") +
+                 " faces that are wound against each other: a surface with one side, as a Möbius strip "
+                 "is, has no winding for all of its faces.");
   if (std::find(against.begin(), against.end(), 1) != against.end()) {
     surface.report_faces("turned-face", against, "face was turned over, to be wound as its neighbours are",
                          "faces were turned over, to be wound as their neighbours are");
