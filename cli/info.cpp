@@ -17,6 +17,7 @@
 #include <meshgraft/mesh/triage.h>
 
 #include "commands.h"
+#include "findings.h"
 #include "loops.h"
 
 namespace meshgraft::cli {
@@ -75,24 +76,6 @@ std::string_view scalar_type(ScalarType type) {
     case ScalarType::uint32: return "uint32";
     case ScalarType::float32: return "float32";
     case ScalarType::float64: return "float64";
-  }
-  return "";
-}
-
-std::string_view domain_name(Domain domain) {
-  switch (domain) {
-    case Domain::vertex: return "vertex";
-    case Domain::face: return "face";
-    case Domain::corner: return "corner";
-  }
-  return "";
-}
-
-std::string_view severity_name(Severity severity) {
-  switch (severity) {
-    case Severity::note: return "note";
-    case Severity::repaired: return "repaired for the solve";
-    case Severity::refused: return "refused";
   }
   return "";
 }
@@ -178,17 +161,6 @@ void print_attributes(const Mesh& mesh) {
   }
 }
 
-void print_findings(const TriageReport& triage) {
-  std::string label = "findings";
-  if (triage.clean()) line(label, "none");
-  for (const Finding& finding : triage.findings) {
-    line(label, fmt::format("{} ({}): {}", finding.name, severity_name(finding.severity), finding.description));
-    line("", fmt::format("  at {} {}", domain_name(finding.domain), first_of(finding.indices, 8)));
-    if (!finding.remedy.empty()) line("", "  " + finding.remedy);
-    label.clear();
-  }
-}
-
 Json point_json(const Eigen::RowVector3d& point) { return {point(0), point(1), point(2)}; }
 
 Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
@@ -238,7 +210,7 @@ void run_info(const InfoArguments& arguments, const Context& context) {
   print_surface(facts);
   print_box(facts);
   print_attributes(facts.mesh);
-  print_findings(facts.triage);
+  print_findings(facts.triage, "findings");
 }
 
 }  // namespace

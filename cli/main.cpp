@@ -30,6 +30,8 @@ void add_commands(CLI::App& program, cli::Action& action) {
       "Example:\n  meshgraft sample octopus -o octopus.ply\n\n"
       "'meshgraft COMMAND --help' tells more about a command.");
   cli::add_info(program, action);
+  cli::add_check(program, action);
+  cli::add_repair(program, action);
   cli::add_deform(program, action);
   cli::add_compare(program, action);
   cli::add_cut(program, action);
@@ -90,9 +92,14 @@ int main(int argc, char** argv) {
   try {
     add_commands(program, action);
     program.parse(argc, argv);
-    run(action);
+    int status = 0;
+    try {
+      run(action);
+    } catch (const cli::Answer& answer) {
+      status = answer.status;
+    }
     require_printed();
-    return 0;
+    return status;
   } catch (const CLI::ParseError& error) {
     const int status = end_of_parsing(program, error);
     return status == 0 && (std::fflush(stdout) != 0 || std::ferror(stdout))

@@ -28,7 +28,8 @@ USES = {
 }
 USES["editor"] = USES["python"] = USES["cli"]
 
-# Headers, and folders of them, that only one source file may include: they stand behind one of our own interfaces.
+# Headers, and folders of them, that only one source file may include (of a folder, one of each layer): they stand
+# behind one of our own interfaces.
 SINGLE_USE = {"cholmod.h", "cs.h", "metis.h", "CGAL", "boost"}
 
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
@@ -84,7 +85,8 @@ def check(root):
             place = f"{source}:{number}"
             name = match[2]
             for single in SINGLE_USE.intersection((Path(name).parts[0], Path(name).name)):
-                single_users.setdefault(single, {})[source] = place
+                group = "" if single.endswith(".h") else layer
+                single_users.setdefault((single, group), {})[source] = place
                 if source.parts[0] == "include":
                     problems.append(f"{place}: a public header includes {name}")
             included = find_included(root, source, match[1], name)
@@ -95,7 +97,7 @@ def check(root):
                 problems.append(f"{place}: a public header includes the private {included}")
             if used != layer and used not in USES[layer]:
                 problems.append(f"{place}: {layer} must not use {used} ({name})")
-    for header, users in sorted(single_users.items()):
+    for (header, _), users in sorted(single_users.items()):
         if len(users) > 1:
             problems.append(f"{header} is included by {len(users)} files, one is allowed: {', '.join(users.values())}")
     return problems

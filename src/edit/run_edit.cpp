@@ -164,9 +164,9 @@ std::vector<std::string> notes_of(const StepReport& report) {
 
 std::string weld_note(const Weld& weld) {
   return fmt::format(
-      "{} boundary vertices at {} places were welded for the solve; the result keeps them apart "
+      "{} boundary vertices were welded to others at their place for the solve; the result keeps them apart "
       "('weld': false lets such places open)",
-      weld.copies + weld.places, weld.places);
+      weld.copies);
 }
 
 double largest_displacement(const Points& rest, const Points& edited) {
@@ -192,7 +192,9 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.settings.deformer = effective_options(step.settings.deformer, options.overrides);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
-  const Weld weld = report.settings.weld && !scene.is_cut ? coincident_boundary(scene.mesh, context) : Weld();
+  const Finding* torn = scene.triage.find("duplicate-vertex");
+  const bool welds = torn != nullptr && report.settings.weld && !scene.is_cut;
+  const Weld weld = welds ? weld_at(scene.mesh, torn->indices) : Weld();
   Mesh whole = weld.empty() ? Mesh() : welded(scene.mesh, weld);
   Mesh& mesh = weld.empty() ? scene.mesh : whole;
 

@@ -2,62 +2,44 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
 
+#include "closed_parts.h"
+#include "coincident.h"
 #include "edge_table.h"
+#include "face_defects.h"
+#include "face_keys.h"
 #include "fans.h"
 
 namespace meshgraft {
 
 namespace {
 
-std::vector<Index> indices_where(Index count, const std::function<bool(Index)>& predicate) {
+// Looks at blocks in parallel; the order does not depend on them.
+template <class Predicate>
+std::vector<Index> indices_where(Index count, const Predicate& predicate, const Context& context) {
+  constexpr std::size_t grain = 16384;
+  const auto size = static_cast<std::size_t>(count);
+  std::vector<std::vector<Index>> found((size + grain - 1) / grain);
+  parallel_blocks(
+      found.size(),
+      [&](std::size_t first, std::size_t last) {
+        for (std::size_t block = first; block < last; ++block)
+          for (std::size_t i = block * grain; i < std::min(size, (block + 1) * grain); ++i)
+            if (predicate(static_cast<Index>(i))) found[block].push_back(static_cast<Index>(i));
+      },
+      context, 1);
   std::vector<Index> indices;
-  for (Index i = 0; i < count; ++i) {
-    if (predicate(i)) indices.push_back(i);
-  }
+  for (const auto& some : found) indices.insert(indices.end(), some.begin(), some.end());
   return indices;
 }
 
-bool finite(const Mesh& mesh, Index vertex) { return mesh.positions.row(vertex).allFinite(); }
-
-bool valid_index(const Mesh& mesh, Index vertex) { return vertex >= 0 && vertex < mesh.vertex_count(); }
-
-bool in_range(const Mesh& mesh, Index face) {
-  const auto corners = mesh.faces[face];
-  return std::all_of(corners.begin(), corners.end(), [&](Index v) { return valid_index(mesh, v); });
-}
-
-bool is_degenerate(std::span<const Index> face) {
-  if (face.size() < 3) return true;
-  if (face.size() == 3) return face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
-  std::vector<Index> sorted(face.begin(), face.end());
-  std::sort(sorted.begin(), sorted.end());
-  return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
-}
-
-bool has_no_area(std::span<const Index> face, const Points& positions) {
-  constexpr double area_rel = 1e-12;
-  constexpr double ulps = 4;
-  const std::size_t n = face.size();
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // Newell's normal: twice the area
-  double longest = 0;
-  double largest = 0;
-  for (std::size_t c = 0; c < n; ++c) {
-    const Eigen::Vector3d a = positions.row(face[c]) - positions.row(face[0]);
-    const Eigen::Vector3d b = positions.row(face[(c + 1) % n]) - positions.row(face[0]);
-    area += a.cross(b);
-    longest = std::max(longest, (b - a).norm());
-    largest = std::max(largest, positions.row(face[c]).cwiseAbs().maxCoeff());
-  }
-  const double precision = ulps * std::numeric_limits<double>::epsilon() * largest;
-  return area.norm() <= std::max(area_rel * longest, precision) * longest;
+bool is_finite(const Mesh& mesh, Index vertex) {
+  const double* p = mesh.positions.data() + 3 * std::ptrdiff_t{vertex};
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 std::vector<Index> ends_of(const EdgeTable& table, std::span<const Index> edges) {
@@ -66,6 +48,32 @@ std::vector<Index> ends_of(const EdgeTable& table, std::span<const Index> edges)
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   return ends;
+}
+
+// Whether some two faces go on alike after a common edge, as faces that have all corners in common do.
+bool may_repeat_faces(const Mesh& mesh, const EdgeTable& table) {
+  constexpr std::size_t crowd = 16;  // beyond, comparing all faces costs less than those of an edge
+  const std::vector<Index>& corners = mesh.faces.corners();
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    const auto along = table.half_edges[e];
+    if (along.size() > crowd) return true;
+    const auto beyond = [&](Index c, bool ahead) {
+      return ahead ? corners[table.next[table.next[c]]] : corners[table.previous[c]];
+    };
+    for (std::size_t k = 1; k < along.size(); ++k)
+      for (std::size_t i = 0; i < k; ++i)
+        if (beyond(along[i], true) == beyond(along[k], corners[along[i]] == corners[along[k]])) return true;
+  }
+  return false;
+}
+
+std::vector<Index> repeated_faces(const Mesh& mesh, const EdgeTable& table) {
+  std::vector<Index> repeated;
+  if (!may_repeat_faces(mesh, table)) return repeated;
+  for (const auto& group : same_faces(mesh.faces, mesh.vertex_count()))
+    repeated.insert(repeated.end(), group.begin() + 1, group.end());
+  std::sort(repeated.begin(), repeated.end());
+  return repeated;
 }
 
 std::string counted(Index count, const std::string& one, const std::string& many) {
@@ -101,55 +109,66 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
   context.step("triage", 0);
   const Index vertices = mesh.vertex_count();
   const Index faces = mesh.face_count();
+  const auto where = [&](Index count, const auto& predicate) {
+    return indices_where(count, predicate, context);
+  };
   add({.name = "non-finite",
        .severity = Severity::refused,
        .domain = Domain::vertex,
-       .indices = indices_where(vertices, [&](Index v) { return !finite(mesh, v); }),
-       .remedy = "Remove these vertices or give them finite coordinates."},
+       .indices = where(vertices, [&](Index v) { return !is_finite(mesh, v); }),
+       .remedy = "Remove these vertices or give them finite coordinates; 'meshgraft repair' removes them with "
+                 "their faces."},
       "vertex has a coordinate that is not a finite number",
       "vertices have a coordinate that is not a finite number");
   add({.name = "index-out-of-range",
        .severity = Severity::refused,
        .domain = Domain::face,
-       .indices = indices_where(faces, [&](Index f) { return !in_range(mesh, f); }),
-       .remedy = "Remove these faces or export the mesh again."},
+       .indices = where(faces, [&](Index f) { return !in_range(mesh, f); }),
+       .remedy = "Export the mesh again, or remove these faces: 'meshgraft repair' does."},
       "face names a vertex that does not exist", "faces name a vertex that does not exist");
 
   const auto degenerate = [&](Index f) { return is_degenerate(mesh.faces[f]); };
   const auto without_area = [&](Index f) {
     if (!in_range(mesh, f) || degenerate(f)) return false;
     for (const Index v : mesh.faces[f]) {
-      if (!finite(mesh, v)) return false;
+      if (!is_finite(mesh, v)) return false;
     }
     return has_no_area(mesh.faces[f], mesh.positions);
   };
   add({.name = "degenerate-face",
        .severity = Severity::repaired,
        .domain = Domain::face,
-       .indices = indices_where(faces, degenerate),
+       .indices = where(faces, degenerate),
        .remedy = "Repeated corners are skipped; the file keeps them."},
       "face has fewer than three corners or a vertex twice",
       "faces have fewer than three corners or a vertex twice");
   add({.name = "zero-area-face",
        .severity = Severity::repaired,
        .domain = Domain::face,
-       .indices = indices_where(faces, without_area),
+       .indices = where(faces, without_area),
        .remedy = "Weights and normals leave them out; the file keeps them."},
       "face has no area", "faces have no area");
 
-  context.step("triage", 0.5);
+  context.step("triage", 0.2);
   const EdgeTable table(vertices, mesh.faces);
+  context.step("triage", 0.6);
   const std::vector<Index> fans = fan_counts(mesh, table);
-  const auto crowded =
-      indices_where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
-  const auto against =
-      indices_where(table.edge_count(), [&](Index e) { return wound_alike(mesh, table, e) == false; });
+  const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
+  const auto against = where(table.edge_count(), [&](Index e) { return wound_alike(mesh, table, e) == false; });
   add({.name = "isolated-vertex",
        .severity = Severity::repaired,
        .domain = Domain::vertex,
-       .indices = indices_where(vertices, [&](Index v) { return fans[v] == 0; }),
+       .indices = where(vertices, [&](Index v) { return fans[v] == 0; }),
        .remedy = "They keep their place and their line in the file."},
       "vertex belongs to no face", "vertices belong to no face");
+  add({.name = "duplicate-vertex",
+       .severity = Severity::repaired,
+       .domain = Domain::vertex,
+       .indices = torn_vertices(mesh, table),
+       .remedy = "The surface is open between them: as a soup of faces, or along a seam. 'meshgraft repair' "
+                 "welds them "
+                 "for good."},
+      "boundary vertex lies where another does", "boundary vertices lie where others do");
   add({.name = "non-manifold-edge",
        .severity = Severity::note,
        .count = count_of(crowded),
@@ -160,9 +179,15 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
   add({.name = "non-manifold-vertex",
        .severity = Severity::note,
        .domain = Domain::vertex,
-       .indices = indices_where(vertices, [&](Index v) { return fans[v] > 1; }),
+       .indices = where(vertices, [&](Index v) { return fans[v] > 1; }),
        .remedy = "A loop there cannot be merged: give each fan a vertex of its own, or take one away."},
       "vertex joins separate fans of faces", "vertices join separate fans of faces");
+  add({.name = "duplicate-face",
+       .severity = Severity::note,
+       .domain = Domain::face,
+       .indices = repeated_faces(mesh, table),
+       .remedy = "Their edges have faces too many: take all but one of them away."},
+      "face has the corners of an earlier one", "faces have the corners of an earlier one");
   add({.name = "inconsistent-winding",
        .severity = Severity::note,
        .count = count_of(against),
@@ -172,28 +197,41 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
                  "consistent (a Möbius strip has none: cut it open)."},
       "edge has two faces that are wound against each other",
       "edges have two faces that are wound against each other");
+  context.step("triage", 0.9);
+  add({.name = "inward-facing-component",
+       .severity = Severity::note,
+       .domain = Domain::vertex,
+       .indices = inward_parts(mesh, table, context).parts,
+       .remedy = "Its normals point into it: turn its faces over."},
+      "closed part faces inward (its first vertex is named)",
+      "closed parts face inward (their first vertices are named)");
   add({.name = "polygon",
        .severity = Severity::note,
        .domain = Domain::face,
-       .indices = indices_where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }),
+       .indices = where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }),
        .remedy = "They are solved on their triangles and written as they were."},
       "face has more than three corners", "faces have more than three corners");
   context.step("triage", 1);
   return report;
 }
 
+bool TriageReport::has_defects() const {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) { return finding.name != "polygon"; });
+}
+
 void require_usable(const TriageReport& report, const Mesh& mesh, std::span<const Index> reach,
                     const std::string& name) {
   std::vector<bool> within(mesh.vertex_count(), reach.empty());
   for (const Index v : reach) {
-    if (valid_index(mesh, v)) within[v] = true;
+    if (is_vertex_of(mesh, v)) within[v] = true;
   }
   const auto touches = [&](const Finding& finding, Index i) {
-    if (finding.domain == Domain::vertex) return valid_index(mesh, i) && within[i];
+    if (finding.domain == Domain::vertex) return is_vertex_of(mesh, i) && within[i];
     if (i < 0 || i >= mesh.face_count()) return false;
     const auto corners = mesh.faces[i];
     return reach.empty() || std::any_of(corners.begin(), corners.end(),
-                                        [&](Index v) { return valid_index(mesh, v) && within[v]; });
+                                        [&](Index v) { return is_vertex_of(mesh, v) && within[v]; });
   };
   for (const Finding& finding : report.findings) {
     if (finding.severity != Severity::refused) continue;

@@ -1,59 +1,15 @@
 #include <meshgraft/mesh/weld.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
-#include <utility>
 
+#include "coincident.h"
 #include "edge_table.h"
 
 namespace meshgraft {
 
 namespace {
-
-using Place = std::array<double, 3>;
-
-// −0 and 0 are one place.
-Place place_of(const Points& positions, Index v) {
-  return {positions(v, 0) + 0.0, positions(v, 1) + 0.0, positions(v, 2) + 0.0};
-}
-
-// Finite vertices by their places, equal ones by number.
-std::vector<Index> sorted_by_place(const Points& positions, std::vector<Index> vertices) {
-  std::erase_if(vertices, [&](Index v) { return !positions.row(v).allFinite(); });
-  std::vector<std::pair<Place, Index>> order;
-  order.reserve(vertices.size());
-  for (const Index v : vertices) order.emplace_back(place_of(positions, v), v);
-  std::sort(order.begin(), order.end());
-  std::transform(order.begin(), order.end(), vertices.begin(), [](const auto& entry) { return entry.second; });
-  return vertices;
-}
-
-bool same_place(const Points& positions, Index a, Index b) {
-  return (positions.row(a).array() == positions.row(b).array()).all();
-}
-
-// Of vertices sorted by place, those that are not alone at theirs.
-std::vector<Index> crowded(const Points& positions, const std::vector<Index>& sorted) {
-  std::vector<Index> vertices;
-  for (std::size_t k = 0; k < sorted.size(); ++k) {
-    const bool with_last = k > 0 && same_place(positions, sorted[k - 1], sorted[k]);
-    const bool with_next = k + 1 < sorted.size() && same_place(positions, sorted[k], sorted[k + 1]);
-    if (with_last || with_next) vertices.push_back(sorted[k]);
-  }
-  return vertices;
-}
-
-std::vector<bool> boundary_vertices(const Mesh& mesh) {
-  const EdgeTable table(mesh.vertex_count(), mesh.faces);
-  std::vector<bool> boundary(static_cast<std::size_t>(mesh.vertex_count()), false);
-  for (Index e = 0; e < table.edge_count(); ++e) {
-    if (table.half_edges[e].size() != 1) continue;
-    for (const Index v : table.ends[e]) boundary[v] = true;
-  }
-  return boundary;
-}
 
 bool is_vertex(Index v, Index count) { return v >= 0 && v < count; }
 
@@ -90,27 +46,23 @@ Weld coincident_boundary(const Mesh& mesh, const Context& context) {
   context.step("weld", 0);
   std::vector<Index> all(static_cast<std::size_t>(mesh.vertex_count()));
   std::iota(all.begin(), all.end(), 0);
-  std::vector<Index> candidates = crowded(mesh.positions, sorted_by_place(mesh.positions, std::move(all)));
-  if (candidates.empty()) return {};
-
+  if (coincident_classes(mesh.positions, all) == all) return {};
   context.step("weld", 0.5);
-  const std::vector<bool> boundary = boundary_vertices(mesh);
-  std::erase_if(candidates, [&](Index v) { return !boundary[v]; });
-  candidates = crowded(mesh.positions, candidates);
-  if (candidates.empty()) return {};
+  return weld_at(mesh, torn_vertices(mesh, EdgeTable(mesh.vertex_count(), mesh.faces)));
+}
 
+Weld weld_at(const Mesh& mesh, std::span<const Index> vertices) {
+  const std::vector<Index> classes = coincident_classes(mesh.positions, vertices);
   Weld weld;
-  weld.representative.resize(static_cast<std::size_t>(mesh.vertex_count()));
-  std::iota(weld.representative.begin(), weld.representative.end(), 0);
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const bool is_first = k == 0 || !same_place(mesh.positions, candidates[k - 1], candidates[k]);
-    if (is_first)
-      ++weld.places;
-    else
-      weld.representative[candidates[k]] = weld.representative[candidates[k - 1]];
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    if (classes[k] == vertices[k]) continue;
+    if (weld.empty()) {
+      weld.representative.resize(static_cast<std::size_t>(mesh.vertex_count()));
+      std::iota(weld.representative.begin(), weld.representative.end(), 0);
+    }
+    weld.representative[vertices[k]] = classes[k];
+    ++weld.copies;
   }
-  weld.copies = static_cast<Index>(candidates.size()) - weld.places;
-  context.step("weld", 1);
   return weld;
 }
 

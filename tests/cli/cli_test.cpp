@@ -462,7 +462,7 @@ TEST_F(CommandLine, SamplesCanBeListedAndMade) {
 }
 
 std::vector<std::string> commands() {
-  return {"info", "deform", "compare", "cut", "sample", "completion", "man"};
+  return {"info", "check", "repair", "deform", "compare", "cut", "sample", "completion", "man"};
 }
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
@@ -750,6 +750,45 @@ TEST_F(CommandLine, DropsAPartOnAClosedSurface) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Outcome info = run("info whole.ply");
   EXPECT_NE(info.out.find("closed"), std::string::npos) << info.out;
+}
+
+TEST_F(CommandLine, ChecksAndRepairs) {
+  // A face whose corners are one, and two vertices without faces.
+  write("damaged.obj", sheet() + "v 3 0 0.2\nv 90 90 90\nf 1 1 1\n");
+  const Outcome clean = run("check sheet.obj");
+  EXPECT_EQ(clean.status, 0) << clean.out << clean.err;
+  EXPECT_NE(clean.out.find("polygon (note)"), std::string::npos) << "a form, and no defect";
+  const Outcome dirty = run("check damaged.obj");
+  EXPECT_EQ(dirty.status, 3);
+  EXPECT_EQ(dirty.err, "") << "what was found is the answer, and no error";
+  EXPECT_NE(dirty.out.find("degenerate-face"), std::string::npos) << dirty.out;
+  EXPECT_NE(dirty.out.find("meshgraft repair damaged.obj -o damaged_repaired.obj"), std::string::npos)
+      << dirty.out;
+  const Outcome as_json = run("check damaged.obj --json");
+  EXPECT_EQ(as_json.status, 3);
+  EXPECT_EQ(json::parse(as_json.out)["format"], "meshgraft-check");
+  EXPECT_EQ(run("check missing.obj").status, 5);
+
+  EXPECT_EQ(run("repair damaged.obj").status, 2) << "no output is named";
+  const Outcome dry = run("repair damaged.obj --dry-run");
+  EXPECT_EQ(dry.status, 0) << dry.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "damaged_repaired.obj"));
+  const Outcome repaired = run("repair damaged.obj -o damaged_repaired.obj --report repair.json");
+  EXPECT_EQ(repaired.status, 0) << repaired.err;
+  EXPECT_NE(repaired.out.find("wrote damaged_repaired.obj"), std::string::npos) << repaired.out;
+  const json report = json::parse(read_text(folder_ / "repair.json"));
+  EXPECT_EQ(report["format"], "meshgraft-repair");
+  EXPECT_EQ(report["changes"].size(), 2);
+  EXPECT_EQ(report["maps"]["vertices"][65], -1);
+  EXPECT_EQ(run("check damaged_repaired.obj").status, 0);
+  EXPECT_EQ(run("repair damaged.obj -o damaged.obj").status, 2) << "an input is not replaced";
+}
+
+TEST_F(CommandLine, RepairGivesACleanFileBack) {
+  const Outcome outcome = run("repair sheet.obj -o same.obj");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("nothing to repair"), std::string::npos);
+  EXPECT_EQ(read_text(folder_ / "same.obj"), sheet());
 }
 
 }  // namespace

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/winding.h>
 
 #include "mesh/shapes.h"
+#include "support/defects.h"
+#include "support/mesh_families.h"
 
 namespace meshgraft {
 namespace {
@@ -31,6 +34,69 @@ TEST(Triage, FindsNothingInGoodTriangles) {
        {Mesh{}, shapes::torus(7, 5, true), shapes::grid(3, 3, true), shapes::tube(5, 2, true)}) {
     EXPECT_TRUE(triage(mesh).clean());
   }
+}
+
+// Repeated places of vertices without a face are no findings of their own, but such a vertex is one.
+TEST(Triage, FindsNothingInCleanFamilies) {
+  for (const test::TestMesh& family : test::mesh_families()) {
+    SCOPED_TRACE(family.name);
+    for (const Finding& finding : triage(make_mesh(family.positions, family.triangles)).findings)
+      EXPECT_EQ(finding.name, "isolated-vertex") << finding.description;
+  }
+}
+
+TEST(Triage, FindsWhatWasInjectedAndNothingElse) {
+  for (const test::TestMesh& family : test::mesh_families()) {
+    const Mesh clean = make_mesh(family.positions, family.triangles);
+    const TriageReport before = triage(clean);
+    for (const std::string& kind : test::defect_kinds()) {
+      SCOPED_TRACE(family.name + " " + kind);
+      const test::Defective defective = test::inject(clean, kind);
+      if (defective.count == 0) continue;  // an open mesh has no inside
+      const TriageReport report = triage(defective.mesh);
+      const Finding* finding = report.find(kind);
+      ASSERT_NE(finding, nullptr);
+      EXPECT_EQ(finding->domain, defective.domain);
+      if (kind == "isolated-vertex" && before.find(kind)) {
+        EXPECT_EQ(finding->count, before.find(kind)->count + 1);
+        EXPECT_EQ(finding->indices.back(), defective.indices.back());
+        continue;
+      }
+      EXPECT_EQ(finding->count, defective.count);
+      EXPECT_EQ(finding->indices, defective.indices);
+      for (const Finding& other : report.findings) {
+        // A face that comes twice crowds its edges, and its edges' ends.
+        if (kind == "duplicate-face" &&
+            (other.name == "non-manifold-edge" || other.name == "inconsistent-winding"))
+          continue;
+        EXPECT_TRUE(other.name == kind || before.find(other.name)) << other.name << ": " << other.description;
+      }
+    }
+  }
+}
+
+TEST(Triage, TellsSeamsFromTouchingParts) {
+  // A grid whose right half has vertices of its own, and parts that meet in a place alone.
+  const Mesh seam =
+      shapes::polygons({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}},
+                       {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}});
+  expect_finding(seam, "duplicate-vertex", Severity::repaired, 4, Domain::vertex, {1, 2, 4, 6});
+  const Mesh point = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-1, 0, 0}, {0, -1, 0}},
+                                      {{0, 1, 2}, {3, 4, 5}});
+  EXPECT_FALSE(triage(point).has_defects());
+  EXPECT_FALSE(triage(shapes::together({shapes::cube(), shapes::cube()})).has_defects()) << "closed parts";
+}
+
+TEST(Triage, KnowsCavitiesFromPartsInsideOut) {
+  const auto cube = [](double size, bool inward) {
+    Mesh mesh = inward ? turned_over(shapes::cube()) : shapes::cube();
+    mesh.positions = ((mesh.positions.array() - 0.5) * size).matrix();
+    return mesh;
+  };
+  EXPECT_FALSE(triage(shapes::together({cube(3, false), cube(1, true)})).has_defects()) << "a hollow cube";
+  expect_finding(shapes::together({cube(3, true), cube(1, false)}), "inward-facing-component", Severity::note,
+                 1, Domain::vertex, {0});
+  EXPECT_FALSE(triage(turned_over(shapes::tube(6, 2))).has_defects()) << "open surfaces have no inside";
 }
 
 TEST(Triage, NamesEachDefect) {

@@ -31,6 +31,8 @@ struct Finding {
 struct TriageReport {
   std::vector<Finding> findings;
   bool clean() const { return findings.empty(); }
+  /// Whether there is any finding but "polygon", which is a form and no defect.
+  bool has_defects() const;
   const Finding* find(std::string_view name) const;
 };
 
@@ -45,13 +47,21 @@ struct TriageReport {
 /// - "degenerate-face": faces with fewer than three corners or with a vertex twice. Repeated corners are
 ///   skipped; what has fewer than three left makes no triangle;
 /// - "zero-area-face": faces without area. Their edges still join their vertices; normals leave them out;
-/// - "isolated-vertex": vertices that no usable face has. No equation has them: they keep their place.
+/// - "isolated-vertex": vertices that no usable face has. No equation has them: they keep their place;
+/// - "duplicate-vertex": boundary vertices at exactly the same place, at the ends of boundary edges that lie on
+/// each
+///   other: a soup of faces, or a seam that is open. Parts that touch in places without such edges are no
+///   finding.
 ///
 /// Notes, for the operator reads rings, which need neither fans nor winding:
 /// - "non-manifold-edge": edges with more than two faces (`count` edges; `indices` their ends);
 /// - "non-manifold-vertex": vertices with more than one fan;
+/// - "duplicate-face": faces with the corners of an earlier one, from whichever on and in either direction;
 /// - "inconsistent-winding": edges that two faces run along in one direction (`count` edges; `indices` their
 ///   ends). Normals are weak there;
+/// - "inward-facing-component": closed parts, wound alike throughout, whose volume is negative and that lie
+/// inside no
+///   other closed part, where they would be the wall of a cavity (`indices` their smallest vertices);
 /// - "polygon": faces with more than three corners. Solved on their triangles and written as they were.
 ///
 /// A face has no area where twice its area is at most 1e-12 × its longest edge squared, or its height is lost

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <meshgraft/core/context.h>
@@ -11,17 +12,19 @@ namespace meshgraft {
 /// vertices of its own) or a seam (of UVs, of hard edges, of a material) makes of what is one point.
 struct Weld {
   std::vector<Index> representative;  ///< per vertex: the smallest of its place; empty if none coincide
-  Index places = 0;                   ///< that several vertices share
   Index copies = 0;                   ///< vertices that another one represents
 
   bool empty() const { return representative.empty(); }
   Index of(Index vertex) const { return empty() ? vertex : representative[static_cast<std::size_t>(vertex)]; }
 };
 
-/// The coincident vertices among those on an edge with a single face. Vertices inside of a surface are left
-/// alone, so that closed parts that touch stay apart, and so are those of no usable face and those that are not
-/// finite. Linear time where none coincide.
+/// The coincident vertices at the ends of boundary edges that lie on each other (triage's "duplicate-vertex").
+/// Parts that touch in points, or along edges that are no boundary, stay apart, and so do vertices that are not
+/// finite. Linear time.
 Weld coincident_boundary(const Mesh& mesh, const Context& context = {});
+
+/// The same where it is known which vertices coincide with others: `vertices`, ascending.
+Weld weld_at(const Mesh& mesh, std::span<const Index> vertices);
 
 /// The mesh with its faces on the representatives. Vertices keep their numbers (a copy is left without a face);
 /// every vertex attribute is one of the corners, so that what differed across a seam still differs. Without a

@@ -1,0 +1,53 @@
+#include "findings.h"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace meshgraft::cli {
+
+namespace {
+
+std::string_view severity_name(Severity severity) {
+  switch (severity) {
+    case Severity::note: return "note";
+    case Severity::repaired: return "repaired for the solve";
+    case Severity::refused: return "refused";
+  }
+  return "";
+}
+
+std::string first_of(const std::vector<Index>& indices) {
+  constexpr std::size_t limit = 8;
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(limit, indices.size()));
+  return fmt::format("{}{}", fmt::join(indices.begin(), indices.begin() + shown, ", "),
+                     indices.size() > limit ? ", …" : "");
+}
+
+}  // namespace
+
+std::string_view domain_name(Domain domain) {
+  switch (domain) {
+    case Domain::vertex: return "vertex";
+    case Domain::face: return "face";
+    case Domain::corner: return "corner";
+  }
+  return "";
+}
+
+void print_findings(const TriageReport& triage, std::string_view label) {
+  const auto line = [](std::string_view before, const std::string& text) {
+    fmt::print("  {:<12}{}\n", before, text);
+  };
+  if (triage.clean()) line(label, "none");
+  for (const Finding& finding : triage.findings) {
+    line(label, fmt::format("{} ({}): {}", finding.name, severity_name(finding.severity), finding.description));
+    line("", fmt::format("  at {} {}", domain_name(finding.domain), first_of(finding.indices)));
+    if (!finding.remedy.empty()) line("", "  " + finding.remedy);
+    label = "";
+  }
+}
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+bool is_vertex_of(const Mesh& mesh, Index vertex);
+
+/// Whether all corners of the face are vertices of the mesh.
+bool in_range(const Mesh& mesh, Index face);
+
+/// Fewer than three corners, or a vertex twice.
+bool is_degenerate(std::span<const Index> face);
+
+/// Whether a face has no area: twice its area is at most 1e-12 × its longest edge squared, or its height is
+/// lost in the precision of its coordinates (4 ulp of the largest one).
+bool has_no_area(std::span<const Index> face, const Points& positions);
+
+}  // namespace meshgraft

@@ -1,0 +1,79 @@
+#include <meshgraft/mesh/repair.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <meshgraft/core/error.h>
+
+#include "repair_surface.h"
+
+namespace meshgraft {
+
+namespace {
+
+void check(const RepairOptions& options) {
+  if (options.weld_distance && !(*options.weld_distance >= 0 && std::isfinite(*options.weld_distance)))
+    throw Error(ErrorCode::input, "must be a length of 0 or more", "weld_distance");
+  if (!(options.debris_rel >= 0 && options.debris_rel <= 1))
+    throw Error(ErrorCode::input, "must be 0 to 1", "debris_rel");
+  if (options.hole_edges && *options.hole_edges < 0)
+    throw Error(ErrorCode::input, "must be 0 or more", "hole_edges");
+}
+
+// Nothing else works where these are.
+void require_valid(const Mesh& mesh) {
+  triangulate(mesh);  // throws for an index out of range
+  for (const Index v : mesh.faces.corners())
+    if (!mesh.positions.row(v).allFinite())
+      throw Error(ErrorCode::input,
+                  "vertex " + std::to_string(v) + " has a coordinate that is not a finite number", "",
+                  "Let the repair remove invalid faces.");
+}
+
+// All but what needs the rest to be in order. Returns whether anything changed.
+bool mend(RepairSurface& surface, const RepairOptions& options) {
+  const bool join = options.weld;
+  bool changed = false;
+  if (options.remove_invalid) changed |= remove_invalid(surface);
+  if (options.clean_faces) {
+    changed |= clean_corners(surface);
+    changed |= remove_duplicate_faces(surface);
+  }
+  if (options.remove_duplicate_shells) changed |= remove_duplicate_shells(surface);
+  if (options.clean_faces) changed |= remove_zero_area(surface, join);
+  if (options.clean_faces) changed |= clean_corners(surface);
+  if (join && split_t_junctions(surface, options.weld_distance)) changed = true;
+  if (join) changed |= stitch(surface, options.weld_distance);
+  if (options.clean_faces) changed |= clean_corners(surface);
+  if (options.split_non_manifold) changed |= split_non_manifold(surface);
+  return changed;
+}
+
+}  // namespace
+
+const RepairChange* RepairResult::find(std::string_view name) const {
+  const auto found = std::find_if(changes.begin(), changes.end(),
+                                  [&](const RepairChange& change) { return change.name == name; });
+  return found == changes.end() ? nullptr : &*found;
+}
+
+// Until no step changes anything: what one step leaves may be work for an earlier one, and a second repair is
+// one round more.
+RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Context& context) {
+  check(options);
+  if (!options.remove_invalid) require_valid(mesh);
+  constexpr int most_rounds = 30;
+  RepairSurface surface(mesh, context);
+  for (int round = 0; round < most_rounds; ++round) {
+    context.step("repair", static_cast<double>(round) / most_rounds);
+    if (mend(surface, options)) continue;
+    if (options.remove_debris && remove_debris(surface, options.debris_rel)) continue;
+    if (options.unify_winding && unify_winding(surface)) continue;
+    if (options.hole_edges != 0 && fill_holes(surface, options.hole_edges)) continue;
+    break;
+  }
+  context.step("repair", 1);
+  return surface.finish(options.remove_isolated);
+}
+
+}  // namespace meshgraft

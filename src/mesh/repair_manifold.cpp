@@ -1,0 +1,203 @@
+// Repair of what keeps a surface from being an oriented manifold: crowded edges and vertices, and winding.
+
+#include <algorithm>
+#include <cmath>
+
+#include "closed_parts.h"
+#include "fans.h"
+#include "repair_surface.h"
+
+namespace meshgraft {
+
+namespace {
+
+// The corners at each vertex that belong to one fan: faces that stay joined over an edge at it.
+DisjointSets joined_corners(const RepairSurface& surface) {
+  const EdgeTable& table = surface.edges();
+  const std::vector<Index>& corners = surface.faces().corners();
+  DisjointSets sets(static_cast<Index>(corners.size()));
+  const auto join = [&](Index a, Index b) {
+    const bool alike = corners[a] == corners[b];
+    sets.unite(a, alike ? b : table.next[b]);
+    sets.unite(table.next[a], alike ? table.next[b] : b);
+  };
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (table.half_edges[e].size() < 2) continue;
+    for (const auto& [a, b] : pair_up(surface, table.half_edges[e])) join(a, b);
+  }
+  return sets;
+}
+
+// Gives each fan but the first a copy of its vertex.
+bool part_fans(RepairSurface& surface) {
+  DisjointSets sets = joined_corners(surface);
+  const EdgeTable& table = surface.edges();
+  const std::vector<Index>& corners = surface.faces().corners();
+  const Index vertices = surface.mesh().vertex_count();
+  std::vector<Index> first_fan(vertices, -1), copy(corners.size(), -1), given;
+  std::vector<NewVertex> added;
+  for (Index c = 0; c < static_cast<Index>(corners.size()); ++c) {
+    if (table.next[c] < 0) continue;
+    const Index v = corners[c], fan = sets.root(c);  // the smallest corner of the fan
+    if (first_fan[v] < 0) first_fan[v] = fan;
+    if (fan == first_fan[v]) continue;
+    if (fan == c) {
+      copy[c] = vertices + static_cast<Index>(added.size());
+      added.push_back({surface.positions().row(v), surface.vertex_origin(v), v, v});
+      if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
+    }
+    copy[c] = copy[fan];
+  }
+  if (added.empty()) return false;
+  surface.report("split-non-manifold-vertex", Domain::vertex, std::move(given),
+                 static_cast<Index>(added.size()),
+                 "fan of faces at a vertex, or along an edge, of several got a vertex of its own",
+                 "fans of faces at a vertex, or along an edge, of several got vertices of their own");
+  RepairFaces parted = surface.traced();
+  parted.faces = {};
+  std::vector<Index> face;
+  for (Index f = 0; f < surface.faces().size(); ++f) {
+    const Index first = surface.faces().first_corner(f);
+    face.assign(surface.faces()[f].begin(), surface.faces()[f].end());
+    for (std::size_t k = 0; k < face.size(); ++k)
+      if (const Index own = copy[first + static_cast<Index>(k)]; own >= 0) face[k] = own;
+    parted.faces.push_back(face);
+  }
+  surface.add_vertices(added);
+  surface.replace_faces(std::move(parted));
+  return true;
+}
+
+// Where the faces of a crowded edge hang together around both its ends nothing can be parted: all but two go.
+bool thin_crowded_edges(RepairSurface& surface) {
+  const EdgeTable& table = surface.edges();
+  std::vector<char> doomed(surface.faces().size(), 0);
+  bool any = false;
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (table.half_edges[e].size() < 3) continue;
+    const auto [a, b] = pair_up(surface, table.half_edges[e]).front();
+    for (const Index c : table.half_edges[e])
+      if (c != a && c != b) doomed[surface.face_of(c)] = any = true;
+  }
+  if (!any) return false;
+  surface.report_faces("removed-non-manifold-face", doomed, "face beyond the two of an edge was removed",
+                       "faces beyond the two of an edge were removed");
+  surface.remove_faces(doomed);
+  return true;
+}
+
+}  // namespace
+
+bool split_non_manifold(RepairSurface& surface) {
+  const bool parted = part_fans(surface);
+  return thin_crowded_edges(surface) || parted;
+}
+
+namespace {
+
+void turn_faces(RepairSurface& surface, const std::vector<char>& turn) {
+  const Faces& faces = surface.faces();
+  const RepairFaces& traced = surface.traced();
+  RepairFaces turned;
+  for (Index f = 0; f < faces.size(); ++f) {
+    if (!turn[f]) {
+      turned.keep(traced, f);
+      continue;
+    }
+    const auto first = traced.corner.begin() + faces.first_corner(f);
+    std::vector<Index> face(faces[f].begin(), faces[f].end());
+    std::vector<Between> values(first, first + static_cast<std::ptrdiff_t>(face.size()));
+    std::reverse(face.begin() + 1, face.end());
+    std::reverse(values.begin() + 1, values.end());
+    turned.add(face, values, traced.origin[f], traced.is_new[f], !traced.is_turned[f]);
+  }
+  surface.replace_faces(std::move(turned));
+}
+
+// The faces that hang together with `seed` by edges, and how each has to be turned to run as the seed does.
+// Edges count from both sides.
+struct WoundPart {
+  std::vector<Index> faces;
+  Index against = 0;         // edges whose faces run against each other now
+  Index contradictions = 0;  // and after turning: there are none on a surface with two sides
+};
+
+WoundPart follow_winding(const RepairSurface& surface, Index seed, std::vector<char>& reached,
+                         std::vector<char>& turn) {
+  const EdgeTable& table = surface.edges();
+  const Faces& faces = surface.faces();
+  WoundPart part{.faces = {seed}};
+  reached[seed] = 1;
+  for (std::size_t k = 0; k < part.faces.size(); ++k) {
+    const Index f = part.faces[k];
+    for (Index c = faces.first_corner(f); c < faces.first_corner(f + 1); ++c) {
+      if (table.edge[c] < 0) continue;
+      const std::optional<bool> alike = wound_alike(surface.mesh(), table, table.edge[c]);
+      if (!alike) continue;
+      const auto along = table.half_edges[table.edge[c]];
+      const Index other = surface.face_of(along[0] == c ? along[1] : along[0]);
+      const char wanted = *alike ? turn[f] : !turn[f];
+      part.against += !*alike;
+      if (!reached[other]) {
+        reached[other] = 1;
+        turn[other] = wanted;
+        part.faces.push_back(other);
+      } else if (turn[other] != wanted) {
+        ++part.contradictions;
+      }
+    }
+  }
+  return part;
+}
+
+// Faces to turn so that neighbours run alike, the fewer ones of each part.
+std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& contradictions) {
+  std::vector<char> turn(surface.faces().size(), 0), reached(surface.faces().size(), 0);
+  contradictions = 0;
+  for (Index seed = 0; seed < surface.faces().size(); ++seed) {
+    if (reached[seed]) continue;
+    const WoundPart part = follow_winding(surface, seed, reached, turn);
+    const auto turned =
+        std::count_if(part.faces.begin(), part.faces.end(), [&](Index f) { return turn[f] != 0; });
+    const bool helps = part.contradictions < part.against;
+    contradictions += (helps ? part.contradictions : part.against) / 2;  // each was seen from both sides
+    const bool most = 2 * turned > static_cast<std::ptrdiff_t>(part.faces.size());
+    for (const Index f : part.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
+  }
+  return turn;
+}
+
+}  // namespace
+
+bool unify_winding(RepairSurface& surface) {
+  bool changed = false;
+  Index contradictions = 0;
+  const std::vector<char> against = faces_against_the_rest(surface, contradictions);
+  if (contradictions > 0)
+    surface.note(std::to_string(contradictions) + (contradictions == 1 ? " edge keeps" : " edges keep") +
+                 " faces that are wound against each other: a surface with one side, as a Möbius strip "
+                 "is, has no winding for all of its faces.");
+  if (std::find(against.begin(), against.end(), 1) != against.end()) {
+    surface.report_faces("turned-face", against, "face was turned over, to be wound as its neighbours are",
+                         "faces were turned over, to be wound as their neighbours are");
+    turn_faces(surface, against);
+    changed = true;
+  }
+  const InwardParts inward = inward_parts(surface.mesh(), surface.edges(), surface.context());
+  if (inward.parts.empty()) return changed;
+  std::vector<char> turn(surface.faces().size(), 0);
+  std::vector<Index> given;
+  for (Index f = 0; f < surface.faces().size(); ++f) {
+    const auto face = surface.faces()[f];
+    if (face.empty()) continue;
+    turn[f] = std::binary_search(inward.parts.begin(), inward.parts.end(), inward.part[face[0]]);
+    if (turn[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
+  }
+  surface.report("turned-part", Domain::face, std::move(given), static_cast<Index>(inward.parts.size()),
+                 "closed part that faced inward was turned over",
+                 "closed parts that faced inward were turned over");
+  turn_faces(surface, turn);
+  return true;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,337 @@
+// Repair of what is torn: boundary edges that lie on each other, and vertices that lie on an edge.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <nanoflann.hpp>
+
+#include <meshgraft/core/parallel.h>
+
+#include "coincident.h"
+#include "repair_surface.h"
+
+namespace meshgraft {
+
+namespace {
+
+// Vertices to be found by their place.
+class VertexTree {
+ public:
+  VertexTree(const Points& positions, std::span<const Index> vertices)
+      : positions_(positions), vertices_(vertices) {
+    if (!vertices.empty()) tree_.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  }
+  VertexTree(const VertexTree&) = delete;  // the tree refers to this object
+  VertexTree& operator=(const VertexTree&) = delete;
+
+  /// Places in the list of vertices, ascending.
+  std::vector<Index> within(const Eigen::RowVector3d& point, double radius) const {
+    std::vector<Index> found;
+    if (!tree_) return found;
+    std::vector<std::pair<std::uint32_t, double>> near;
+    // The tree takes the distance squared, and leaves out what is at it.
+    tree_->radiusSearch(point.data(), std::nextafter(radius * radius, 1e300), near, nanoflann::SearchParams());
+    for (const auto& [k, squared] : near) found.push_back(static_cast<Index>(k));
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  // What nanoflann asks of a point set.
+  std::size_t kdtree_get_point_count() const { return vertices_.size(); }
+  double kdtree_get_pt(std::size_t k, std::size_t axis) const {
+    return positions_(vertices_[k], static_cast<Eigen::Index>(axis));
+  }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+
+ private:
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, VertexTree>, VertexTree,
+                                                   3, std::uint32_t>;
+  const Points& positions_;
+  std::span<const Index> vertices_;
+  std::optional<Tree> tree_;
+};
+
+// For each boundary vertex the smallest one that it is at one place with: exactly, or within reach.
+std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<double> distance) {
+  const double largest_share = distance ? 0.5 : 0.1;  // of the shortest edge
+  const Points& positions = surface.positions();
+  const Index count = surface.mesh().vertex_count();
+  const std::vector<Index> boundary = boundary_vertices(count, surface.edges());
+  const std::vector<Index> exact = coincident_classes(positions, boundary);
+  std::vector<Index> place(count, -1), representatives;
+  std::vector<double> shortest = shortest_edges(surface), reach(count, std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < boundary.size(); ++k) {
+    place[boundary[k]] = exact[k];
+    if (exact[k] == boundary[k]) representatives.push_back(exact[k]);
+    reach[exact[k]] = std::min(reach[exact[k]], largest_share * shortest[boundary[k]]);
+  }
+  const double widest = weld_reach(surface, distance);
+  if (!(widest > 0)) return place;
+
+  const VertexTree tree(positions, representatives);
+  std::vector<std::vector<Index>> near(representatives.size());  // smaller ones within reach of both
+  parallel_blocks(
+      representatives.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const Index v = representatives[i];
+          for (const Index k : tree.within(positions.row(v), std::min(widest, reach[v]))) {
+            const Index w = representatives[k];
+            if (w < v && (positions.row(v) - positions.row(w)).norm() <= std::min(widest, reach[w]))
+              near[i].push_back(w);
+          }
+        }
+      },
+      surface.context());
+  DisjointSets sets(count);
+  for (std::size_t i = 0; i < near.size(); ++i)
+    for (const Index w : near[i]) sets.unite(representatives[i], w);
+  for (const Index v : boundary) place[v] = sets.root(place[v]);
+  return place;
+}
+
+}  // namespace
+
+double weld_reach(const RepairSurface& surface, std::optional<double> distance) {
+  constexpr double default_rel = 1e-6;
+  return distance ? *distance : default_rel * surface.box_diagonal();
+}
+
+std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges) {
+  struct Candidate {
+    double score;
+    Index a, b;
+  };
+  const EdgeTable& table = surface.edges();
+  const std::vector<Index>& corners = surface.faces().corners();
+  if (half_edges.size() == 2) return {{half_edges[0], half_edges[1]}};
+  const auto along = [&](Index c) -> Eigen::RowVector3d {
+    return (surface.positions().row(corners[table.next[c]]) - surface.positions().row(corners[c])).normalized();
+  };
+  std::vector<Eigen::RowVector3d> inward;  // from the edge into the face, at right angles
+  for (const Index c : half_edges) inward.push_back(surface.face_normal(surface.face_of(c)).cross(along(c)));
+  // A face that hangs by this edge alone is more likely what does not belong here.
+  const auto looseness = [&](Index c) {
+    double loose = 0;
+    for (Index side = table.next[c]; side != c; side = table.next[side]) loose += table.is_boundary(side);
+    return loose;
+  };
+  std::vector<double> loose;
+  for (const Index c : half_edges) loose.push_back(looseness(c));
+  std::vector<Candidate> candidates;
+  constexpr double against = 6;  // more than any angle and loose side counts
+  for (std::size_t i = 0; i < half_edges.size(); ++i)
+    for (std::size_t k = i + 1; k < half_edges.size(); ++k) {
+      const bool run_alike = along(half_edges[i]).dot(along(half_edges[k])) > 0;
+      candidates.push_back(
+          {inward[i].dot(inward[k]) + std::min(loose[i] + loose[k], 3.0) + (run_alike ? against : 0),
+           half_edges[i], half_edges[k]});
+    }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& x, const Candidate& y) { return x.score < y.score; });
+  std::vector<std::pair<Index, Index>> pairs;
+  std::vector<Index> taken;
+  const auto is_taken = [&](Index c) { return std::find(taken.begin(), taken.end(), c) != taken.end(); };
+  for (const Candidate& candidate : candidates) {
+    if (is_taken(candidate.a) || is_taken(candidate.b)) continue;
+    pairs.emplace_back(candidate.a, candidate.b);
+    taken.insert(taken.end(), {candidate.a, candidate.b});
+  }
+  return pairs;
+}
+
+// Edges are joined, not vertices: parts that meet in a vertex alone stay apart, and no edge gets a third face.
+bool stitch(RepairSurface& surface, std::optional<double> distance) {
+  const EdgeTable& table = surface.edges();
+  const std::vector<Index>& corners = surface.faces().corners();
+  const std::vector<Index> place = boundary_places(surface, distance);
+  DisjointSets sets(surface.mesh().vertex_count());
+  const IndexLists rows = coincident_boundary_edges(table, place);
+  for (Index row = 0; row < rows.size(); ++row) {
+    for (const auto& [a, b] : pair_up(surface, rows[row])) {
+      const std::array ends{corners[a], corners[table.next[a]]};
+      std::array others{corners[b], corners[table.next[b]]};
+      if (place[ends[0]] != place[others[0]]) std::swap(others[0], others[1]);
+      sets.unite(ends[0], others[0]);
+      sets.unite(ends[1], others[1]);
+    }
+  }
+  std::vector<Index> given;
+  Index count = 0;
+  for (Index v = 0; v < surface.mesh().vertex_count(); ++v) {
+    if (sets.root(v) == v) continue;
+    ++count;
+    if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
+  }
+  if (count == 0) return false;
+  surface.report("welded-vertex", Domain::vertex, std::move(given), count,
+                 "boundary vertex was welded to another at its place",
+                 "boundary vertices were welded to others at their place");
+  surface.unite_vertices(sets);
+  return true;
+}
+
+namespace {
+
+// A vertex on a half-edge, `t` of its length from its start.
+struct OnEdge {
+  double t = 0;
+  Index vertex = -1;
+};
+
+struct TornEdges {
+  std::vector<std::vector<OnEdge>> on;  // per half-edge, ascending in t
+  std::vector<Index> vertices;          // that lie on one
+};
+
+// How far along a half-edge a point lies, if it is on it and not at an end.
+std::optional<double> place_on(const Points& positions, Index a, Index b, const Eigen::RowVector3d& point,
+                               double reach) {
+  const Eigen::RowVector3d from = positions.row(a), way = positions.row(b) - from;
+  const double length = way.norm();
+  if (!(length > 2 * reach)) return {};
+  const double t = (point - from).dot(way) / (length * length);
+  if (!(t * length > reach) || !((1 - t) * length > reach)) return {};
+  if (!((point - from - t * way).norm() <= reach)) return {};
+  return t;
+}
+
+TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
+  const EdgeTable& table = surface.edges();
+  const Points& positions = surface.positions();
+  const std::vector<Index>& corners = surface.faces().corners();
+  const std::vector<Index> boundary = boundary_vertices(surface.mesh().vertex_count(), table);
+  const VertexTree tree(positions, boundary);
+  const std::vector<double> shortest = shortest_edges(surface);
+  std::vector<std::vector<Index>> neighbours(surface.mesh().vertex_count());  // along the boundary
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (table.half_edges[e].size() != 1) continue;
+    neighbours[table.ends[e][0]].push_back(table.ends[e][1]);
+    neighbours[table.ends[e][1]].push_back(table.ends[e][0]);
+  }
+
+  TornEdges torn;
+  torn.on.resize(corners.size());
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (table.half_edges[e].size() != 1) continue;
+    const Index c = table.half_edges[e][0], a = corners[c], b = corners[table.next[c]];
+    const Eigen::RowVector3d middle = (positions.row(a) + positions.row(b)) / 2;
+    const double half = (positions.row(b) - positions.row(a)).norm() / 2;
+    const auto face = surface.faces()[surface.face_of(c)];
+    for (const Index k : tree.within(middle, half)) {
+      const Index v = boundary[k];
+      if (std::find(face.begin(), face.end(), v) != face.end()) continue;
+      const double reach = std::min(widest, 0.1 * shortest[v]);
+      const auto t = place_on(positions, a, b, positions.row(v), reach);
+      // A boundary edge must run along this one too: surfaces that touch in a place stay as they are.
+      const bool runs_along = t && std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](Index w) {
+                                const Eigen::RowVector3d point = positions.row(w);
+                                return (point - positions.row(a)).norm() <= reach ||
+                                       (point - positions.row(b)).norm() <= reach ||
+                                       place_on(positions, a, b, point, reach);
+                              });
+      if (!runs_along) continue;
+      torn.on[c].push_back({*t, v});
+      torn.vertices.push_back(v);
+    }
+    std::sort(torn.on[c].begin(), torn.on[c].end(), [](const OnEdge& x, const OnEdge& y) { return x.t < y.t; });
+  }
+  std::sort(torn.vertices.begin(), torn.vertices.end());
+  torn.vertices.erase(std::unique(torn.vertices.begin(), torn.vertices.end()), torn.vertices.end());
+  return torn;
+}
+
+struct SplitCorner {
+  Index vertex;
+  Between value;
+};
+
+// Between two corners that may lie between others themselves.
+Between value_at(const Between& a, const Between& b, double t) {
+  if (a.from == a.to && b.from == b.to) return {a.from, b.from, t};
+  if (a.from == b.from && a.to == b.to) return {a.from, a.to, (1 - t) * a.t + t * b.t};
+  if (a.from == a.to && b.from == a.from) return {b.from, b.to, t * b.t};
+  if (b.from == b.to && a.to == b.from) return {a.from, a.to, (1 - t) * a.t + t};
+  return t <= 0.5 ? a : b;
+}
+
+// A triangle whose sides carry vertices, as triangles of which none has three corners on one side.
+using Side = std::vector<SplitCorner>;
+void split_triangle(std::array<SplitCorner, 3> corner, std::array<Side, 3> on, std::vector<SplitCorner>& out) {
+  for (int k = 0; k < 3 && on[0].empty(); ++k) {
+    std::rotate(corner.begin(), corner.begin() + 1, corner.end());
+    std::rotate(on.begin(), on.begin() + 1, on.end());
+  }
+  if (on[0].empty()) {
+    out.insert(out.end(), corner.begin(), corner.end());
+    return;
+  }
+  const auto middle = on[0].begin() + static_cast<std::ptrdiff_t>(on[0].size() / 2);
+  split_triangle({corner[0], *middle, corner[2]}, {Side(on[0].begin(), middle), Side(), on[2]}, out);
+  split_triangle({*middle, corner[1], corner[2]}, {Side(middle + 1, on[0].end()), on[1], Side()}, out);
+}
+
+}  // namespace
+
+bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
+  const TornEdges torn = find_torn_edges(surface, weld_reach(surface, distance));
+  if (torn.vertices.empty()) return false;
+  const Faces& faces = surface.faces();
+  const RepairFaces& traced = surface.traced();
+  RepairFaces split;
+  for (Index f = 0; f < faces.size(); ++f) {
+    const Index first = faces.first_corner(f), n = static_cast<Index>(faces[f].size());
+    std::vector<SplitCorner> corners;
+    std::vector<Side> on(static_cast<std::size_t>(n));
+    bool whole = true;
+    for (Index c = 0; c < n; ++c) {
+      corners.push_back({faces[f][c], traced.corner[first + c]});
+      const Between& next = traced.corner[first + (c + 1) % n];
+      for (const OnEdge& vertex : torn.on[first + c])
+        on[c].push_back({vertex.vertex, value_at(traced.corner[first + c], next, vertex.t)});
+      whole = whole && on[c].empty();
+    }
+    if (whole) {
+      split.keep(traced, f);
+      continue;
+    }
+    std::vector<SplitCorner> pieces;
+    if (n == 3) {
+      split_triangle({corners[0], corners[1], corners[2]}, {on[0], on[1], on[2]}, pieces);
+    } else {
+      for (Index c = 0; c < n; ++c) {
+        pieces.push_back(corners[c]);
+        pieces.insert(pieces.end(), on[c].begin(), on[c].end());
+      }
+    }
+    const std::size_t size = n == 3 ? 3 : pieces.size();
+    for (std::size_t k = 0; k < pieces.size(); k += size) {
+      std::vector<Index> face;
+      std::vector<Between> values;
+      for (std::size_t c = k; c < k + size; ++c) {
+        face.push_back(pieces[c].vertex);
+        values.push_back(pieces[c].value);
+      }
+      split.add(face, values, traced.origin[f], traced.is_new[f], traced.is_turned[f]);
+    }
+  }
+  std::vector<Index> given;
+  for (const Index v : torn.vertices)
+    if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
+  surface.report("split-t-junction", Domain::vertex, std::move(given), static_cast<Index>(torn.vertices.size()),
+                 "boundary vertex lay on an edge, which was split there",
+                 "boundary vertices lay on edges, which were split there");
+  surface.replace_faces(std::move(split));
+  return true;
+}
+
+}  // namespace meshgraft

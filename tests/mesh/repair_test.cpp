@@ -1,0 +1,239 @@
+#include <meshgraft/mesh/repair.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/triage.h>
+
+#include "mesh/shapes.h"
+#include "support/defects.h"
+#include "support/mesh_families.h"
+
+namespace meshgraft {
+namespace {
+
+Mesh mesh_of(const test::TestMesh& family) { return make_mesh(family.positions, family.triangles); }
+
+bool same_bits(const Mesh& a, const Mesh& b) {
+  return a.faces == b.faces && a.positions.rows() == b.positions.rows() && a.positions == b.positions;
+}
+
+// What a repair with all its steps leaves of findings.
+std::string findings_left(const Mesh& mesh) {
+  std::string names;
+  for (const Finding& finding : triage(mesh).findings)
+    if (finding.name != "polygon") names += finding.name + " (" + finding.description + ") ";
+  return names;
+}
+
+void expect_sound_maps(const Mesh& given, const RepairResult& result) {
+  ASSERT_EQ(result.vertex.new_index.size(), static_cast<std::size_t>(given.vertex_count()));
+  ASSERT_EQ(result.face.new_index.size(), static_cast<std::size_t>(given.face_count()));
+  ASSERT_EQ(result.vertex_origin.size(), static_cast<std::size_t>(result.mesh.vertex_count()));
+  ASSERT_EQ(result.face_origin.size(), static_cast<std::size_t>(result.mesh.face_count()));
+  for (Index v = 0; v < result.mesh.vertex_count(); ++v) {
+    const Index old = result.vertex_origin[v];
+    if (old < 0) continue;
+    ASSERT_LT(old, given.vertex_count());
+    EXPECT_EQ(result.mesh.positions.row(v), given.positions.row(old));
+  }
+  for (const Index v : result.vertex.new_index) EXPECT_LT(v, result.mesh.vertex_count());
+  for (std::size_t f = 0; f < result.face.new_index.size(); ++f)
+    if (const Index now = result.face.new_index[f]; now >= 0) {
+      EXPECT_EQ(result.face_origin[now], static_cast<Index>(f));
+    }
+}
+
+TEST(Repair, LeavesCleanMeshesAsTheyAre) {
+  for (const test::TestMesh& family : test::mesh_families()) {
+    SCOPED_TRACE(family.name);
+    const Mesh mesh = mesh_of(family);
+    const RepairResult result = repair(mesh, {.remove_isolated = false});
+    for (const RepairChange& change : result.changes)
+      ADD_FAILURE() << change.name << ": " << change.description;
+    EXPECT_TRUE(same_bits(result.mesh, mesh));
+    expect_sound_maps(mesh, result);
+  }
+}
+
+TEST(Repair, MendsEachDefectOfEachFamily) {
+  for (const test::TestMesh& family : test::mesh_families()) {
+    for (const std::string& kind : test::defect_kinds()) {
+      SCOPED_TRACE(family.name + " " + kind);
+      const test::Defective defective = test::inject(mesh_of(family), kind);
+      const RepairResult result = repair(defective.mesh);
+      EXPECT_EQ(findings_left(result.mesh), "");
+      EXPECT_TRUE(result.changed() || defective.count == 0);
+      expect_sound_maps(defective.mesh, result);
+      const RepairResult again = repair(result.mesh);
+      EXPECT_FALSE(again.changed()) << again.changes.front().name;
+      EXPECT_TRUE(same_bits(again.mesh, result.mesh));
+    }
+  }
+}
+
+Attribute numbered(Domain domain, const std::string& name, int components, std::size_t elements) {
+  Attribute attribute{.name = name, .domain = domain, .components = components};
+  for (std::size_t k = 0; k < elements * static_cast<std::size_t>(components); ++k)
+    attribute.values.push_back(static_cast<double>(k));
+  return attribute;
+}
+
+TEST(Repair, GivesTheSourceBackOfACleanMesh) {
+  struct Document : SourceDocument {};
+  Mesh mesh = shapes::cube();
+  mesh.source = std::make_shared<Document>();
+  mesh.attributes.push_back(numbered(Domain::vertex, "weight", 1, 8));
+  EXPECT_EQ(repair(mesh).mesh.source, mesh.source);
+  EXPECT_FALSE(repair(shapes::moebius_strip()).changed()) << "it has no winding";
+  ASSERT_EQ(repair(shapes::moebius_strip()).notes.size(), 1);
+  EXPECT_TRUE(repair(shapes::moebius_strip()).notes[0].starts_with("2 edges keep"));
+}
+
+TEST(Repair, KeepsAttributesOfWhatItKeeps) {
+  Mesh mesh = shapes::torus(12, 9, true);
+  mesh.attributes = {numbered(Domain::vertex, "weight", 1, 108), numbered(Domain::face, "group", 1, 216),
+                     numbered(Domain::corner, "uv", 2, 648)};
+  mesh.faces.push_back(std::vector<Index>{0, 0, 1});
+  mesh.attributes[1].values.push_back(7);
+  mesh.attributes[2].values.resize(2 * 651, 0);
+  const RepairResult result = repair(mesh);
+  ASSERT_EQ(result.mesh.attributes.size(), 3);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto& kept = result.mesh.attributes[a].values;
+    EXPECT_TRUE(std::equal(kept.begin(), kept.end(), mesh.attributes[a].values.begin()));
+    EXPECT_FALSE(kept.empty());
+  }
+}
+
+TEST(Repair, KeepsBothSidesOfASeamPerCorner) {
+  Mesh mesh = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}},
+                               {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}});
+  mesh.attributes = {numbered(Domain::vertex, "uv", 2, 7),
+                     {.name = "weight", .components = 1, .values = std::vector<double>(7, 3.0)}};
+  const RepairResult result = repair(mesh);
+  ASSERT_TRUE(result.find("welded-vertex"));
+  EXPECT_EQ(result.find("welded-vertex")->indices, (std::vector<Index>{4, 6}));
+  EXPECT_EQ(result.vertex.new_index, (std::vector<Index>{0, 1, 2, 3, 1, 4, 2}));
+  const Attribute* uv = result.mesh.find_attribute(Domain::corner, "uv");
+  ASSERT_TRUE(uv);
+  EXPECT_EQ(uv->values, (std::vector<double>{0, 1, 2, 3, 4, 5, 0, 1, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}));
+  EXPECT_TRUE(result.mesh.find_attribute(Domain::vertex, "weight")) << "equal values stay per vertex";
+}
+
+TEST(Repair, TurnsNormalsWithTheirFaces) {
+  Mesh mesh = shapes::torus(8, 6, true);
+  const Points up = Points::Constant(mesh.face_count(), 3, 0);
+  mesh.attributes.push_back({.name = "normal",
+                             .domain = Domain::face,
+                             .interpolation = Interpolation::direction,
+                             .components = 3,
+                             .values = std::vector<double>(up.data(), up.data() + up.size())});
+  for (Index f = 0; f < mesh.face_count(); ++f) {  // as the faces are wound: inward
+    const auto face = mesh.faces[f];
+    const Eigen::RowVector3d a = mesh.positions.row(face[0]);
+    const Eigen::RowVector3d normal =
+        (mesh.positions.row(face[2]) - a).cross(mesh.positions.row(face[1]) - a).normalized();
+    std::copy(normal.data(), normal.data() + 3, mesh.attributes[0].values.begin() + 3 * f);
+  }
+  Mesh inward = mesh;
+  inward.faces = {};
+  for (Index f = 0; f < mesh.face_count(); ++f)
+    inward.faces.push_back(std::vector<Index>{mesh.faces[f][0], mesh.faces[f][2], mesh.faces[f][1]});
+  const RepairResult result = repair(inward);
+  ASSERT_TRUE(result.find("turned-part"));
+  EXPECT_EQ(result.mesh.faces, mesh.faces);
+  for (std::size_t k = 0; k < mesh.attributes[0].values.size(); ++k)
+    EXPECT_EQ(result.mesh.attributes[0].values[k], -mesh.attributes[0].values[k]);
+}
+
+TEST(Repair, SwitchesStepsOff) {
+  const Mesh torus = shapes::torus(30, 20, true);
+  const auto changes = [](const Mesh& mesh, const RepairOptions& options) {
+    return repair(mesh, options).changes.size();
+  };
+  EXPECT_EQ(changes(test::as_soup(torus), {.remove_duplicate_shells = false, .weld = false}), 0);
+  EXPECT_EQ(changes(test::with_floating_bits(torus, 3, 1), {.remove_debris = false}), 0);
+  EXPECT_EQ(changes(test::without_faces(torus, 3, 0, 1), {.hole_edges = 0}), 0);
+  EXPECT_EQ(changes(test::with_isolated(torus, 3, 1), {.remove_isolated = false}), 0);
+  EXPECT_EQ(changes(test::with_turned_patches(torus, 2, 1, 1), {.unify_winding = false}), 0);
+  EXPECT_EQ(changes(test::both(torus, torus), {.remove_duplicate_shells = false}), 0);
+  EXPECT_EQ(changes(test::with_repeated_faces(torus, 3, 1),
+                    {.clean_faces = false, .split_non_manifold = false, .unify_winding = false}),
+            0);
+  EXPECT_EQ(changes(test::with_bow_ties(torus, 2, 1), {.split_non_manifold = false, .remove_isolated = false}),
+            0);
+  EXPECT_THROW(repair(test::with_bad_indices(torus, 3, 1), {.remove_invalid = false}), Error);
+  EXPECT_THROW(repair(test::with_non_finite(torus, 3, 1), {.remove_invalid = false}), Error);
+  EXPECT_THROW(repair(torus, {.weld_distance = -1}), Error);
+  EXPECT_THROW(repair(torus, {.debris_rel = 2}), Error);
+  EXPECT_THROW(repair(torus, {.hole_edges = -1}), Error);
+}
+
+TEST(Repair, WeldsWithinTheDistanceThatIsGiven) {
+  const Mesh torus = shapes::torus(30, 20, true);
+  const Mesh torn = test::with_noise(test::as_soup(torus), 1e-4, 3);
+  EXPECT_GT(summarise_topology(repair(torn).mesh).components, 100);
+  const TopologySummary welded = summarise_topology(repair(torn, {.weld_distance = 1e-2}).mesh);
+  EXPECT_EQ(welded.components, 1);
+  EXPECT_TRUE(welded.closed && welded.manifold && welded.oriented);
+}
+
+TEST(Repair, ClosesHolesThatAreAskedFor) {
+  if (!can_fill_holes()) GTEST_SKIP() << "this build has no CGAL";
+  Mesh tube = shapes::tube(30, 8, true);
+  tube.attributes = {numbered(Domain::vertex, "weight", 1, 270), numbered(Domain::face, "group", 1, 480),
+                     numbered(Domain::corner, "uv", 2, 1440)};
+  EXPECT_FALSE(repair(tube).changed()) << "the ends of a tube are meant";
+  const RepairResult result = repair(tube, {.hole_edges = 30});
+  EXPECT_EQ(result.find("filled-hole")->count, 2);
+  const TopologySummary topology = summarise_topology(result.mesh);
+  EXPECT_TRUE(topology.closed && topology.manifold && topology.oriented);
+  EXPECT_EQ(result.mesh.face_count(), tube.face_count() + 2 * 28);
+  EXPECT_EQ(result.face_origin.back(), -1);
+  for (const Attribute& attribute : result.mesh.attributes)
+    EXPECT_TRUE(
+        std::none_of(attribute.values.begin(), attribute.values.end(), [](double x) { return std::isnan(x); }));
+}
+
+TEST(Repair, DoesNotDependOnThreads) {
+  const Mesh mesh =
+      test::with_noise(test::as_soup(test::with_fins(shapes::torus(40, 30, true), 5, 1)), 1e-7, 2);
+  const Mesh one = repair(mesh, {}, shapes::with_threads(1)).mesh;
+  EXPECT_TRUE(same_bits(one, repair(mesh, {}, shapes::with_threads(4)).mesh));
+}
+
+// Whatever faces there are, it ends, and leaves nothing that is refused or would have to be repaired.
+TEST(Repair, EndsForAnyFaces) {
+  std::mt19937 random(5);
+  const auto below = [&](unsigned n) { return static_cast<Index>(random() % n); };
+  for (int seed = 0; seed < 2000; ++seed) {
+    SCOPED_TRACE(seed);
+    Mesh mesh;
+    const Index vertices = 1 + below(12);
+    mesh.positions.resize(vertices, 3);
+    for (Eigen::Index k = 0; k < mesh.positions.size(); ++k) mesh.positions.data()[k] = below(4);
+    if (below(6) == 0) mesh.positions(below(vertices), 1) = NAN;
+    for (Index f = below(16); f > 0; --f) {
+      std::vector<Index> face(below(4) ? 3 : below(7));
+      for (Index& v : face) v = below(20) == 0 ? below(40) - 20 : below(vertices);
+      mesh.faces.push_back(face);
+    }
+    const RepairResult result = repair(mesh);
+    const TopologySummary topology = summarise_topology(result.mesh);
+    EXPECT_TRUE(topology.manifold);
+    for (const Finding& finding : triage(result.mesh).findings)
+      EXPECT_EQ(finding.severity, Severity::note) << finding.name << ": " << finding.description;
+    EXPECT_FALSE(repair(result.mesh).changed());
+    if (HasFailure()) break;
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft
