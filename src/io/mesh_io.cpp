@@ -11,14 +11,16 @@
 #include "format.h"
 #include "obj.h"
 #include "obj_materials.h"
+#include "off.h"
 #include "ply.h"
+#include "stl.h"
 
 namespace meshgraft {
 
 namespace io {
 
 std::span<const Format> formats() {
-  static const std::array<Format, 2> all = {ply_format(), obj_format()};
+  static const std::array<Format, 4> all = {ply_format(), obj_format(), off_format(), stl_format()};
   return all;
 }
 

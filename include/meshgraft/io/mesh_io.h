@@ -9,7 +9,8 @@
 
 namespace meshgraft {
 
-/// Reads a mesh; the format follows the content where it has a signature, else the extension (.ply, .obj).
+/// Reads a mesh; the format follows the content where it has a signature, else the extension
+/// (.ply, .obj, .off, .stl).
 /// Everything the file carries is kept: what has a meaning here as attributes, the rest in `Mesh::source`.
 /// Indices may be out of range and coordinates non-finite: `triage` names them.
 /// Throws Error(io) if the file cannot be read, Error(input) with file and line (or byte) if it is malformed.
