@@ -23,10 +23,8 @@ struct OffColumn {
 /// numbers.
 struct OffDocument : FileDocument {
   std::string content;
-  std::size_t body = 0;            ///< of the first vertex in the content
-  std::vector<OffColumn> columns;  ///< of a vertex, in the file's order
-  Faces faces;                     ///< as read: tells whether a mesh still belongs to this file
-  Index vertex_count = 0;
+  std::size_t body = 0;                     ///< of the first vertex in the content
+  std::vector<OffColumn> columns;           ///< of a vertex, in the file's order
   std::optional<ScalarType> vertex_colour;  ///< uint8 (0–255) or float32 (0–1)
   std::optional<ScalarType> face_colour;
   bool has_face_index = false;

@@ -126,8 +126,7 @@ class OffReader {
                    "Correct the counts, or announce what follows a vertex in the keyword: COFF for colours, "
                    "NOFF for normals, STOFF for texture coordinates");
     }
-    document_->faces = mesh_.faces;
-    document_->vertex_count = mesh_.vertex_count();
+    document_->remember_topology(mesh_);
     mesh_.source = std::move(document_);
     return std::move(mesh_);
   }

@@ -257,8 +257,7 @@ class OffComposer {
 
 Written write_off(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
   const auto* document = dynamic_cast<const OffDocument*>(mesh.source.get());
-  const bool unchanged =
-      document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
+  const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (unchanged) return {OffPatcher(*document, mesh, context).patch()};
   return OffComposer(mesh, context).compose();
 }

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/cut.h>
 
+#include "file.h"
 #include "number_text.h"
 #include "ply.h"
 #include "ply_document.h"
@@ -18,6 +20,7 @@ namespace meshgraft::io {
 namespace {
 
 constexpr std::uint64_t rows_per_check = 1 << 16;  // between two looks at the stop token
+constexpr std::size_t rows_per_block = 1 << 13;    // read at once, within the second-level cache
 constexpr std::string_view damaged = "The file is cut off or its header is wrong; copy or export it again";
 
 /// Properties that make up one attribute, by their names in the files of common programs.
@@ -109,8 +112,7 @@ class PlyReader {
     require_end(offset);
     apply_labels();
     mark_unlabelled();
-    document_->faces = mesh_.faces;
-    document_->vertex_count = mesh_.vertex_count();
+    document_->remember_topology(mesh_);
     mesh_.source = std::move(document_);
     return std::move(mesh_);
   }
@@ -134,6 +136,7 @@ class PlyReader {
     const PlyElement& element = document_->header.elements[e];
     const auto count = static_cast<Eigen::Index>(element.count);
     mesh_.positions.resize(count, 3);
+    prefer_huge_pages(mesh_.positions.data(), 3 * element.count);
 
     PlyTable table{e, {}};
     const std::array<std::string_view, 3> axes = {"x", "y", "z"};
@@ -156,12 +159,14 @@ class PlyReader {
     Sinks sinks = targets_of(element, table);
     sinks.corners = find_corner_list(element);
     sinks.faces = &mesh_.faces;
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      if (element.properties[p].is_list && p != sinks.corners) sinks.lists.push_back({p, {}, {}});
-    }
     // Most meshes consist of triangles; the guess costs nothing where it is wrong.
     const auto corners = std::min<std::uint64_t>(3 * element.count, std::numeric_limits<Index>::max());
     mesh_.faces.reserve(static_cast<Index>(element.count), static_cast<Index>(corners));
+    prefer_huge_pages(mesh_.faces.corners().data(), corners);
+    prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      if (element.properties[p].is_list && p != sinks.corners) sinks.lists.push_back({p, {}, {}});
+    }
     offset = read_records(element, offset, sinks);
     for (ListValues& list : sinks.lists) bind_corner_list(element, std::move(list), table);
     document_->tables.push_back(std::move(table));
@@ -292,11 +297,12 @@ class PlyReader {
       return read_rows(element, cursor, sinks);
     }
     if (!element.has_lists()) return read_columns(element, offset, sinks);
+    if (const auto end = read_polygons(element, offset, sinks)) return *end;
     PlyBinaryCursor cursor(document_->content, offset, needs_swap(encoding), name_);
     return read_rows(element, cursor, sinks);
   }
 
-  /// Binary records of one size: column by column.
+  /// Binary records of one size, a block of rows at a time.
   std::size_t read_columns(const PlyElement& element, std::size_t offset, const Sinks& sinks) const {
     const std::size_t record = element.smallest_binary_size();
     const std::size_t count = element.count;
@@ -304,18 +310,79 @@ class PlyReader {
       fail("the file ends in the middle of its '" + element.name + "' records", std::string(damaged));
     }
     const bool swap = needs_swap(document_->header.encoding);
-    const char* column = document_->content.data() + offset;
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      const ScalarType type = element.properties[p].type;
-      const Target target = sinks.scalars[p];
-      if (target.values != nullptr) {
-        for (std::size_t row = 0; row < count; ++row) {
-          target.values[row * target.stride] = load_binary(column + row * record, type, swap);
+    const char* const records = document_->content.data() + offset;
+    const auto read_block = [&](std::size_t begin, std::size_t end) {
+      const char* column = records + begin * record;
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const ScalarType type = element.properties[p].type;
+        const Target target = sinks.scalars[p];
+        if (target.values != nullptr) {
+          load_binary_column({column, record, type, swap}, end - begin, target.values + begin * target.stride,
+                             target.stride);
         }
+        column += size_of(type);
       }
-      column += size_of(type);
-    }
+    };
+    parallel_blocks(count, read_block, context_, rows_per_block);
     return offset + count * record;
+  }
+
+  /// Binary faces with one list, that of their corners, without a look at the type of every value. Empty for
+  /// other elements and where anything is wrong: reading row by row then names the place.
+  std::optional<std::size_t> read_polygons(const PlyElement& element, std::size_t offset, Sinks& sinks) const {
+    if (!sinks.corners || !sinks.lists.empty()) return std::nullopt;
+    const bool swap = needs_swap(document_->header.encoding);
+    const PlyProperty& list = element.properties[*sinks.corners];
+    const std::size_t fixed = element.smallest_binary_size();
+    std::size_t before_list = 0;
+    for (std::size_t p = 0; p < *sinks.corners; ++p) before_list += size_of(element.properties[p].type);
+
+    std::vector<Index> corners;
+    const char* at = document_->content.data() + offset;
+    const char* const end = document_->content.data() + document_->content.size();
+    for (std::size_t row = 0; row < element.count; ++row) {
+      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      const auto left = static_cast<std::size_t>(end - at);
+      const std::optional<std::size_t> length =
+          left < fixed
+              ? std::nullopt
+              : load_binary_length(at + before_list, list, swap, left - fixed, sinks.faces->corner_count());
+      if (length) corners.resize(*length);
+      if (!length ||
+          !load_binary_corners(at + before_list + size_of(list.count_type), list.type, swap, corners)) {
+        *sinks.faces = Faces();
+        return std::nullopt;
+      }
+      sinks.faces->push_back(corners);
+      if (element.properties.size() > 1) read_scalars(element, at, row, *length, sinks);
+      at += fixed + *length * size_of(list.type);
+    }
+    return offset + static_cast<std::size_t>(at - (document_->content.data() + offset));
+  }
+
+  /// The length of a list of corners, of which so many values can follow it; empty where it cannot be right.
+  static std::optional<std::size_t> load_binary_length(const char* at, const PlyProperty& list, bool swap,
+                                                       std::size_t bytes_left, Index corners_before) {
+    const double length = load_binary(at, list.count_type, swap);
+    if (length < 0 || length > static_cast<double>(bytes_left / size_of(list.type))) return std::nullopt;
+    if (length > std::numeric_limits<Index>::max() - corners_before) return std::nullopt;
+    return static_cast<std::size_t>(length);
+  }
+
+  /// The values of a record whose one list has so many.
+  void read_scalars(const PlyElement& element, const char* at, std::size_t row, std::size_t list_length,
+                    const Sinks& sinks) const {
+    const bool swap = needs_swap(document_->header.encoding);
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (property.is_list) {
+        at += size_of(property.count_type) + list_length * size_of(property.type);
+        continue;
+      }
+      const Target target = sinks.scalars[p];
+      if (target.values != nullptr) target.values[row * target.stride] = load_binary(at, property.type, swap);
+      at += size_of(property.type);
+    }
   }
 
   /// Records one after another, for ascii and for lists.

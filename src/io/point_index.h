@@ -11,6 +11,8 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "file.h"
+
 namespace meshgraft::io {
 
 /// Numbers points by their value in order of first appearance: equal points (-0 equals 0) get one number, a
@@ -23,13 +25,16 @@ class PointIndex {
 
   explicit PointIndex(std::size_t expected_points) {
     points_.reserve(expected_points);
-    table_.resize(std::bit_ceil(std::max<std::size_t>(2 * expected_points, 64)), empty);
+    table_.reserve(std::bit_ceil(std::max<std::size_t>(2 * expected_points, 64)));
+    prefer_huge_pages(points_.data(), points_.capacity());
+    prefer_huge_pages(table_.data(), table_.capacity());
+    table_.resize(table_.capacity(), empty);
   }
 
   /// The numbers of `points`, in their order. At most 2^31 - 1 points can be told apart.
   void add(std::span<const Point> points, Index* numbers) {
-    // The table is larger than the cache: a block's slots are fetched together.
-    constexpr std::size_t block = 16;
+    // Table and points are larger than the caches: what a block needs of them is fetched together.
+    constexpr std::size_t block = 32;
     while (!points.empty()) {
       const auto part = points.first(std::min(block, points.size()));
       reserve(part.size());
@@ -37,6 +42,10 @@ class PointIndex {
       for (std::size_t i = 0; i < part.size(); ++i) {
         slots[i] = slot_of(part[i]);
         __builtin_prefetch(table_.data() + slots[i]);
+      }
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        const Index number = table_[slots[i]];
+        if (number != empty) __builtin_prefetch(points_.data() + number);
       }
       for (std::size_t i = 0; i < part.size(); ++i) *numbers++ = number_of(part[i], slots[i]);
       points = points.subspan(part.size());

@@ -22,8 +22,6 @@ inline constexpr std::string_view stl_attribute = "attribute";
 struct StlDocument : FileDocument {
   std::string content;
   bool ascii = false;
-  Faces faces;  ///< as read, corners at one place being one vertex
-  Index vertex_count = 0;
 
   std::vector<std::string> beside_the_mesh() const override { return {}; }
 };

@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "file.h"
 #include "point_index.h"
 #include "stl.h"
 #include "stl_document.h"
@@ -38,6 +39,7 @@ bool is_text(std::string_view content) { return content.find('\0') == std::strin
 template <class Real>
 Points to_positions(const std::vector<std::array<Real, 3>>& points) {
   Points positions(static_cast<Eigen::Index>(points.size()), 3);
+  prefer_huge_pages(positions.data(), 3 * points.size());
   double* to = positions.data();
   for (const auto& point : points) to = std::copy(point.begin(), point.end(), to);
   return positions;
@@ -85,8 +87,7 @@ class StlReader {
     } else {
       fail_size();
     }
-    document_->faces = mesh_.faces;
-    document_->vertex_count = mesh_.vertex_count();
+    document_->remember_topology(mesh_);
     mesh_.source = std::move(document_);
     return std::move(mesh_);
   }
@@ -96,20 +97,22 @@ class StlReader {
     const std::size_t count = load_stl_count(document_->content);
     if (count > max_facets) fail_too_large();
     mesh_.faces.reserve(static_cast<Index>(count), static_cast<Index>(3 * count));
+    prefer_huge_pages(mesh_.faces.corners().data(), 3 * count);
+    prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
     PointIndex<float> points(count / 2 + 3);  // a closed surface has half as many vertices as triangles
     const char* facet = document_->content.data() + stl_layout::first_facet;
     constexpr std::size_t block = 64;
-    std::array<FloatPoint, 3 * block> corners;
-    std::array<Index, 3 * block> numbers;
+    std::array<FloatPoint, 3 * block> places;
+    std::array<Index, 3 * block> corners;
     for (std::size_t begin = 0; begin < count; begin += block) {
       if (begin % facets_per_check == 0) report_progress(begin, count);
       const std::size_t size = std::min(block, count - begin);
       for (std::size_t f = 0; f < size; ++f, facet += stl_layout::facet) {
         for (std::size_t c = 0; c < 3; ++c)
-          corners[3 * f + c] = load_stl_point(facet + (c + 1) * stl_layout::corner);
+          places[3 * f + c] = load_stl_point(facet + (c + 1) * stl_layout::corner);
       }
-      points.add({corners.data(), 3 * size}, numbers.data());
-      for (std::size_t f = 0; f < size; ++f) mesh_.faces.push_back({numbers.data() + 3 * f, 3});
+      points.add({places.data(), 3 * size}, corners.data());
+      for (std::size_t f = 0; f < size; ++f) mesh_.faces.push_back({corners.data() + 3 * f, 3});
     }
     mesh_.positions = to_positions(points.points());
     add_attribute(count);

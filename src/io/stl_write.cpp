@@ -215,8 +215,7 @@ class StlComposer {
 
 Written write_stl(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
   const auto* document = dynamic_cast<const StlDocument*>(mesh.source.get());
-  const bool unchanged =
-      document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
+  const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (!unchanged) return StlComposer(mesh, context).compose();
   return {document->ascii ? patch_ascii(*document, mesh, context) : patch_binary(*document, mesh, context)};
 }
