@@ -2,8 +2,6 @@
 
 #include <functional>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 
 #include <meshgraft/deform/selection.h>
 #include <meshgraft/io/mesh_io.h>
@@ -33,22 +31,6 @@ StandardTest make_test(const std::string& name, const std::string& sample,
   return test;
 }
 
-void read_off(const std::filesystem::path& path, BenchEdit& edit) {
-  std::istringstream text(read_file(path));
-  std::string magic;
-  Index vertices = 0, faces = 0, edges = 0;
-  text >> magic >> vertices >> faces >> edges;
-  edit.positions.resize(vertices, 3);
-  edit.triangles.resize(faces, 3);
-  for (double& coordinate : edit.positions.reshaped<Eigen::RowMajor>()) text >> coordinate;
-  for (auto face : edit.triangles.rowwise()) {
-    int corners = 0;
-    text >> corners >> face[0] >> face[1] >> face[2];
-    if (corners != 3) throw std::runtime_error(path.string() + ": a face is no triangle");
-  }
-  if (!text || magic != "OFF") throw std::runtime_error(path.string() + ": not a whole OFF file");
-}
-
 }  // namespace
 
 std::vector<StandardTest> sample_tests() {
@@ -69,7 +51,9 @@ std::vector<StandardTest> read_tests(const std::filesystem::path& folder) {
   std::vector<StandardTest> tests;
   for (const std::string name : {"plane", "cylinder", "bar", "cactus"}) {
     StandardTest test{name, {}};
-    read_off(folder / (name + ".off"), test.edit);
+    const Mesh mesh = read_mesh(folder / (name + ".off"));
+    test.edit.positions = mesh.positions;
+    test.edit.triangles = triangulate(mesh).triangles;
     const auto count = static_cast<Index>(test.edit.positions.rows());
     const SelFile parts = parse_sel(read_file(folder / (name + ".sel")), count, name + ".sel");
     test.edit.fixed = parts.fixed;

@@ -7,7 +7,21 @@
 
 #include <meshgraft/mesh/join.h>
 
+#include "file.h"
+
 namespace meshgraft::io {
+
+void FileDocument::remember_topology(const Mesh& mesh) {
+  faces.reserve(mesh.face_count(), mesh.faces.corner_count());
+  prefer_huge_pages(faces.corners().data(), faces.corners().capacity());
+  prefer_huge_pages(faces.offsets().data(), faces.offsets().capacity());
+  faces = mesh.faces;
+  vertex_count = mesh.vertex_count();
+}
+
+bool FileDocument::has_topology_of(const Mesh& mesh) const {
+  return vertex_count == mesh.vertex_count() && faces == mesh.faces;
+}
 
 std::vector<const FileDocument*> documents_of(const Mesh& mesh) {
   std::vector<const FileDocument*> documents;

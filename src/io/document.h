@@ -11,6 +11,12 @@ namespace meshgraft::io {
 /// What every format remembers of a file.
 struct FileDocument : SourceDocument {
   std::filesystem::path path;
+  Faces faces;             ///< as read
+  Index vertex_count = 0;  ///< as read
+
+  /// Keeps the mesh's faces, to tell later whether a mesh still belongs to this file.
+  void remember_topology(const Mesh& mesh);
+  bool has_topology_of(const Mesh& mesh) const;
 
   /// What of the file neither the mesh nor its attributes hold, e.g. "3 'l' lines"; lost where a file is
   /// composed anew.

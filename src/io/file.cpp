@@ -1,11 +1,14 @@
 #include "file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
+#include <memory>
 #include <random>
 #include <string>
 #include <system_error>
@@ -165,6 +168,18 @@ void write_through(const fs::path& path, std::string_view content) {
 
 namespace io {
 
+void prefer_huge_pages(const void* begin, std::size_t size) {
+#ifdef MADV_HUGEPAGE
+  constexpr std::uintptr_t page = 4096;
+  const auto address = reinterpret_cast<std::uintptr_t>(begin);
+  const std::uintptr_t first = (address + page - 1) / page * page;
+  const std::uintptr_t last = (address + size) / page * page;
+  if (last <= first || last - first < (std::size_t{1} << 23)) return;
+  // A hint: where the system does not take it, nothing changes.
+  if (::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE) != 0) errno = 0;
+#endif
+}
+
 void write_file(const fs::path& path, std::string_view content, Existing existing) {
   if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
   const fs::path target = resolve_link(path);
@@ -206,20 +221,22 @@ std::string read_file(const fs::path& path) {
     throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
   }
 
+  // Piece by piece through a buffer that stays in the cache: growing the string to its size first would fill
+  // all of it with zeros.
+  constexpr std::size_t piece = std::size_t{1} << 17;
+  const auto buffer = std::make_unique_for_overwrite<char[]>(piece);
   std::string content;
-  std::size_t size = 0;
-  // One byte more than expected, so that the end of the file is seen without growing the buffer.
-  content.resize(S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) + 1 : std::size_t{1} << 16);
+  if (S_ISREG(status.st_mode)) {
+    content.reserve(static_cast<std::size_t>(status.st_size));
+    io::prefer_huge_pages(content.data(), content.capacity());
+  }
   for (;;) {
-    if (size == content.size()) content.resize(2 * size);
-    const ssize_t got = ::read(descriptor.get(), content.data() + size, content.size() - size);
+    const ssize_t got = ::read(descriptor.get(), buffer.get(), piece);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail(path, "cannot be read", errno);
-    if (got == 0) break;
-    size += static_cast<std::size_t>(got);
+    if (got == 0) return content;
+    content.append(buffer.get(), static_cast<std::size_t>(got));
   }
-  content.resize(size);
-  return content;
 }
 
 }  // namespace meshgraft

@@ -11,7 +11,9 @@
 #include "format.h"
 #include "obj.h"
 #include "obj_materials.h"
+#include "off.h"
 #include "ply.h"
+#include "stl.h"
 #include "threemf.h"
 
 namespace meshgraft {
@@ -22,6 +24,8 @@ std::span<const Format> formats() {
   static const std::vector<Format> all = {
       ply_format(),
       obj_format(),
+      off_format(),
+      stl_format(),
 #ifdef MESHGRAFT_HAS_3MF
       threemf_format(),
 #endif

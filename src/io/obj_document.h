@@ -15,8 +15,6 @@ namespace meshgraft::io {
 /// numbers in its v and vn lines.
 struct ObjDocument : FileDocument {
   std::string content;
-  Faces faces;  ///< as read: tells whether a mesh still belongs to this file
-  Index vertex_count = 0;
   std::vector<double> normals;        ///< 3 per vn line
   std::vector<Index> corner_normals;  ///< the vn line of each corner, -1 for none; empty if no face has any
 

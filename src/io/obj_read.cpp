@@ -253,12 +253,14 @@ class ObjReader {
   void fill_mesh() {
     const std::size_t count = vertices_.size() / 3;
     mesh_.positions = Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(count), 3);
+    vertices_ = std::vector<double>();  // frees it: the document takes memory of its own next
     fill_colours(count);
     fill_corners("uv", Interpolation::linear, 2, corner_uvs_, uvs_);
+    corner_uvs_ = std::vector<Index>();
+    uvs_ = std::vector<double>();
     fill_corners("normal", Interpolation::direction, 3, document_->corner_normals, document_->normals);
     for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_}) labels->move_to(mesh_);
-    document_->faces = mesh_.faces;
-    document_->vertex_count = mesh_.vertex_count();
+    document_->remember_topology(mesh_);
     mesh_.source = std::move(document_);
   }
 

@@ -449,8 +449,7 @@ class ObjComposer {
 
 Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const Context& context) {
   const auto* document = dynamic_cast<const ObjDocument*>(mesh.source.get());
-  const bool unchanged =
-      document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
+  const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (!unchanged) return ObjComposer(mesh, path, context).compose();
   Written written{ObjPatcher(*document, mesh, context).patch()};
   for (const std::string& library : libraries_to_copy(*document, path))

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -64,8 +65,6 @@ struct PlyDocument : FileDocument {
   PlyHeader header;
   std::vector<std::size_t> element_begin;  ///< first byte of each element's records, then the end
   std::vector<PlyTable> tables;            ///< vertices, faces
-  Faces faces;                             ///< as read: tells whether a mesh still belongs to this file
-  Index vertex_count = 0;
   ScalarType position_type = ScalarType::float64;
 
   std::vector<std::string> beside_the_mesh() const override;
@@ -75,6 +74,20 @@ struct PlyDocument : FileDocument {
 double load_binary(const char* at, ScalarType type, bool swap);
 void store_binary(char* at, double value, ScalarType type, bool swap);
 bool needs_swap(PlyEncoding encoding);
+
+/// A property of binary records of one size.
+struct PlyColumn {
+  const char* first = nullptr;  ///< its value in the first record
+  std::size_t record = 0;       ///< bytes from one record to the next
+  ScalarType type = ScalarType::float32;
+  bool swap = false;
+};
+
+/// Writes the column's value in record r to `values[r * stride]`.
+void load_binary_column(const PlyColumn& column, std::size_t rows, double* values, std::size_t stride);
+
+/// Reads a list of vertex indices of an integer type. False where one is too large.
+bool load_binary_corners(const char* at, ScalarType type, bool swap, std::span<Index> corners);
 
 /// Walks over the values of an ascii body, a record per line; line ends may be LF, CRLF or CR.
 class PlyTextCursor {

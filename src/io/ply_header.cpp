@@ -1,9 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
-#include <limits>
-#include <optional>
 
 #include <meshgraft/core/error.h>
 
@@ -217,21 +213,6 @@ class HeaderParser {
   PlyHeader header_;
 };
 
-template <class T>
-double load_as(const char* at, bool swap) {
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), at, sizeof(T));
-  if (swap) std::reverse(bytes.begin(), bytes.end());
-  return static_cast<double>(std::bit_cast<T>(bytes));
-}
-
-template <class T>
-void store_as(char* at, double value, bool swap) {
-  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(static_cast<T>(value));
-  if (swap) std::reverse(bytes.begin(), bytes.end());
-  std::memcpy(at, bytes.data(), sizeof(T));
-}
-
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
@@ -264,38 +245,6 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
                 "It is not a PLY file; give it the extension of its own format");
   }
   return HeaderParser(content, name).parse();
-}
-
-bool needs_swap(PlyEncoding encoding) {
-  return encoding ==
-         (std::endian::native == std::endian::little ? PlyEncoding::big_endian : PlyEncoding::little_endian);
-}
-
-double load_binary(const char* at, ScalarType type, bool swap) {
-  switch (type) {
-    case ScalarType::int8: return load_as<std::int8_t>(at, swap);
-    case ScalarType::uint8: return load_as<std::uint8_t>(at, swap);
-    case ScalarType::int16: return load_as<std::int16_t>(at, swap);
-    case ScalarType::uint16: return load_as<std::uint16_t>(at, swap);
-    case ScalarType::int32: return load_as<std::int32_t>(at, swap);
-    case ScalarType::uint32: return load_as<std::uint32_t>(at, swap);
-    case ScalarType::float32: return load_as<float>(at, swap);
-    case ScalarType::float64: break;
-  }
-  return load_as<double>(at, swap);
-}
-
-void store_binary(char* at, double value, ScalarType type, bool swap) {
-  switch (type) {
-    case ScalarType::int8: return store_as<std::int8_t>(at, value, swap);
-    case ScalarType::uint8: return store_as<std::uint8_t>(at, value, swap);
-    case ScalarType::int16: return store_as<std::int16_t>(at, value, swap);
-    case ScalarType::uint16: return store_as<std::uint16_t>(at, value, swap);
-    case ScalarType::int32: return store_as<std::int32_t>(at, value, swap);
-    case ScalarType::uint32: return store_as<std::uint32_t>(at, value, swap);
-    case ScalarType::float32: return store_as<float>(at, value, swap);
-    case ScalarType::float64: return store_as<double>(at, value, swap);
-  }
 }
 
 bool PlyTextCursor::at_end() {
@@ -345,22 +294,6 @@ void PlyTextCursor::end_record() {
 
 void PlyTextCursor::fail(const std::string& problem, const std::string& remedy) const {
   throw Error(ErrorCode::input, problem, name_ + ", " + line_name(content_, offset_), remedy);
-}
-
-double PlyBinaryCursor::scalar(const PlyProperty&, ScalarType type) {
-  const std::size_t size = size_of(type);
-  if (content_.size() - offset_ < size) {
-    fail("the file ends in the middle of its data", "The file is cut off; copy or export it again");
-  }
-  value_begin_ = offset_;
-  offset_ += size;
-  return load_binary(content_.data() + value_begin_, type, swap_);
-}
-
-void PlyBinaryCursor::fail(const std::string& problem, const std::string& remedy) const {
-  const std::string place =
-      element_->name + " " + std::to_string(row_) + " (byte " + std::to_string(offset_) + ")";
-  throw Error(ErrorCode::input, problem, name_ + ", " + place, remedy);
 }
 
 }  // namespace meshgraft::io

@@ -9,16 +9,15 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
 
+#include "file.h"
 #include "number_text.h"
 #include "ply.h"
 #include "ply_document.h"
+#include "ply_records.h"
 
 namespace meshgraft::io {
 
 namespace {
-
-constexpr std::uint64_t rows_per_check = 1 << 16;  // between two looks at the stop token
-constexpr std::string_view damaged = "The file is cut off or its header is wrong; copy or export it again";
 
 /// Properties that make up one attribute, by their names in the files of common programs.
 struct NameGroup {
@@ -57,27 +56,6 @@ bool has_attribute(const std::vector<Attribute>& attributes, Domain domain, std:
   });
 }
 
-/// Where the values of one property go while its element is read.
-struct Target {
-  double* values = nullptr;  ///< null: not kept
-  std::size_t stride = 0;    ///< from one row to the next
-};
-
-/// The values of a list property, row after row.
-struct ListValues {
-  std::size_t property = 0;
-  std::vector<double> values;
-  std::vector<std::uint32_t> lengths;
-};
-
-/// What becomes of the values of an element's rows.
-struct Sinks {
-  std::vector<Target> scalars;         ///< one per property
-  std::vector<ListValues> lists;       ///< lists whose values are kept
-  std::optional<std::size_t> corners;  ///< the list of vertex indices
-  Faces* faces = nullptr;
-};
-
 /// Reads a PLY file's records into a mesh, element by element in the file's order.
 class PlyReader {
  public:
@@ -99,7 +77,7 @@ class PlyReader {
       } else if (elements[e].name == "face") {
         offset = read_faces(e, offset);
       } else {
-        Sinks nothing;
+        PlySinks nothing;
         nothing.scalars.resize(elements[e].properties.size());
         offset = read_records(elements[e], offset, nothing);
       }
@@ -109,8 +87,7 @@ class PlyReader {
     require_end(offset);
     apply_labels();
     mark_unlabelled();
-    document_->faces = mesh_.faces;
-    document_->vertex_count = mesh_.vertex_count();
+    document_->remember_topology(mesh_);
     mesh_.source = std::move(document_);
     return std::move(mesh_);
   }
@@ -134,6 +111,7 @@ class PlyReader {
     const PlyElement& element = document_->header.elements[e];
     const auto count = static_cast<Eigen::Index>(element.count);
     mesh_.positions.resize(count, 3);
+    prefer_huge_pages(mesh_.positions.data(), 3 * element.count);
 
     PlyTable table{e, {}};
     const std::array<std::string_view, 3> axes = {"x", "y", "z"};
@@ -144,7 +122,7 @@ class PlyReader {
     document_->position_type = element.properties[table.bindings[0].property].type;
     bind_scalars(element, Domain::vertex, table);
 
-    Sinks sinks = targets_of(element, table);
+    PlySinks sinks = targets_of(element, table);
     document_->tables.push_back(std::move(table));
     return read_records(element, offset, sinks);
   }
@@ -153,17 +131,19 @@ class PlyReader {
     const PlyElement& element = document_->header.elements[e];
     PlyTable table{e, {}};
     bind_scalars(element, Domain::face, table);
-    Sinks sinks = targets_of(element, table);
+    PlySinks sinks = targets_of(element, table);
     sinks.corners = find_corner_list(element);
     sinks.faces = &mesh_.faces;
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      if (element.properties[p].is_list && p != sinks.corners) sinks.lists.push_back({p, {}, {}});
-    }
     // Most meshes consist of triangles; the guess costs nothing where it is wrong.
     const auto corners = std::min<std::uint64_t>(3 * element.count, std::numeric_limits<Index>::max());
     mesh_.faces.reserve(static_cast<Index>(element.count), static_cast<Index>(corners));
+    prefer_huge_pages(mesh_.faces.corners().data(), corners);
+    prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      if (element.properties[p].is_list && p != sinks.corners) sinks.lists.push_back({p, {}, {}});
+    }
     offset = read_records(element, offset, sinks);
-    for (ListValues& list : sinks.lists) bind_corner_list(element, std::move(list), table);
+    for (PlyListValues& list : sinks.lists) bind_corner_list(element, std::move(list), table);
     document_->tables.push_back(std::move(table));
     return offset;
   }
@@ -226,11 +206,11 @@ class PlyReader {
   }
 
   /// Pointers into the mesh for the bindings; valid until an attribute is added.
-  Sinks targets_of(const PlyElement& element, const PlyTable& table) {
-    Sinks sinks;
+  PlySinks targets_of(const PlyElement& element, const PlyTable& table) {
+    PlySinks sinks;
     sinks.scalars.resize(element.properties.size());
     for (const PlyBinding& binding : table.bindings) {
-      Target& target = sinks.scalars[binding.property];
+      PlyTarget& target = sinks.scalars[binding.property];
       if (binding.attribute.empty()) {
         target = {mesh_.positions.data() + binding.component, 3};
         continue;
@@ -245,7 +225,7 @@ class PlyReader {
 
   /// A list of k values for every corner (or none) of every face is a corner attribute; others stay in the
   /// file only.
-  void bind_corner_list(const PlyElement& element, ListValues list, PlyTable& table) {
+  void bind_corner_list(const PlyElement& element, PlyListValues list, PlyTable& table) {
     const PlyProperty& property = element.properties[list.property];
     const std::string attribute_name = property.name == "texcoord" ? "uv" : property.name;
     if (has_attribute(mesh_.attributes, Domain::corner, attribute_name)) return;
@@ -285,93 +265,8 @@ class PlyReader {
     table.bindings.push_back({list.property, Domain::corner, attribute_name, 0});
   }
 
-  std::size_t read_records(const PlyElement& element, std::size_t offset, Sinks& sinks) {
-    const PlyEncoding encoding = document_->header.encoding;
-    if (encoding == PlyEncoding::ascii) {
-      PlyTextCursor cursor(document_->content, offset, name_);
-      return read_rows(element, cursor, sinks);
-    }
-    if (!element.has_lists()) return read_columns(element, offset, sinks);
-    PlyBinaryCursor cursor(document_->content, offset, needs_swap(encoding), name_);
-    return read_rows(element, cursor, sinks);
-  }
-
-  /// Binary records of one size: column by column.
-  std::size_t read_columns(const PlyElement& element, std::size_t offset, const Sinks& sinks) const {
-    const std::size_t record = element.smallest_binary_size();
-    const std::size_t count = element.count;
-    if (record != 0 && count > (document_->content.size() - offset) / record) {
-      fail("the file ends in the middle of its '" + element.name + "' records", std::string(damaged));
-    }
-    const bool swap = needs_swap(document_->header.encoding);
-    const char* column = document_->content.data() + offset;
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      const ScalarType type = element.properties[p].type;
-      const Target target = sinks.scalars[p];
-      if (target.values != nullptr) {
-        for (std::size_t row = 0; row < count; ++row) {
-          target.values[row * target.stride] = load_binary(column + row * record, type, swap);
-        }
-      }
-      column += size_of(type);
-    }
-    return offset + count * record;
-  }
-
-  /// Records one after another, for ascii and for lists.
-  template <class Cursor>
-  std::size_t read_rows(const PlyElement& element, Cursor& cursor, Sinks& sinks) {
-    std::vector<ListValues*> list_of(element.properties.size(), nullptr);
-    for (ListValues& list : sinks.lists) list_of[list.property] = &list;
-    std::vector<Index> corners;
-    for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (row % rows_per_check == 0) context_.throw_if_stopped();
-      cursor.begin_record(element, row);
-      for (std::size_t p = 0; p < element.properties.size(); ++p) {
-        const PlyProperty& property = element.properties[p];
-        if (!property.is_list) {
-          const double value = cursor.scalar(property, property.type);
-          const Target target = sinks.scalars[p];
-          if (target.values != nullptr) target.values[row * target.stride] = value;
-          continue;
-        }
-        const std::size_t length = read_list_length(cursor, property);
-        if (p == sinks.corners) {
-          read_corners(cursor, property, length, corners);
-          push_face(cursor, corners, *sinks.faces);
-        } else {
-          ListValues* const list = list_of[p];
-          for (std::size_t k = 0; k < length; ++k) {
-            const double value = cursor.scalar(property, property.type);
-            if (list != nullptr) list->values.push_back(value);
-          }
-          if (list != nullptr) list->lengths.push_back(static_cast<std::uint32_t>(length));
-        }
-      }
-      cursor.end_record();
-    }
-    return cursor.offset();
-  }
-
-  template <class Cursor>
-  static void read_corners(Cursor& cursor, const PlyProperty& property, std::size_t length,
-                           std::vector<Index>& corners) {
-    corners.clear();
-    for (std::size_t k = 0; k < length; ++k) {
-      const double index = cursor.scalar(property, property.type);
-      if (index > std::numeric_limits<Index>::max()) {
-        cursor.fail("the vertex index " + std::to_string(static_cast<std::uint64_t>(index)) + " is too large",
-                    "Indices must be below 2147483648; export the file again");
-      }
-      corners.push_back(static_cast<Index>(index));
-    }
-  }
-
-  template <class Cursor>
-  static void push_face(Cursor& cursor, const std::vector<Index>& corners, Faces& faces) {
-    const auto room = static_cast<std::size_t>(std::numeric_limits<Index>::max() - faces.corner_count());
-    if (corners.size() > room) cursor.fail("the faces have more than 2147483647 corners", "Split the mesh");
-    faces.push_back(corners);
+  std::size_t read_records(const PlyElement& element, std::size_t offset, PlySinks& sinks) const {
+    return read_ply_records(*document_, element, offset, sinks, context_);
   }
 
   /// More data than the header announces means that one of the two is wrong.

@@ -385,8 +385,7 @@ class PlyComposer {
 
 Written write_ply(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
   const auto* document = dynamic_cast<const PlyDocument*>(mesh.source.get());
-  const bool unchanged =
-      document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
+  const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (unchanged) return {PlyPatcher(*document, mesh, context).patch()};
   const bool from_floats = document != nullptr && document->position_type == ScalarType::float32;
   Written written{

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/samples/samples.h>
 
 #include "expect_error.h"
 #include "temporary_folder.h"
@@ -481,6 +482,72 @@ TEST(Ply, DamagedBytesNeverCrash) {
         }
       }
     }
+  }
+}
+
+/// Faces of three, four and two corners between scalars.
+template <class Count, class Corner>
+std::string binary_polygons(const char* count_type, const char* corner_type, bool big_endian) {
+  Bytes bytes(big_endian);
+  for (int k = 0; k < 12; ++k) bytes.put(static_cast<double>(k));
+  for (const std::vector<int>& face : {std::vector{0, 1, 2}, std::vector{0, 1, 2, 3}, std::vector{1, 3}}) {
+    bytes.put<std::int16_t>(static_cast<std::int16_t>(100 * face[1])).put(static_cast<Count>(face.size()));
+    for (const int corner : face) bytes.put(static_cast<Corner>(corner));
+    bytes.put(static_cast<float>(face.size()) / 4);
+  }
+  return std::string("ply\nformat ") + (big_endian ? "binary_big_endian" : "binary_little_endian") +
+         " 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+         "element face 3\nproperty short before\nproperty list " +
+         count_type + " " + corner_type + " vertex_indices\nproperty float behind\nend_header\n" + bytes.text();
+}
+
+std::vector<std::string> binary_polygon_files() {
+  std::vector<std::string> files;
+  for (const bool big_endian : {false, true}) {
+    files.push_back(binary_polygons<std::uint8_t, std::int32_t>("uchar", "int", big_endian));
+    files.push_back(binary_polygons<std::int8_t, std::uint32_t>("char", "uint", big_endian));
+    files.push_back(binary_polygons<std::uint32_t, std::int16_t>("uint", "short", big_endian));
+    files.push_back(binary_polygons<std::uint16_t, std::uint8_t>("ushort", "uchar", big_endian));
+  }
+  return files;
+}
+
+TEST(Ply, BinaryPolygonsOfAllTypesAreRead) {
+  const TemporaryFolder folder;
+  for (const std::string& file : binary_polygon_files()) {
+    SCOPED_TRACE(file.substr(0, file.find("end_header")));
+    const Mesh mesh = folder.mesh("in.ply", file);
+    EXPECT_EQ(mesh.faces.offsets(), (std::vector<Index>{0, 3, 7, 9}));
+    EXPECT_EQ(mesh.faces.corners(), (std::vector<Index>{0, 1, 2, 0, 1, 2, 3, 1, 3}));
+    EXPECT_EQ(mesh.find_attribute(Domain::face, "before")->values, (std::vector<double>{100, 100, 300}));
+    EXPECT_EQ(mesh.find_attribute(Domain::face, "behind")->values, (std::vector<double>{0.75, 1, 0.5}));
+    EXPECT_EQ(mesh.positions(3, 2), 11);
+    EXPECT_EQ(folder.written(mesh, "out.ply"), file);
+  }
+}
+
+TEST(Ply, BinaryPolygonsCutOffAnywhereAreRefused) {
+  const TemporaryFolder folder;
+  for (const std::string& file : binary_polygon_files()) {
+    for (std::size_t size = file.find("end_header"); size < file.size(); ++size) {
+      const auto path = folder.file("cut.ply", std::string_view(file).substr(0, size));
+      EXPECT_THROW(read_mesh(path), Error) << "cut after " << size << " bytes";
+    }
+  }
+  std::string huge = binary_polygon_files()[1];
+  huge[huge.size() - 5] = '\xFF';  // of the last index
+  const auto path = folder.file("huge.ply", huge);
+  expect_error([&] { read_mesh(path); }, ErrorCode::input, {"face 2", "byte", "too large"});
+}
+
+TEST(Ply, ManyRowsAreReadTheSameByAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  const Mesh sample = make_sample("bumpy_plane", 150);  // several blocks of rows
+  write_mesh(sample, folder / "many.ply");
+  for (const int threads : {1, 2}) {
+    const Mesh mesh = read_mesh(folder / "many.ply", {.threads = threads});
+    EXPECT_TRUE(mesh.positions == sample.positions);
+    EXPECT_TRUE(mesh.faces == sample.faces);
   }
 }
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "format.h"
+
+namespace meshgraft::io {
+
+/// OFF, the text format of Geomview, with any of the prefixes ST, C and N.
+Format off_format();
+
+bool has_off_signature(std::string_view content);
+Mesh read_off(std::string content, const std::string& name, const Context& context);
+Written write_off(const Mesh& mesh, const std::filesystem::path& path, const Context& context);
+
+}  // namespace meshgraft::io

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft::io {
+
+/// Throws Error(input) naming the first zero byte, which no text has. `format` is the name people know.
+void require_text(std::string_view content, const std::string& name, std::string_view format);
+
+/// Walks over the words of a text. Lines end in LF, CRLF or CR; a byte order mark is passed over.
+class WordCursor {
+ public:
+  enum class Comments { none, hash };  ///< hash: '#' makes the rest of a line a comment
+
+  /// `name` is the file's, for messages.
+  WordCursor(std::string_view content, const std::string& name, Comments comments, std::size_t offset = 0);
+
+  /// The next word, on whatever line; empty at the end of the file.
+  std::string_view next();
+
+  /// The next word of this line; empty where there is none.
+  std::string_view next_on_line();
+
+  /// What is left of this line without surrounding blanks; no comment is looked for.
+  std::string_view rest_of_line();
+
+  /// The next word as a number. `what` names it in messages: "coordinate of vertex 3".
+  template <class What>
+  double number(ScalarType type, const What& what) {
+    const std::string_view word = next();
+    double value = 0;
+    if (!to_number(word, type, value)) fail_number(word, type, what());
+    return value;
+  }
+
+  std::size_t offset() const { return offset_; }
+  std::size_t word_begin() const { return word_begin_; }
+  std::size_t remaining() const { return content_.size() - offset_; }
+
+  /// Throws Error(input) at the line of the word read last.
+  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
+  [[noreturn]] void fail_number(std::string_view word, ScalarType type, const std::string& what) const;
+
+  static bool to_number(std::string_view word, ScalarType type, double& value);
+
+ private:
+  std::string_view take_word();
+
+  std::string_view content_;
+  const std::string* name_;
+  Comments comments_;
+  std::size_t offset_;
+  std::size_t word_begin_;
+};
+
+/// Copies a text with other words in some places.
+class WordReplacer {
+ public:
+  explicit WordReplacer(std::string_view content) : content_(content) { out_.reserve(content.size()); }
+
+  /// Puts `text` in the place of `word`, a part of the content. Words are replaced in order.
+  void replace(std::string_view word, std::string_view text) {
+    const auto begin = static_cast<std::size_t>(word.data() - content_.data());
+    out_.append(content_, copied_, begin - copied_);
+    out_ += text;
+    copied_ = begin + word.size();
+  }
+  std::string finish() {
+    out_.append(content_, copied_);
+    return std::move(out_);
+  }
+
+ private:
+  std::string_view content_;
+  std::string out_;
+  std::size_t copied_ = 0;
+};
+
+}  // namespace meshgraft::io
