@@ -9,7 +9,6 @@
 #include <system_error>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/io/mesh_io.h>
 
 namespace meshgraft::cli {
 
@@ -106,10 +105,11 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
   require_mesh_format(outputs.mesh);
 }
 
-void write_result(EditResult& result, const fs::path& output, const Context& context) {
+void write_result(EditResult& result, const fs::path& output, const WriteOptions& options,
+                  const Context& context) {
   const auto start = std::chrono::steady_clock::now();
   context.step("write");
-  WriteResult written = write_mesh(result.mesh, output, {}, context);
+  WriteResult written = write_mesh(result.mesh, output, options, context);
   EditReport& report = result.report;
   for (const fs::path& file : written.files) report.outputs.push_back(file.string());
   report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());
