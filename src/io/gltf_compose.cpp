@@ -139,7 +139,8 @@ class GltfComposer {
     Json node = Json::object();
     if (!name.empty()) node["name"] = name;
     node["mesh"] = edit_.append("meshes", std::move(mesh));
-    edit_.json["scenes"][0]["nodes"].push_back(edit_.append("nodes", std::move(node)));
+    const std::size_t index = edit_.append("nodes", std::move(node));
+    edit_.json["scenes"][0]["nodes"].push_back(index);
   }
 
   std::string object_name(double value) const {

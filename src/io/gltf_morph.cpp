@@ -137,20 +137,41 @@ class MorphTargetWriter {
       if (node.contains("weights")) node["weights"].push_back(0.0);
     }
     if (earlier == 0 || !edit_.json.contains("animations")) return;
-    for (Json& animation : edit_.json["animations"])
-      for (std::size_t c = 0; c < animation["channels"].size(); ++c) {
-        const Json target = animation["channels"][c].value("target", Json::object());
+    for (std::size_t a = 0; a < edit_.json["animations"].size(); ++a) {
+      const Json channels = edit_.json["animations"][a].value("channels", Json::array());
+      for (std::size_t c = 0; c < channels.size(); ++c) {
+        const Json target = channels[c].value("target", Json::object());
         if (target.value("path", "") != "weights" || !target.contains("node")) continue;
-        if (nodes.contains(target["node"].get<std::size_t>())) extend_channel(animation, c, earlier);
+        if (nodes.contains(target["node"].get<std::size_t>())) extend_channel(a, c, earlier);
       }
+    }
   }
 
   /// The channel's values come `earlier` at a time; others may use the same sampler, so the channel gets its
   /// own.
-  void extend_channel(Json& animation, std::size_t channel, std::size_t earlier) {
-    Json sampler = animation.at("samplers").at(animation["channels"][channel].at("sampler").get<std::size_t>());
+  void extend_channel(std::size_t animation_index, std::size_t channel, std::size_t earlier) {
+    // Adding a member to an object moves its others, so nothing is held by reference over that.
+    const Json old = edit_.json["animations"][animation_index];
+    Json sampler = old.at("samplers").at(old.at("channels").at(channel).at("sampler").get<std::size_t>());
     const auto output = sampler.at("output").get<std::size_t>();
     const GltfAccessor accessor = edit_.accessor(output);
+    Json copy = edit_.json["accessors"][output];
+    for (const char* member : {"sparse", "byteOffset", "bufferView"}) copy.erase(member);
+    const std::string values = with_zeros(accessor, earlier);
+    copy["bufferView"] = edit_.append_view(values);
+    copy["count"] = values.size() / accessor.element_size();
+    const std::size_t index = edit_.append("accessors", std::move(copy));
+    Json& accessor_json = edit_.json["accessors"][index];
+    if (accessor_json.contains("min") || accessor_json.contains("max"))
+      set_bounds(accessor_json, edit_.accessor(index), edit_.bytes());
+    sampler["output"] = index;
+    Json& animation = edit_.json["animations"][animation_index];
+    animation["samplers"].push_back(std::move(sampler));
+    animation["channels"][channel]["sampler"] = animation["samplers"].size() - 1;
+  }
+
+  /// The values of an accessor, with a zero after each `group` of them.
+  std::string with_zeros(const GltfAccessor& accessor, std::size_t group) const {
     const GltfBytes bytes = edit_.bytes();
     const std::size_t size = accessor.element_size();
     std::string values;
@@ -159,19 +180,9 @@ class MorphTargetWriter {
         values.append(bytes[at->buffer].substr(at->byte, size));
       else
         values.append(size, '\0');
-      if ((e + 1) % earlier == 0) values.append(size, '\0');
+      if ((e + 1) % group == 0) values.append(size, '\0');
     }
-    Json copy = edit_.json["accessors"][output];
-    for (const char* member : {"sparse", "byteOffset", "bufferView"}) copy.erase(member);
-    copy["bufferView"] = edit_.append_view(values);
-    copy["count"] = values.size() / size;
-    const std::size_t index = edit_.append("accessors", std::move(copy));
-    Json& accessor_json = edit_.json["accessors"][index];
-    if (accessor_json.contains("min") || accessor_json.contains("max"))
-      set_bounds(accessor_json, edit_.accessor(index), edit_.bytes());
-    sampler["output"] = index;
-    animation["samplers"].push_back(std::move(sampler));
-    animation["channels"][channel]["sampler"] = animation["samplers"].size() - 1;
+    return values;
   }
 
   GltfEdit& edit_;
