@@ -164,10 +164,18 @@ class MorphTargetWriter {
     Json& accessor_json = edit_.json["accessors"][index];
     if (accessor_json.contains("min") || accessor_json.contains("max"))
       set_bounds(accessor_json, edit_.accessor(index), edit_.bytes());
-    sampler["output"] = index;
     Json& animation = edit_.json["animations"][animation_index];
-    animation["samplers"].push_back(std::move(sampler));
-    animation["channels"][channel]["sampler"] = animation["samplers"].size() - 1;
+    const std::size_t number = old.at("channels").at(channel).at("sampler").get<std::size_t>();
+    const auto users = std::ranges::count_if(animation["channels"], [&](const Json& other) {
+      return other.contains("sampler") && other["sampler"] == number;
+    });
+    if (users == 1) {
+      animation["samplers"][number]["output"] = index;
+    } else {
+      sampler["output"] = index;
+      animation["samplers"].push_back(std::move(sampler));
+      animation["channels"][channel]["sampler"] = animation["samplers"].size() - 1;
+    }
   }
 
   /// The values of an accessor, with a zero after each `group` of them.
