@@ -117,7 +117,7 @@ void add_check(CLI::App& program, Action& action) {
   const auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = program.add_subcommand(
       "check", "Name what is wrong with a mesh and what to do about it; exit status 0 if nothing is, else 3");
-  command->add_option("mesh", arguments->mesh, "The mesh file (.ply, .obj)")->required()->type_name("MESH");
+  command->add_option("mesh", arguments->mesh, "The mesh file")->required()->type_name("MESH");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer("Example:\n  meshgraft check scan.ply && meshgraft deform edit.json -o out.ply");
   command->callback([arguments, &action] {

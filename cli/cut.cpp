@@ -256,9 +256,7 @@ void add_cut(CLI::App& program, Action& action) {
   const auto arguments = std::make_shared<CutArguments>();
   CLI::App* command =
       program.add_subcommand("cut", "Cut a mesh in two by a plane or along a loop, or keep one side of it");
-  command->add_option("mesh", arguments->mesh, "The mesh file (.ply, .obj, .off, .stl)")
-      ->required()
-      ->type_name("MESH");
+  command->add_option("mesh", arguments->mesh, "The mesh file")->required()->type_name("MESH");
   CLI::Option* plane =
       command
           ->add_option("--plane", arguments->plane,

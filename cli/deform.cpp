@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -29,14 +30,26 @@ struct DeformArguments {
   View view{.width = picture_width, .height = picture_height};
 #endif
   SettingsOverrides overrides;
+  std::optional<std::string> morph_target;
   int threads = 0;
   bool json = false;
   bool force = false;
 };
 
+// A cut or a merge has no rest to go back to.
+void require_morph_target(const DeformArguments& arguments, const EditFile& edit) {
+  require_morph_targets(arguments.output);
+  for (const EditStep& step : edit.steps)
+    if (!std::holds_alternative<DeformStep>(step.action))
+      throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot",
+                  "--as-morph-target",
+                  "Leave the option out, or write the cut or merged mesh first and deform that.");
+}
+
 void check_outputs(const DeformArguments& arguments, const EditFile& edit) {
   require_outputs({.mesh = arguments.output, .picture = arguments.picture, .report = arguments.report},
                   referenced_files(edit), arguments.edit, arguments.force);
+  if (arguments.morph_target) require_morph_target(arguments, edit);
 #ifdef MESHGRAFT_HAS_RENDER
   quick_options_of(arguments.view);
 #endif
@@ -52,6 +65,12 @@ render::Image draw(const DeformArguments& arguments, const EditResult& result, c
 }
 #endif
 
+WriteOptions write_options(const DeformArguments& arguments, const EditResult& result) {
+  WriteOptions options;
+  if (arguments.morph_target) options.morph_target = MorphTarget{*arguments.morph_target, result.rest};
+  return options;
+}
+
 // Everything is computed before anything is written.
 void write_outputs(const DeformArguments& arguments, EditResult& result, const Context& context) {
   EditReport& report = result.report;
@@ -59,7 +78,7 @@ void write_outputs(const DeformArguments& arguments, EditResult& result, const C
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) picture = draw(arguments, result, context);
 #endif
-  write_result(result, arguments.output, context);
+  write_result(result, arguments.output, write_options(arguments, result), context);
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);
@@ -123,6 +142,13 @@ void add_deform(CLI::App& program, Action& action) {
   command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
       ->required()
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--as-morph-target", arguments->morph_target,
+          "Keep the shape as it was, and add the edited one as a morph target of this name (.glb, .gltf)")
+      ->type_name("NAME")
+      ->expected(0, 1)
+      ->default_str("edit");
   add_overrides(*command, arguments->overrides);
   add_threads(*command, arguments->threads);
   command->add_option("--report", arguments->report, "Write what was done, with measures of quality, as JSON")

@@ -221,9 +221,7 @@ void add_info(CLI::App& program, Action& action) {
       "info",
       "Tell what a mesh file holds: counts, components, boundary loops, genus, bounding box, attributes, "
       "and what is wrong with it");
-  command->add_option("mesh", arguments->mesh, "The mesh file (.ply, .obj, .off, .stl)")
-      ->required()
-      ->type_name("MESH");
+  command->add_option("mesh", arguments->mesh, "The mesh file")->required()->type_name("MESH");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer("Example:\n  meshgraft info horse.ply");
   command->callback([arguments, &action] {

@@ -293,7 +293,7 @@ void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditRe
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) picture = draw(arguments, edit, result.mesh, context);
 #endif
-  write_result(result, arguments.output, context);
+  write_result(result, arguments.output, {}, context);
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);

@@ -9,7 +9,6 @@
 #include <system_error>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/io/mesh_io.h>
 
 namespace meshgraft::cli {
 
@@ -32,11 +31,13 @@ void require_access(const fs::path& path, int mode, const fs::path& output) {
               "Change the permissions, or choose another place.");
 }
 
-// An OBJ's materials go beside it.
-bool is_material_library_of(const fs::path& mesh, const fs::path& output) {
+// An OBJ's materials go beside it, and a .gltf's buffer.
+bool is_companion_of(const fs::path& mesh, const fs::path& output) {
   const fs::path extension = mesh.extension();
-  return (extension == ".obj" || extension == ".OBJ") &&
-         same_file(output, fs::path(mesh).replace_extension(".mtl"));
+  const bool is_obj = extension == ".obj" || extension == ".OBJ";
+  const bool is_gltf = extension == ".gltf" || extension == ".GLTF";
+  return (is_obj && same_file(output, fs::path(mesh).replace_extension(".mtl"))) ||
+         (is_gltf && same_file(output, fs::path(mesh).replace_extension(".bin")));
 }
 
 void require_distinct(const Outputs& outputs) {
@@ -44,8 +45,9 @@ void require_distinct(const Outputs& outputs) {
   for (auto output = all.begin(); output != all.end(); ++output) {
     if (std::any_of(all.begin(), output, [&](const fs::path& other) { return same_file(*output, other); }))
       throw Error(ErrorCode::usage, "two outputs have this name", output->string(), "Give each its own.");
-    if (is_material_library_of(outputs.mesh, *output))
-      throw Error(ErrorCode::usage, "this name is kept for the materials of " + outputs.mesh.string(),
+    if (is_companion_of(outputs.mesh, *output))
+      throw Error(ErrorCode::usage,
+                  "this name is kept for the materials or the buffer of " + outputs.mesh.string(),
                   output->string(), "Choose another name.");
   }
 }
@@ -106,10 +108,11 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
   require_mesh_format(outputs.mesh);
 }
 
-void write_result(EditResult& result, const fs::path& output, const Context& context) {
+void write_result(EditResult& result, const fs::path& output, const WriteOptions& options,
+                  const Context& context) {
   const auto start = std::chrono::steady_clock::now();
   context.step("write");
-  WriteResult written = write_mesh(result.mesh, output, {}, context);
+  WriteResult written = write_mesh(result.mesh, output, options, context);
   EditReport& report = result.report;
   for (const fs::path& file : written.files) report.outputs.push_back(file.string());
   report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());

@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/edit/run_edit.h>
+#include <meshgraft/io/mesh_io.h>
 
 namespace meshgraft::cli {
 
@@ -37,6 +38,7 @@ void require_outputs(const Outputs& outputs, const std::vector<std::filesystem::
 
 /// Writes the mesh of an edit, and tells the report of the files, the seconds and what the format has no place
 /// for.
-void write_result(EditResult& result, const std::filesystem::path& output, const Context& context);
+void write_result(EditResult& result, const std::filesystem::path& output, const WriteOptions& options,
+                  const Context& context);
 
 }  // namespace meshgraft::cli

@@ -218,7 +218,7 @@ void add_repair(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand(
       "repair",
       "Mend a mesh: weld, clean, take apart what is no manifold, turn faces alike, close small holes");
-  command->add_option("mesh", arguments->mesh, "The mesh file (.ply, .obj)")->required()->type_name("MESH");
+  command->add_option("mesh", arguments->mesh, "The mesh file")->required()->type_name("MESH");
   command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
       ->type_name("FILE");
   add_steps(*command, *arguments);

@@ -1,5 +1,5 @@
-// Parses arbitrary text as an edit file and runs it, on built-in models of a few hundred vertices alone: files are
-// not there, larger models are left out.
+// Parses arbitrary text as an edit file and runs it, on built-in models of a few hundred vertices alone: files
+// are not there, larger models are left out.
 
 #include <algorithm>
 #include <cstddef>
@@ -15,7 +15,8 @@ constexpr int finest = 12;
 constexpr std::size_t most_steps = 4;
 
 bool is_small(const meshgraft::EditFile& edit) {
-  return edit.steps.size() <= most_steps && std::ranges::all_of(edit.inputs, [](const meshgraft::EditInput& input) {
+  return edit.steps.size() <= most_steps &&
+         std::ranges::all_of(edit.inputs, [](const meshgraft::EditInput& input) {
            return input.sample.empty() || (input.resolution > 0 && input.resolution <= finest);
          });
 }

@@ -26,7 +26,9 @@ void require(bool condition) {
   if (!condition) std::abort();
 }
 
-std::string written(const Mesh& mesh, const std::string& name) { return format().write(mesh, name, {}).content; }
+std::string written(const Mesh& mesh, const std::string& name) {
+  return format().write(mesh, name, {}, {}).content;
+}
 
 void try_to_write_edited(Mesh mesh, const std::string& name) {
   mesh.positions.array() *= 1.5;
@@ -42,7 +44,10 @@ void try_to_write_edited(Mesh mesh, const std::string& name) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string content(reinterpret_cast<const char*>(data), size);
-  const std::string name = "/fuzz/in" + std::string(format().extensions[0]);
+  // Of glTF's two containers the content tells one.
+  const bool has_signature = format().has_signature != nullptr && format().has_signature(content);
+  const std::string name =
+      "/fuzz/in" + std::string(has_signature ? format().extensions.front() : format().extensions.back());
   Mesh mesh;
   try {
     mesh = format().read(content, name, {});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
@@ -37,7 +38,10 @@ struct Format {
   Mesh (*read)(std::string content, const std::string& name, const Context& context);
 
   /// What the file `path` is to hold. Throws Error(input) for positions that the format cannot hold.
-  Written (*write)(const Mesh& mesh, const std::filesystem::path& path, const Context& context);
+  Written (*write)(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                   const Context& context);
+
+  bool has_morph_targets = false;  ///< whether `WriteOptions::morph_target` means anything
 };
 
 /// All formats that can be read and written.

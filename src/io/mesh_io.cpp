@@ -9,6 +9,8 @@
 #include "document.h"
 #include "file.h"
 #include "format.h"
+#include "gltf.h"
+#include "gltf_container.h"
 #include "obj.h"
 #include "obj_materials.h"
 #include "off.h"
@@ -22,10 +24,7 @@ namespace io {
 
 std::span<const Format> formats() {
   static const std::vector<Format> all = {
-      ply_format(),
-      obj_format(),
-      off_format(),
-      stl_format(),
+      ply_format(),     obj_format(), off_format(), gltf_format(), stl_format(),
 #ifdef MESHGRAFT_HAS_3MF
       threemf_format(),
 #endif
@@ -72,6 +71,15 @@ const io::Format& format_of_content(std::string_view content, const std::filesys
   return format_of_extension(path);
 }
 
+void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std::filesystem::path& path) {
+  require_morph_targets(path);
+  if (target.rest.rows() != mesh.positions.rows())
+    throw Error(ErrorCode::usage,
+                "the rest positions have " + std::to_string(target.rest.rows()) + " rows, the mesh has " +
+                    std::to_string(mesh.positions.rows()) + " vertices",
+                path.string(), "A morph target needs the vertices that it starts from");
+}
+
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
@@ -90,9 +98,10 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
                        const Context& context) {
   context.step("write", 0);
   const io::Format& format = format_of_extension(path);
+  if (options.morph_target) require_morph_target(*options.morph_target, mesh, path);
   io::Written written;
   try {
-    written = format.write(mesh, path, context);
+    written = format.write(mesh, path, options, context);
   } catch (const Error& error) {
     throw error.code() == ErrorCode::cancelled ? error : error.within(path.string());
   }
@@ -114,10 +123,18 @@ std::string unit_of(const Mesh& mesh) {
 
 void require_mesh_format(const std::filesystem::path& path) { format_of_extension(path); }
 
+void require_morph_targets(const std::filesystem::path& path) {
+  if (!format_of_extension(path).has_morph_targets)
+    throw Error(ErrorCode::usage, "this format has no morph targets", path.string(),
+                "Give the file a name that ends in .glb or .gltf");
+}
+
 std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
-  if (lower_case_extension(path) != ".obj") return files;
-  const std::vector<std::filesystem::path> more = io::files_of_materials(path);
+  const std::string extension = lower_case_extension(path);
+  std::vector<std::filesystem::path> more;
+  if (extension == ".obj") more = io::files_of_materials(path);
+  if (extension == ".gltf" || extension == ".glb") more = io::files_of_gltf(path);
   files.insert(files.end(), more.begin(), more.end());
   return files;
 }

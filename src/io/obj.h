@@ -8,6 +8,7 @@ namespace meshgraft::io {
 Format obj_format();
 
 Mesh read_obj(std::string content, const std::string& name, const Context& context);
-Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const Context& context);
+Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                  const Context& context);
 
 }  // namespace meshgraft::io

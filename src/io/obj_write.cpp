@@ -447,7 +447,8 @@ class ObjComposer {
 
 }  // namespace
 
-Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const Context& context) {
+Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions&,
+                  const Context& context) {
   const auto* document = dynamic_cast<const ObjDocument*>(mesh.source.get());
   const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (!unchanged) return ObjComposer(mesh, path, context).compose();

@@ -255,7 +255,7 @@ class OffComposer {
 
 }  // namespace
 
-Written write_off(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
+Written write_off(const Mesh& mesh, const std::filesystem::path&, const WriteOptions&, const Context& context) {
   const auto* document = dynamic_cast<const OffDocument*>(mesh.source.get());
   const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (unchanged) return {OffPatcher(*document, mesh, context).patch()};

@@ -383,7 +383,7 @@ class PlyComposer {
 
 }  // namespace
 
-Written write_ply(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
+Written write_ply(const Mesh& mesh, const std::filesystem::path&, const WriteOptions&, const Context& context) {
   const auto* document = dynamic_cast<const PlyDocument*>(mesh.source.get());
   const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (unchanged) return {PlyPatcher(*document, mesh, context).patch()};

@@ -213,7 +213,7 @@ class StlComposer {
 
 }  // namespace
 
-Written write_stl(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
+Written write_stl(const Mesh& mesh, const std::filesystem::path&, const WriteOptions&, const Context& context) {
   const auto* document = dynamic_cast<const StlDocument*>(mesh.source.get());
   const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (!unchanged) return StlComposer(mesh, context).compose();

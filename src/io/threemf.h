@@ -10,6 +10,7 @@ namespace meshgraft::io {
 Format threemf_format();
 
 Mesh read_threemf(std::string content, const std::string& name, const Context& context);
-Written write_threemf(const Mesh& mesh, const std::filesystem::path& path, const Context& context);
+Written write_threemf(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                      const Context& context);
 
 }  // namespace meshgraft::io

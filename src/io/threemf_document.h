@@ -25,8 +25,6 @@ struct ThreemfDocument : FileDocument {
   std::vector<ThreemfModel::Placement> placements;  ///< of objects, in the order of the mesh's vertices
   std::string length_unit;
   std::size_t unplaced = 0;  ///< objects that the build does not use
-  Faces faces;               ///< as read: tells whether a mesh still belongs to this file
-  Index vertex_count = 0;
 
   const ThreemfVertices& vertices(std::size_t object) const {
     return scanned[sources[object].part].meshes[sources[object].mesh];

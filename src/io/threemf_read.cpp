@@ -222,8 +222,7 @@ Mesh read_threemf(std::string content, const std::string& name, const Context& c
   document->unplaced = static_cast<std::size_t>(std::ranges::count(used, false));
 
   Mesh mesh = Assembler(model, *document).assemble();
-  document->faces = mesh.faces;
-  document->vertex_count = mesh.vertex_count();
+  document->remember_topology(mesh);
   mesh.source = std::move(document);
   return mesh;
 }

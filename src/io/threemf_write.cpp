@@ -251,10 +251,10 @@ Format threemf_format() {
   return {"3MF", extensions, has_signature, read_threemf, write_threemf};
 }
 
-Written write_threemf(const Mesh& mesh, const std::filesystem::path&, const Context& context) {
+Written write_threemf(const Mesh& mesh, const std::filesystem::path&, const WriteOptions&,
+                      const Context& context) {
   const auto* document = dynamic_cast<const ThreemfDocument*>(mesh.source.get());
-  const bool unchanged =
-      document != nullptr && document->vertex_count == mesh.vertex_count() && document->faces == mesh.faces;
+  const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (!unchanged) return ThreemfComposer(mesh, context).compose();
   if (!document->sources.empty())
     if (const auto positions = object_positions(*document, mesh)) return {patch(*document, *positions)};

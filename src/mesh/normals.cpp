@@ -10,6 +10,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
+#include "tangents.h"
+
 namespace meshgraft {
 
 namespace {
@@ -224,6 +226,7 @@ void update_normals(Mesh& mesh, const Points& rest) {
     if (attribute.domain == Domain::face) update_face_normals(mesh, rest, moved, attribute);
     if (attribute.domain == Domain::corner) update_corner_normals(mesh, rest, moved, attribute);
   }
+  update_tangents(mesh, rest, moved);
 }
 
 }  // namespace meshgraft

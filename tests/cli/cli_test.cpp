@@ -95,6 +95,19 @@ class CommandLine : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(CommandLine, AnEditCanBecomeAMorphTarget) {
+  const Outcome outcome = run("deform edit.json -o out.gltf --as-morph-target wave");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json file = json::parse(read_text(folder_ / "out.gltf"));
+  EXPECT_EQ(file["meshes"][0]["extras"]["targetNames"], json({"wave"}));
+  EXPECT_EQ(file["meshes"][0]["primitives"][0]["targets"].size(), 1U);
+  ASSERT_EQ(run("deform edit.json --as-morph-target -o out.gltf").status, 0);
+  EXPECT_EQ(json::parse(read_text(folder_ / "out.gltf"))["meshes"][0]["extras"]["targetNames"], json({"edit"}));
+  const Outcome refused = run("deform edit.json -o out.ply --as-morph-target wave");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find(".glb"), std::string::npos) << refused.err;
+}
+
 TEST_F(CommandLine, DeformsWritesAndReports) {
   const Outcome outcome = run("deform edit.json -o out.obj --report report.json");
   ASSERT_EQ(outcome.status, 0) << outcome.err;

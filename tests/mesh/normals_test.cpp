@@ -1,5 +1,6 @@
 #include <meshgraft/mesh/normals.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -205,6 +206,76 @@ TEST(UpdateNormals, RecomputesNormalsOfFacesOnTheirSide) {
 TEST(UpdateNormals, RefusesRestPositionsOfAnotherMesh) {
   Mesh mesh = shapes::cube();
   EXPECT_THROW(update_normals(mesh, Points::Zero(7, 3)), Error);
+}
+
+// Tangents along each face's first edge, in its plane, of a bitangent on either side.
+Attribute face_tangents(const Mesh& mesh) {
+  Attribute tangents{.name = "tangent", .domain = Domain::corner, .components = 4, .values = {}};
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.faces[f];
+    const Eigen::Vector3d t = (mesh.positions.row(face[1]) - mesh.positions.row(face[0])).normalized();
+    for (std::size_t k = 0; k < face.size(); ++k)
+      tangents.values.insert(tangents.values.end(), {t[0], t[1], t[2], f % 2 == 0 ? 1.0 : -1.0});
+  }
+  return tangents;
+}
+
+TEST(UpdateTangents, TurnWithTheSurface) {
+  Mesh mesh = shapes::cube();
+  mesh.attributes.push_back(normal_attribute(Domain::corner, corner_normals(mesh, true)));
+  mesh.attributes.push_back(face_tangents(mesh));
+  const Points rest = mesh.positions;
+  const std::vector<double> before = mesh.attributes[1].values;
+  // Perpendicular to the smooth normals, as exporters write them.
+  mesh.positions = transformed(rest, some_turn(), {1, 2, 3});
+  update_normals(mesh, rest);
+  const std::vector<double>& normals = mesh.attributes[0].values;
+  for (std::size_t c = 0; c < before.size() / 4; ++c) {
+    const Eigen::Vector3d n(normals[3 * c], normals[3 * c + 1], normals[3 * c + 2]);
+    Eigen::Vector3d expected =
+        some_turn() * Eigen::Vector3d(before[4 * c], before[4 * c + 1], before[4 * c + 2]);
+    expected = (expected - n * n.dot(expected)).normalized();
+    const Eigen::Vector3d t(&mesh.attributes[1].values[4 * c]);
+    EXPECT_LT((t - expected).norm(), 1e-12);
+    EXPECT_EQ(mesh.attributes[1].values[4 * c + 3], before[4 * c + 3]);
+  }
+}
+
+TEST(UpdateTangents, AreCarriedByAffineMaps) {
+  Mesh mesh = shapes::cube();
+  mesh.attributes.push_back(normal_attribute(Domain::corner, corner_normals(mesh, false)));
+  mesh.attributes.push_back(face_tangents(mesh));
+  const Points rest = mesh.positions;
+  Eigen::Matrix3d linear;
+  linear << 1.5, 0.3, 0, -0.2, 0.7, 0.1, 0.4, 0, 1.1;
+  mesh.positions = transformed(rest, linear, {0, 0, 1});
+  update_normals(mesh, rest);
+  const std::vector<double> expected = face_tangents(mesh).values;  // edges stay edges
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(mesh.attributes[1].values[i], expected[i], 1e-9);
+}
+
+TEST(UpdateTangents, KeepTheirBytesWhereNothingMoved) {
+  Mesh mesh = shapes::cube();
+  mesh.attributes.push_back(face_tangents(mesh));
+  const std::vector<double> before = mesh.attributes[0].values;
+  const Points rest = mesh.positions;
+  mesh.positions.row(0) *= 1.25;
+  update_normals(mesh, rest);
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    for (std::size_t k = 0; k < mesh.faces[f].size(); ++k) {
+      const Index v = mesh.faces[f][k];
+      bool near_move = false;
+      for (Index g = 0; g < mesh.face_count(); ++g) {
+        const auto face = mesh.faces[g];
+        const bool has_v = std::find(face.begin(), face.end(), v) != face.end();
+        near_move = near_move || (has_v && std::find(face.begin(), face.end(), 0) != face.end());
+      }
+      if (near_move) continue;
+      const std::size_t c = static_cast<std::size_t>(mesh.faces.first_corner(f)) + k;
+      EXPECT_EQ(std::memcmp(&mesh.attributes[0].values[4 * c], &before[4 * c], 32), 0);
+    }
+  }
 }
 
 }  // namespace

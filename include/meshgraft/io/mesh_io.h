@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,17 @@ namespace meshgraft {
 /// Throws Error(io) if the file cannot be read, Error(input) with file and line (or byte) if it is malformed.
 Mesh read_mesh(const std::filesystem::path& path, const Context& context = {});
 
+/// An edit kept beside the shape that it was made from, as one more morph target (blend shape) of weight 0.
+struct MorphTarget {
+  std::string name;
+  Points rest{0, 3};  ///< n×3, the positions before the edit; those of the file, if the mesh is still its
+};
+
 struct WriteOptions {
   bool overwrite = true;  ///< replace an existing file
+  /// For glTF: the file holds the rest positions, and the mesh's as a morph target. Normals of the rest are the
+  /// file's; a mesh without a glTF file has them turned back with the surface.
+  std::optional<MorphTarget> morph_target{};
 };
 
 struct WriteResult {
@@ -28,8 +38,9 @@ struct WriteResult {
 /// topology unchanged is written as it was read (scalar types, byte order, property order, comments, groups,
 /// .mtl reference, unknown elements), only positions and normals that changed are new; any other is written
 /// from its positions, faces and attributes. An OBJ whose materials come from several files, or from another
-/// folder, gets a material library beside it (docs/files.md). The file appears whole or not at all.
-/// Throws Error(io) if it cannot be written, Error(input) if the extension is unknown.
+/// folder, gets a material library beside it, a new .gltf its buffer (docs/files.md). The file appears whole or
+/// not at all. Throws Error(io) if it cannot be written, Error(input) if the extension is unknown or the format
+/// cannot hold the values, Error(usage) for a morph target that does not fit the format or the mesh.
 WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
                        const Context& context = {});
 
@@ -40,7 +51,11 @@ std::string unit_of(const Mesh& mesh);
 /// Throws Error(input) unless the extension of `path` is that of a format that `write_mesh` knows.
 void require_mesh_format(const std::filesystem::path& path);
 
-/// A mesh file and the files that it refers to, which exist: an OBJ's material libraries and their textures.
+/// Throws Error(usage) unless the extension of `path` is that of a format with morph targets.
+void require_morph_targets(const std::filesystem::path& path);
+
+/// A mesh file and the files that it refers to, which exist: an OBJ's material libraries and their textures, a
+/// glTF file's buffers and images.
 std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path);
 
 /// Writes `content` to `path` so that a reader sees either the old file or the whole new one (a temporary

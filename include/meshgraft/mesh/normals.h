@@ -20,6 +20,9 @@ Points vertex_normals(const Mesh& mesh);
 /// - face normals are recomputed, on the side of the surface where they were;
 /// - corner normals are turned by the rotation nearest to what happened to their face. Corners of one vertex
 ///   that share a normal keep sharing one: the area-weighted mean of theirs.
+/// The attribute "tangent" (vertex and corner domain, four components: a unit vector along the surface and the
+/// side of the bitangent) then follows: a tangent is carried along by the linear maps of the faces around, and
+/// made perpendicular to the new normal. Corners that share a tangent keep sharing one; the side stays.
 /// Elements whose surroundings did not move, and missing ones (NaN), keep their bytes. Throws Error(usage) if
 /// `rest` has another number of rows than `mesh.positions`.
 void update_normals(Mesh& mesh, const Points& rest);
