@@ -74,8 +74,12 @@ void write_all(int fd, std::string_view content, const fs::path& path) {
   }
 }
 
+}  // namespace
+
+namespace io {
+
 /// A temporary file in the folder of its target, removed again unless it became the target.
-class TemporaryFile {
+class PendingFile::TemporaryFile {
  public:
   explicit TemporaryFile(const fs::path& target) : target_(target), descriptor_(create()) {}
   TemporaryFile(const TemporaryFile&) = delete;
@@ -143,6 +147,10 @@ class TemporaryFile {
   Descriptor descriptor_;
 };
 
+}  // namespace io
+
+namespace {
+
 /// Where a symbolic link leads, so that the file behind it is replaced and not the link.
 fs::path resolve_link(const fs::path& path) {
   std::error_code error;
@@ -180,30 +188,41 @@ void prefer_huge_pages(const void* begin, std::size_t size) {
 #endif
 }
 
-void write_file(const fs::path& path, std::string_view content, Existing existing) {
+PendingFile::PendingFile(const fs::path& path, std::string_view content, Existing existing)
+    : path_(path), target_(resolve_link(path)), existing_(existing) {
   if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
-  const fs::path target = resolve_link(path);
-
   struct stat old = {};
-  const bool exists = ::stat(target.c_str(), &old) == 0;
+  const bool exists = ::stat(target_.c_str(), &old) == 0;
   if (!exists && errno != ENOENT) fail(path, "cannot be written", errno);
-  if (exists && S_ISDIR(old.st_mode)) {
+  if (exists && S_ISDIR(old.st_mode))
     throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
+  if (exists && !S_ISREG(old.st_mode)) {
+    for_device_ = content;
+    return;
   }
-  if (exists && !S_ISREG(old.st_mode)) return write_through(target, content);
   if (exists && existing == Existing::refuse) refuse_existing(path);
   // A rename would replace even a write-protected file.
-  if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0)
+  if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
     fail(path, "cannot be replaced", errno);
+  temporary_ = std::make_unique<TemporaryFile>(target_);
+  if (exists) temporary_->keep_permissions_of(old);
+  temporary_->fill(content);
+}
 
-  TemporaryFile temporary(target);
-  if (exists) temporary.keep_permissions_of(old);
-  temporary.fill(content);
-  if (existing == Existing::refuse) {
-    if (temporary.become_new_target()) return;
-    if (fs::exists(target)) refuse_existing(path);
+PendingFile::PendingFile(PendingFile&&) noexcept = default;
+PendingFile::~PendingFile() = default;
+
+void PendingFile::appear() {
+  if (!temporary_) return write_through(target_, for_device_);
+  if (existing_ == Existing::refuse) {
+    if (temporary_->become_new_target()) return;
+    if (fs::exists(target_)) refuse_existing(path_);
   }
-  temporary.replace_target();
+  temporary_->replace_target();
+}
+
+void write_file(const fs::path& path, std::string_view content, Existing existing) {
+  PendingFile(path, content, existing).appear();
 }
 
 }  // namespace io

@@ -107,11 +107,14 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
   }
   context.throw_if_stopped();
   WriteResult result{{path}, std::move(written.notes)};
+  // All are on the disk before the first one appears.
+  std::vector<io::PendingFile> files;
   for (const io::NewFile& companion : written.companions) {
-    io::write_file(companion.path, companion.content, io::Existing::replace);
+    files.emplace_back(companion.path, companion.content, io::Existing::replace);
     result.files.push_back(companion.path);
   }
-  io::write_file(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
+  files.emplace_back(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
+  for (io::PendingFile& file : files) file.appear();
   context.step("write", 1);
   return result;
 }
