@@ -37,4 +37,5 @@ shapes dinosaur_bust "0.8 -1 0.3"
 shapes bracket_on_posts "0.5 -1 0.6"
 
 python3 tools/method_pictures.py "$program" docs/images
+python3 tools/defect_pictures.py "$program" docs/images
 [ "$made" -gt 0 ] || { echo "docs_pictures: no edit files in examples" >&2; exit 1; }

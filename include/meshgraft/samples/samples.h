@@ -23,8 +23,7 @@ std::span<const SampleInfo> sample_list();
 /// The z axis points up, figures look towards −y (the dinosaur towards −x), and places do not depend on the
 /// resolution (docs/samples.md has more):
 /// - octopus: closed; mantle z > 1.3; arm k = 0 … 7 leaves at the azimuth 22.5° + 45°·k from +x towards +y,
-/// lies on
-///   the ground about 1.2 off the axis, and curls up about 1.8 off the axis;
+///   lies on the ground about 1.2 off the axis, and curls up about 1.8 off the axis;
 /// - head: one loop in the plane z = −0.40 around the neck's axis (0, 0.12); cranium z > 0.65;
 /// - bust: one loop in the plane z = −0.28 around the same axis; shoulders |x| > 0.55; flat base z = −1.34;
 /// - dinosaur: closed; head x < −1.7 and z > 3, tail x > 1.2, soles at z = 0;
@@ -34,8 +33,7 @@ std::span<const SampleInfo> sample_list();
 /// - posts: four components, each with a loop in the plane z = 1.2: at (1.35, 0.15) of radius 0.15, (−0.1, 1.25)
 ///   0.26, (−1.2, −0.1) 0.20, (0.1, −1.45) 0.12; feet at z = 0;
 /// - bumpy_plane: [−0.5, 0.5]², one loop; bar: [−0.5, 0.5]² × [0, 4], closed; cylinder: radius 0.5, 0 ≤ z ≤ 4,
-/// two
-///   loops; torus: radii 1 and 0.4 about the z axis; knot: a trefoil tube of radius 0.42.
+///   two loops; torus: radii 1 and 0.4 about the z axis; knot: a trefoil tube of radius 0.42.
 ///
 /// The sculpted models carry the vertex attribute "colour" (red, green, blue; uint8, sRGB).
 /// Throws Error(input), listing the names, for an unknown one, and for a resolution out of [4, 4096].
