@@ -236,6 +236,12 @@ EditFile parse_version_1(const Value& root) {
   return kind.choice<Parser>({{"deform", &parse_deform_version_1}, {"merge", &parse_merge_version_1}})(root);
 }
 
+void require_size(std::uintmax_t size, const std::string& place) {
+  if (size > edit_file_size_limit)
+    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), place,
+                "Put long lists of vertices into text files of their own: {\"file\": \"rim.txt\"}.");
+}
+
 }  // namespace
 
 const std::string& mesh_of(const EditStep& step) {
@@ -252,8 +258,7 @@ const std::string& outcome_of(const EditStep& step) {
 }
 
 EditFile parse_edit(std::string_view text, const std::string& place, const std::filesystem::path& base_folder) {
-  if (text.size() > edit_file_size_limit)
-    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), place);
+  require_size(text.size(), place);
   const json::Json document = json::parse(text, place, edit_file_depth_limit);
   const Value root(document, place);
   if (!root.is_object() || !document.contains("format") || document["format"] != "meshgraft-edit")
@@ -274,8 +279,7 @@ EditFile parse_edit(std::string_view text, const std::string& place, const std::
 EditFile read_edit_file(const std::filesystem::path& path) {
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
-  if (!failure && size > edit_file_size_limit)
-    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), path.string());
+  if (!failure) require_size(size, path.string());
   return parse_edit(read_file(path), path.string(), path.parent_path());
 }
 

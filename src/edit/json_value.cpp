@@ -73,7 +73,8 @@ Json parse(std::string_view text, const std::string& place, int depth_limit) {
   std::vector<std::set<std::string>> keys;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
     if (depth > depth_limit)
-      throw Error(ErrorCode::input, fmt::format("nested more than {} deep", depth_limit), place);
+      throw Error(ErrorCode::input, fmt::format("nested more than {} deep", depth_limit), place,
+                  "Give inner selections a name and use that.");
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)

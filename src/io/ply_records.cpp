@@ -23,6 +23,7 @@ class RecordReader {
 
   std::size_t read(const PlyElement& element, std::size_t offset, PlySinks& sinks) const {
     const PlyEncoding encoding = document_.header.encoding;
+    if (element.properties.empty()) return offset;  // a header can announce two billion of these
     if (encoding == PlyEncoding::ascii) {
       PlyTextCursor cursor(document_.content, offset, name_);
       return read_rows(element, cursor, sinks);

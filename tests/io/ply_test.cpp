@@ -572,5 +572,16 @@ TEST(Ply, LocalesDoNotMatter) {
   EXPECT_EQ(obj, "v 4321.5 0.25 1000\n");
 }
 
+TEST(Ply, RecordsWithoutPropertiesTakeNoTime) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement nothing 2147483647\nelement vertex 1\nproperty float x\nproperty float "
+      "y\n"
+      "property float z\nend_header\n1 2 3\n";
+  const Mesh mesh = folder.mesh("a.ply", text);
+  EXPECT_EQ(mesh.positions.row(0), Eigen::RowVector3d(1, 2, 3));
+  EXPECT_EQ(folder.written(mesh, "b.ply"), text);
+}
+
 }  // namespace
 }  // namespace meshgraft
