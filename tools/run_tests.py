@@ -9,6 +9,7 @@ configuration that does not build counts as one failure and does not stop the ot
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -80,6 +81,8 @@ def main(names):
     if unknown:
         sys.exit(f"run_tests.py: no configuration {', '.join(unknown)}; there are {', '.join(CONFIGURATIONS)}")
     os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(os.cpu_count() or 1))
+    if shutil.which("ccache"):  # configurations that compile a source alike do it once
+        os.environ.setdefault("CMAKE_CXX_COMPILER_LAUNCHER", "ccache")
 
     lines, total = [], Count()
     for name in names or CONFIGURATIONS:

@@ -71,6 +71,9 @@ std::string decode_data_uri(const std::string& uri, const JsonView& place) {
 
 std::string read_beside(const fs::path& path, const JsonView& place) {
   try {
+    std::error_code missing;
+    if (fs::exists(path, missing) && !fs::is_regular_file(path, missing))
+      throw Error(ErrorCode::input, "is no file", path.string(), "A buffer has to be one");
     return read_file(path);
   } catch (const Error& error) {
     throw error.within(place.file() + ": " + place.place());

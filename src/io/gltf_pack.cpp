@@ -79,12 +79,18 @@ class GltfPacker {
         }
         break;
       case GltfBuffer::Place::file:
-        if (in_place_ && is_changed(b))
+        if (in_place_ && is_changed(b) && is_own(buffer.path))
           written_.companions.push_back({buffer.path, std::string(bytes_[b])});
         else if (is_changed(b) || moved_)
           write_beside(b, json);
         break;
     }
+  }
+
+  /// A buffer of another name, or in another folder, may serve other files.
+  bool is_own(const fs::path& buffer) const {
+    fs::path own = path_;
+    return buffer.lexically_normal() == own.replace_extension(".bin").lexically_normal();
   }
 
   std::string original_chunk() const {

@@ -58,16 +58,20 @@ struct PositionHash {
 };
 
 /// Distinct names for numbered things: the file's own, else "material_3"; a second "skin" is "skin_2".
+constexpr Index most_corners = 300'000'000;  // a few nodes can show a mesh any number of times
+
 std::vector<std::string> labels_of(const JsonView& root, const char* array, const std::string& kind) {
   std::vector<std::string> labels;
   std::set<std::string> taken;
+  std::map<std::string, int> next_number;
   for (std::size_t i = 0; i < root.count(array); ++i) {
     const auto name = root.at(array).at(i).find("name");
     const std::string plain = name && name->json().is_string() && !name->text().empty()
                                   ? name->text()
                                   : fmt::format("{}_{}", kind, i);
     std::string label = plain;
-    for (int k = 2; !taken.insert(label).second; ++k) label = fmt::format("{}_{}", plain, k);
+    int& number = next_number.try_emplace(plain, 2).first->second;
+    while (!taken.insert(label).second) label = fmt::format("{}_{}", plain, number++);
     labels.push_back(std::move(label));
   }
   return labels;
@@ -115,6 +119,10 @@ class GltfReader {
   void read_instance(GltfInstance& instance) {
     const JsonView primitives = view().at("meshes").at(instance.mesh).at("primitives");
     welded_.clear();
+    if (mesh_.faces.corner_count() > most_corners)
+      view().fail(
+          fmt::format("has more than {} million triangles, with all instances", most_corners / 3'000'000),
+          "Leave nodes out in the program that made the file");
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       const JsonView primitive = primitives.at(p);
       const JsonView attributes = primitive.at("attributes");
@@ -211,12 +219,13 @@ class GltfReader {
   Index weld(const GltfValue& local, const GltfPlacement& placement) {
     const std::array<double, 3> key = {local[0] + 0.0, local[1] + 0.0, local[2] + 0.0};  // -0 is 0
     const auto next = static_cast<Index>(vertices_.size() / 3);
-    const auto [entry, is_new] = welded_.try_emplace(key, next);
+    const bool is_finite = std::isfinite(key[0]) && std::isfinite(key[1]) && std::isfinite(key[2]);
+    const auto [entry, is_new] = is_finite ? welded_.try_emplace(key, next) : std::pair(welded_.end(), true);
     if (is_new) {
       const GltfValue world = placement.to_mesh(GltfChannel::Kind::position, local);
       vertices_.insert(vertices_.end(), world.begin(), world.begin() + 3);
     }
-    return entry->second;
+    return is_new ? next : entry->second;
   }
 
   /// No later vertex may take an index that the file has out of range.

@@ -24,7 +24,8 @@ namespace io {
 
 std::span<const Format> formats() {
   static const std::vector<Format> all = {
-      ply_format(),     obj_format(), off_format(), gltf_format(), stl_format(),
+      stl_format(),  // first: a header of 80 bytes may begin with the signature of any other
+      ply_format(),     obj_format(), off_format(), gltf_format(),
 #ifdef MESHGRAFT_HAS_3MF
       threemf_format(),
 #endif

@@ -389,7 +389,12 @@ class Writer {
     }
     for (std::size_t t = 0; t < object.triangles.size(); ++t) {
       const auto triangle = static_cast<DWORD>(t);
-      if (!object.colours.empty()) {
+      if (!object.materials.empty() && object.materials[t] != ThreemfModel::none) {
+        session_.require(
+            NMR::lib3mf_propertyhandler_setbasematerial(properties.get(), triangle, material_group_,
+                                                        static_cast<DWORD>(object.materials[t])),
+            properties.get());
+      } else if (!object.colours.empty()) {
         NMR::MODELMESH_TRIANGLECOLOR_SRGB colour{};
         for (std::size_t c = 0; c < 3; ++c) {
           const std::uint8_t* value = object.colours[t].data() + 4 * c;
@@ -397,11 +402,6 @@ class Writer {
         }
         session_.require(NMR::lib3mf_propertyhandler_setgradientcolor(properties.get(), triangle, &colour),
                          properties.get());
-      } else if (object.materials[t] != ThreemfModel::none) {
-        session_.require(
-            NMR::lib3mf_propertyhandler_setbasematerial(properties.get(), triangle, material_group_,
-                                                        static_cast<DWORD>(object.materials[t])),
-            properties.get());
       }
     }
   }

@@ -1,7 +1,9 @@
 #include "threemf_package.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include <zip.h>
@@ -26,7 +28,13 @@ class Archive {
   Archive(std::string_view bytes, int flags) {
     zip_error_t error;
     zip_error_init(&error);
-    source_ = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
+    // A copy that is libzip's to free: where an archive is changed, its source frees what it was given in any
+    // case (1.7).
+    auto* copy = static_cast<char*>(std::malloc(std::max<std::size_t>(bytes.size(), 1)));
+    if (copy == nullptr) throw std::bad_alloc();
+    std::copy(bytes.begin(), bytes.end(), copy);
+    source_ = zip_source_buffer_create(copy, bytes.size(), 1, &error);
+    if (source_ == nullptr) std::free(copy);
     if (source_ != nullptr) archive_ = zip_open_from_source(source_, flags, &error);
     if (archive_ == nullptr) {
       if (source_ != nullptr) zip_source_free(source_);

@@ -2,6 +2,9 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,37 +20,48 @@ namespace {
 
 // lib3mf reads floats, by arithmetic of its own.
 bool same_vertices(const ThreemfVertices& vertices, const ThreemfModel::Object& object) {
-  constexpr double tolerance_rel = 1e-6;
-  constexpr double tolerance = 1e-6;  // six decimals
   if (vertices.positions.rows() != static_cast<Eigen::Index>(object.vertices.size())) return false;
+  if (object.vertices.empty()) return true;
+  constexpr double tolerance_rel = 1e-6;
+  const double tolerance = tolerance_rel * vertices.positions.cwiseAbs().maxCoeff();
   for (std::size_t v = 0; v < object.vertices.size(); ++v)
     for (std::size_t k = 0; k < 3; ++k) {
       const double exact = vertices.positions(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(k));
-      if (!(std::abs(exact - static_cast<double>(object.vertices[v][k])) <=
-            tolerance + tolerance_rel * std::abs(exact)))
-        return false;
+      if (!(std::abs(exact - static_cast<double>(object.vertices[v][k])) <= tolerance)) return false;
     }
   return true;
 }
 
-/// Where each object is written: the first mesh with its vertices that no other object has. lib3mf keeps the
-/// order within a part, but not which part an object is from.
+/// Where each object is written. lib3mf does not tell which part an object is from: parts that are referred to
+/// come first, then the one with the build, each in its order. Where the same vertices are left in two parts of
+/// the first kind there is no telling, and the result is empty.
 std::vector<ThreemfDocument::Source> match(const std::vector<ThreemfPart>& parts,
                                            const std::vector<ThreemfModel::Object>& objects) {
-  std::vector<ThreemfDocument::Source> sources;
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_partition(order, [&](std::size_t p) { return parts[p].items.empty(); });
   std::vector<std::vector<bool>> taken;
   for (const ThreemfPart& part : parts) taken.emplace_back(part.meshes.size(), false);
-  const auto find = [&](const ThreemfModel::Object& object) {
-    for (std::size_t p = 0; p < parts.size(); ++p)
-      for (std::size_t m = 0; m < parts[p].meshes.size(); ++m)
-        if (!taken[p][m] && same_vertices(parts[p].meshes[m], object)) {
-          taken[p][m] = true;
-          sources.push_back({p, m});
-          return true;
-        }
-    return false;
+
+  const auto find_in = [&](std::size_t p, const ThreemfModel::Object& object) -> std::optional<std::size_t> {
+    for (std::size_t m = 0; m < parts[p].meshes.size(); ++m)
+      if (!taken[p][m] && same_vertices(parts[p].meshes[m], object)) return m;
+    return std::nullopt;
   };
-  if (!std::ranges::all_of(objects, find)) return {};
+  std::vector<ThreemfDocument::Source> sources;
+  for (const ThreemfModel::Object& object : objects) {
+    std::optional<ThreemfDocument::Source> found;
+    for (const std::size_t p : order) {
+      const bool is_root = !parts[p].items.empty();
+      if (found && is_root) break;
+      const auto mesh = find_in(p, object);
+      if (mesh && found) return {};
+      if (mesh) found = {p, *mesh};
+    }
+    if (!found) return {};
+    taken[found->part][found->mesh] = true;
+    sources.push_back(*found);
+  }
   return sources;
 }
 
@@ -89,7 +103,7 @@ class CopyCounter {
 };
 
 void require_sensible_build(const ThreemfDocument& document, const std::string& name) try {
-  constexpr double most = 100'000;
+  constexpr double most = 10'000;  // lib3mf's time grows with the square
   if (CopyCounter(document.parts, document.scanned).copies() > most)
     throw Error(ErrorCode::input, fmt::format("its build is made of more than {} copies of objects", most), {},
                 "Open it in the program that made it and keep what is to be edited");
@@ -144,15 +158,19 @@ class Assembler {
     const ThreemfModel::Placement& place = model_.placements[placement];
     const ThreemfModel::Object& object = model_.objects[place.object];
     const Index first = next_vertex_;
+    // A mirror turns what it shows inside out.
+    const bool is_mirrored = place.transform.linear().determinant() < 0;
+    const std::array<std::size_t, 3> corners =
+        is_mirrored ? std::array<std::size_t, 3>{0, 2, 1} : std::array<std::size_t, 3>{0, 1, 2};
     for (std::size_t v = 0; v < object.vertices.size(); ++v)
       mesh_.positions.row(next_vertex_++) = placed(place.transform, position(place.object, v));
     for (std::size_t t = 0; t < object.triangles.size(); ++t) {
       std::array<Index, 3> face;
-      for (std::size_t c = 0; c < 3; ++c) face[c] = first + static_cast<Index>(object.triangles[t][c]);
+      for (std::size_t c = 0; c < 3; ++c) face[c] = first + static_cast<Index>(object.triangles[t][corners[c]]);
       mesh_.faces.push_back(face);
       if (has_objects_) objects_->values.push_back(static_cast<double>(placement));
       if (has_materials_) materials_->values.push_back(material_of(object, t));
-      if (has_colours_) add_colour(object, t);
+      if (has_colours_) add_colour(object, t, corners);
     }
     if (has_objects_) objects_->labels.push_back(label(object, placement));
   }
@@ -169,23 +187,25 @@ class Assembler {
     return material == ThreemfModel::none ? std::nan("") : material;
   }
 
-  void add_colour(const ThreemfModel::Object& object, std::size_t triangle) {
-    for (std::size_t k = 0; k < 12; ++k)
-      colours_->values.push_back(object.colours.empty() ? 255 : object.colours[triangle][k]);
+  void add_colour(const ThreemfModel::Object& object, std::size_t triangle,
+                  const std::array<std::size_t, 3>& corners) {
+    for (const std::size_t c : corners)
+      for (std::size_t k = 0; k < 4; ++k)
+        colours_->values.push_back(object.colours.empty() ? 255 : object.colours[triangle][4 * c + k]);
   }
 
-  std::string label(const ThreemfModel::Object& object, std::size_t placement) const {
-    std::string name = object.name.empty() ? "object" : object.name;
-    const auto taken = [&](const std::string& text) {
-      return std::ranges::find(objects_->labels, text) != objects_->labels.end();
-    };
-    return taken(name) || object.name.empty() ? fmt::format("{}_{}", name, placement + 1) : name;
+  std::string label(const ThreemfModel::Object& object, std::size_t placement) {
+    const std::string name = object.name.empty() ? "object" : object.name;
+    const std::string numbered = fmt::format("{}_{}", name, placement + 1);
+    const bool takes_number = object.name.empty() || labels_.contains(name);
+    return *labels_.insert(takes_number ? numbered : name).first;
   }
 
   const ThreemfModel& model_;
   const ThreemfDocument& document_;
   Mesh mesh_;
   Index next_vertex_ = 0;
+  std::set<std::string> labels_;
   bool has_objects_ = false, has_materials_ = false, has_colours_ = false;
   Attribute *objects_ = nullptr, *materials_ = nullptr, *colours_ = nullptr;
 };

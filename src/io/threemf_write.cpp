@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/join.h>
@@ -15,12 +14,20 @@
 #include "number_text.h"
 #include "threemf.h"
 #include "threemf_document.h"
+#include "unwritten.h"
 
 namespace meshgraft::io {
 
 namespace {
 
 constexpr std::array<std::string_view, 1> extensions = {".3mf"};
+
+void require_in_range(const Eigen::RowVector3d& position, Eigen::Index vertex) {
+  constexpr float largest = 1e9F;  // that lib3mf takes
+  if (!(position.cast<float>().cwiseAbs().maxCoeff() < largest))
+    throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that 3MF cannot hold", vertex), {},
+                "Coordinates go up to 1e9: move or scale the model");
+}
 
 /// New positions of the objects of a file, in their own frames. Empty where copies of one object came to
 /// differ, or stand where no object can follow (a flattening transform): the file has no place for that.
@@ -45,6 +52,7 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
       } else if (moved) {
         now.row(v) = is_plain ? world : placed(inverse, world);
         if (!now.row(v).allFinite()) return std::nullopt;
+        require_in_range(now.row(v), first + v);
       }
     }
     decided[place.object] = true;
@@ -119,8 +127,6 @@ class ThreemfComposer {
       if (colour_ == nullptr && colour != nullptr && (colour->components == 3 || colour->components == 4))
         colour_ = colour;
     }
-    // A triangle has one or the other.
-    if (colour_ != nullptr) material_ = nullptr;
     if (material_ == nullptr) return;
     model_.material_names = material_->labels;
     model_.material_colours.assign(material_->labels.size(), {200, 200, 200, 255});
@@ -156,7 +162,6 @@ class ThreemfComposer {
 
   // Those that the triangles use, in the order of the mesh.
   void add_vertices(const Triangulation& pieces, const std::vector<Eigen::Index>& triangles) {
-    constexpr float largest = 1e9F;  // that lib3mf takes
     used_.clear();
     for (const Eigen::Index t : triangles)
       used_.insert(used_.end(), pieces.triangles.row(t).begin(), pieces.triangles.row(t).end());
@@ -164,10 +169,8 @@ class ThreemfComposer {
     used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
     positions_.emplace_back(mesh_.positions(used_, Eigen::all));
     for (const Index v : used_) {
+      require_in_range(mesh_.positions.row(v), v);
       const Eigen::RowVector3f p = mesh_.positions.row(v).cast<float>();
-      if (!(p.cwiseAbs().maxCoeff() < largest))
-        throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that 3MF cannot hold", v), {},
-                    "Coordinates go up to 1e9: move or scale the model");
       model_.objects.back().vertices.push_back({p.x(), p.y(), p.z()});
     }
   }
@@ -225,12 +228,15 @@ class ThreemfComposer {
   }
 
   void note_losses(std::vector<std::string>& notes) const {
-    std::vector<std::string> lost;
-    for (const Attribute& attribute : mesh_.attributes)
-      if (&attribute != object_ && &attribute != material_ && &attribute != colour_)
-        lost.push_back(fmt::format("'{}'", attribute.name));
-    if (!lost.empty())
-      notes.push_back(fmt::format("3MF has no place here for {}; a PLY file keeps it", fmt::join(lost, ", ")));
+    note_unwritten(mesh_, "3MF", {object_, material_, colour_}, notes);
+    if (material_ != nullptr && colour_ != nullptr)
+      notes.emplace_back(
+          "a triangle of a 3MF file has a material or colours: those with a material lose their colours");
+    std::vector<bool> used(static_cast<std::size_t>(mesh_.vertex_count()), false);
+    for (const Index v : mesh_.faces.corners()) used[static_cast<std::size_t>(v)] = true;
+    const auto lonely = std::ranges::count(used, false);
+    if (lonely > 0)
+      notes.push_back(fmt::format("3MF has no place for vertices without a face: {} are left out", lonely));
     const bool has_polygons = std::ranges::any_of(std::views::iota(Index{0}, mesh_.face_count()),
                                                   [&](Index f) { return mesh_.faces[f].size() > 3; });
     if (has_polygons) notes.emplace_back("3MF has triangles alone: polygons were triangulated");

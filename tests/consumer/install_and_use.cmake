@@ -10,9 +10,9 @@ function(run)
 endfunction()
 
 if(KIND STREQUAL Shared)
-  set(BUILD_DIR ${WORK_DIR}/library)
-  # Symbols and links are looked at, not speed: without optimisation it builds in a third of the time.
-  run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${BUILD_DIR} -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
+  cmake_path(GET BUILD_DIR PARENT_PATH BUILD_DIR)
+  string(APPEND BUILD_DIR /shared)  # beside this build, compiled alike: what ccache has of that serves here
+  run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${BUILD_DIR} -G Ninja -DCMAKE_BUILD_TYPE=Release
       -DCMAKE_CXX_COMPILER=${CXX} -DBUILD_SHARED_LIBS=ON -DMESHGRAFT_WITH_CHOLMOD=${WITH_CHOLMOD}
       -DMESHGRAFT_WITH_CGAL=${WITH_CGAL} -DMESHGRAFT_WITH_3MF=${WITH_3MF} -DMESHGRAFT_WITH_RENDER=OFF -DMESHGRAFT_BUILD_CLI=OFF -DMESHGRAFT_BUILD_TESTS=OFF
       -DMESHGRAFT_BUILD_BENCHMARKS=OFF)

@@ -306,6 +306,23 @@ TEST(Gltf, BoundsFollowAndTheirOtherNumbersKeepTheirText) {
   EXPECT_NE(read_file(folder / "b.bin"), b.buffer);
 }
 
+// A buffer of another name may serve other files: in place, too, it stays as it is.
+TEST(Gltf, LeavesBuffersOfOtherNamesAlone) {
+  const TemporaryFolder folder;
+  const GltfBuilder b = plain_square();
+  folder.file("shared.bin", b.buffer);
+  Mesh mesh = folder.mesh("a.gltf", b.gltf("shared.bin"));
+  mesh.positions(2, 2) = 0.5;
+  folder.written(mesh, "a.gltf");
+  EXPECT_EQ(read_file(folder / "shared.bin"), b.buffer);
+  Mesh again = read_mesh(folder / "a.gltf");
+  EXPECT_EQ(again.positions, mesh.positions);
+  again.positions(2, 2) = 0.25;
+  folder.written(again, "a.gltf");  // its own now
+  EXPECT_FALSE(std::filesystem::exists(folder / "a_2.bin"));
+  EXPECT_EQ(read_mesh(folder / "a.gltf").positions(2, 2), 0.25);
+}
+
 TEST(Gltf, ShowsAttributesInTheirUsualUnits) {
   const TemporaryFolder folder;
   const Mesh mesh = folder.mesh("a.glb", rich_square().glb());

@@ -311,5 +311,13 @@ TEST(Stl, ASampleKeepsShapeAndFacesThroughAllFormats) {
   }
 }
 
+TEST(Stl, ABinaryHeaderMayBeginLikeAnotherFormat) {
+  const TemporaryFolder folder;
+  for (const std::string start : {"OFF road vehicle", "glTF converted", "ply\nformat", "PK\x03\x04", "solid"}) {
+    const std::string file = binary(square, start);
+    EXPECT_EQ(folder.written(folder.mesh("a.stl", file), "b.stl"), file) << start;
+  }
+}
+
 }  // namespace
 }  // namespace meshgraft

@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/triage.h>
 #include <meshgraft/samples/samples.h>
 
 #include "io/expect_error.h"
@@ -306,6 +307,77 @@ TEST_F(Threemf, CarriesObjectsMaterialsAndColours) {
   const Triangles triangles = triangulate(mesh).triangles;
   for (Eigen::Index c = 0; c < triangles.size(); ++c)
     EXPECT_EQ(corners->values[4 * static_cast<std::size_t>(c)], triangles.data()[c] % 256);
+}
+
+// libzip takes another way where what comes before a changed entry makes up most of the archive.
+TEST_F(Threemf, SurvivesLargeEntriesBeforeTheModel) {
+  std::mt19937 random(7);
+  for (const std::size_t size : {std::size_t{1500}, std::size_t{60000}}) {
+    Parts parts = package_of(one_tetrahedron());
+    std::string& thumbnail = parts["0.png"];
+    for (std::size_t k = 0; k < size; ++k) thumbnail += static_cast<char>(random());
+    Mesh mesh = read_mesh(write(parts));
+    mesh.positions(0, 0) = 4;
+    write_mesh(mesh, file("b.3mf"));
+    EXPECT_EQ(unpack(read_file(file("b.3mf"))).at("0.png"), thumbnail);
+    EXPECT_EQ(read_mesh(file("b.3mf")).positions, mesh.positions);
+  }
+}
+
+// lib3mf reads the parts that are referred to before the one with the build, wherever the archive has them.
+TEST_F(Threemf, TellsEqualMeshesOfTwoPartsApart) {
+  const std::string object = R"(<object id="4" type="model">)" + tetrahedron() + "</object>";
+  for (const char* inner : {"3D/Objects/inner.model", "2D/inner.model"}) {
+    SCOPED_TRACE(inner);
+    const std::string path = std::string("/") + inner;
+    const std::string resources =
+        object + R"(<object id="5" type="model"><components><component p:path=")" + path +
+        R"(" objectid="4" transform="1 0 0 0 1 0 0 0 1 0 3 0"/></components></object>)";
+    Parts parts = package_of(model(resources, R"(<item objectid="4"/><item objectid="5"/>)",
+                                   R"(unit="millimeter" requiredextensions="p")"));
+    parts[inner] = model(object, "");
+    parts["3D/_rels/3dmodel.model.rels"] = relationships(relationship(path, 9));
+    Mesh mesh = read_mesh(write(parts));
+    ASSERT_EQ(mesh.vertex_count(), 8);
+    mesh.positions(2, 1) += 0.5;
+    write_mesh(mesh, file("b.3mf"));
+    const Mesh again = read_mesh(file("b.3mf"));
+    EXPECT_LT((again.positions - mesh.positions).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_EQ(unpack(read_file(file("b.3mf"))).at(inner), parts.at(inner));
+  }
+}
+
+TEST_F(Threemf, MirroredCopiesFaceOutward) {
+  const std::string text = model(R"(<object id="1" name="thing">)" + tetrahedron() + "</object>",
+                                 R"(<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>)");
+  Mesh mesh = read_mesh(write(package_of(text)));
+  EXPECT_TRUE(triage(mesh).clean());
+  mesh.positions(1, 0) -= 1;
+  write_mesh(mesh, file("b.3mf"));
+  EXPECT_LT((read_mesh(file("b.3mf")).positions - mesh.positions).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST_F(Threemf, RefusesToWriteWhatItCouldNotRead) {
+  Mesh mesh = read_mesh(write(package_of(one_tetrahedron())));
+  mesh.positions(2, 0) = 1e10;
+  test::expect_error([&] { write_mesh(mesh, file("b.3mf")); }, ErrorCode::input, {"vertex 2", "1e9"});
+  EXPECT_FALSE(std::filesystem::exists(file("b.3mf")));
+}
+
+TEST_F(Threemf, NamesWhatItLeavesOut) {
+  Mesh mesh = make_mesh(Points::Random(4, 3), (Triangles(1, 3) << 0, 1, 2).finished());
+  mesh.attributes = {{.name = "material",
+                      .domain = Domain::face,
+                      .interpolation = Interpolation::nearest,
+                      .type = ScalarType::int32,
+                      .values = {0},
+                      .labels = {"skin"}},
+                     {.name = "colour", .components = 3, .values = std::vector<double>(12, 0.5)}};
+  const WriteResult result = write_mesh(mesh, file("a.3mf"));
+  ASSERT_EQ(result.notes.size(), 2U);
+  EXPECT_NE(result.notes[0].find("lose their colours"), std::string::npos);
+  EXPECT_NE(result.notes[1].find("1 are left out"), std::string::npos);
+  EXPECT_NE(read_mesh(file("a.3mf")).find_attribute(Domain::face, "material"), nullptr);
 }
 
 TEST_F(Threemf, NamesWhatIsWrong) {
