@@ -18,7 +18,7 @@ run() {
     >"build/fuzz/$target.log" 2>&1 || true
 }
 export -f run
-export seconds
+export seconds LSAN_OPTIONS=suppressions=cmake/lsan.supp:print_suppressions=0
 printf '%s\n' "$@" | xargs -P 2 -I{} bash -c 'run {}'
 
 found=0
