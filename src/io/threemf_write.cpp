@@ -265,7 +265,10 @@ Written write_threemf(const Mesh& mesh, const std::filesystem::path&, const Writ
   if (!document->sources.empty())
     if (const auto positions = object_positions(*document, mesh)) return {patch(*document, *positions)};
   Written written = ThreemfComposer(mesh, context).compose();
-  written.notes.emplace_back("copies of one object were edited apart: each is an object of its own now");
+  written.notes.emplace_back(
+      document->sources.empty()
+          ? "parts of the file hold equal meshes that cannot be told apart: it is composed anew"
+          : "copies of one object were edited apart: each is an object of its own now");
   return written;
 }
 

@@ -17,7 +17,7 @@ struct ThreemfVertices {
   std::vector<std::size_t> tag_length;  ///< up to and with its '>'
 };
 
-/// /// An object that another one, or the build, is made of.
+/// An object that another one, or the build, is made of.
 struct ThreemfReference {
   std::string path;  ///< of the part that it is in; empty = the same
   std::string id;

@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
+#include "area_vector.h"
 #include "tangents.h"
 
 namespace meshgraft {
@@ -19,17 +20,6 @@ namespace {
 Eigen::Vector3d unit_or_zero(const Eigen::Vector3d& vector) {
   const double length = vector.stableNorm();
   return length > 0 && std::isfinite(length) ? Eigen::Vector3d(vector / length) : Eigen::Vector3d::Zero();
-}
-
-// Newell's normal, twice the area long. Taken about the first corner, to keep the digits far from the origin.
-Eigen::Vector3d area_vector(std::span<const Index> face, const Points& positions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t c = 2; c < face.size(); ++c) {
-    const Eigen::Vector3d a = positions.row(face[c - 1]) - positions.row(face[0]);
-    const Eigen::Vector3d b = positions.row(face[c]) - positions.row(face[0]);
-    sum += a.cross(b);
-  }
-  return sum;
 }
 
 bool in_range(std::span<const Index> face, Index vertex_count) {

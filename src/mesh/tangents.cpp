@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include "area_vector.h"
 
 namespace meshgraft {
 
@@ -18,17 +19,6 @@ struct FaceMap {
   Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();  ///< of the surface's directions
   double area = 0;                                       ///< at rest
 };
-
-// Newell's normal, twice the area long.
-Eigen::Vector3d area_vector(std::span<const Index> face, const Points& positions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t c = 2; c < face.size(); ++c) {
-    const Eigen::Vector3d a = positions.row(face[c - 1]) - positions.row(face[0]);
-    const Eigen::Vector3d b = positions.row(face[c]) - positions.row(face[0]);
-    sum += a.cross(b);
-  }
-  return sum;
-}
 
 /// The map that takes a face's edges to the new ones (of a polygon's, the best fit), and its normal to the new
 /// one, scaled as lengths within the face are on average: a smooth tangent leans out of its faces.

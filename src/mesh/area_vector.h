@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Newell's normal of a face, twice its area long. Taken about the first corner, to keep the digits far from
+/// the origin.
+inline Eigen::Vector3d area_vector(std::span<const Index> face, const Points& positions) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t c = 2; c < face.size(); ++c) {
+    const Eigen::Vector3d a = positions.row(face[c - 1]) - positions.row(face[0]);
+    const Eigen::Vector3d b = positions.row(face[c]) - positions.row(face[0]);
+    sum += a.cross(b);
+  }
+  return sum;
+}
+
+}  // namespace meshgraft
