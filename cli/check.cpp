@@ -35,7 +35,9 @@ struct Uses {
   std::size_t all_loops = 0;
 };
 
-bool is_sound(const TriageReport& triage, const std::vector<Index>& loop) {
+bool is_sound(const Mesh& mesh, const TriageReport& triage, const std::vector<Index>& loop) {
+  if (std::any_of(loop.begin(), loop.end(), [&](Index v) { return !mesh.positions.row(v).allFinite(); }))
+    return false;
   for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
     const Finding* finding = triage.find(defect);
     if (finding && std::any_of(loop.begin(), loop.end(), [&](Index v) {
@@ -57,19 +59,19 @@ Uses uses_of(const Mesh& mesh, const TriageReport& triage) {
   const auto loops = boundary_loops(mesh);
   uses.all_loops = loops.size();
   for (std::size_t k = 0; k < loops.size(); ++k)
-    if (!refused && is_sound(triage, loops[k])) uses.loops.push_back(k);
+    if (is_sound(mesh, triage, loops[k])) uses.loops.push_back(k);
   return uses;
 }
 
 std::string uses_text(const Uses& uses) {
-  const std::string deform = uses.deform          ? "deform: yes"
-                             : uses.deform_beyond ? "deform: where nothing that is refused is within reach"
-                                                  : "deform: no, there are no faces";
+  const std::string deform = uses.deform ? "deform: yes"
+                             : uses.deform_beyond
+                                 ? "deform, cut and merge: where nothing that is refused is within reach"
+                                 : "deform: no, there are no faces";
   const std::string merge =
-      uses.deform_beyond    ? "merge and cut: no, something is refused"
-      : !uses.deform        ? "merge: no"
-      : uses.all_loops == 0 ? "merge: cut it open first, or drop a part on it with --at"
-      : uses.loops.empty()  ? "merge: no loop is sound"
+      !uses.deform && !uses.deform_beyond ? "merge: no"
+      : uses.all_loops == 0               ? "merge: cut it open first, or drop a part on it with --at"
+      : uses.loops.empty()                ? "merge: no loop is sound"
       : uses.loops.size() == uses.all_loops
           ? fmt::format("merge: along {}", uses.all_loops == 1 ? "its loop" : "all its loops")
           : fmt::format("merge: along {} of {} loops", uses.loops.size(), uses.all_loops);
@@ -86,7 +88,7 @@ void run_check(const CheckArguments& arguments, const Context& context) {
   const Mesh mesh = read_mesh(arguments.mesh, context);
   const TriageReport report = triage(mesh, context);
   const Uses uses = uses_of(mesh, report);
-  const bool clean = !report.has_defects();
+  const bool clean = !report.has_defects() && mesh.face_count() > 0;
   if (arguments.json) {
     const Json json = {{"format", "meshgraft-check"},
                        {"version", 1},
@@ -102,8 +104,11 @@ void run_check(const CheckArguments& arguments, const Context& context) {
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
     fmt::print("{}: {} vertices, {} faces\n", arguments.mesh.string(), mesh.vertex_count(), mesh.face_count());
-    print_findings(report, "findings");
-    if (!clean)
+    if (mesh.face_count() == 0)
+      fmt::print("  {:<12}no faces: there is no surface to edit\n", "findings");
+    else
+      print_findings(report, "findings");
+    if (report.has_defects() && mesh.face_count() > 0)
       fmt::print("  {:<12}meshgraft repair {} -o {}\n", "to mend", arguments.mesh.string(),
                  repaired_name(arguments.mesh));
     fmt::print("  {:<12}{}\n", "as it is", uses_text(uses));

@@ -12,6 +12,7 @@
 #include <meshgraft/core/version.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/set_aside.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/triage.h>
 
@@ -72,7 +73,6 @@ CutAlong along(const CutArguments& arguments) {
 }
 
 CutResult cut(const Mesh& mesh, const CutAlong& along, const CutArguments& arguments, const Context& context) {
-  require_usable(triage(mesh, context), mesh, {}, arguments.mesh.string());
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
   try {
     if (!along.plane) return cut_along_loop(mesh, along.loop, options, context);
@@ -207,22 +207,24 @@ Mesh pulled_apart(const CutResult& result) {
 #endif
 
 // Everything is computed before anything is written.
-WrittenOutputs write_outputs(const CutArguments& arguments, [[maybe_unused]] const Mesh& mesh,
-                             const CutResult& result, const Context& context) {
+WrittenOutputs write_outputs(const CutArguments& arguments, const SetAside& usable, CutResult& result,
+                             const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
     const Mesh after = pulled_apart(result);
-    const std::vector<const Mesh*> meshes{&mesh, &after};
+    const std::vector<const Mesh*> meshes{&usable.mesh(), &after};
     picture = make_picture(meshes, std::vector<std::string>{"before", "after"},
                            quick_options_of(arguments.view), context);
   }
 #endif
   context.step("write");
+  usable.put_back(result.vertex, result.mesh);
   const WriteResult written = write_mesh(result.mesh, arguments.output, {}, context);
   WrittenOutputs outputs;
   for (const std::filesystem::path& file : written.files) outputs.files.push_back(file.string());
   outputs.notes = written.notes;
+  if (std::string note = usable.note(); !note.empty()) outputs.notes.push_back(std::move(note));
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);
@@ -237,9 +239,12 @@ void run_cut(const CutArguments& arguments, const Context& context) {
   check_outputs(arguments);
   context.step("read");
   const Mesh mesh = read_mesh(arguments.mesh, context);
-  const CutResult result = cut(mesh, asked, arguments, context);
+  const TriageReport findings = triage(mesh, context);
+  const SetAside usable(mesh, findings, arguments.mesh.string());
+  CutResult result = cut(usable.mesh(), asked, arguments, context);
+  usable.require_beyond(vertices_at_cut(result));
   const CutFacts facts = gather(result);
-  WrittenOutputs written = write_outputs(arguments, mesh, result, context);
+  WrittenOutputs written = write_outputs(arguments, usable, result, context);
   if (!arguments.report.empty()) {
     written.files.push_back(arguments.report.string());
     write_file_atomically(arguments.report, dump(report_json(arguments, asked, facts, result, written)));

@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <system_error>
@@ -107,10 +108,14 @@ int main(int argc, char** argv) {
                : status;
   } catch (const Error& error) {
     return fail(error.what(), error.code());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(fmt::format("{}: {}. Check the path, and where links in it lead.", error.path1().string(),
+                            error.code().message()),
+                ErrorCode::io);
   } catch (const std::system_error& error) {
     return fail(error.what(), ErrorCode::io);
   } catch (const std::bad_alloc&) {
-    return fail("out of memory", ErrorCode::internal);
+    return fail("not enough memory. Close other programs, or take a smaller mesh.", ErrorCode::memory);
   } catch (const std::exception& error) {
     return fail(fmt::format("{} (a defect of meshgraft; please report it)", error.what()), ErrorCode::internal);
   }

@@ -81,6 +81,7 @@ std::string exit_section() {
          entry(exit_status(ErrorCode::input), "A file, a mesh or a setting is not acceptable.") +
          entry(exit_status(ErrorCode::unsolvable), "The edit has no unique solution.") +
          entry(exit_status(ErrorCode::io), "A file cannot be read or written.") +
+         entry(exit_status(ErrorCode::memory), "The machine has too little memory for it.") +
          entry(exit_status(ErrorCode::cancelled), "Stopped by Ctrl\\-C; nothing was written.");
 }
 

@@ -20,7 +20,12 @@ namespace fs = std::filesystem;
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code missing;
   if (fs::equivalent(a, b, missing) && !missing) return true;
-  return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+  const auto whole = [](const fs::path& path) {
+    std::error_code error;  // behind /dev/stdout may be no path, and links may go round in a circle
+    const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
+    return error ? fs::absolute(path).lexically_normal() : canonical;
+  };
+  return whole(a) == whole(b);
 }
 
 fs::path folder_of(const fs::path& output) { return output.has_parent_path() ? output.parent_path() : "."; }

@@ -160,7 +160,14 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
   check_outputs(arguments);
   context.step("read");
   const Mesh given = read_mesh(arguments.mesh, context);
+  if (given.face_count() == 0)
+    throw Error(ErrorCode::input, "the mesh has no faces: there is no surface to repair",
+                arguments.mesh.string(),
+                "Export it with its faces; points alone need a program that reconstructs a surface.");
   const RepairResult result = repair(given, options_of(arguments), context);
+  if (result.mesh.face_count() == 0 && !arguments.dry_run)
+    throw Error(ErrorCode::input, "no face would be left, so nothing is written", arguments.mesh.string(),
+                "'--dry-run' tells what is wrong with them.");
   const TriageReport left = triage(result.mesh, context);
   WrittenOutputs written;
   if (!arguments.dry_run) write_outputs(arguments, given, result, written, context);

@@ -10,7 +10,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/triage.h>
 
-#include "../src/io/format.h"
+#include "io/format.h"
 
 namespace {
 

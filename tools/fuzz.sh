@@ -28,7 +28,7 @@ for target in "$@"; do
   log=build/fuzz/$target.log
   executions=$(awk '/number_of_executed_units/ {print $2}' "$log")
   speed=$(awk '/average_exec_per_sec/ {print $2}' "$log")
-  coverage=$(grep -o 'cov: [0-9]*' "$log" | tail -1 | cut -d' ' -f2)
+  coverage=$(awk '{for (i = 1; i < NF; ++i) if ($i == "cov:") last = $(i + 1)} END {print last}' "$log")
   size=$(ls "build/fuzz/corpus/$target" | wc -l)
   broken=$(ls "build/fuzz/broken/$target" | wc -l)
   printf '| %-10s | %11s | %10s | %8s | %6s | %6s |\n' "$target" "${executions:-–}" "${speed:-–}" "${coverage:-–}" \

@@ -20,6 +20,7 @@ int exit_status(ErrorCode code) noexcept {
     case ErrorCode::input: return 3;
     case ErrorCode::unsolvable: return 4;
     case ErrorCode::io: return 5;
+    case ErrorCode::memory: return 6;
     case ErrorCode::cancelled: return 130;
     case ErrorCode::internal: return 70;
   }
@@ -32,6 +33,7 @@ std::string_view to_string(ErrorCode code) noexcept {
     case ErrorCode::input: return "input";
     case ErrorCode::unsolvable: return "unsolvable";
     case ErrorCode::io: return "io";
+    case ErrorCode::memory: return "memory";
     case ErrorCode::cancelled: return "cancelled";
     case ErrorCode::internal: return "internal";
   }

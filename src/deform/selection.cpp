@@ -12,10 +12,9 @@
 
 #include <Eigen/Geometry>
 
-#define NANOFLANN_FIRST_MATCH  // the smallest index among points at the same distance
-#include <nanoflann.hpp>
-
 #include <meshgraft/core/error.h>
+
+#include "mesh/vertex_tree.h"
 
 namespace meshgraft {
 
@@ -58,49 +57,13 @@ std::vector<Index> vertices_where(Index vertex_count, const Predicate& predicate
   return vertices;
 }
 
-// Nearest finite vertex that belongs to a face.
-class VertexTree {
- public:
-  explicit VertexTree(const SelectionContext& context) : positions_(context.mesh.positions) {
-    for (Index v = 0; v < context.mesh.vertex_count(); ++v) {
-      if (context.components[v] >= 0 && positions_.row(v).allFinite()) candidates_.push_back(v);
-    }
-    if (!candidates_.empty()) tree_.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  }
-
-  VertexTree(const VertexTree&) = delete;  // the tree refers to this object
-  VertexTree& operator=(const VertexTree&) = delete;
-
-  struct Found {
-    Index vertex = -1;
-    double distance = std::numeric_limits<double>::infinity();
-  };
-
-  Found nearest(const Eigen::Vector3d& point) const {
-    if (!tree_) return {};
-    std::uint32_t candidate = 0;
-    double squared = 0;
-    tree_->knnSearch(point.data(), 1, &candidate, &squared);
-    return {candidates_[candidate], std::sqrt(squared)};
-  }
-
-  // What nanoflann asks of a point set.
-  std::size_t kdtree_get_point_count() const { return candidates_.size(); }
-  double kdtree_get_pt(std::size_t k, std::size_t axis) const {
-    return positions_(candidates_[k], static_cast<Eigen::Index>(axis));
-  }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-
- private:
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, VertexTree>, VertexTree,
-                                                   3, std::uint32_t>;
-  const Points& positions_;
-  std::vector<Index> candidates_;
-  std::optional<Tree> tree_;
-};
+// Finite vertices that belong to a face.
+std::vector<Index> candidates_of(const SelectionContext& context) {
+  std::vector<Index> candidates;
+  for (Index v = 0; v < context.mesh.vertex_count(); ++v)
+    if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
+  return candidates;
+}
 
 // Shortest edge paths that keep off blocked vertices.
 class PathFinder {
@@ -291,13 +254,14 @@ class Resolver {
 
   // The vertices nearest to a path's points, successive repeats dropped.
   std::vector<Index> path_stations(const Selection::Path& path, const std::string& place) const {
-    const VertexTree tree(context_);
+    const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> stations;
     Flags seen(count_, false);
     for (std::size_t k = 0; k < path.points.size(); ++k) {
       require_finite(path.points[k], at(place, "points", k));
-      const Index v = tree.nearest(path.points[k]).vertex;
-      if (v < 0) fail(place, "the mesh has no vertex that belongs to a face");
+      const auto nearest = tree.nearest(path.points[k]);
+      if (!nearest) fail(place, "the mesh has no vertex that belongs to a face");
+      const Index v = nearest->vertex;
       const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
       if ((!stations.empty() && v == stations.back()) || comes_home) continue;
       if (seen[v]) {
@@ -391,13 +355,13 @@ class Resolver {
     }
     const std::vector<Index> of = child(mirror.of, place + ".mirror.of");
     const double tolerance = mirror.tolerance_rel * box_diagonal();
-    const VertexTree tree(context_);
+    const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> images;
     for (const Index v : of) {
       const Eigen::Vector3d x = position(v);
       if (!x.allFinite()) continue;
       const auto found = tree.nearest(x - 2 * (x - mirror.point).dot(normal) * normal);
-      if (found.distance <= tolerance) images.push_back(found.vertex);
+      if (found && found->distance <= tolerance) images.push_back(found->vertex);
     }
     return ascending(images, [](Index) { return true; });
   }

@@ -4,6 +4,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/set_aside.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "../core/stopwatch.h"
@@ -46,7 +47,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;
   const Scene& scene = scenes.at(step.mesh);
-  require_usable(scene.triage, scene.mesh, {}, scene.label);
+  const SetAside usable(scene.mesh, scene.triage, scene.label);
   StepReport report;
   report.mesh = step.mesh;
   report.result = outcome_of(edit_step);
@@ -54,7 +55,10 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
   context.step("cut");
   CutResult result;
   try {
-    result = cut(scene.mesh, step, context);
+    result = cut(usable.mesh(), step, context);
+    usable.require_beyond(vertices_at_cut(result));
+    usable.put_back(result.vertex, result.mesh);
+    if (std::string note = usable.note(); !note.empty()) report.notes.push_back(std::move(note));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw error.within(place);

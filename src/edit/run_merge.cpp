@@ -10,6 +10,7 @@
 #include <meshgraft/merge/drop.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/merge/pose_source.h>
+#include <meshgraft/mesh/set_aside.h>
 
 #include "../core/stopwatch.h"
 #include "run_steps.h"
@@ -23,11 +24,38 @@ namespace {
 struct Side {
   std::string name;  // "source" or "target", as fields and messages call it
   const Scene& scene;
+  SetAside usable;  // what is merged; loops and selections are the scene's
   SelectionContext context;
   SelectionResolver selections;
 
   Side(std::string name_, const EditFile& edit, const Scene& scene_)
-      : name(std::move(name_)), scene(scene_), context(scene.mesh), selections(edit, context, scene.produced) {}
+      : name(std::move(name_)),
+        scene(scene_),
+        usable(scene.mesh, scene.triage, scene.label),
+        context(scene.mesh),
+        selections(edit, context, scene.produced) {}
+
+  // The vertices that the merge removed, or that faces of the seam have.
+  std::vector<Index> reached(const IndexMap& map, const Mesh& result,
+                             const std::vector<Index>& new_faces) const {
+    std::vector<char> at_seam(result.vertex_count(), 0);
+    for (const Index face : new_faces)
+      for (const Index v : result.faces[face]) at_seam[v] = 1;
+    std::vector<Index> vertices;
+    for (Index v = 0; v < scene.mesh.vertex_count(); ++v) {
+      const Index now = map.new_index[v];
+      if (scene.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
+    }
+    return vertices;
+  }
+
+  // Once it is merged: nothing that was left out may lie where the result is new.
+  void finish(const IndexMap& map, MergeResult& result, std::vector<std::string>& notes) const {
+    if (!usable.any()) return;
+    usable.require_beyond(reached(map, result.mesh, result.new_faces));
+    usable.put_back(map, result.mesh);
+    if (std::string note = usable.note(); !note.empty()) notes.push_back(std::move(note));
+  }
 };
 
 std::string loop_list(const Side& side) {
@@ -380,8 +408,6 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
 
   context.step("select");
   Side source("source", edit, scenes.at(step.source)), target("target", edit, scenes.at(step.target));
-  for (const Side* side : {&source, &target})
-    require_usable(side->scene.triage, side->scene.mesh, {}, side->scene.label);
   std::vector<MergePair> pairs;
   if (step.at)
     pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, place + ".at")], {}}, {}});
@@ -389,7 +415,11 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
     pairs = resolve_pairs(step, source, target, place);
   outcome.options = resolve_options(step, source, options.overrides, place);
   require_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
-  const Mesh part = posed(step, source.scene.mesh, target.scene.mesh, outcome.options, place);
+  for (const MergePair& pair : pairs) {
+    source.usable.require_beyond(pair.loops.source);
+    target.usable.require_beyond(pair.loops.target);
+  }
+  const Mesh part = posed(step, source.usable.mesh(), target.usable.mesh(), outcome.options, place);
   report.seconds.select = watch.lap();
 
   MergeResult result;
@@ -398,13 +428,13 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
     if (step.at) {
       const Drop drop{step.at->place, step.size, step.at->spin_deg};
       DropResult dropped =
-          drop_part(target.scene.mesh, part, pairs.front().loops.source, drop, outcome.options, context);
+          drop_part(target.usable.mesh(), part, pairs.front().loops.source, drop, outcome.options, context);
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
       report.notes = std::move(dropped.notes);
       intersections = dropped.intersections;
     } else {
-      result = merge_meshes(target.scene.mesh, part, pairs, outcome.options, context);
+      result = merge_meshes(target.usable.mesh(), part, pairs, outcome.options, context);
       const Stopwatch measuring;
       intersections = count_intersections(part, result, context);
       report.seconds.measure = measuring.seconds();
@@ -415,6 +445,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   }
   // What remains is the hole's, and that of sizes that were tried before.
   report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);
+  source.finish(result.source, result, report.notes);
+  target.finish(result.target, result, report.notes);
   take_seconds(result.report, report.seconds);
   outcome.report = std::move(result.report);
   outcome.target_map = result.target;

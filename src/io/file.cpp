@@ -34,6 +34,7 @@ std::string remedy_for(int error) {
     case EPERM: return "Change the permissions of the file or its folder, or choose another place";
     case ENOSPC:
     case EDQUOT: return "Free some space on the disk, or choose another place";
+    case ELOOP: return "Links lead round in a circle there";
     case EROFS: return "The disk is read-only; choose another place";
     case ENAMETOOLONG: return "Choose a shorter name";
     default: return {};
@@ -42,6 +43,13 @@ std::string remedy_for(int error) {
 
 [[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
   throw Error(ErrorCode::io, std::string(what) + ": " + reason(error), path.string(), remedy_for(error));
+}
+
+/// Names from an edit file or a mesh may be anything.
+void require_name(const fs::path& path) {
+  if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
+  if (path.native().find('\0') != std::string::npos)
+    throw Error(ErrorCode::io, "the name holds a NUL character", path.c_str(), "No file can be called so");
 }
 
 /// An open file that closes itself.
@@ -151,12 +159,16 @@ class PendingFile::TemporaryFile {
 
 namespace {
 
-/// Where a symbolic link leads, so that the file behind it is replaced and not the link.
-fs::path resolve_link(const fs::path& path) {
+/// Where a symbolic link leads, whether there is a file or not, so that this is written and the link stays.
+fs::path resolve_link(fs::path path) {
+  constexpr int most_links = 40;  // Linux follows as many
   std::error_code error;
-  if (!fs::is_symlink(path, error)) return path;
-  const fs::path resolved = fs::weakly_canonical(path, error);
-  return error ? path : resolved;
+  for (int k = 0; k < most_links && fs::is_symlink(path, error); ++k) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = path.parent_path() / next;  // an absolute one replaces the folder
+  }
+  return path;
 }
 
 /// Pipes and devices have no old content to protect: the bytes simply go there.
@@ -189,10 +201,10 @@ void prefer_huge_pages(const void* begin, std::size_t size) {
 }
 
 PendingFile::PendingFile(const fs::path& path, std::string_view content, Existing existing)
-    : path_(path), target_(resolve_link(path)), existing_(existing) {
-  if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
+    : path_(path), target_(path), existing_(existing) {
+  require_name(path);
   struct stat old = {};
-  const bool exists = ::stat(target_.c_str(), &old) == 0;
+  const bool exists = ::stat(path.c_str(), &old) == 0;
   if (!exists && errno != ENOENT) fail(path, "cannot be written", errno);
   if (exists && S_ISDIR(old.st_mode))
     throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
@@ -201,6 +213,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
     return;
   }
   if (exists && existing == Existing::refuse) refuse_existing(path);
+  target_ = resolve_link(path);  // not before: behind /dev/stdout is no path
   // A rename would replace even a write-protected file.
   if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
     fail(path, "cannot be replaced", errno);
@@ -232,6 +245,7 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
 }
 
 std::string read_file(const fs::path& path) {
+  require_name(path);
   const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!descriptor.valid()) fail(path, "cannot be opened", errno);
   struct stat status = {};

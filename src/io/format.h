@@ -41,6 +41,9 @@ struct Format {
   Written (*write)(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
                    const Context& context);
 
+  /// The files that the file `path` refers to, as far as they exist; null for formats that are one file.
+  std::vector<std::filesystem::path> (*companions)(const std::filesystem::path& path) = nullptr;
+
   bool has_morph_targets = false;  ///< whether `WriteOptions::morph_target` means anything
 };
 

@@ -6,17 +6,15 @@
 
 #include <meshgraft/core/error.h>
 
-#include "document.h"
 #include "file.h"
+#include "file_document.h"
 #include "format.h"
-#include "gltf.h"
-#include "gltf_container.h"
-#include "obj.h"
-#include "obj_materials.h"
-#include "off.h"
-#include "ply.h"
-#include "stl.h"
-#include "threemf.h"
+#include "gltf/gltf.h"
+#include "obj/obj.h"
+#include "off/off.h"
+#include "ply/ply.h"
+#include "stl/stl.h"
+#include "threemf/threemf.h"
 
 namespace meshgraft {
 
@@ -55,11 +53,17 @@ std::string known_extensions() {
   return list;
 }
 
-const io::Format& format_of_extension(const std::filesystem::path& path) {
+/// The format that the file's extension names, or null.
+const io::Format* format_named_by(const std::filesystem::path& path) {
   const std::string extension = lower_case_extension(path);
-  for (const io::Format& format : io::formats()) {
-    if (std::ranges::find(format.extensions, extension) != format.extensions.end()) return format;
-  }
+  for (const io::Format& format : io::formats())
+    if (std::ranges::find(format.extensions, extension) != format.extensions.end()) return &format;
+  return nullptr;
+}
+
+const io::Format& format_of_extension(const std::filesystem::path& path) {
+  if (const io::Format* format = format_named_by(path)) return *format;
+  const std::string extension = lower_case_extension(path);
   const std::string problem =
       extension.empty() ? "the name has no extension" : "the extension '" + extension + "' is unknown";
   throw Error(ErrorCode::input, problem, path.string(), "Known mesh formats: " + known_extensions());
@@ -135,11 +139,9 @@ void require_morph_targets(const std::filesystem::path& path) {
 
 std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
-  const std::string extension = lower_case_extension(path);
-  std::vector<std::filesystem::path> more;
-  if (extension == ".obj") more = io::files_of_materials(path);
-  if (extension == ".gltf" || extension == ".glb") more = io::files_of_gltf(path);
-  files.insert(files.end(), more.begin(), more.end());
+  const io::Format* format = format_named_by(path);
+  if (format != nullptr && format->companions != nullptr)
+    for (std::filesystem::path& companion : format->companions(path)) files.push_back(std::move(companion));
   return files;
 }
 

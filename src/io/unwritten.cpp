@@ -3,9 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "obj_materials.h"
+#include "obj/materials.h"
 
 namespace meshgraft::io {
+
+namespace {
+
+// In quotes; with whose it is, where others have the name too.
+std::string name_of(const Attribute& attribute, const Mesh& mesh) {
+  std::string name = "'" + attribute.name + "'";
+  if (std::ranges::count(mesh.attributes, attribute.name, &Attribute::name) == 1) return name;
+  switch (attribute.domain) {
+    case Domain::vertex: return name + " of the vertices";
+    case Domain::face: return name + " of the faces";
+    case Domain::corner: break;
+  }
+  return name + " of the corners";
+}
+
+}  // namespace
 
 void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_list<const Attribute*> written,
                     std::vector<std::string>& notes) {
@@ -13,7 +29,7 @@ void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_
   for (const Attribute& attribute : mesh.attributes) {
     if (std::ranges::find(written, &attribute) != written.end()) continue;
     if (std::ranges::all_of(attribute.values, [](double value) { return std::isnan(value); })) continue;
-    names += (names.empty() ? "'" : ", '") + attribute.name + "'";
+    names += (names.empty() ? "" : ", ") + name_of(attribute, mesh);
   }
   if (!names.empty())
     notes.push_back(std::string(format) + " has no place for " + names + "; a PLY file keeps it");

@@ -283,4 +283,16 @@ CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eig
   return cut_at_zero(mesh, values, options, context);
 }
 
+std::vector<Index> vertices_at_cut(const CutResult& result) {
+  std::vector<Index> vertices;
+  const auto add = [&](const Between& origin) { vertices.insert(vertices.end(), {origin.from, origin.to}); };
+  for (const Between& origin : result.origin)
+    if (origin.from != origin.to) add(origin);
+  for (const auto& loop : result.loops)
+    for (const Index v : loop) add(result.origin[v]);
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
 }  // namespace meshgraft

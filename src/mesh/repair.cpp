@@ -64,7 +64,12 @@ RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Contex
   if (!options.remove_invalid) require_valid(mesh);
   constexpr int most_rounds = 30;
   RepairSurface surface(mesh, context);
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0;; ++round) {
+    if (round == most_rounds) {
+      surface.note("After " + std::to_string(most_rounds) +
+                   " rounds there was still something to change; repair the result once more.");
+      break;
+    }
     context.step("repair", static_cast<double>(round) / most_rounds);
     if (mend(surface, options)) continue;
     if (options.remove_debris && remove_debris(surface, options.debris_rel)) continue;

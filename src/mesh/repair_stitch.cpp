@@ -3,62 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <nanoflann.hpp>
 
 #include <meshgraft/core/parallel.h>
 
 #include "coincident.h"
 #include "repair_surface.h"
+#include "vertex_tree.h"
 
 namespace meshgraft {
 
 namespace {
-
-// Vertices to be found by their place.
-class VertexTree {
- public:
-  VertexTree(const Points& positions, std::span<const Index> vertices)
-      : positions_(positions), vertices_(vertices) {
-    if (!vertices.empty()) tree_.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  }
-  VertexTree(const VertexTree&) = delete;  // the tree refers to this object
-  VertexTree& operator=(const VertexTree&) = delete;
-
-  /// Places in the list of vertices, ascending.
-  std::vector<Index> within(const Eigen::RowVector3d& point, double radius) const {
-    std::vector<Index> found;
-    if (!tree_) return found;
-    std::vector<std::pair<std::uint32_t, double>> near;
-    // The tree takes the distance squared, and leaves out what is at it.
-    tree_->radiusSearch(point.data(), std::nextafter(radius * radius, 1e300), near, nanoflann::SearchParams());
-    for (const auto& [k, squared] : near) found.push_back(static_cast<Index>(k));
-    std::sort(found.begin(), found.end());
-    return found;
-  }
-
-  // What nanoflann asks of a point set.
-  std::size_t kdtree_get_point_count() const { return vertices_.size(); }
-  double kdtree_get_pt(std::size_t k, std::size_t axis) const {
-    return positions_(vertices_[k], static_cast<Eigen::Index>(axis));
-  }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-
- private:
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, VertexTree>, VertexTree,
-                                                   3, std::uint32_t>;
-  const Points& positions_;
-  std::span<const Index> vertices_;
-  std::optional<Tree> tree_;
-};
 
 // For each boundary vertex the smallest one that it is at one place with: exactly, or within reach.
 std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<double> distance) {
@@ -84,8 +45,7 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const Index v = representatives[i];
-          for (const Index k : tree.within(positions.row(v), std::min(widest, reach[v]))) {
-            const Index w = representatives[k];
+          for (const Index w : tree.within(positions.row(v), std::min(widest, reach[v]))) {
             if (w < v && (positions.row(v) - positions.row(w)).norm() <= std::min(widest, reach[w]))
               near[i].push_back(w);
           }
@@ -106,45 +66,77 @@ double weld_reach(const RepairSurface& surface, std::optional<double> distance) 
   return distance ? *distance : default_rel * surface.box_diagonal();
 }
 
+namespace {
+
+// Which of many half-edges around one place may belong together, each pair once: all pairs, or in a crowd of
+// each those whose faces lie most nearly opposite.
+std::vector<std::pair<std::size_t, std::size_t>> possible_pairs(const std::vector<Eigen::RowVector3d>& inward,
+                                                                const Eigen::RowVector3d& axis) {
+  constexpr std::size_t crowd = 32, nearest = 8;
+  const std::size_t n = inward.size();
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  if (n <= crowd) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t k = i + 1; k < n; ++k) pairs.emplace_back(i, k);
+    return pairs;
+  }
+  const Eigen::RowVector3d across = axis.unitOrthogonal(), third = axis.cross(across);
+  std::vector<std::pair<double, std::size_t>> around;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double angle = std::atan2(inward[i].dot(third), inward[i].dot(across));
+    around.emplace_back(std::isfinite(angle) ? angle : 0, i);  // the edge may have no length
+  }
+  std::sort(around.begin(), around.end());
+  for (const auto& [angle, i] : around) {
+    const double opposite = angle > 0 ? angle - std::numbers::pi : angle + std::numbers::pi;
+    const auto at = static_cast<std::size_t>(
+        std::lower_bound(around.begin(), around.end(), std::pair(opposite, std::size_t{0})) - around.begin());
+    for (std::size_t step = 0; step < 2 * nearest; ++step) {
+      const std::size_t k = around[(at + n - nearest + step) % n].second;
+      if (k != i) pairs.emplace_back(std::min(i, k), std::max(i, k));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+}  // namespace
+
 std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges) {
-  struct Candidate {
-    double score;
-    Index a, b;
-  };
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
   if (half_edges.size() == 2) return {{half_edges[0], half_edges[1]}};
-  const auto along = [&](Index c) -> Eigen::RowVector3d {
-    return (surface.positions().row(corners[table.next[c]]) - surface.positions().row(corners[c])).normalized();
-  };
-  std::vector<Eigen::RowVector3d> inward;  // from the edge into the face, at right angles
-  for (const Index c : half_edges) inward.push_back(surface.face_normal(surface.face_of(c)).cross(along(c)));
+  std::vector<Eigen::RowVector3d> along, inward;  // into the face, at right angles to the edge
   // A face that hangs by this edge alone is more likely what does not belong here.
-  const auto looseness = [&](Index c) {
-    double loose = 0;
-    for (Index side = table.next[c]; side != c; side = table.next[side]) loose += table.is_boundary(side);
-    return loose;
-  };
   std::vector<double> loose;
-  for (const Index c : half_edges) loose.push_back(looseness(c));
+  for (const Index c : half_edges) {
+    along.emplace_back(
+        (surface.positions().row(corners[table.next[c]]) - surface.positions().row(corners[c])).normalized());
+    inward.emplace_back(surface.face_normal(surface.face_of(c)).cross(along.back()));
+    double sides = 0;
+    for (Index side = table.next[c]; side != c; side = table.next[side]) sides += table.is_boundary(side);
+    loose.push_back(sides);
+  }
+  struct Candidate {
+    double score;
+    std::size_t i, k;
+  };
   std::vector<Candidate> candidates;
   constexpr double against = 6;  // more than any angle and loose side counts
-  for (std::size_t i = 0; i < half_edges.size(); ++i)
-    for (std::size_t k = i + 1; k < half_edges.size(); ++k) {
-      const bool run_alike = along(half_edges[i]).dot(along(half_edges[k])) > 0;
-      candidates.push_back(
-          {inward[i].dot(inward[k]) + std::min(loose[i] + loose[k], 3.0) + (run_alike ? against : 0),
-           half_edges[i], half_edges[k]});
-    }
+  for (const auto& [i, k] : possible_pairs(inward, along[0])) {
+    const bool run_alike = along[i].dot(along[k]) > 0;
+    candidates.push_back(
+        {inward[i].dot(inward[k]) + std::min(loose[i] + loose[k], 3.0) + (run_alike ? against : 0), i, k});
+  }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& x, const Candidate& y) { return x.score < y.score; });
   std::vector<std::pair<Index, Index>> pairs;
-  std::vector<Index> taken;
-  const auto is_taken = [&](Index c) { return std::find(taken.begin(), taken.end(), c) != taken.end(); };
+  std::vector<char> taken(half_edges.size(), 0);
   for (const Candidate& candidate : candidates) {
-    if (is_taken(candidate.a) || is_taken(candidate.b)) continue;
-    pairs.emplace_back(candidate.a, candidate.b);
-    taken.insert(taken.end(), {candidate.a, candidate.b});
+    if (taken[candidate.i] || taken[candidate.k]) continue;
+    pairs.emplace_back(half_edges[candidate.i], half_edges[candidate.k]);
+    taken[candidate.i] = taken[candidate.k] = 1;
   }
   return pairs;
 }
@@ -193,24 +185,46 @@ struct TornEdges {
   std::vector<Index> vertices;          // that lie on one
 };
 
-// How far along a half-edge a point lies, if it is on it and not at an end.
+// How far along a half-edge a point lies, if it is on it (at most `aside` from it) and farther than `apart`
+// from its ends.
 std::optional<double> place_on(const Points& positions, Index a, Index b, const Eigen::RowVector3d& point,
-                               double reach) {
+                               double apart, double aside) {
   const Eigen::RowVector3d from = positions.row(a), way = positions.row(b) - from;
   const double length = way.norm();
-  if (!(length > 2 * reach)) return {};
+  if (!(length > 2 * apart)) return {};
   const double t = (point - from).dot(way) / (length * length);
-  if (!(t * length > reach) || !((1 - t) * length > reach)) return {};
-  if (!((point - from - t * way).norm() <= reach)) return {};
+  if (!(t * length > apart) || !((1 - t) * length > apart)) return {};
+  if (!((point - from - t * way).norm() <= aside)) return {};
   return t;
 }
+
+// Boundary vertices by their places, so that a place with thousands of them is looked at once.
+struct BoundaryPlaces {
+  std::vector<Index> first;                           // of each place, the smallest vertex
+  std::vector<std::pair<Index, Index>> first_vertex;  // of each vertex the first of its place, and the vertex
+
+  BoundaryPlaces(const Points& positions, const std::vector<Index>& boundary) {
+    const std::vector<Index> classes = coincident_classes(positions, boundary);
+    for (std::size_t k = 0; k < boundary.size(); ++k) {
+      if (classes[k] == boundary[k]) first.push_back(classes[k]);
+      first_vertex.emplace_back(classes[k], boundary[k]);
+    }
+    std::sort(first_vertex.begin(), first_vertex.end());
+  }
+
+  auto vertices_at(Index place) const {
+    const auto [begin, end] =
+        std::ranges::equal_range(first_vertex, place, {}, &std::pair<Index, Index>::first);
+    return std::ranges::subrange(begin, end) | std::views::values;
+  }
+};
 
 TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
   const EdgeTable& table = surface.edges();
   const Points& positions = surface.positions();
   const std::vector<Index>& corners = surface.faces().corners();
-  const std::vector<Index> boundary = boundary_vertices(surface.mesh().vertex_count(), table);
-  const VertexTree tree(positions, boundary);
+  const BoundaryPlaces places(positions, boundary_vertices(surface.mesh().vertex_count(), table));
+  const VertexTree tree(positions, places.first);
   const std::vector<double> shortest = shortest_edges(surface);
   std::vector<std::vector<Index>> neighbours(surface.mesh().vertex_count());  // along the boundary
   for (Index e = 0; e < table.edge_count(); ++e) {
@@ -224,20 +238,23 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
   for (Index e = 0; e < table.edge_count(); ++e) {
     if (table.half_edges[e].size() != 1) continue;
     const Index c = table.half_edges[e][0], a = corners[c], b = corners[table.next[c]];
-    const Eigen::RowVector3d middle = (positions.row(a) + positions.row(b)) / 2;
-    const double half = (positions.row(b) - positions.row(a)).norm() / 2;
     const auto face = surface.faces()[surface.face_of(c)];
-    for (const Index k : tree.within(middle, half)) {
-      const Index v = boundary[k];
+    std::vector<Index> candidates;
+    for (const Index place : tree.near_segment(positions.row(a), positions.row(b), widest)) {
+      if (!place_on(positions, a, b, positions.row(place), 0, widest)) continue;
+      const auto there = places.vertices_at(place);
+      candidates.insert(candidates.end(), there.begin(), there.end());
+    }
+    for (const Index v : candidates) {
       if (std::find(face.begin(), face.end(), v) != face.end()) continue;
       const double reach = std::min(widest, 0.1 * shortest[v]);
-      const auto t = place_on(positions, a, b, positions.row(v), reach);
+      const auto t = place_on(positions, a, b, positions.row(v), reach, reach);
       // A boundary edge must run along this one too: surfaces that touch in a place stay as they are.
       const bool runs_along = t && std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](Index w) {
                                 const Eigen::RowVector3d point = positions.row(w);
                                 return (point - positions.row(a)).norm() <= reach ||
                                        (point - positions.row(b)).norm() <= reach ||
-                                       place_on(positions, a, b, point, reach);
+                                       place_on(positions, a, b, point, reach, reach);
                               });
       if (!runs_along) continue;
       torn.on[c].push_back({*t, v});

@@ -183,14 +183,19 @@ std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairRes
     if (is_vertex_of(mesh_, v)) used[v] = 1;
   for (const Index v : given_.faces.corners())
     if (is_vertex_of(given_, v)) had_face[v] = 1;
-  std::vector<Index> isolated;
+  std::vector<Index> isolated, non_finite;
   for (Index v = 0; v < given_.vertex_count(); ++v) {
     if (had_face[v]) continue;
     if (remove_isolated)
       isolated.push_back(v);
+    else if (!given_.positions.row(v).allFinite())
+      non_finite.push_back(v);
     else
-      used[v] = given_.positions.row(v).allFinite();
+      used[v] = 1;
   }
+  if (const auto count = static_cast<Index>(non_finite.size()); count > 0)
+    report("removed-non-finite-vertex", Domain::vertex, std::move(non_finite), count,
+           "vertex without finite coordinates was removed", "vertices without finite coordinates were removed");
   if (const auto count = static_cast<Index>(isolated.size()); count > 0)
     report("removed-isolated-vertex", Domain::vertex, std::move(isolated), count,
            "vertex that no face has was removed", "vertices that no face has were removed");
@@ -205,11 +210,19 @@ std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairRes
   result.mesh.positions.resize(count, 3);
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (new_index[v] >= 0) result.mesh.positions.row(new_index[v]) = mesh_.positions.row(v);
+  // Where the vertex that one became is gone, a copy that a fan got may live on.
+  const auto became = [&](Index v) {
+    while (stands_for_[v] != v) v = stands_for_[v];
+    return v;
+  };
+  std::vector<Index> first_copy(given_.vertex_count(), -1);
+  for (Index v = mesh_.vertex_count() - 1; v >= 0; --v)
+    if (const Index now = new_index[became(v)]; now >= 0 && vertex_origin_[v] >= 0)
+      first_copy[vertex_origin_[v]] = now;
   result.vertex.new_index.resize(given_.vertex_count());
   for (Index v = 0; v < given_.vertex_count(); ++v) {
-    Index last = v;
-    while (stands_for_[last] != last) last = stands_for_[last];
-    result.vertex.new_index[v] = new_index[last];
+    const Index last = became(v), origin = vertex_origin_[last];
+    result.vertex.new_index[v] = new_index[last] < 0 && origin >= 0 ? first_copy[origin] : new_index[last];
   }
   return new_index;
 }

@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <queue>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -80,56 +84,148 @@ void split_quad(const std::vector<Index>& face, const Points& positions, std::ve
   }
 }
 
-class EarClip {
+// The corners of a polygon that are left, to be found by their place: a grid of about as many cells as corners.
+class CornerGrid {
  public:
-  explicit EarClip(const Polygon& polygon)
-      : polygon_(polygon), left_(polygon.size()), quality_(polygon.size()) {
-    for (std::size_t c = 0; c < left_.size(); ++c) left_[c] = static_cast<Index>(c);
-    for (std::size_t c = 0; c < left_.size(); ++c) rate(c);
+  void build(const Polygon& polygon, std::vector<Index> corners) {
+    low_ = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Vector2d high = -low_;
+    for (const Index c : corners) {
+      low_ = low_.cwiseMin(polygon[c]);
+      high = high.cwiseMax(polygon[c]);
+    }
+    cells_ = std::max<Index>(1, static_cast<Index>(std::sqrt(static_cast<double>(corners.size()))));
+    scale_ = cells_ / (high - low_).array().max(1e-300);
+    std::vector<Index> cell;
+    first_.assign(cells_ * cells_ + 1, 0);
+    for (const Index c : corners) {
+      cell.push_back(column(0, polygon[c].x()) + cells_ * column(1, polygon[c].y()));
+      ++first_[cell.back() + 1];
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    corners_.resize(corners.size());
+    std::vector<Index> next(first_.begin(), first_.end() - 1);
+    for (std::size_t k = 0; k < corners.size(); ++k) corners_[next[cell[k]]++] = corners[k];
   }
 
-  void clip(std::vector<Corners>& out) {
-    while (left_.size() > 3) {
-      const auto best =
-          static_cast<std::size_t>(std::max_element(quality_.begin(), quality_.end()) - quality_.begin());
-      out.push_back({left_[before(best)], left_[best], left_[after(best)]});
-      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(best));
-      quality_.erase(quality_.begin() + static_cast<std::ptrdiff_t>(best));
-      const std::size_t following = best % left_.size();
-      rate(following);
-      rate(before(following));
+  /// Whether any corner in the box is one `that` holds for.
+  template <class Predicate>
+  bool any_in(const Eigen::Vector2d& low, const Eigen::Vector2d& high, const Predicate& that) const {
+    for (Index y = column(1, low.y()); y <= column(1, high.y()); ++y) {
+      const auto begin = corners_.begin() + first_[cells_ * y + column(0, low.x())];
+      const auto end = corners_.begin() + first_[cells_ * y + column(0, high.x()) + 1];
+      if (std::any_of(begin, end, that)) return true;
     }
-    out.push_back({left_[0], left_[1], left_[2]});
+    return false;
   }
 
  private:
-  std::size_t before(std::size_t c) const { return (c + left_.size() - 1) % left_.size(); }
-  std::size_t after(std::size_t c) const { return (c + 1) % left_.size(); }
+  Index column(int axis, double x) const {
+    const double place = (x - low_[axis]) * scale_[axis];
+    return static_cast<Index>(std::clamp(place, 0.0, static_cast<double>(cells_ - 1)));
+  }
+
+  Eigen::Vector2d low_;
+  Eigen::Array2d scale_;
+  Index cells_ = 1;  // along each axis
+  std::vector<Index> first_, corners_;
+};
+
+class EarClip {
+ public:
+  explicit EarClip(const Polygon& polygon)
+      : polygon_(polygon),
+        left_(static_cast<Index>(polygon.size())),
+        before_(polygon.size()),
+        after_(polygon.size()),
+        quality_(polygon.size()) {
+    for (Index c = 0; c < left_; ++c) {
+      before_[c] = (c + left_ - 1) % left_;
+      after_[c] = (c + 1) % left_;
+    }
+    rebuild_grid();
+    for (Index c = 0; c < left_; ++c) rate(c);
+  }
+
+  void clip(std::vector<Corners>& out) {
+    while (left_ > 3) {
+      const Index ear = best();
+      const Index a = before_[ear], b = after_[ear];
+      out.push_back({a, ear, b});
+      after_[a] = b;
+      before_[b] = a;
+      after_[ear] = gone;
+      if (--left_ <= in_grid_ / 2) rebuild_grid();
+      rate(b);
+      rate(a);
+    }
+    const Index c = first_left();
+    out.push_back({c, after_[c], after_[after_[c]]});
+  }
+
+ private:
+  static constexpr Index gone = -1;
+
+  struct Rated {
+    double quality;
+    Index corner;
+    // The best last, the first corner among equals.
+    bool operator<(const Rated& other) const {
+      return quality != other.quality ? quality < other.quality : corner > other.corner;
+    }
+  };
+
+  Index first_left() const {
+    return static_cast<Index>(
+        std::find_if(after_.begin(), after_.end(), [](Index next) { return next != gone; }) - after_.begin());
+  }
+
+  Index best() {
+    for (;;) {
+      const Rated top = ears_.top();
+      ears_.pop();
+      if (after_[top.corner] != gone && quality_[top.corner] == top.quality) return top.corner;
+    }
+  }
+
+  // Corners that were clipped stay in it until half of them are.
+  void rebuild_grid() {
+    std::vector<Index> corners;
+    for (Index c = 0; c < static_cast<Index>(after_.size()); ++c)
+      if (after_[c] != gone) corners.push_back(c);
+    in_grid_ = left_;
+    grid_.build(polygon_, std::move(corners));
+  }
 
   // How good an ear corner c is. Ears come first, the best-shaped leading; then corners on a straight line, for
   // a triangle without area is better than one outside; then whatever a tangled polygon leaves, so that the
   // loop always ends.
-  void rate(std::size_t c) {
-    const auto& [a, b, d] = std::tie(polygon_[left_[before(c)]], polygon_[left_[c]], polygon_[left_[after(c)]]);
-    const double s = shape(a, b, d);
+  void rate(Index c) {
+    const double s = shape(polygon_[before_[c]], polygon_[c], polygon_[after_[c]]);
     if (s > flat_rel && !blocked(c)) {
       quality_[c] = s;
     } else {
       quality_[c] = -1 - (s > flat_rel ? 1 : std::abs(s));
     }
+    ears_.push({quality_[c], c});
   }
 
-  bool blocked(std::size_t c) const {
-    const auto& [a, b, d] = std::tie(polygon_[left_[before(c)]], polygon_[left_[c]], polygon_[left_[after(c)]]);
-    for (const Index q : left_) {
-      if (covers(a, b, d, polygon_[q])) return true;
-    }
-    return false;
+  bool blocked(Index c) const {
+    const auto& [a, b, d] = std::tie(polygon_[before_[c]], polygon_[c], polygon_[after_[c]]);
+    const Eigen::Vector2d low = a.cwiseMin(b).cwiseMin(d), high = a.cwiseMax(b).cwiseMax(d);
+    const double slack = 1e-9 * (high - low).maxCoeff();  // `covers` has some
+    return grid_.any_in(low.array() - slack, high.array() + slack, [&, a = a, b = b, d = d](Index q) {
+      return after_[q] != gone && covers(a, b, d, polygon_[q]);
+    });
   }
 
   const Polygon& polygon_;
-  std::vector<Index> left_;      // corners not yet clipped, in order
-  std::vector<double> quality_;  // of each as an ear
+  Index left_;                         // corners not yet clipped
+  std::vector<Index> before_, after_;  // among them; `after_` says which are gone
+  std::vector<double> quality_;        // of each as an ear
+  std::priority_queue<Rated> ears_;    // an entry is stale where the quality is another by now
+  CornerGrid grid_;
+  Index in_grid_ = 0;
 };
 
 std::vector<Corners> split(const std::vector<Index>& face, const Points& positions) {

@@ -797,6 +797,21 @@ TEST_F(CommandLine, ChecksAndRepairs) {
   EXPECT_EQ(run("repair damaged.obj -o damaged.obj").status, 2) << "an input is not replaced";
 }
 
+TEST_F(CommandLine, PointsAloneAreNoSurface) {
+  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  const Outcome check = run("check points.obj");
+  EXPECT_EQ(check.status, 3);
+  EXPECT_NE(check.out.find("no faces"), std::string::npos) << check.out;
+  EXPECT_EQ(json::parse(run("check points.obj --json").out)["clean"], false);
+  const Outcome repaired = run("repair points.obj -o out.ply");
+  EXPECT_EQ(repaired.status, 3);
+  EXPECT_NE(repaired.err.find("no surface to repair"), std::string::npos) << repaired.err;
+  write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n");
+  EXPECT_EQ(run("repair broken.obj -o out.ply").status, 3);
+  EXPECT_EQ(run("repair broken.obj --dry-run").status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.ply"));
+}
+
 TEST_F(CommandLine, RepairGivesACleanFileBack) {
   const Outcome outcome = run("repair sheet.obj -o same.obj");
   EXPECT_EQ(outcome.status, 0) << outcome.err;

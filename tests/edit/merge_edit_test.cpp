@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -102,6 +103,31 @@ TEST_F(MergeEdit, CutsMergesAndDeformsInOneFile) {
     if (v < 0 || std::find(from_source.begin(), from_source.end(), v) != from_source.end()) continue;
     ASSERT_EQ(bent.mesh.positions.row(v), bent.rest.row(v)) << "the body is not in the region";
   }
+}
+
+TEST_F(MergeEdit, GoesOnBesideWhatIsRefused) {
+  Mesh ball = read_mesh(folder_ / "ball.ply");
+  Index lowest = 0;
+  ball.positions.col(2).minCoeff(&lowest);
+  const Mesh whole = ball;
+  ball.positions(lowest, 0) = NAN;
+  write_mesh(ball, folder_ / "ball.ply");
+  const EditResult result = run_edit(merge(by_loops));
+  EXPECT_EQ(result.mesh.positions.array().isNaN().count(), 1);
+  const std::vector<std::string>& notes = result.report.steps[0].notes;
+  ASSERT_EQ(notes.size(), 1);
+  EXPECT_NE(notes[0].find("that have no place were left out"), std::string::npos) << notes[0];
+  EXPECT_TRUE(summarise_topology(result.mesh).manifold);
+
+  ball = whole;
+  (ball.positions.col(2).array() + 0.4).abs().minCoeff(&lowest);
+  ball.positions.row(lowest).fill(NAN);  // nearer to the cut
+  write_mesh(ball, folder_ / "ball.ply");
+  EXPECT_EQ(run_edit(merge(by_loops)).mesh.positions.array().isNaN().count(), 3);
+  (ball.positions.col(2).array() - 0.3).abs().minCoeff(&lowest);
+  ball.positions.row(lowest).fill(NAN);
+  write_mesh(ball, folder_ / "ball.ply");
+  EXPECT_NE(message(by_loops).find("within reach"), std::string::npos) << message(by_loops);
 }
 
 TEST_F(MergeEdit, KeepsAttributesAndMapsVertices) {

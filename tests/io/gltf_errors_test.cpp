@@ -88,6 +88,22 @@ TEST(GltfErrors, NameThePlaceInTheJson) {
   }
 }
 
+TEST(GltfErrors, CopiesAreCountedBeforeTheyAreMade) {
+  const TemporaryFolder folder;
+  GltfBuilder b;
+  const int positions = b.positions(square_positions());
+  const std::vector<std::uint16_t> indices(30'000, 1);
+  b.show({{"attributes", {{"POSITION", positions}}}, {"indices", b.accessor(indices, "SCALAR")}});
+  const Json node = b.json["nodes"][0];
+  b.json["scenes"][0]["nodes"] = Json::array();
+  for (int n = 0; n < 20'000; ++n) {
+    b.json["nodes"][n] = node;
+    b.json["scenes"][0]["nodes"].push_back(n);
+  }
+  const auto path = folder.file("forest.glb", b.glb());
+  expect_error([&] { read_mesh(path); }, ErrorCode::input, {"200 million triangles", "nodes"});
+}
+
 TEST(GltfErrors, OfContainers) {
   const TemporaryFolder folder;
   const std::string glb = square().glb();

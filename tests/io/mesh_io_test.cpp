@@ -141,6 +141,27 @@ TEST(MeshIo, ASymbolicLinkStaysALink) {
   EXPECT_EQ(read_file(path), triangle_obj);
 }
 
+TEST(MeshIo, ALinkToNothingYetStaysALink) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "deep");
+  fs::create_symlink("deep/next.obj", folder / "first.obj");
+  fs::create_symlink("real.obj", folder / "deep/next.obj");
+  write_mesh(triangle(), folder / "first.obj");
+  EXPECT_TRUE(fs::is_symlink(folder / "first.obj"));
+  EXPECT_TRUE(fs::is_symlink(folder / "deep/next.obj"));
+  EXPECT_EQ(read_file(folder / "deep/real.obj"), triangle_obj);
+
+  fs::create_symlink("round.obj", folder / "round.obj");
+  expect_error([&] { write_mesh(triangle(), folder / "round.obj"); }, ErrorCode::io, {"round.obj", "circle"});
+  expect_error([&] { read_mesh(folder / "round.obj"); }, ErrorCode::io, {"round.obj", "circle"});
+}
+
+TEST(MeshIo, NamesThatNoFileCanHaveAreRefused) {
+  expect_error([] { read_mesh(""); }, ErrorCode::io, {"no file name"});
+  expect_error([] { read_mesh(std::string("a.obj\0.ply", 10)); }, ErrorCode::io, {"NUL"});
+  expect_error([] { write_mesh(triangle(), std::string("a\0.ply", 6)); }, ErrorCode::io, {"NUL"});
+}
+
 TEST(MeshIo, AFailedWriteLeavesTheOldFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.file("out.ply", triangle_ply);

@@ -430,6 +430,21 @@ struct BadFile {
   std::vector<std::string> words;  // of the message
 };
 
+TEST(Obj, ContinuedLinesAreOneWhateverTheyHold) {
+  const TemporaryFolder folder;
+  for (const std::string name :
+       {"o on\\\nv 9 9 9", "usemtl a#b\\\nv 9 9 9", "g a \\\n b\\\r\nc", "q 1#2\\\n3"}) {
+    SCOPED_TRACE(name);
+    const std::string content = name + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\n# C:\\\nf 1 2 3\n";
+    Mesh mesh = folder.mesh("in.obj", content);
+    EXPECT_EQ(mesh.vertex_count(), 3);
+    EXPECT_EQ(folder.written(mesh, "same.obj"), content);
+    mesh.positions.array() += 1;
+    const Mesh again = folder.mesh("again.obj", folder.written(mesh, "moved.obj"));
+    EXPECT_EQ(again.positions, mesh.positions);
+  }
+}
+
 TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   const std::vector<BadFile> bad_files = {

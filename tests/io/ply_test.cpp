@@ -292,6 +292,28 @@ TEST(Ply, SpecialNumbersAreReadAsSuch) {
   EXPECT_EQ(folder.written(mesh, "out.ply"), file);
 }
 
+TEST(Ply, TriangleStripsAreReadAsTriangles) {
+  const TemporaryFolder folder;
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 2\nproperty list int int vertex_indices\n";
+  const std::string body = "0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n2 1 0\n9 0 1 2 3 4 -1 2 3 5\n5 3 3 5 4 4\n";
+  const std::string content = header + "end_header\n" + body;
+  const Mesh mesh = folder.mesh("strips.ply", content);
+  const std::vector<std::vector<Index>> expected{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 3, 5}, {5, 3, 4}};
+  ASSERT_EQ(mesh.face_count(), 5);
+  for (Index f = 0; f < 5; ++f)
+    EXPECT_TRUE(std::ranges::equal(mesh.faces[f], expected[static_cast<std::size_t>(f)])) << f;
+  EXPECT_EQ(folder.written(mesh, "again.ply"), content);
+  Mesh moved = mesh;
+  moved.positions(5, 2) = 3;
+  EXPECT_EQ(folder.mesh("moved.ply", folder.written(moved, "moved_out.ply")).faces, mesh.faces);
+  // Where a file has faces as well, they are the surface.
+  const std::string both =
+      header + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + body + "3 0 2 4\n";
+  EXPECT_EQ(folder.mesh("both.ply", both).face_count(), 1);
+}
+
 TEST(Ply, PolygonsStayPolygons) {
   const TemporaryFolder folder;
   const std::string file =

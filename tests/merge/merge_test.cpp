@@ -343,8 +343,9 @@ TEST(Merge, KeepsAPartThatIsFixedAsAWhole) {
   const MergeResult result = merge_meshes(target, source, {{pair}}, options);
   const std::vector<Index> loop = first_loop(source);
   for (Index v = 0; v < source.vertex_count(); ++v)
-    if (std::find(loop.begin(), loop.end(), v) == loop.end())
+    if (std::find(loop.begin(), loop.end(), v) == loop.end()) {
       EXPECT_EQ(result.grafted.row(v), source.positions.row(v)) << v;
+    }
 }
 
 TEST(Merge, RefusesSizesAMillionTimesOff) {

@@ -12,6 +12,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
+#include <meshgraft/mesh/set_aside.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "shapes.h"
@@ -373,6 +374,41 @@ TEST(Cut, ValuesAreChecked) {
   Mesh broken = cube;
   broken.faces.push_back(std::vector<Index>{0, 1, 99});
   EXPECT_THROW(cut_at_zero(broken, values), Error);
+}
+
+// What triage refuses does not keep a step from what lies elsewhere.
+TEST(Cut, GoesOnBesideWhatIsSetAside) {
+  Mesh mesh = shapes::torus(24, 16, true);  // in the plane z = 0
+  mesh.attributes = {{.name = "group", .domain = Domain::face, .values = std::vector<double>(768, 1)}};
+  Index highest = 0;
+  mesh.positions.col(2).maxCoeff(&highest);
+  const Eigen::RowVector3d place = mesh.positions.row(highest);
+  mesh.positions(highest, 0) = NAN;
+  mesh.faces.push_back(std::vector<Index>{0, 1, 9999});
+  mesh.attributes[0].values.push_back(2);
+  const TriageReport findings = triage(mesh);
+  const SetAside usable(mesh, findings, "torus");
+  ASSERT_TRUE(usable.any());
+  EXPECT_EQ(usable.mesh().face_count(), 768 - 6);
+  EXPECT_EQ(usable.mesh().attributes[0].values, std::vector<double>(762, 1));
+  EXPECT_NE(usable.note().find("torus: 7 faces"), std::string::npos) << usable.note();
+  EXPECT_THROW(usable.require_beyond(std::vector<Index>{0}), Error);
+
+  CutResult result = cut_by_plane(usable.mesh(), Vector3d(0, 0, -0.6 * place.z()), Vector3d(0, 0, 1));
+  usable.require_beyond(vertices_at_cut(result));
+  usable.put_back(result.vertex, result.mesh);
+  const Index now = result.vertex.new_index[highest];
+  ASSERT_GE(now, 0);
+  EXPECT_TRUE(std::isnan(result.mesh.positions(now, 0)));
+  EXPECT_EQ(result.mesh.positions(now, 2), place.z());
+  EXPECT_EQ((result.mesh.positions.array().isNaN()).count(), 1);
+
+  const CutResult through = cut_by_plane(usable.mesh(), Vector3d(0, 0, 0.98 * place.z()), Vector3d(0, 0, 1));
+  EXPECT_THROW(usable.require_beyond(vertices_at_cut(through)), Error);
+
+  const SetAside clean(result.mesh, TriageReport(), "clean");
+  EXPECT_FALSE(clean.any());
+  EXPECT_EQ(&clean.mesh(), &result.mesh) << "nothing is copied";
 }
 
 // The vertex nearest to a point.

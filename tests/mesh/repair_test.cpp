@@ -209,6 +209,73 @@ TEST(Repair, DoesNotDependOnThreads) {
   EXPECT_TRUE(same_bits(one, repair(mesh, {}, shapes::with_threads(4)).mesh));
 }
 
+// The smaller fan of a bow tie comes first and keeps the vertex; it goes as debris, its vertex lives on.
+TEST(Repair, AVertexGoesWhereItsLastFanDoes) {
+  const Mesh mesh = shapes::polygons(
+      {{0, 0, 0}, {-1, 0, 0}, {-1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 2, 0}, {2, 0, 0}, {2, 2, 0}},
+      {{0, 1, 2}, {0, 3, 4}, {0, 4, 5}, {3, 6, 4}, {4, 6, 7}, {4, 7, 5}});
+  const RepairResult result = repair(mesh, {.debris_rel = 1});
+  ASSERT_TRUE(result.find("removed-debris"));
+  EXPECT_EQ(result.mesh.face_count(), 5);
+  ASSERT_GE(result.vertex.new_index[0], 0);
+  EXPECT_EQ(result.vertex_origin[result.vertex.new_index[0]], 0);
+  EXPECT_EQ(result.vertex.new_index[1], -1);
+  expect_sound_maps(mesh, result);
+}
+
+TEST(Repair, ListsVerticesThatItCannotKeep) {
+  Mesh mesh = test::with_isolated(shapes::cube(), 3, 1);
+  mesh.positions(9, 1) = NAN;
+  const RepairResult result = repair(mesh, {.remove_isolated = false});
+  ASSERT_TRUE(result.find("removed-non-finite-vertex"));
+  EXPECT_EQ(result.find("removed-non-finite-vertex")->indices, std::vector<Index>{9});
+  EXPECT_EQ(result.vertex.new_index[9], -1);
+  EXPECT_EQ(result.mesh.vertex_count(), 10);
+}
+
+// Triangles of a soup around one hub, where everything is near everything.
+TEST(Repair, WeldsAWheelOfThousandsOfTriangles) {
+  constexpr int count = 6000;
+  Mesh wheel;
+  wheel.positions.resize(3 * count, 3);
+  for (int k = 0; k < count; ++k) {
+    const auto rim = [&](int i) {
+      const double angle = 2 * M_PI * (i % count) / count;
+      return Eigen::RowVector3d(std::cos(angle), std::sin(angle), 0.1 * std::sin(7 * angle));
+    };
+    wheel.positions.row(3 * k) = Eigen::RowVector3d(0, 0, 1);
+    wheel.positions.row(3 * k + 1) = rim(k);
+    wheel.positions.row(3 * k + 2) = rim(k + 1);
+    wheel.faces.push_back(std::vector<Index>{3 * k, 3 * k + 1, 3 * k + 2});
+  }
+  const RepairResult result = repair(wheel);
+  EXPECT_EQ(result.mesh.vertex_count(), count + 1);
+  EXPECT_EQ(result.mesh.face_count(), count);
+  EXPECT_EQ(findings_left(result.mesh), "");
+}
+
+// The pages of a book hang together in pairs, the straightest ones, however many there are.
+TEST(Repair, PairsThePagesOfABook) {
+  for (const int pages : {4, 30, 400}) {
+    SCOPED_TRACE(pages);
+    Mesh book;
+    book.positions.resize(2 + pages, 3);
+    book.positions.row(0) = Eigen::RowVector3d(0, 0, 0);
+    book.positions.row(1) = Eigen::RowVector3d(0, 0, 1);
+    for (int k = 0; k < pages; ++k) {
+      const double angle = 2 * M_PI * k / pages;
+      book.positions.row(2 + k) = Eigen::RowVector3d(std::cos(angle), std::sin(angle), 0.5);
+      book.faces.push_back(k < pages / 2 ? std::vector<Index>{0, 1, 2 + k} : std::vector<Index>{1, 0, 2 + k});
+    }
+    const RepairResult result = repair(book, {.weld = false});
+    EXPECT_EQ(result.mesh.face_count(), pages);
+    EXPECT_EQ(result.mesh.vertex_count(), 2 * (pages / 2) + pages);
+    EXPECT_EQ(findings_left(result.mesh).find("non-manifold"), std::string::npos) << findings_left(result.mesh);
+    const Index opposite = result.face.new_index[pages / 2];
+    EXPECT_EQ(result.mesh.faces[0][0], result.mesh.faces[opposite][1]) << "page 0 goes on straight";
+  }
+}
+
 // Whatever faces there are, it ends, and leaves nothing that is refused or would have to be repaired.
 TEST(Repair, EndsForAnyFaces) {
   std::mt19937 random(5);

@@ -86,6 +86,8 @@ const std::vector<Outline>& outlines() {
       {"star", star(7)},
       {"comb", comb(5)},
       {"spiral", spiral(17)},
+      {"large star", star(200)},
+      {"large comb", comb(150)},
       {"square ring with a slit",
        {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}},
   };
@@ -113,7 +115,8 @@ TEST(Triangulate, CoversEveryOutlineOnce) {
 
 TEST(Triangulate, StartCornerDoesNotMatter) {
   for (const Outline& outline : outlines()) {
-    for (std::size_t shift = 1; shift < outline.points.size(); ++shift) {
+    const std::size_t step = 1 + outline.points.size() / 40;
+    for (std::size_t shift = 1; shift < outline.points.size(); shift += step) {
       SCOPED_TRACE(outline.name + " from corner " + std::to_string(shift));
       auto points = outline.points;
       std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(shift), points.end());

@@ -13,11 +13,12 @@ enum class ErrorCode {
   input,       ///< a file, a mesh or an option's value is not acceptable
   unsolvable,  ///< the input is well formed, but the edit it asks for has no unique or no finite solution
   io,          ///< reading or writing a file failed
+  memory,      ///< the machine has too little memory for it
   cancelled,   ///< the caller asked to stop
   internal,    ///< a defect of meshgraft
 };
 
-/// Process exit status for a code: usage 2, input 3, unsolvable 4, io 5, cancelled 130, internal 70.
+/// Process exit status for a code: usage 2, input 3, unsolvable 4, io 5, memory 6, cancelled 130, internal 70.
 int exit_status(ErrorCode code) noexcept;
 
 /// The code's name in reports, e.g. "unsolvable".

@@ -35,6 +35,9 @@ struct CutResult {
       loops;  ///< the boundary loops that the cut made, as `boundary_loops` lists them
 };
 
+/// The vertices of the uncut mesh that a cut touches, ascending: ends of cut edges, and vertices on the cut.
+std::vector<Index> vertices_at_cut(const CutResult& result);
+
 /// Cuts a mesh where a function given per vertex is zero, linear along edges: vertices are inserted on the
 /// edges that it crosses, faces are split there; "above" is where it is positive. Open meshes may be cut across
 /// their boundary. Attributes follow their interpolation rule, corner values stay within their face. Throws

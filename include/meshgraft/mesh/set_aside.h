@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/triage.h>
+
+namespace meshgraft {
+
+/// A mesh with what triage refuses out of the way, so that a step that does not reach it can go on: faces that
+/// name a vertex which does not exist or has a non-finite coordinate are left out. Vertices keep their numbers;
+/// those without finite coordinates are in no face and stand, until they are put back, at the place of another.
+/// Where triage refuses nothing it is the given mesh, and costs nothing.
+class SetAside {
+ public:
+  /// Refers to both. Throws Error(input), as `require_usable` does, where no face would be left; `name` is the
+  /// mesh's for messages.
+  SetAside(const Mesh& mesh, const TriageReport& triage, const std::string& name);
+
+  const Mesh& mesh() const { return usable_ ? *usable_ : given_; }
+  bool any() const { return usable_.has_value(); }
+
+  /// What was left out, for people; empty if nothing was.
+  std::string note() const;
+
+  /// Throws Error(input) if a face that was left out has one of the vertices in `reach`.
+  void require_beyond(std::span<const Index> reach) const;
+
+  /// Gives the copies in `result` of vertices without finite coordinates these coordinates again. `vertex` maps
+  /// from the given mesh.
+  void put_back(const IndexMap& vertex, Mesh& result) const;
+
+ private:
+  const Mesh& given_;
+  const TriageReport& triage_;
+  std::string name_;
+  std::optional<Mesh> usable_;
+  std::vector<Index> non_finite_, faces_;  // that were left out, of the given mesh
+};
+
+}  // namespace meshgraft

@@ -1,0 +1,53 @@
+#include "file_document.h"
+
+#include <algorithm>
+#include <bit>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <meshgraft/mesh/join.h>
+
+namespace meshgraft::io {
+
+void FileDocument::remember_topology(const Mesh& mesh) { topology_ = topology_of(mesh); }
+
+bool FileDocument::has_topology_of(const Mesh& mesh) const { return topology_ == topology_of(mesh); }
+
+FileDocument::Topology FileDocument::topology_of(const Mesh& mesh) {
+  Topology topology{mesh.vertex_count(), mesh.face_count(), mesh.faces.corner_count()};
+  auto& [first, second] = topology.hash;
+  const auto add = [&](Index number) {
+    // Every step can be undone, so that different numbers never give the same from there on.
+    first = (std::rotl(first, 23) ^ static_cast<std::uint32_t>(number)) * 0x9E3779B97F4A7C15u;
+    second = (std::rotl(second, 29) + static_cast<std::uint32_t>(number)) * 0xD6E8FEB86659FD93u;
+  };
+  for (const Index end : mesh.faces.offsets()) add(end);
+  for (const Index v : mesh.faces.corners()) add(v);
+  return topology;
+}
+
+std::vector<const FileDocument*> documents_of(const Mesh& mesh) {
+  std::vector<const FileDocument*> documents;
+  const auto sources = sources_of(mesh);
+  if (!sources) return documents;
+  for (const JoinedSources::Part& part : sources->parts) {
+    const auto* document = dynamic_cast<const FileDocument*>(part.source.get());
+    if (document != nullptr && std::ranges::find(documents, document) == documents.end())
+      documents.push_back(document);
+  }
+  return documents;
+}
+
+std::vector<std::string> left_out_notes(const Mesh& mesh) {
+  std::vector<std::string> notes;
+  for (const FileDocument* document : documents_of(mesh)) {
+    const std::vector<std::string> lost = document->beside_the_mesh();
+    if (!lost.empty())
+      notes.push_back(fmt::format("of {} this is left out, for the faces are new: {}",
+                                  document->path.filename().string(), fmt::join(lost, ", ")));
+  }
+  return notes;
+}
+
+}  // namespace meshgraft::io

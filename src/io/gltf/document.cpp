@@ -1,0 +1,91 @@
+#include "document.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace meshgraft::io {
+
+namespace {
+
+bool is_numbered(const std::string& semantic, std::string_view prefix) {
+  if (!semantic.starts_with(prefix) || semantic.size() == prefix.size() || semantic.size() > prefix.size() + 3)
+    return false;
+  return semantic.find_first_not_of("0123456789", prefix.size()) == std::string::npos;
+}
+
+/// "uv", "uv_1", …
+std::string numbered(const std::string& semantic, std::string_view prefix, const std::string& name) {
+  const std::string number = semantic.substr(prefix.size());
+  return number == "0" ? name : name + "_" + number;
+}
+
+}  // namespace
+
+std::optional<GltfChannel> channel_of(const std::string& semantic) {
+  using Kind = GltfChannel::Kind;
+  if (semantic == "POSITION") return GltfChannel{Kind::position, semantic, ""};
+  if (semantic == "NORMAL") return GltfChannel{Kind::normal, semantic, "normal"};
+  if (semantic == "TANGENT") return GltfChannel{Kind::tangent, semantic, "tangent"};
+  if (is_numbered(semantic, "TEXCOORD_"))
+    return GltfChannel{Kind::uv, semantic, numbered(semantic, "TEXCOORD_", "uv")};
+  if (is_numbered(semantic, "COLOR_"))
+    return GltfChannel{Kind::plain, semantic, numbered(semantic, "COLOR_", "colour")};
+  return std::nullopt;
+}
+
+std::string_view GltfDocument::json_text() const {
+  return is_glb ? std::string_view(content).substr(layout.json_begin, layout.json_size)
+                : std::string_view(content);
+}
+
+std::string_view GltfDocument::binary_rest() const {
+  return is_glb ? std::string_view(content).substr(layout.rest_begin) : std::string_view();
+}
+
+GltfBytes GltfDocument::bytes() const {
+  GltfBytes bytes;
+  for (const GltfBuffer& buffer : buffers) {
+    if (buffer.place == GltfBuffer::Place::absent)
+      bytes.emplace_back();
+    else if (buffer.place == GltfBuffer::Place::chunk)
+      bytes.push_back(std::string_view(content).substr(buffer.begin, buffer.size));
+    else
+      bytes.push_back(std::string_view(buffer.own).substr(0, buffer.size));
+  }
+  return bytes;
+}
+
+std::vector<std::string> GltfDocument::beside_the_mesh() const {
+  std::vector<std::string> list;
+  const auto add = [&](std::size_t count, const std::string& one, const std::string& more) {
+    if (count > 0) list.push_back(fmt::format("{} {}", count, count == 1 ? one : more));
+  };
+  const auto count_of = [&](const char* key) {
+    const auto array = json.find(key);
+    return array != json.end() && array->is_array() ? array->size() : 0;
+  };
+  std::size_t morph_targets = 0;
+  std::size_t other_primitives = 0;
+  if (count_of("meshes") > 0) {
+    for (const Json& mesh : json["meshes"]) {
+      if (!mesh.contains("primitives")) continue;
+      std::size_t targets = 0;
+      for (const Json& primitive : mesh["primitives"]) {
+        if (!has_triangles(primitive)) ++other_primitives;
+        if (const auto found = primitive.find("targets"); found != primitive.end())
+          targets = std::max(targets, found->size());
+      }
+      morph_targets += targets;
+    }
+  }
+  add(count_of("materials"), "material's look", "materials' looks");
+  add(count_of("skins"), "skin", "skins");
+  add(morph_targets, "morph target", "morph targets");
+  add(count_of("animations"), "animation", "animations");
+  add(count_of("cameras"), "camera", "cameras");
+  add(other_primitives, "primitive of points or lines", "primitives of points or lines");
+  return list;
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/mesh/mesh.h>
+
+#include "accessor.h"
+#include "container.h"
+#include "io/file_document.h"
+#include "json.h"
+
+namespace meshgraft::io {
+
+/// What a vertex attribute of glTF is called in a mesh, and how a node's transform acts on it.
+struct GltfChannel {
+  enum class Kind { position, normal, tangent, uv, plain };
+  Kind kind = Kind::plain;
+  std::string semantic;   ///< "TEXCOORD_0"
+  std::string attribute;  ///< "uv"; empty for positions
+};
+
+/// None for what only the file keeps: joints, weights, and names that glTF does not define.
+std::optional<GltfChannel> channel_of(const std::string& semantic);
+
+/// A node's place in the world, for values as the mesh shows them.
+class GltfPlacement {
+ public:
+  GltfPlacement() = default;
+  explicit GltfPlacement(const Eigen::Affine3d& world);
+
+  bool mirrors() const { return mirrors_; }
+  bool flattens() const { return flattens_; }
+
+  /// From the file's value to the mesh's and back; the way back needs a placement that does not flatten.
+  /// UVs count from the bottom in a mesh, as in OBJ and PLY, and from the top in glTF.
+  GltfValue to_mesh(GltfChannel::Kind kind, const GltfValue& value) const;
+  GltfValue to_file(GltfChannel::Kind kind, const GltfValue& value) const;
+
+ private:
+  Eigen::Affine3d world_ = Eigen::Affine3d::Identity();
+  Eigen::Affine3d inverse_ = Eigen::Affine3d::Identity();
+  bool is_identity_ = true;
+  bool mirrors_ = false;
+  bool flattens_ = false;
+};
+
+/// Which vertex of the mesh each element of an accessor of positions became: -1 where no triangle has it.
+struct GltfElementMap {
+  std::size_t accessor = 0;
+  std::vector<Index> vertex;
+};
+
+/// A primitive of triangles as one node shows it.
+struct GltfPart {
+  std::size_t primitive = 0;  ///< in its mesh
+  std::size_t map = 0;        ///< in its instance
+  Index first_corner = 0;
+  Index corner_count = 0;
+};
+
+/// A mesh of the file as one node shows it.
+struct GltfInstance {
+  std::optional<std::size_t> node;  ///< none in a file without nodes
+  std::size_t mesh = 0;
+  GltfPlacement placement;
+  std::vector<GltfElementMap> maps;
+  std::vector<GltfPart> parts;
+};
+
+/// The nodes of the default scene that have a mesh, with their places, in the order of the hierarchy. A file
+/// without scenes shows all its nodes, one without nodes all its meshes.
+/// Throws Error(input) where the hierarchy is no tree.
+std::vector<GltfInstance> instances_of(const JsonView& root);
+
+/// Whether a primitive consists of triangles (a list, a strip or a fan).
+bool has_triangles(const Json& primitive);
+
+constexpr std::uint32_t no_element = std::numeric_limits<std::uint32_t>::max();
+
+/// A glTF file as it was read. Its bytes are the record of everything; a writer replaces the values that
+/// differ.
+struct GltfDocument : FileDocument {
+  std::string content;  ///< the .gltf or .glb
+  bool is_glb = false;
+  GlbLayout layout;
+  Json json;
+  std::vector<GltfBuffer> buffers;
+  std::vector<GltfInstance> instances;
+  std::vector<std::uint32_t> corner_elements;  ///< of the accessors behind each corner, or no_element
+
+  std::string_view json_text() const;
+  std::string_view binary_rest() const;
+  GltfBytes bytes() const;
+  std::string name() const { return path.string(); }
+
+  std::vector<std::string> beside_the_mesh() const override;
+};
+
+}  // namespace meshgraft::io

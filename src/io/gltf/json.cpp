@@ -1,0 +1,286 @@
+#include "json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+#include "io/number_text.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::size_t deepest_nesting = 200;
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+/// Comparing and patching values follows their nesting on the stack, and so would a hostile file.
+void require_shallow(std::string_view text, const std::string& file) {
+  std::size_t depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > deepest_nesting)
+        throw Error(ErrorCode::input, fmt::format("the JSON is nested more than {} deep", deepest_nesting),
+                    file + ", " + line_name(text, i), "Export the file again");
+    } else if ((c == '}' || c == ']') && depth > 0) {
+      --depth;
+    }
+  }
+}
+
+/// Copies a JSON text that is known to be well formed, value by value, beside what it reads as.
+class JsonPatcher {
+ public:
+  explicit JsonPatcher(std::string_view text) : text_(text) {}
+
+  std::string patch(const Json& before, const Json& after) {
+    if (text_.starts_with("\xEF\xBB\xBF")) at_ = 3;  // byte order mark
+    patch_value(before, after);
+    copy_until(text_.size());
+    return std::move(out_);
+  }
+
+ private:
+  /// At the value, or at blanks before it; moves behind it.
+  void patch_value(const Json& before, const Json& after) {
+    skip_blanks();
+    const std::size_t begin = at_;
+    if (before == after) return skip_value();
+    const bool objects = before.is_object() && after.is_object();
+    const bool arrays = before.is_array() && after.is_array() && before.size() <= after.size();
+    if ((objects && can_patch_members(before, after)) || (arrays && !before.empty())) {
+      at_ = begin;
+      return objects ? patch_members(before, after) : patch_elements(before, after);
+    }
+    at_ = begin;
+    skip_value();
+    replace(begin, after.dump());
+  }
+
+  /// Not where members went, or where one is written twice: which of the two counts differs between readers.
+  bool can_patch_members(const Json& before, const Json& after) {
+    if (before.empty()) return false;
+    for (const auto& member : before.items())
+      if (!after.contains(member.key())) return false;
+    std::size_t members = 0;
+    for (enter(); !leave(); ++members) read_key();
+    return members == before.size();
+  }
+
+  void patch_members(const Json& before, const Json& after) {
+    std::size_t value_end = at_;
+    std::string separator;
+    for (enter(); !leave(&separator);) {
+      const std::string key = read_key(false);
+      patch_value(before.at(key), after.at(key));
+      value_end = at_;
+    }
+    std::string added;
+    for (const auto& member : after.items())
+      if (!before.contains(member.key()))
+        added += "," + separator + Json(member.key()).dump() + ":" + member.value().dump();
+    insert(value_end, added);
+  }
+
+  void patch_elements(const Json& before, const Json& after) {
+    std::size_t value_end = at_;
+    std::string separator;
+    std::size_t element = 0;
+    for (enter(); !leave(&separator); ++element) {
+      patch_value(before[element], after[element]);
+      value_end = at_;
+    }
+    std::string added;
+    for (; element < after.size(); ++element) added += "," + separator + after[element].dump();
+    insert(value_end, added);
+  }
+
+  /// Behind the bracket that opens an object or an array.
+  void enter() {
+    skip_blanks();
+    ++at_;
+  }
+
+  /// True, and behind the closing bracket, where no further member or element follows. `separator` gets the
+  /// blanks before one.
+  bool leave(std::string* separator = nullptr) {
+    std::size_t begin = at_;
+    skip_blanks();
+    if (text_[at_] == ',') {
+      begin = ++at_;
+      skip_blanks();
+    }
+    const bool done = text_[at_] == '}' || text_[at_] == ']';
+    if (!done && separator != nullptr) *separator = text_.substr(begin, at_ - begin);
+    if (done) ++at_;
+    return done;
+  }
+
+  /// At a member's key; moves to its value, or behind that.
+  std::string read_key(bool skip = true) {
+    const std::size_t begin = at_;
+    skip_string();
+    std::string key = Json::parse(text_.substr(begin, at_ - begin)).get<std::string>();
+    skip_blanks();
+    ++at_;  // the colon
+    if (skip) {
+      skip_blanks();
+      skip_value();
+    }
+    return key;
+  }
+
+  void skip_blanks() {
+    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+  }
+
+  void skip_string() {
+    for (++at_; text_[at_] != '"'; ++at_)
+      if (text_[at_] == '\\') ++at_;
+    ++at_;
+  }
+
+  void skip_value() {
+    std::size_t depth = 0;
+    do {
+      const char c = text_[at_];
+      if (c == '"') {
+        skip_string();
+        continue;
+      }
+      if (c == '{' || c == '[') ++depth;
+      if (c == '}' || c == ']') --depth;
+      ++at_;
+      if (depth == 0 && (c == '}' || c == ']')) return;
+    } while (at_ < text_.size() && (depth > 0 || !ends_scalar(text_[at_])));
+  }
+
+  static bool ends_scalar(char c) { return is_blank(c) || c == ',' || c == '}' || c == ']'; }
+
+  void replace(std::size_t begin, const std::string& value) {
+    copy_until(begin);
+    out_ += value;
+    copied_ = at_;
+  }
+
+  void insert(std::size_t where, const std::string& added) {
+    if (added.empty()) return;
+    copy_until(where);
+    out_ += added;
+  }
+
+  void copy_until(std::size_t end) {
+    out_.append(text_, copied_, end - copied_);
+    copied_ = end;
+  }
+
+  std::string_view text_;
+  std::string out_;
+  std::size_t at_ = 0;
+  std::size_t copied_ = 0;
+};
+
+}  // namespace
+
+Json parse_gltf_json(std::string_view text, const std::string& file) {
+  require_shallow(text, file);
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::size_t byte = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
+    throw Error(ErrorCode::input, "the JSON is malformed", file + ", " + line_name(text, byte),
+                "Correct the line, or export the file again");
+  } catch (const Json::exception&) {
+    throw Error(ErrorCode::input, "the JSON has a number that is too large", file, "Export the file again");
+  }
+  if (!json.is_object())
+    throw Error(ErrorCode::input, "the JSON is no object", file,
+                "A glTF file begins with '{'; export it again");
+  return json;
+}
+
+std::string patch_json_text(std::string_view text, const Json& before, const Json& after) {
+  return before == after ? std::string(text) : JsonPatcher(text).patch(before, after);
+}
+
+std::optional<JsonView> JsonView::find(const std::string& key) const {
+  if (!json_->is_object()) fail("is no object");
+  const auto member = json_->find(key);
+  if (member == json_->end()) return std::nullopt;
+  return JsonView(*member, place_.empty() ? key : place_ + "." + key, *file_);
+}
+
+JsonView JsonView::at(const std::string& key) const {
+  auto member = find(key);
+  if (!member) fail("'" + key + "' is missing");
+  return *member;
+}
+
+JsonView JsonView::at(std::size_t element) const {
+  if (element >= size()) fail(fmt::format("there is no element {}", element));
+  return JsonView((*json_)[element], fmt::format("{}[{}]", place_, element), *file_);
+}
+
+std::size_t JsonView::count(const std::string& key) const {
+  const auto member = find(key);
+  return member ? member->size() : 0;
+}
+
+std::size_t JsonView::size() const {
+  if (!json_->is_array()) fail("is no array");
+  return json_->size();
+}
+
+std::string JsonView::text() const {
+  if (!json_->is_string()) fail("is no text");
+  return json_->get<std::string>();
+}
+
+double JsonView::number() const {
+  if (!json_->is_number()) fail("is no number");
+  return json_->get<double>();
+}
+
+std::uint64_t JsonView::whole() const {
+  const double value = number();
+  if (!(value >= 0 && value <= 9007199254740992.0 && std::floor(value) == value))
+    fail("is no whole number from 0 on");
+  return static_cast<std::uint64_t>(value);
+}
+
+std::uint64_t JsonView::whole(const std::string& key, std::uint64_t otherwise) const {
+  const auto member = find(key);
+  return member ? member->whole() : otherwise;
+}
+
+bool JsonView::flag(const std::string& key) const {
+  const auto member = find(key);
+  if (!member) return false;
+  if (!member->json_->is_boolean()) member->fail("is neither true nor false");
+  return member->json_->get<bool>();
+}
+
+std::size_t JsonView::index(std::size_t count, std::string_view what) const {
+  const std::uint64_t value = whole();
+  if (value >= count) fail(fmt::format("{} is out of range: there are {} {}", value, count, what));
+  return static_cast<std::size_t>(value);
+}
+
+void JsonView::fail(const std::string& problem, const std::string& remedy) const {
+  throw Error(ErrorCode::input, problem, place_.empty() ? *file_ : *file_ + ": " + place_, remedy);
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,416 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/memory.h>
+
+#include "document.h"
+#include "gltf.h"
+#include "io/number_text.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t elements_per_check = 1 << 16;
+
+/// Extensions that change what the triangles are; a file that requires another one may still be edited.
+constexpr std::array<std::string_view, 5> geometry_extensions = {
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
+    "EXT_mesh_gpu_instancing", "KHR_gaussian_splatting"};
+
+void require_known_geometry(const JsonView& root) {
+  const auto required = root.find("extensionsRequired");
+  if (!required) return;
+  for (std::size_t i = 0; i < required->size(); ++i) {
+    const std::string extension = required->at(i).text();
+    if (std::ranges::find(geometry_extensions, extension) != geometry_extensions.end())
+      required->at(i).fail("the extension " + extension + " cannot be read",
+                           "Export the file without it, or expand it first, for example with gltf-transform");
+  }
+}
+
+void require_version(const JsonView& root) {
+  const JsonView version = root.at("asset").at("version");
+  if (!version.text().starts_with("2."))
+    version.fail("is '" + version.text() + "'; only glTF 2 can be read", "Convert the file to glTF 2.0");
+}
+
+struct PositionHash {
+  std::size_t operator()(const std::array<double, 3>& p) const {
+    std::size_t hash = 0;
+    for (const double x : p) hash = hash * 0x9E3779B97F4A7C15ULL + std::hash<double>{}(x) + (hash >> 29);
+    return hash;
+  }
+};
+
+/// Distinct names for numbered things: the file's own, else "material_3"; a second "skin" is "skin_2".
+std::vector<std::string> labels_of(const JsonView& root, const char* array, const std::string& kind) {
+  std::vector<std::string> labels;
+  std::set<std::string> taken;
+  std::map<std::string, int> next_number;
+  for (std::size_t i = 0; i < root.count(array); ++i) {
+    const auto name = root.at(array).at(i).find("name");
+    const std::string plain = name && name->json().is_string() && !name->text().empty()
+                                  ? name->text()
+                                  : fmt::format("{}_{}", kind, i);
+    std::string label = plain;
+    int& number = next_number.try_emplace(plain, 2).first->second;
+    while (!taken.insert(label).second) label = fmt::format("{}_{}", plain, number++);
+    labels.push_back(std::move(label));
+  }
+  return labels;
+}
+
+/// Builds a mesh from the nodes of the default scene: their triangles in world space, vertices of one node at
+/// exactly the same place as one vertex, everything else per corner.
+class GltfReader {
+ public:
+  GltfReader(std::string content, const std::string& name, const Context& context)
+      : name_(name), context_(context), document_(std::make_shared<GltfDocument>()) {
+    document_->path = name;
+    document_->content = std::move(content);
+  }
+
+  Mesh read() {
+    open();
+    for (GltfInstance& instance : document_->instances) read_instance(instance);
+    mesh_.positions =
+        Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(vertices_.size() / 3), 3);
+    mark_out_of_range();
+    read_attributes();
+    read_labels();
+    document_->remember_topology(mesh_);
+    mesh_.source = std::move(document_);
+    return std::move(mesh_);
+  }
+
+ private:
+  void open() {
+    GltfDocument& document = *document_;
+    document.is_glb = has_glb_signature(document.content);
+    if (document.is_glb) document.layout = parse_glb(document.content, name_);
+    document.json = parse_gltf_json(document.json_text(), name_);
+    const JsonView root = view();
+    require_version(root);
+    require_known_geometry(root);
+    document.buffers = load_buffers(root, document.layout);
+    bytes_ = document.bytes();
+    document.instances = instances_of(root);
+    require_room();
+  }
+
+  // A small file can show one mesh any number of times: what that takes is known before it is taken.
+  void require_room() {
+    constexpr std::uint64_t most_corners = 300'000'000, bytes_a_corner = 40;
+    std::map<std::size_t, std::uint64_t> corners_of_mesh;
+    std::uint64_t corners = 0;
+    for (const GltfInstance& instance : document_->instances) {
+      const auto [known, is_new] = corners_of_mesh.try_emplace(instance.mesh, 0);
+      if (is_new) known->second = corners_of(view().at("meshes").at(instance.mesh).at("primitives"));
+      corners += known->second;
+    }
+    if (corners > std::min(most_corners, physical_memory() / bytes_a_corner))
+      view().fail(
+          fmt::format("has {} million triangles, with each copy that its nodes show of a mesh: more than "
+                      "can be held",
+                      corners / 3'000'000),
+          "Leave nodes out in the program that made the file");
+  }
+
+  std::uint64_t corners_of(const JsonView& primitives) {
+    std::uint64_t corners = 0;
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const JsonView primitive = primitives.at(p);
+      const auto positions = primitive.at("attributes").find("POSITION");
+      if (!has_triangles(primitive.json()) || !positions) continue;
+      const auto indices = primitive.find("indices");
+      const std::size_t elements = accessor(accessor_index(*positions)).count;
+      const std::uint64_t count = indices ? accessor(accessor_index(*indices)).count : elements;
+      corners += primitive.whole("mode", 4) == 4 ? count : 3 * count;
+    }
+    return corners;
+  }
+
+  JsonView view() const { return JsonView(document_->json, "", name_); }
+
+  void read_instance(GltfInstance& instance) {
+    const JsonView primitives = view().at("meshes").at(instance.mesh).at("primitives");
+    welded_.clear();
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const JsonView primitive = primitives.at(p);
+      const JsonView attributes = primitive.at("attributes");
+      if (const auto mode = primitive.find("mode"); mode && mode->whole() > 6)
+        mode->fail("is none of glTF's modes");
+      const auto positions = attributes.find("POSITION");
+      if (!has_triangles(primitive.json()) || !positions) continue;
+      if (const auto extensions = primitive.find("extensions"))
+        if (extensions->find("KHR_draco_mesh_compression"))
+          primitive.fail("is compressed (KHR_draco_mesh_compression)",
+                         "Decompress the file first, for example with gltf-transform copy");
+      GltfPart part{p, map_of(instance, accessor_index(*positions)), mesh_.faces.corner_count(), 0};
+      read_triangles(primitive, instance, part);
+      part.corner_count = mesh_.faces.corner_count() - part.first_corner;
+      instance.parts.push_back(part);
+    }
+  }
+
+  std::size_t accessor_index(const JsonView& reference) const {
+    return reference.index(view().count("accessors"), "accessors");
+  }
+
+  const GltfAccessor& accessor(std::size_t index) {
+    const auto known = accessors_.find(index);
+    if (known != accessors_.end()) return known->second;
+    return accessors_.emplace(index, resolve_accessor(view(), index, bytes_)).first->second;
+  }
+
+  const GltfAccessor& accessor(const JsonView& reference, std::size_t components) {
+    const GltfAccessor& found = accessor(accessor_index(reference));
+    if (found.components != components)
+      reference.fail(fmt::format("has {} components instead of {}", found.components, components));
+    return found;
+  }
+
+  static std::size_t map_of(GltfInstance& instance, std::size_t accessor) {
+    const auto known = std::ranges::find(instance.maps, accessor, &GltfElementMap::accessor);
+    if (known == instance.maps.end()) instance.maps.push_back({accessor, {}});
+    return static_cast<std::size_t>(std::ranges::find(instance.maps, accessor, &GltfElementMap::accessor) -
+                                    instance.maps.begin());
+  }
+
+  void read_triangles(const JsonView& primitive, GltfInstance& instance, const GltfPart& part) {
+    const GltfAccessor& positions = accessor(primitive.at("attributes").at("POSITION"), 3);
+    GltfElementMap& map = instance.maps[part.map];
+    map.vertex.resize(positions.count, -1);
+    const GltfAccessor* indices = nullptr;
+    if (const auto reference = primitive.find("indices")) {
+      indices = &accessor(*reference, 1);
+      if (!is_index_type(indices->type) || indices->normalized) reference->fail("is no accessor of indices");
+    }
+    const std::size_t count = indices != nullptr ? indices->count : positions.count;
+    const std::uint64_t mode = primitive.whole("mode", 4);
+    const std::size_t triangles = mode == 4 ? count / 3 : count < 3 ? 0 : count - 2;
+    if (triangles >
+        (static_cast<std::size_t>(std::numeric_limits<Index>::max()) - document_->corner_elements.size()) / 3)
+      primitive.fail("makes more than 2147483647 corners in all", "Split the file");
+    const auto element = [&](std::size_t i) {
+      return indices != nullptr ? static_cast<std::size_t>(load_component(*indices, i, 0, bytes_)) : i;
+    };
+    for (std::size_t t = 0; t < triangles; ++t) {
+      if (t % elements_per_check == 0) context_.throw_if_stopped();
+      std::array<std::size_t, 3> corners = {element(t), element(t + 1), element(t + 2)};
+      if (mode == 4) corners = {element(3 * t), element(3 * t + 1), element(3 * t + 2)};
+      if (mode == 5 && t % 2 == 1) std::swap(corners[1], corners[2]);
+      if (mode == 6) corners = {element(0), element(t + 1), element(t + 2)};
+      // Strips are strung together by triangles without area.
+      const bool joins_strips =
+          mode != 4 && (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]);
+      if (joins_strips) continue;
+      if (instance.placement.mirrors()) std::swap(corners[1], corners[2]);
+      add_triangle(corners, positions, instance.placement, map);
+    }
+  }
+
+  void add_triangle(const std::array<std::size_t, 3>& elements, const GltfAccessor& positions,
+                    const GltfPlacement& placement, GltfElementMap& map) {
+    std::array<Index, 3> face{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t element = elements[k];
+      if (element >= positions.count) {
+        face[k] = std::numeric_limits<Index>::max();  // named by the triage
+        document_->corner_elements.push_back(no_element);
+        continue;
+      }
+      if (map.vertex[element] < 0)
+        map.vertex[element] = weld(load_value(positions, element, bytes_), placement);
+      face[k] = map.vertex[element];
+      document_->corner_elements.push_back(static_cast<std::uint32_t>(element));
+    }
+    mesh_.faces.push_back(face);
+  }
+
+  Index weld(const GltfValue& local, const GltfPlacement& placement) {
+    const std::array<double, 3> key = {local[0] + 0.0, local[1] + 0.0, local[2] + 0.0};  // -0 is 0
+    const auto next = static_cast<Index>(vertices_.size() / 3);
+    const bool is_finite = std::isfinite(key[0]) && std::isfinite(key[1]) && std::isfinite(key[2]);
+    const auto [entry, is_new] = is_finite ? welded_.try_emplace(key, next) : std::pair(welded_.end(), true);
+    if (is_new) {
+      const GltfValue world = placement.to_mesh(GltfChannel::Kind::position, local);
+      vertices_.insert(vertices_.end(), world.begin(), world.begin() + 3);
+    }
+    return is_new ? next : entry->second;
+  }
+
+  /// No later vertex may take an index that the file has out of range.
+  void mark_out_of_range() const {
+    if (mesh_.vertex_count() == std::numeric_limits<Index>::max())
+      view().fail("has more than 2147483646 vertices", "Split the mesh");
+  }
+
+  // --- attributes ---
+
+  void read_attributes() {
+    for (const GltfInstance& instance : document_->instances) {
+      for (const GltfPart& part : instance.parts) {
+        const JsonView attributes = primitive_of(instance, part).at("attributes");
+        if (!attributes.json().is_object()) attributes.fail("is no object");
+        for (const auto& member : attributes.json().items())
+          if (const auto channel = channel_of(member.key()); channel && !channel->attribute.empty())
+            read_channel(*channel, attributes.at(member.key()), instance, part);
+      }
+    }
+    for (auto& [name, attribute] : corner_attributes_) {
+      if (!move_to_vertices(attribute)) mesh_.attributes.push_back(std::move(attribute));
+    }
+  }
+
+  JsonView primitive_of(const GltfInstance& instance, const GltfPart& part) const {
+    return view().at("meshes").at(instance.mesh).at("primitives").at(part.primitive);
+  }
+
+  static std::pair<std::size_t, std::size_t> allowed_components(const GltfChannel& channel) {
+    if (channel.kind == GltfChannel::Kind::normal) return {3, 3};
+    if (channel.kind == GltfChannel::Kind::tangent) return {4, 4};
+    if (channel.kind == GltfChannel::Kind::uv) return {2, 2};
+    if (channel.attribute.starts_with("colour")) return {3, 4};
+    return {1, 4};
+  }
+
+  void read_channel(const GltfChannel& channel, const JsonView& reference, const GltfInstance& instance,
+                    const GltfPart& part) {
+    const GltfAccessor& values = accessor(accessor_index(reference));
+    const auto [least, most] = allowed_components(channel);
+    if (values.components < least || values.components > most)
+      reference.fail(fmt::format("has {} components instead of {}", values.components, most));
+    Attribute& attribute = corner_attribute(channel, values.components);
+    const auto components = static_cast<std::size_t>(attribute.components);
+    for (Index c = part.first_corner; c < part.first_corner + part.corner_count; ++c) {
+      const std::uint32_t element = document_->corner_elements[static_cast<std::size_t>(c)];
+      if (element == no_element || element >= values.count) continue;
+      GltfValue value = instance.placement.to_mesh(channel.kind, load_value(values, element, bytes_));
+      if (values.components == 3 && components == 4) value[3] = 1;  // opaque
+      std::copy_n(
+          value.begin(), std::min<std::size_t>(components, 4),
+          attribute.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(c) * components));
+    }
+  }
+
+  /// The corner attribute of a channel, widened where this primitive has more components than earlier ones.
+  Attribute& corner_attribute(const GltfChannel& channel, std::size_t components) {
+    const auto corners = static_cast<std::size_t>(mesh_.faces.corner_count());
+    const auto [entry, is_new] = corner_attributes_.try_emplace(channel.attribute);
+    Attribute& attribute = entry->second;
+    if (is_new) {
+      attribute.name = channel.attribute;
+      attribute.domain = Domain::corner;
+      const bool is_direction = channel.kind == GltfChannel::Kind::normal;
+      if (is_direction) attribute.interpolation = Interpolation::direction;
+      attribute.type = channel.kind == GltfChannel::Kind::uv ? ScalarType::float64 : ScalarType::float32;
+      attribute.components = static_cast<int>(components);
+      attribute.values.assign(corners * components, none);
+    } else if (static_cast<std::size_t>(attribute.components) < components) {
+      const auto old_components = static_cast<std::size_t>(attribute.components);
+      std::vector<double> wide(corners * components, none);
+      for (std::size_t c = 0; c < corners; ++c) {
+        for (std::size_t k = 0; k < old_components; ++k)
+          wide[c * components + k] = attribute.values[c * old_components + k];
+        if (!std::isnan(wide[c * components]))
+          std::fill_n(wide.begin() + static_cast<std::ptrdiff_t>(c * components + old_components),
+                      components - old_components, 1.0);
+      }
+      attribute.values = std::move(wide);
+      attribute.components = static_cast<int>(components);
+    }
+    return attribute;
+  }
+
+  /// Where the corners of each vertex agree, there is no seam: the attribute is one of the vertices.
+  bool move_to_vertices(const Attribute& of_corners) {
+    const auto components = static_cast<std::size_t>(of_corners.components);
+    const std::vector<Index>& corners = mesh_.faces.corners();
+    std::vector<double> values(static_cast<std::size_t>(mesh_.vertex_count()) * components, none);
+    std::vector<bool> seen(static_cast<std::size_t>(mesh_.vertex_count()), false);
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      if (corners[c] >= mesh_.vertex_count()) continue;
+      const auto v = static_cast<std::size_t>(corners[c]);
+      for (std::size_t k = 0; k < components; ++k) {
+        const double value = of_corners.values[c * components + k];
+        double& kept = values[v * components + k];
+        if (seen[v] && !same_value(kept, value)) return false;
+        kept = value;
+      }
+      seen[v] = true;
+    }
+    Attribute attribute = of_corners;
+    attribute.domain = Domain::vertex;
+    attribute.values = std::move(values);
+    mesh_.attributes.push_back(std::move(attribute));
+    return true;
+  }
+
+  void read_labels() {
+    Attribute material = face_attribute("material");
+    Attribute object = face_attribute("object");
+    material.labels = labels_of(view(), "materials", "material");
+    object.labels = labels_of(view(), "nodes", "node");
+    bool any_material = false;
+    bool any_node = false;
+    for (const GltfInstance& instance : document_->instances) {
+      for (const GltfPart& part : instance.parts) {
+        const auto faces = static_cast<std::size_t>(part.corner_count / 3);
+        const auto reference = primitive_of(instance, part).find("material");
+        const double value =
+            reference ? static_cast<double>(reference->index(material.labels.size(), "materials")) : none;
+        material.values.insert(material.values.end(), faces, value);
+        object.values.insert(object.values.end(), faces,
+                             instance.node ? static_cast<double>(*instance.node) : none);
+        any_material = any_material || reference.has_value();
+        any_node = any_node || instance.node.has_value();
+      }
+    }
+    if (any_material) mesh_.attributes.push_back(std::move(material));
+    if (any_node) mesh_.attributes.push_back(std::move(object));
+  }
+
+  static Attribute face_attribute(const char* name) {
+    Attribute attribute;
+    attribute.name = name;
+    attribute.domain = Domain::face;
+    attribute.interpolation = Interpolation::nearest;
+    attribute.type = ScalarType::int32;
+    return attribute;
+  }
+
+  const std::string& name_;
+  const Context& context_;
+  std::shared_ptr<GltfDocument> document_;
+  GltfBytes bytes_;
+  Mesh mesh_;
+  std::vector<double> vertices_;
+  std::unordered_map<std::array<double, 3>, Index, PositionHash> welded_;  // of the instance being read
+  std::unordered_map<std::size_t, GltfAccessor> accessors_;
+  std::map<std::string, Attribute> corner_attributes_;
+};
+
+}  // namespace
+
+Mesh read_gltf(std::string content, const std::string& name, const Context& context) {
+  return GltfReader(std::move(content), name, context).read();
+}
+
+}  // namespace meshgraft::io

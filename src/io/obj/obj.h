@@ -1,0 +1,14 @@
+#pragma once
+
+#include "io/format.h"
+
+namespace meshgraft::io {
+
+/// Wavefront OBJ, polygonal part; everything else in a file is kept as text.
+Format obj_format();
+
+Mesh read_obj(std::string content, const std::string& name, const Context& context);
+Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                  const Context& context);
+
+}  // namespace meshgraft::io

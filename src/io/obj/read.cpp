@@ -1,0 +1,459 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "document.h"
+#include "io/number_text.h"
+#include "materials.h"
+#include "obj.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::size_t lines_per_check = 1 << 16;  // between two looks at the stop token
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+/// A whole number, positive or negative.
+bool parse_index(std::string_view& text, std::int64_t& value) {
+  const std::size_t plus = text.starts_with('+') ? 1 : 0;
+  const auto [end, error] = std::from_chars(text.data() + plus, text.data() + text.size(), value);
+  if (error != std::errc{}) return false;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return true;
+}
+
+/// The kinds of line that faces refer to.
+enum class Reference { vertex, uv, normal };
+
+std::string_view keyword_of(Reference kind) {
+  switch (kind) {
+    case Reference::vertex: return "v";
+    case Reference::uv: return "vt";
+    case Reference::normal: break;
+  }
+  return "vn";
+}
+
+/// A positive index beyond the lines so far: legal only if the line comes later.
+struct ForwardReference {
+  Reference kind;
+  std::int64_t index;
+  std::size_t offset;
+};
+
+/// The state that g, o, usemtl and s lines set for the faces after them.
+class FaceLabels {
+ public:
+  FaceLabels(std::string name, bool named) : name_(std::move(name)), named_(named) {}
+
+  void set(std::string_view label) {
+    const auto [entry, is_new] = numbers_.try_emplace(std::string(label), static_cast<double>(labels_.size()));
+    if (is_new) labels_.push_back(entry->first);
+    current_ = entry->second;
+  }
+  void set_number(double number) { current_ = number; }
+
+  /// Faces before the first label have none.
+  void push_face(Index face) {
+    if (values_.empty() && std::isnan(current_)) return;
+    values_.resize(static_cast<std::size_t>(face), none);
+    values_.push_back(current_);
+  }
+
+  void move_to(Mesh& mesh) {
+    if (values_.empty()) return;
+    Attribute attribute;
+    attribute.name = name_;
+    attribute.domain = Domain::face;
+    attribute.interpolation = Interpolation::nearest;
+    attribute.type = ScalarType::int32;
+    attribute.values = std::move(values_);
+    if (named_) attribute.labels = std::move(labels_);
+    mesh.attributes.push_back(std::move(attribute));
+  }
+
+ private:
+  std::string name_;
+  bool named_;
+  double current_ = none;
+  std::vector<double> values_;
+  std::vector<std::string> labels_;
+  std::unordered_map<std::string, double> numbers_;
+};
+
+/// Reads an OBJ file in one pass.
+class ObjReader {
+ public:
+  ObjReader(std::string content, const std::string& name, const Context& context)
+      : name_(name), context_(context), document_(std::make_shared<ObjDocument>()) {
+    document_->content = std::move(content);
+    document_->path = name;
+  }
+
+  Mesh read() {
+    require_text();
+    ObjCursor cursor(document_->content);
+    for (std::size_t line = 1; cursor.next_line(); ++line) {
+      if (line % lines_per_check == 0) report_progress(cursor);
+      read_line(cursor);
+    }
+    check_forward_references();
+    if (vertices_.empty()) {
+      throw Error(ErrorCode::input, "the file has no vertices ('v' lines)", name_,
+                  "Check that it is an OBJ mesh, and export it again");
+    }
+    fill_mesh();
+    return std::move(mesh_);
+  }
+
+ private:
+  void require_text() const {
+    const std::size_t zero = document_->content.find('\0');
+    if (zero == std::string::npos) return;
+    throw Error(ErrorCode::input, "the file is not text", name_ + ", byte " + std::to_string(zero),
+                "Check that it is an OBJ mesh, and copy or export it again");
+  }
+
+  void report_progress(const ObjCursor& cursor) const {
+    context_.step("read",
+                  static_cast<double>(cursor.offset()) / static_cast<double>(document_->content.size()));
+  }
+
+  void read_line(ObjCursor& cursor) {
+    const std::string_view keyword = cursor.keyword();
+    if (keyword == "v") return read_vertex(cursor);
+    if (keyword == "vt") return read_uv(cursor);
+    if (keyword == "vn") return read_normal(cursor);
+    if (is_face_keyword(keyword)) return read_face(cursor);
+    if (keyword == "g") return groups_.set(cursor.rest_of_line());
+    if (keyword == "o") return objects_.set(cursor.rest_of_line());
+    if (keyword == "usemtl") return materials_.set(cursor.rest_of_line());
+    if (keyword == "s") return read_smoothing(cursor);
+    // Everything else, comments and free-form surfaces included, stays in the document.
+  }
+
+  void read_vertex(ObjCursor& cursor) {
+    std::array<double, 7> values;
+    std::size_t count = 0;
+    for (std::string_view word = cursor.next_word(); !word.empty(); word = cursor.next_word()) {
+      if (count == values.size()) fail(cursor, "a vertex has more than 7 values", "Export the file again");
+      values[count++] = number(cursor, word);
+    }
+    if (count < 3) fail(cursor, "a vertex needs x, y and z", "Correct the line, or export the file again");
+    if (vertices_.size() / 3 == static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
+      fail(cursor, "the file has more than 2147483647 vertices", "Split the mesh");
+    }
+    vertices_.insert(vertices_.end(), values.begin(), values.begin() + 3);
+    // "x y z w", "x y z r g b" and "x y z r g b a" are in use.
+    if (count >= 6) {
+      colours_.resize(vertices_.size() / 3 * 4 - 4, none);
+      colours_.insert(colours_.end(), {values[3], values[4], values[5], count == 7 ? values[6] : none});
+      has_alpha_ = has_alpha_ || count == 7;
+    }
+  }
+
+  void read_uv(ObjCursor& cursor) {
+    const std::string_view u = cursor.next_word();
+    if (u.empty())
+      fail(cursor, "a texture coordinate needs a value", "Correct the line, or export the file again");
+    uvs_.push_back(number(cursor, u));
+    const std::string_view v = cursor.next_word();
+    uvs_.push_back(v.empty() ? 0.0 : number(cursor, v));
+  }
+
+  void read_normal(ObjCursor& cursor) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = cursor.next_word();
+      if (word.empty()) fail(cursor, "a normal needs 3 values", "Correct the line, or export the file again");
+      document_->normals.push_back(number(cursor, word));
+    }
+  }
+
+  void read_face(ObjCursor& cursor) {
+    corners_.clear();
+    for (std::string_view word = cursor.next_word(); !word.empty(); word = cursor.next_word()) {
+      ObjCorner corner;
+      if (!parse_obj_corner(word, corner)) {
+        fail(cursor, describe_fault(word, ScalarType::float64, NumberFault::malformed) + " of a face's corner",
+             "Corners read v, v/vt, v//vn or v/vt/vn with whole numbers");
+      }
+      corners_.push_back(resolve(cursor, Reference::vertex, corner.vertex, vertices_.size() / 3));
+      const Index uv = corner.has_uv ? resolve(cursor, Reference::uv, corner.uv, uvs_.size() / 2) : -1;
+      const Index normal =
+          corner.has_normal ? resolve(cursor, Reference::normal, corner.normal, document_->normals.size() / 3)
+                            : -1;
+      push_reference(corner_uvs_, uv);
+      push_reference(document_->corner_normals, normal);
+      ++corner_count_;
+    }
+    if (corners_.empty()) fail(cursor, "a face without corners", "Correct the line, or export the file again");
+    if (corner_count_ > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
+      fail(cursor, "the faces have more than 2147483647 corners", "Split the mesh");
+    }
+    for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_})
+      labels->push_face(mesh_.faces.size());
+    mesh_.faces.push_back(corners_);
+  }
+
+  /// Files without uvs or normals pay nothing for them.
+  void push_reference(std::vector<Index>& references, Index reference) const {
+    if (references.empty() && reference < 0) return;
+    references.resize(corner_count_, -1);
+    references.push_back(reference);
+  }
+
+  /// A 0-based index from a 1-based or a negative one, which counts back from the last line so far.
+  Index resolve(const ObjCursor& cursor, Reference kind, std::int64_t index, std::size_t lines_so_far) {
+    const auto count = static_cast<std::int64_t>(lines_so_far);
+    if (index == 0 || index < -count || index > std::numeric_limits<Index>::max()) {
+      fail_index(cursor.word_begin(), kind, index, count);
+    }
+    if (index > count) forward_references_.push_back({kind, index, cursor.word_begin()});
+    return static_cast<Index>(index > 0 ? index - 1 : count + index);
+  }
+
+  void check_forward_references() const {
+    for (const ForwardReference& reference : forward_references_) {
+      const std::size_t count = reference.kind == Reference::vertex ? vertices_.size() / 3
+                                : reference.kind == Reference::uv   ? uvs_.size() / 2
+                                                                    : document_->normals.size() / 3;
+      if (reference.index > static_cast<std::int64_t>(count)) {
+        fail_index(reference.offset, reference.kind, reference.index, static_cast<std::int64_t>(count));
+      }
+    }
+  }
+
+  void read_smoothing(ObjCursor& cursor) {
+    const std::string_view word = cursor.next_word();
+    const ParsedNumber group = parse_number(word, ScalarType::int32);
+    // "s off" and "s 0" mean the same; anything else is not ours to judge.
+    smoothing_.set_number(group.fault == NumberFault::none ? group.value : 0.0);
+  }
+
+  double number(const ObjCursor& cursor, std::string_view word) const {
+    const ParsedNumber parsed = parse_number(word, ScalarType::float64);
+    if (parsed.fault != NumberFault::none) {
+      fail(cursor, describe_fault(word, ScalarType::float64, parsed.fault), remedy_for(word, parsed.fault));
+    }
+    return parsed.value;
+  }
+
+  void fill_mesh() {
+    const std::size_t count = vertices_.size() / 3;
+    mesh_.positions = Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(count), 3);
+    vertices_ = std::vector<double>();  // frees it: the document takes memory of its own next
+    fill_colours(count);
+    fill_corners("uv", Interpolation::linear, 2, corner_uvs_, uvs_);
+    corner_uvs_ = std::vector<Index>();
+    uvs_ = std::vector<double>();
+    fill_corners("normal", Interpolation::direction, 3, document_->corner_normals, document_->normals);
+    for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_}) labels->move_to(mesh_);
+    document_->remember_topology(mesh_);
+    mesh_.source = std::move(document_);
+  }
+
+  void fill_colours(std::size_t count) {
+    if (colours_.empty()) return;
+    colours_.resize(4 * count, none);
+    Attribute attribute;
+    attribute.name = "colour";
+    attribute.components = has_alpha_ ? 4 : 3;
+    attribute.type = ScalarType::float32;
+    for (std::size_t v = 0; v < count; ++v) {
+      const auto first = colours_.begin() + static_cast<std::ptrdiff_t>(4 * v);
+      attribute.values.insert(attribute.values.end(), first, first + attribute.components);
+    }
+    mesh_.attributes.push_back(std::move(attribute));
+  }
+
+  /// The values that the corners refer to, a corner attribute.
+  void fill_corners(const char* attribute_name, Interpolation interpolation, int components,
+                    std::vector<Index>& references, const std::vector<double>& lines) {
+    if (references.empty()) return;
+    references.resize(corner_count_, -1);
+    Attribute attribute;
+    attribute.name = attribute_name;
+    attribute.domain = Domain::corner;
+    attribute.interpolation = interpolation;
+    attribute.type = ScalarType::float32;
+    attribute.components = components;
+    attribute.values.assign(corner_count_ * static_cast<std::size_t>(components), none);
+    for (std::size_t c = 0; c < corner_count_; ++c) {
+      if (references[c] < 0) continue;
+      const auto first = lines.begin() + static_cast<std::ptrdiff_t>(references[c]) * components;
+      std::copy(first, first + components,
+                attribute.values.begin() + static_cast<std::ptrdiff_t>(c) * components);
+    }
+    mesh_.attributes.push_back(std::move(attribute));
+  }
+
+  [[noreturn]] void fail_index(std::size_t offset, Reference kind, std::int64_t index,
+                               std::int64_t count) const {
+    const std::string keyword(keyword_of(kind));
+    const std::string problem =
+        index == 0 ? "index 0 of a face; indices count from 1"
+                   : "index " + std::to_string(index) + " of a face is out of range: there are " +
+                         std::to_string(count) + " '" + keyword + "' lines" + (index < 0 ? " before it" : "");
+    throw Error(ErrorCode::input, problem, name_ + ", " + line_name(document_->content, offset),
+                "Correct the face, or export the file again");
+  }
+
+  [[noreturn]] void fail(const ObjCursor& cursor, const std::string& problem, const std::string& remedy) const {
+    throw Error(ErrorCode::input, problem, name_ + ", " + line_name(document_->content, cursor.line_begin()),
+                remedy);
+  }
+
+  const std::string& name_;
+  const Context& context_;
+  std::shared_ptr<ObjDocument> document_;
+  Mesh mesh_;
+  std::vector<double> vertices_;
+  std::vector<double> colours_;  // red, green, blue, alpha
+  bool has_alpha_ = false;
+  std::vector<double> uvs_;
+  std::vector<Index> corner_uvs_;
+  std::size_t corner_count_ = 0;
+  std::vector<Index> corners_;  // of the face being read
+  std::vector<ForwardReference> forward_references_;
+  FaceLabels groups_{"group", true};
+  FaceLabels objects_{"object", true};
+  FaceLabels materials_{"material", true};
+  FaceLabels smoothing_{"smoothing", false};
+};
+
+}  // namespace
+
+Format obj_format() {
+  static constexpr std::array<std::string_view, 1> extensions = {".obj"};
+  return {"OBJ", extensions, nullptr, read_obj, write_obj, files_of_materials};
+}
+
+Mesh read_obj(std::string content, const std::string& name, const Context& context) {
+  return ObjReader(std::move(content), name, context).read();
+}
+
+std::vector<std::string> ObjDocument::beside_the_mesh() const {
+  constexpr std::array<std::string_view, 11> known = {"",  "v", "vt", "vn",     "f",     "fo",
+                                                      "g", "o", "s",  "usemtl", "mtllib"};
+  std::map<std::string, std::size_t, std::less<>> lines;
+  ObjCursor cursor(content);
+  while (cursor.next_line())
+    if (std::ranges::find(known, cursor.keyword()) == known.end()) ++lines[std::string(cursor.keyword())];
+  std::vector<std::string> list;
+  for (const auto& [keyword, count] : lines)
+    list.push_back(std::to_string(count) + " '" + keyword + (count == 1 ? "' line" : "' lines"));
+  return list;
+}
+
+ObjCursor::ObjCursor(std::string_view content) : content_(content) {
+  if (content_.starts_with("\xEF\xBB\xBF")) offset_ = 3;  // byte order mark
+}
+
+bool ObjCursor::next_line() {
+  finish_line();
+  while (offset_ < content_.size() && (is_blank(content_[offset_]) || is_line_end(content_[offset_])))
+    ++offset_;
+  if (offset_ == content_.size()) return false;
+  line_begin_ = offset_;
+  line_open_ = true;
+  keyword_ = next_word();
+  return true;
+}
+
+std::string_view ObjCursor::next_word() {
+  skip_blanks();
+  word_begin_ = offset_;
+  if (offset_ < content_.size() && content_[offset_] == '#') return {};
+  for (; offset_ < content_.size(); ++offset_) {
+    const char c = content_[offset_];
+    if (is_blank(c) || is_line_end(c)) break;
+    if (c == '\\' && continuation_size() > 0) break;
+  }
+  return content_.substr(word_begin_, offset_ - word_begin_);
+}
+
+std::string_view ObjCursor::rest_of_line() {
+  skip_blanks();
+  const std::size_t begin = offset_;
+  for (bool is_comment = false; offset_ < content_.size() && !is_line_end(content_[offset_]); ++offset_) {
+    is_comment = is_comment || begins_comment();
+    if (!is_comment && continuation_size() > 0) break;
+  }
+  std::size_t end = offset_;
+  while (end > begin && is_blank(content_[end - 1])) --end;
+  return content_.substr(begin, end - begin);
+}
+
+void ObjCursor::finish_line() {
+  if (!line_open_) return;
+  bool is_comment = false;
+  while (offset_ < content_.size() && !is_line_end(content_[offset_])) {
+    is_comment = is_comment || begins_comment();
+    const std::size_t continuation = is_comment ? 0 : continuation_size();
+    offset_ += continuation > 0 ? continuation : 1;
+  }
+  if (content_.substr(offset_, 2) == "\r\n") {
+    offset_ += 2;
+  } else if (offset_ < content_.size()) {
+    ++offset_;
+  }
+  line_open_ = false;
+}
+
+void ObjCursor::skip_blanks() {
+  while (offset_ < content_.size()) {
+    if (is_blank(content_[offset_])) {
+      ++offset_;
+    } else if (const std::size_t continuation = continuation_size()) {
+      offset_ += continuation;
+    } else {
+      return;
+    }
+  }
+}
+
+bool ObjCursor::begins_comment() const {
+  if (content_[offset_] != '#') return false;
+  return offset_ == line_begin_ || is_blank(content_[offset_ - 1]) || is_line_end(content_[offset_ - 1]);
+}
+
+std::size_t ObjCursor::continuation_size() const {
+  if (content_[offset_] != '\\') return 0;
+  const std::string_view after = content_.substr(offset_ + 1, 2);
+  if (after == "\r\n") return 3;
+  return !after.empty() && is_line_end(after[0]) ? 2 : 0;
+}
+
+bool parse_obj_corner(std::string_view word, ObjCorner& corner) {
+  std::string_view rest = word;
+  if (!parse_index(rest, corner.vertex)) return false;
+  if (rest.empty()) return true;
+  if (rest[0] != '/') return false;
+  rest.remove_prefix(1);
+  if (!rest.empty() && rest[0] != '/') {
+    if (!parse_index(rest, corner.uv)) return false;
+    corner.has_uv = true;
+  }
+  if (rest.empty()) return true;
+  if (rest[0] != '/') return false;
+  rest.remove_prefix(1);
+  if (rest.empty()) return true;
+  corner.normal_begin = word.size() - rest.size();
+  corner.has_normal = parse_index(rest, corner.normal);
+  return corner.has_normal && rest.empty();
+}
+
+}  // namespace meshgraft::io

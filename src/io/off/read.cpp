@@ -1,0 +1,383 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "document.h"
+#include "io/number_text.h"
+#include "off.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr Index rows_per_check = 1 << 16;  // between two looks at the stop token
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double largest_index = std::numeric_limits<Index>::max();
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+/// The header's keyword, taken apart.
+struct Keyword {
+  bool texture = false, colour = false, normal = false, four = false, any_dimension = false;
+  std::size_t size = 0;  ///< 0: the text does not begin with a keyword
+};
+
+/// Files of one well-known collection have the counts right behind the keyword: "OFF490 518 0".
+bool may_follow_keyword(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '#' || (c >= '0' && c <= '9');
+}
+
+Keyword parse_keyword(std::string_view text) {
+  Keyword keyword;
+  std::size_t at = 0;
+  for (;;) {
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with("OFF")) break;
+    if (rest.starts_with("ST") && !keyword.texture) {
+      keyword.texture = true;
+      at += 2;
+      continue;
+    }
+    bool* flag = nullptr;
+    switch (rest.empty() ? '\0' : rest[0]) {
+      case 'C': flag = &keyword.colour; break;
+      case 'N': flag = &keyword.normal; break;
+      case '4': flag = &keyword.four; break;
+      case 'n': flag = &keyword.any_dimension; break;
+      default: break;
+    }
+    if (flag == nullptr || *flag) return {};
+    *flag = true;
+    ++at;
+  }
+  at += 3;
+  if (at < text.size() && !may_follow_keyword(text[at])) return {};
+  keyword.size = at;
+  return keyword;
+}
+
+/// Colours of faces, one face after another; files without any pay nothing for them.
+class FaceColours {
+ public:
+  void push(Index face, const std::array<double, 4>& colour, std::size_t count, bool whole) {
+    colours_.resize(4 * static_cast<std::size_t>(face), none);
+    whole_.resize(static_cast<std::size_t>(face), true);
+    colours_.insert(colours_.end(), colour.begin(), colour.end());
+    whole_.push_back(whole);
+    has_alpha_ = has_alpha_ || count == 4;
+    has_fractions_ = has_fractions_ || !whole;
+  }
+
+  std::optional<ScalarType> type() const {
+    if (colours_.empty()) return std::nullopt;
+    return has_fractions_ ? ScalarType::float32 : ScalarType::uint8;
+  }
+
+  void move_to(Mesh& mesh) {
+    if (colours_.empty()) return;
+    Attribute attribute;
+    attribute.name = "colour";
+    attribute.domain = Domain::face;
+    attribute.type = *type();
+    attribute.components = has_alpha_ ? 4 : 3;
+    attribute.values.reserve(static_cast<std::size_t>(mesh.face_count() * attribute.components));
+    for (std::size_t f = 0; f < whole_.size(); ++f) {
+      const double* colour = colours_.data() + 4 * f;
+      const double divisor =
+          off_colour_divisor(attribute.type, whole_[f], *std::max_element(colour, colour + 3));
+      for (int k = 0; k < attribute.components; ++k) attribute.values.push_back(colour[k] / divisor);
+    }
+    attribute.values.resize(static_cast<std::size_t>(mesh.face_count()) * attribute.components, none);
+    mesh.attributes.push_back(std::move(attribute));
+  }
+
+ private:
+  std::vector<double> colours_;  // red, green, blue, alpha
+  std::vector<bool> whole_;
+  bool has_alpha_ = false;
+  bool has_fractions_ = false;
+};
+
+/// Reads an OFF file in one pass. Vertices may break across lines; the colour of a face ends with its line.
+class OffReader {
+ public:
+  OffReader(std::string content, const std::string& name, const Context& context)
+      : name_(name),
+        context_(context),
+        document_(std::make_shared<OffDocument>()),
+        cursor_(set_content(std::move(content)), name, WordCursor::Comments::hash) {
+    document_->path = name;
+  }
+
+  Mesh read() {
+    const Keyword keyword = read_keyword();
+    read_counts();
+    document_->body = cursor_.offset();
+    plan_columns(keyword);
+    require_room();
+    read_vertices();
+    read_faces();
+    if (!cursor_.next().empty()) {
+      cursor_.fail("the file goes on after the last face that its header announces",
+                   "Correct the counts, or announce what follows a vertex in the keyword: COFF for colours, "
+                   "NOFF for normals, STOFF for texture coordinates");
+    }
+    document_->remember_topology(mesh_);
+    mesh_.source = std::move(document_);
+    return std::move(mesh_);
+  }
+
+ private:
+  std::string_view set_content(std::string content) {
+    document_->content = std::move(content);
+    return document_->content;
+  }
+
+  /// Geomview lets a file begin with its counts.
+  Keyword read_keyword() {
+    const std::string_view word = cursor_.next();
+    const std::size_t begin = cursor_.word_begin();
+    const Keyword keyword = parse_keyword(std::string_view(document_->content).substr(begin));
+    if (keyword.size == 0) {
+      double count = 0;
+      if (!WordCursor::to_number(word, ScalarType::float64, count)) {
+        cursor_.fail("the file does not begin with 'OFF'",
+                     "It is not an OFF file; give it the extension of its own format");
+      }
+      cursor_ = WordCursor(document_->content, name_, WordCursor::Comments::hash, begin);
+      return keyword;
+    }
+    if (keyword.four || keyword.any_dimension) {
+      cursor_.fail(
+          "'" + std::string(word.substr(0, keyword.size)) + "' has vertices of other than three dimensions",
+          "Export the file as OFF with x, y and z");
+    }
+    cursor_ = WordCursor(document_->content, name_, WordCursor::Comments::hash, begin + keyword.size);
+    WordCursor ahead = cursor_;
+    if (ahead.next_on_line() == "BINARY") {
+      ahead.fail("the file is a binary OFF, which few programs know",
+                 "Export it as text OFF, or as binary PLY");
+    }
+    require_text(document_->content, name_, "OFF");
+    return keyword;
+  }
+
+  /// The number of edges, which nobody uses, is missing in some files.
+  void read_counts() {
+    vertices_ = count("number of vertices");
+    const std::size_t first = cursor_.word_begin();
+    faces_ = count("number of faces");
+    const std::string_view between =
+        std::string_view(document_->content).substr(first, cursor_.word_begin() - first);
+    const bool own_lines = between.find_first_of("\r\n") != std::string_view::npos;
+    WordCursor ahead = cursor_;
+    if (ahead.next_on_line().empty() && !own_lines) return;
+    cursor_.number(ScalarType::float64, [] { return std::string("number of edges"); });
+  }
+
+  Index count(const char* what) {
+    const double value = cursor_.number(ScalarType::float64, [&] { return std::string(what); });
+    if (!(value >= 0 && value <= largest_index && value == std::trunc(value))) {
+      cursor_.fail("the " + std::string(what) + " is no count",
+                   "Counts are whole numbers from 0 to 2147483647");
+    }
+    return static_cast<Index>(value);
+  }
+
+  void plan_columns(const Keyword& keyword) {
+    std::vector<OffColumn>& columns = document_->columns;
+    columns.push_back({"", 3});
+    if (keyword.normal) columns.push_back({"normal", 3});
+    if (keyword.colour) columns.push_back({"colour", colour_components(keyword)});
+    if (keyword.texture) columns.push_back({"uv", 2});
+  }
+
+  /// Geomview writes four values, many programs three: the first vertex, where it has its line, tells.
+  int colour_components(const Keyword& keyword) const {
+    WordCursor ahead = cursor_;
+    int values = ahead.next().empty() ? 0 : 1;
+    while (!ahead.next_on_line().empty()) ++values;
+    return values == 6 + (keyword.normal ? 3 : 0) + (keyword.texture ? 2 : 0) ? 3 : 4;
+  }
+
+  /// A value takes a character and a separator, so counts can be trusted for memory.
+  void require_room() const {
+    std::size_t values = 0;
+    for (const OffColumn& column : document_->columns) values += static_cast<std::size_t>(column.components);
+    const std::size_t room = (cursor_.remaining() + 1) / 2;
+    if (values * static_cast<std::size_t>(vertices_) + static_cast<std::size_t>(faces_) <= room) return;
+    cursor_.fail("the header announces " + std::to_string(vertices_) + " vertices and " +
+                     std::to_string(faces_) + " faces, but the file is too short for them",
+                 "The file is cut off or its header is wrong; copy or export it again");
+  }
+
+  void read_vertices() {
+    mesh_.positions.resize(vertices_, 3);
+    std::vector<double*> targets{mesh_.positions.data()};
+    for (const OffColumn& column : document_->columns) {
+      if (column.attribute.empty()) continue;
+      Attribute attribute;
+      attribute.name = column.attribute;
+      attribute.type = ScalarType::float32;
+      attribute.components = column.components;
+      if (column.attribute == "normal") attribute.interpolation = Interpolation::direction;
+      attribute.values.resize(static_cast<std::size_t>(vertices_) *
+                              static_cast<std::size_t>(column.components));
+      mesh_.attributes.push_back(std::move(attribute));
+    }
+    for (Attribute& attribute : mesh_.attributes) targets.push_back(attribute.values.data());
+    for (Index v = 0; v < vertices_; ++v) {
+      if (v % rows_per_check == 0) report_progress();
+      for (std::size_t c = 0; c < targets.size(); ++c) {
+        const OffColumn& column = document_->columns[c];
+        for (int k = 0; k < column.components; ++k) *targets[c]++ = vertex_value(v, column);
+      }
+    }
+    settle_vertex_colours();
+  }
+
+  double vertex_value(Index v, const OffColumn& column) {
+    return cursor_.number(ScalarType::float64, [&] {
+      const std::string what = column.attribute.empty() ? "position" : std::string(column.attribute);
+      return what + " of vertex " + std::to_string(v);
+    });
+  }
+
+  /// Geomview's are fractions, most programs write bytes.
+  void settle_vertex_colours() {
+    for (Attribute& attribute : mesh_.attributes) {
+      if (attribute.name != "colour") continue;
+      const auto is_byte = [](double value) {
+        return value >= 0 && value <= 255 && value == std::trunc(value);
+      };
+      const bool bytes = std::ranges::all_of(attribute.values, is_byte) &&
+                         std::ranges::any_of(attribute.values, [](double value) { return value > 1; });
+      if (bytes) attribute.type = ScalarType::uint8;
+      document_->vertex_colour = attribute.type;
+    }
+  }
+
+  void read_faces() {
+    // Most meshes consist of triangles; the guess costs nothing where it is wrong.
+    const auto room = static_cast<Index>(std::min<std::size_t>(cursor_.remaining() / 2, largest_index));
+    mesh_.faces.reserve(faces_, std::min(room, faces_ > room / 3 ? room : 3 * faces_));
+    for (Index f = 0; f < faces_; ++f) {
+      if (f % rows_per_check == 0) report_progress();
+      read_corners(f);
+      read_colour(f);
+    }
+    document_->face_colour = colours_.type();
+    document_->has_face_index = !indices_.empty();
+    colours_.move_to(mesh_);
+    add_indices();
+  }
+
+  void read_corners(Index f) {
+    const double size =
+        cursor_.number(ScalarType::int32, [&] { return "number of corners of face " + std::to_string(f); });
+    if (size < 0 || size > static_cast<double>((cursor_.remaining() + 1) / 2)) {
+      cursor_.fail("face " + std::to_string(f) + " has " + std::to_string(static_cast<std::int64_t>(size)) +
+                       " corners, " + (size < 0 ? "less than none" : "more than the rest of the file holds"),
+                   "The file is cut off or damaged; copy or export it again");
+    }
+    if (size > largest_index - mesh_.faces.corner_count()) {
+      cursor_.fail("the faces have more than 2147483647 corners", "Split the mesh");
+    }
+    corners_.resize(static_cast<std::size_t>(size));
+    for (Index& corner : corners_) {
+      corner = static_cast<Index>(
+          cursor_.number(ScalarType::int32, [&] { return "vertex index of face " + std::to_string(f); }));
+    }
+    mesh_.faces.push_back(corners_);
+  }
+
+  void read_colour(Index f) {
+    std::array<double, 4> values;
+    values.fill(none);
+    std::size_t size = 0;
+    bool whole = true;
+    for (std::string_view word = cursor_.next_on_line(); !word.empty(); word = cursor_.next_on_line()) {
+      if (size == values.size()) fail_colour(f);
+      if (!WordCursor::to_number(word, ScalarType::float64, values[size]))
+        cursor_.fail_number(word, ScalarType::float64, "colour of face " + std::to_string(f));
+      whole = whole && is_spelled_whole(word);
+      ++size;
+    }
+    if (size == 0) return;
+    if (size == 2 || (size == 1 && !(whole && std::abs(values[0]) <= largest_index))) fail_colour(f);
+    if (size == 1) {
+      indices_.resize(static_cast<std::size_t>(f), none);
+      indices_.push_back(values[0]);
+      return;
+    }
+    const auto is_byte = [](double value) { return value >= 0 && value <= 255; };
+    if (whole && !std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(size), is_byte))
+      fail_colour(f);
+    colours_.push(f, values, size, whole);
+  }
+
+  [[noreturn]] void fail_colour(Index f) const {
+    cursor_.fail(
+        "what follows the corners of face " + std::to_string(f) + " is no colour",
+        "A colour is an index, or three or four whole numbers up to 255 or fractions up to 1; each face "
+        "has its own line");
+  }
+
+  void add_indices() {
+    if (indices_.empty()) return;
+    indices_.resize(static_cast<std::size_t>(faces_), none);
+    Attribute attribute;
+    attribute.name = off_colour_index;
+    attribute.domain = Domain::face;
+    attribute.interpolation = Interpolation::nearest;
+    attribute.type = ScalarType::int32;
+    attribute.values = std::move(indices_);
+    mesh_.attributes.push_back(std::move(attribute));
+  }
+
+  void report_progress() const {
+    context_.step("read",
+                  static_cast<double>(cursor_.offset()) / static_cast<double>(document_->content.size()));
+  }
+
+  const std::string& name_;
+  const Context& context_;
+  std::shared_ptr<OffDocument> document_;
+  WordCursor cursor_;
+  Mesh mesh_;
+  Index vertices_ = 0;
+  Index faces_ = 0;
+  std::vector<Index> corners_;  // of the face being read
+  FaceColours colours_;
+  std::vector<double> indices_;
+};
+
+}  // namespace
+
+Format off_format() {
+  static constexpr std::array<std::string_view, 1> extensions = {".off"};
+  return {"OFF", extensions, has_off_signature, read_off, write_off};
+}
+
+bool has_off_signature(std::string_view content) {
+  if (content.starts_with(byte_order_mark)) content.remove_prefix(byte_order_mark.size());
+  return parse_keyword(content).size > 0;
+}
+
+bool is_spelled_whole(std::string_view word) {
+  return std::ranges::all_of(word, [](char c) { return (c >= '0' && c <= '9') || c == '+' || c == '-'; });
+}
+
+double off_colour_divisor(ScalarType attribute_type, bool whole, double largest) {
+  return attribute_type != ScalarType::uint8 && whole && largest > 1 ? 255.0 : 1.0;
+}
+
+Mesh read_off(std::string content, const std::string& name, const Context& context) {
+  return OffReader(std::move(content), name, context).read();
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,32 @@
+#include <bit>
+
+#include <meshgraft/core/error.h>
+
+#include "document.h"
+#include "io/binary_value.h"
+#include "io/number_text.h"
+
+namespace meshgraft::io {
+
+bool needs_swap(PlyEncoding encoding) {
+  return encoding ==
+         (std::endian::native == std::endian::little ? PlyEncoding::big_endian : PlyEncoding::little_endian);
+}
+
+double PlyBinaryCursor::scalar(const PlyProperty&, ScalarType type) {
+  const std::size_t size = size_of(type);
+  if (content_.size() - offset_ < size) {
+    fail("the file ends in the middle of its data", "The file is cut off; copy or export it again");
+  }
+  value_begin_ = offset_;
+  offset_ += size;
+  return load_binary(content_.data() + value_begin_, type, swap_);
+}
+
+void PlyBinaryCursor::fail(const std::string& problem, const std::string& remedy) const {
+  const std::string place =
+      element_->name + " " + std::to_string(row_) + " (byte " + std::to_string(offset_) + ")";
+  throw Error(ErrorCode::input, problem, name_ + ", " + place, remedy);
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <meshgraft/mesh/mesh.h>
+
+#include "io/file_document.h"
+
+namespace meshgraft::io {
+
+enum class PlyEncoding { ascii, little_endian, big_endian };
+
+struct PlyProperty {
+  std::string name;
+  ScalarType type = ScalarType::float32;
+  bool is_list = false;
+  ScalarType count_type = ScalarType::uint8;  ///< of a list's length
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  bool has_lists() const;
+  /// Bytes of one record in a binary file; lists count with their length alone.
+  std::size_t smallest_binary_size() const;
+};
+
+struct PlyHeader {
+  PlyEncoding encoding = PlyEncoding::ascii;
+  std::vector<PlyElement> elements;
+  std::vector<std::string> comments;  ///< text after "comment "
+  std::size_t size = 0;               ///< bytes up to the first record
+};
+
+/// Throws Error(input) naming the line. The header's counts are checked against the size of `content`, so
+/// they can be trusted for allocation.
+PlyHeader parse_ply_header(std::string_view content, const std::string& name);
+
+/// Where a property's values live in a mesh: component `component` of an attribute (of the positions, where
+/// the name is empty). A list property holds all components of a face's corners.
+struct PlyBinding {
+  std::size_t property = 0;
+  Domain domain = Domain::vertex;
+  std::string attribute;
+  int component = 0;
+};
+
+/// An element that has values in the mesh.
+struct PlyTable {
+  std::size_t element = 0;  ///< in the header
+  std::vector<PlyBinding> bindings;
+};
+
+/// A PLY file as it was read. The bytes themselves are the record of everything; a writer copies them and
+/// patches the values that differ.
+struct PlyDocument : FileDocument {
+  std::string content;
+  PlyHeader header;
+  std::vector<std::size_t> element_begin;  ///< first byte of each element's records, then the end
+  std::vector<PlyTable> tables;            ///< vertices, faces
+  ScalarType position_type = ScalarType::float64;
+
+  std::vector<std::string> beside_the_mesh() const override;
+};
+
+/// Whether the byte order of a binary file is not the machine's.
+bool needs_swap(PlyEncoding encoding);
+
+/// Walks over the values of an ascii body, a record per line; line ends may be LF, CRLF or CR.
+class PlyTextCursor {
+ public:
+  PlyTextCursor(std::string_view content, std::size_t offset, const std::string& name)
+      : content_(content), offset_(offset), name_(name) {}
+
+  void begin_record(const PlyElement& element, std::uint64_t row);
+  double scalar(const PlyProperty& property, ScalarType type);
+  void end_record();
+
+  /// Moves over blank lines; true at the end of the file.
+  bool at_end();
+
+  std::size_t offset() const { return offset_; }
+  std::size_t value_begin() const { return value_begin_; }  ///< of the value read last
+  std::size_t remaining_values() const { return (content_.size() - offset_ + 1) / 2; }
+  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
+
+ private:
+  std::string_view content_;
+  std::size_t offset_;
+  std::size_t value_begin_ = 0;
+  const std::string& name_;
+  const PlyElement* element_ = nullptr;
+  std::uint64_t row_ = 0;
+};
+
+/// The same for a binary body.
+class PlyBinaryCursor {
+ public:
+  PlyBinaryCursor(std::string_view content, std::size_t offset, bool swap, const std::string& name)
+      : content_(content), offset_(offset), swap_(swap), name_(name) {}
+
+  void begin_record(const PlyElement& element, std::uint64_t row) {
+    element_ = &element;
+    row_ = row;
+  }
+  double scalar(const PlyProperty& property, ScalarType type);
+  void end_record() {}
+  bool at_end() const { return offset_ == content_.size(); }
+
+  std::size_t offset() const { return offset_; }
+  std::size_t value_begin() const { return value_begin_; }
+  std::size_t remaining_values() const { return content_.size() - offset_; }
+  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
+
+ private:
+  std::string_view content_;
+  std::size_t offset_;
+  std::size_t value_begin_ = 0;
+  bool swap_;
+  const std::string& name_;
+  const PlyElement* element_ = nullptr;
+  std::uint64_t row_ = 0;
+};
+
+/// A list's length, checked: not negative, and no more values than the file can hold.
+template <class Cursor>
+std::size_t read_list_length(Cursor& cursor, const PlyProperty& property) {
+  const double length = cursor.scalar(property, property.count_type);
+  if (length < 0) {
+    cursor.fail("the list '" + property.name + "' has a negative length", "Export the file again");
+  }
+  if (length > static_cast<double>(cursor.remaining_values())) {
+    cursor.fail("the list '" + property.name + "' is longer than the rest of the file",
+                "The file is cut off or damaged; copy or export it again");
+  }
+  return static_cast<std::size_t>(length);
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,299 @@
+#include <algorithm>
+#include <array>
+
+#include <meshgraft/core/error.h>
+
+#include "document.h"
+#include "io/number_text.h"
+#include "ply.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+struct TypeName {
+  std::string_view name;
+  ScalarType type;
+};
+
+constexpr std::array<TypeName, 16> type_names = {{
+    {"char", ScalarType::int8},
+    {"int8", ScalarType::int8},
+    {"uchar", ScalarType::uint8},
+    {"uint8", ScalarType::uint8},
+    {"short", ScalarType::int16},
+    {"int16", ScalarType::int16},
+    {"ushort", ScalarType::uint16},
+    {"uint16", ScalarType::uint16},
+    {"int", ScalarType::int32},
+    {"int32", ScalarType::int32},
+    {"uint", ScalarType::uint32},
+    {"uint32", ScalarType::uint32},
+    {"float", ScalarType::float32},
+    {"float32", ScalarType::float32},
+    {"double", ScalarType::float64},
+    {"float64", ScalarType::float64},
+}};
+
+std::vector<std::string_view> split_words(std::string_view line) {
+  std::vector<std::string_view> words;
+  std::size_t at = 0;
+  while ((at = line.find_first_not_of(" \t", at)) != std::string_view::npos) {
+    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+/// Reads the header line by line. A line ends as the one with "ply" does: where that is a lone CR, a LF that
+/// follows end_header is data already.
+class HeaderParser {
+ public:
+  HeaderParser(std::string_view content, const std::string& name) : content_(content), name_(name) {
+    if (content.starts_with(byte_order_mark)) offset_ = byte_order_mark.size();
+    const std::size_t first_end = content.find_first_of("\r\n", offset_);
+    if (first_end == std::string_view::npos) {
+      line_begin_ = content.size();
+      fail_truncated();
+    }
+    const bool lone_cr = content[first_end] == '\r' && content.substr(first_end, 2) != "\r\n";
+    line_end_ = lone_cr ? '\r' : '\n';
+  }
+
+  PlyHeader parse() {
+    next_line();  // "ply": the signature was checked
+    parse_format();
+    for (;;) {
+      const std::string_view line = next_line();
+      const std::vector<std::string_view> words = split_words(line);
+      if (words.empty() || words[0] == "obj_info") continue;
+      if (words[0] == "comment") {
+        add_comment(line);
+      } else if (words[0] == "element") {
+        parse_element(words);
+      } else if (words[0] == "property") {
+        parse_property(words);
+      } else if (words[0] == "end_header") {
+        break;
+      } else {
+        fail("'" + std::string(words[0].substr(0, 40)) + "' is no header keyword",
+             "A header has format, comment, obj_info, element, property and end_header lines");
+      }
+    }
+    header_.size = offset_;
+    check_counts();
+    return std::move(header_);
+  }
+
+ private:
+  std::string_view next_line() {
+    line_begin_ = offset_;
+    const std::size_t end = content_.find(line_end_, offset_);
+    const bool last = end == std::string_view::npos;
+    const std::string_view line = content_.substr(offset_, last ? end : end - offset_);
+    // The last line of a file without records may lack its end.
+    if (last && line != "end_header") fail_truncated();
+    offset_ = last ? content_.size() : end + 1;
+    return line.ends_with('\r') ? line.substr(0, line.size() - 1) : line;
+  }
+
+  void add_comment(std::string_view line) {
+    constexpr std::string_view keyword = "comment ";
+    if (line.starts_with(keyword)) header_.comments.emplace_back(line.substr(keyword.size()));
+  }
+
+  void parse_format() {
+    std::vector<std::string_view> words;
+    std::string_view line;
+    do {
+      line = next_line();
+      words = split_words(line);
+      if (!words.empty() && words[0] == "comment") {
+        add_comment(line);
+      }
+    } while (words.empty() || words[0] == "comment" || words[0] == "obj_info");
+    if (words[0] != "format" || words.size() != 3) {
+      fail("a format line is expected here", "It reads, for example, 'format binary_little_endian 1.0'");
+    }
+    if (words[1] == "ascii") {
+      header_.encoding = PlyEncoding::ascii;
+    } else if (words[1] == "binary_little_endian") {
+      header_.encoding = PlyEncoding::little_endian;
+    } else if (words[1] == "binary_big_endian") {
+      header_.encoding = PlyEncoding::big_endian;
+    } else {
+      fail("the format '" + std::string(words[1].substr(0, 40)) + "' is unknown",
+           "Use ascii, binary_little_endian or binary_big_endian");
+    }
+    if (words[2] != "1.0") {
+      fail("PLY version '" + std::string(words[2].substr(0, 40)) + "' is unknown",
+           "Export the file as version 1.0");
+    }
+  }
+
+  void parse_element(const std::vector<std::string_view>& words) {
+    if (words.size() != 3) fail("an element line has a name and a count", "For example, 'element vertex 8'");
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == words[1]) {
+        fail("the element '" + element.name + "' is declared twice", "Export the file again");
+      }
+    }
+    // Counts beyond 2^31 would not fit meshgraft's indices, and nobody's memory.
+    const ParsedNumber count = parse_number(words[2], ScalarType::int32);
+    if (count.fault != NumberFault::none || count.value < 0) {
+      fail("the count '" + std::string(words[2].substr(0, 40)) + "' is no number of elements",
+           "Counts are whole numbers from 0 to 2147483647");
+    }
+    header_.elements.push_back({std::string(words[1]), static_cast<std::uint64_t>(count.value), {}});
+  }
+
+  void parse_property(const std::vector<std::string_view>& words) {
+    if (header_.elements.empty()) fail("a property comes before any element", "Export the file again");
+    const bool is_list = words.size() == 5 && words[1] == "list";
+    if (!is_list && words.size() != 3) {
+      fail("the property line is malformed",
+           "It reads 'property TYPE NAME' or 'property list LENGTH_TYPE TYPE NAME'");
+    }
+    PlyProperty property;
+    property.name = std::string(words.back());
+    property.is_list = is_list;
+    property.type = parse_type(words[words.size() - 2]);
+    if (is_list) {
+      property.count_type = parse_type(words[2]);
+      if (!is_integer(property.count_type)) {
+        fail("the length of the list '" + property.name + "' is no whole number", "Use an integer type for it");
+      }
+    }
+    header_.elements.back().properties.push_back(std::move(property));
+  }
+
+  ScalarType parse_type(std::string_view word) const {
+    for (const TypeName& entry : type_names) {
+      if (entry.name == word) return entry.type;
+    }
+    fail("the type '" + std::string(word.substr(0, 40)) + "' is unknown",
+         "PLY has char, uchar, short, ushort, int, uint, float and double");
+  }
+
+  /// The least that all records together can take must fit into the file.
+  void check_counts() const {
+    const std::size_t body = content_.size() - header_.size;
+    std::size_t left = body;
+    for (const PlyElement& element : header_.elements) {
+      std::size_t record = element.smallest_binary_size();
+      // A value in ascii takes a character and a separator; the very last separator may be missing.
+      if (header_.encoding == PlyEncoding::ascii) record = 2 * element.properties.size();
+      if (record == 0) continue;
+      const std::size_t available = header_.encoding == PlyEncoding::ascii ? left + 1 : left;
+      if (element.count > available / record) {
+        throw Error(ErrorCode::input,
+                    "the header announces " + std::to_string(element.count) + " '" + element.name +
+                        "' records, but the file is too short for them",
+                    name_, "The file is cut off or its header is wrong; copy or export it again");
+      }
+      left -= std::min<std::size_t>(left, element.count * record);
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const {
+    throw Error(ErrorCode::input, problem, name_ + ", " + line_name(content_, line_begin_), remedy);
+  }
+  [[noreturn]] void fail_truncated() const {
+    fail("the header has no end_header line", "The file is cut off; copy or export it again");
+  }
+
+  std::string_view content_;
+  const std::string& name_;
+  char line_end_ = '\n';
+  std::size_t offset_ = 0;
+  std::size_t line_begin_ = 0;
+  PlyHeader header_;
+};
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+}  // namespace
+
+bool has_ply_signature(std::string_view content) {
+  if (content.starts_with(byte_order_mark)) content.remove_prefix(byte_order_mark.size());
+  return content.starts_with("ply\n") || content.starts_with("ply\r") || content == "ply";
+}
+
+Format ply_format() {
+  static constexpr std::array<std::string_view, 1> extensions = {".ply"};
+  return {"PLY", extensions, has_ply_signature, read_ply, write_ply};
+}
+
+bool PlyElement::has_lists() const {
+  return std::ranges::any_of(properties, [](const PlyProperty& property) { return property.is_list; });
+}
+
+std::size_t PlyElement::smallest_binary_size() const {
+  std::size_t size = 0;
+  for (const PlyProperty& property : properties)
+    size += size_of(property.is_list ? property.count_type : property.type);
+  return size;
+}
+
+PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
+  if (!has_ply_signature(content)) {
+    throw Error(ErrorCode::input, "the file does not begin with 'ply'", name + ", line 1",
+                "It is not a PLY file; give it the extension of its own format");
+  }
+  return HeaderParser(content, name).parse();
+}
+
+bool PlyTextCursor::at_end() {
+  while (offset_ < content_.size() && (is_blank(content_[offset_]) || is_line_end(content_[offset_])))
+    ++offset_;
+  return offset_ == content_.size();
+}
+
+void PlyTextCursor::begin_record(const PlyElement& element, std::uint64_t row) {
+  element_ = &element;
+  row_ = row;
+  // An element without properties has nothing to stand on a line.
+  if (!element.properties.empty() && at_end()) {
+    throw Error(ErrorCode::input,
+                "the file ends after " + std::to_string(row) + " of " + std::to_string(element.count) + " '" +
+                    element.name + "' records",
+                name_ + ", " + line_name(content_, content_.size()),
+                "The file is cut off or its header is wrong; copy or export it again");
+  }
+}
+
+double PlyTextCursor::scalar(const PlyProperty& property, ScalarType type) {
+  while (offset_ < content_.size() && is_blank(content_[offset_])) ++offset_;
+  value_begin_ = offset_;
+  while (offset_ < content_.size() && !is_blank(content_[offset_]) && !is_line_end(content_[offset_]))
+    ++offset_;
+  const std::string_view text = content_.substr(value_begin_, offset_ - value_begin_);
+  if (text.empty()) {
+    fail("the line has too few values; '" + property.name + "' of '" + element_->name + "' is missing",
+         "Each record is one line with a value for each property of the header");
+  }
+  const ParsedNumber number = parse_number(text, type);
+  if (number.fault != NumberFault::none) {
+    fail("'" + property.name + "' of '" + element_->name + "': " + describe_fault(text, type, number.fault),
+         remedy_for(text, number.fault));
+  }
+  return number.value;
+}
+
+void PlyTextCursor::end_record() {
+  while (offset_ < content_.size() && is_blank(content_[offset_])) ++offset_;
+  if (offset_ < content_.size() && !is_line_end(content_[offset_]) && !element_->properties.empty()) {
+    fail("the line has more values than the header gives a '" + element_->name + "'",
+         "Each record is one line with a value for each property of the header");
+  }
+}
+
+void PlyTextCursor::fail(const std::string& problem, const std::string& remedy) const {
+  throw Error(ErrorCode::input, problem, name_ + ", " + line_name(content_, offset_), remedy);
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,192 @@
+#include "records.h"
+
+#include <limits>
+#include <string>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+
+#include "io/binary_value.h"
+#include "io/file.h"
+#include "io/number_text.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::uint64_t rows_per_check = 1 << 16;  // between two looks at the stop token
+constexpr std::size_t rows_per_block = 1 << 13;    // read at once, within the second-level cache
+
+class RecordReader {
+ public:
+  RecordReader(const PlyDocument& document, const Context& context)
+      : document_(document), name_(document.path.string()), context_(context) {}
+
+  std::size_t read(const PlyElement& element, std::size_t offset, PlySinks& sinks) const {
+    const PlyEncoding encoding = document_.header.encoding;
+    if (element.properties.empty()) return offset;  // a header can announce two billion of these
+    if (encoding == PlyEncoding::ascii) {
+      PlyTextCursor cursor(document_.content, offset, name_);
+      return read_rows(element, cursor, sinks);
+    }
+    if (!element.has_lists()) return read_columns(element, offset, sinks);
+    if (const auto end = read_polygons(element, offset, sinks)) return *end;
+    PlyBinaryCursor cursor(document_.content, offset, needs_swap(encoding), name_);
+    return read_rows(element, cursor, sinks);
+  }
+
+ private:
+  /// Binary records of one size, a block of rows at a time.
+  std::size_t read_columns(const PlyElement& element, std::size_t offset, const PlySinks& sinks) const {
+    const std::size_t record = element.smallest_binary_size();
+    const std::size_t count = element.count;
+    if (record != 0 && count > (document_.content.size() - offset) / record) {
+      throw Error(ErrorCode::input, "the file ends in the middle of its '" + element.name + "' records", name_,
+                  "The file is cut off or its header is wrong; copy or export it again");
+    }
+    const bool swap = needs_swap(document_.header.encoding);
+    const char* const records = document_.content.data() + offset;
+    const auto read_block = [&](std::size_t begin, std::size_t end) {
+      const char* column = records + begin * record;
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const ScalarType type = element.properties[p].type;
+        const PlyTarget target = sinks.scalars[p];
+        if (target.values != nullptr) {
+          load_binary_column({column, record, type, swap}, end - begin, target.values + begin * target.stride,
+                             target.stride);
+        }
+        column += size_of(type);
+      }
+    };
+    parallel_blocks(count, read_block, context_, rows_per_block);
+    return offset + count * record;
+  }
+
+  /// Binary faces with one list, that of their corners, without a look at the type of every value. Empty for
+  /// other elements and where anything is wrong: reading row by row then names the place.
+  std::optional<std::size_t> read_polygons(const PlyElement& element, std::size_t offset,
+                                           PlySinks& sinks) const {
+    if (!sinks.corners || !sinks.lists.empty()) return std::nullopt;
+    const bool swap = needs_swap(document_.header.encoding);
+    const PlyProperty& list = element.properties[*sinks.corners];
+    const std::size_t fixed = element.smallest_binary_size();
+    std::size_t before_list = 0;
+    for (std::size_t p = 0; p < *sinks.corners; ++p) before_list += size_of(element.properties[p].type);
+
+    std::vector<Index> corners;
+    const char* at = document_.content.data() + offset;
+    const char* const end = document_.content.data() + document_.content.size();
+    for (std::size_t row = 0; row < element.count; ++row) {
+      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      const auto left = static_cast<std::size_t>(end - at);
+      const std::optional<std::size_t> length =
+          left < fixed
+              ? std::nullopt
+              : load_binary_length(at + before_list, list, swap, left - fixed, sinks.faces->corner_count());
+      if (length) corners.resize(*length);
+      if (!length ||
+          !load_binary_corners(at + before_list + size_of(list.count_type), list.type, swap, corners)) {
+        *sinks.faces = Faces();
+        return std::nullopt;
+      }
+      sinks.faces->push_back(corners);
+      if (element.properties.size() > 1) read_scalars(element, at, row, *length, sinks);
+      at += fixed + *length * size_of(list.type);
+    }
+    return offset + static_cast<std::size_t>(at - (document_.content.data() + offset));
+  }
+
+  /// The length of a list of corners, of which so many values can follow it; empty where it cannot be right.
+  static std::optional<std::size_t> load_binary_length(const char* at, const PlyProperty& list, bool swap,
+                                                       std::size_t bytes_left, Index corners_before) {
+    const double length = load_binary(at, list.count_type, swap);
+    if (length < 0 || length > static_cast<double>(bytes_left / size_of(list.type))) return std::nullopt;
+    if (length > std::numeric_limits<Index>::max() - corners_before) return std::nullopt;
+    return static_cast<std::size_t>(length);
+  }
+
+  /// The values of a record whose one list has so many.
+  void read_scalars(const PlyElement& element, const char* at, std::size_t row, std::size_t list_length,
+                    const PlySinks& sinks) const {
+    const bool swap = needs_swap(document_.header.encoding);
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (property.is_list) {
+        at += size_of(property.count_type) + list_length * size_of(property.type);
+        continue;
+      }
+      const PlyTarget target = sinks.scalars[p];
+      if (target.values != nullptr) target.values[row * target.stride] = load_binary(at, property.type, swap);
+      at += size_of(property.type);
+    }
+  }
+
+  /// Records one after another, for ascii and for lists.
+  template <class Cursor>
+  std::size_t read_rows(const PlyElement& element, Cursor& cursor, PlySinks& sinks) const {
+    std::vector<PlyListValues*> list_of(element.properties.size(), nullptr);
+    for (PlyListValues& list : sinks.lists) list_of[list.property] = &list;
+    std::vector<Index> corners;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      cursor.begin_record(element, row);
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        if (!property.is_list) {
+          const double value = cursor.scalar(property, property.type);
+          const PlyTarget target = sinks.scalars[p];
+          if (target.values != nullptr) target.values[row * target.stride] = value;
+          continue;
+        }
+        const std::size_t length = read_list_length(cursor, property);
+        if (p == sinks.corners) {
+          read_corners(cursor, property, length, corners);
+          push_face(cursor, corners, *sinks.faces);
+        } else {
+          PlyListValues* const list = list_of[p];
+          for (std::size_t k = 0; k < length; ++k) {
+            const double value = cursor.scalar(property, property.type);
+            if (list != nullptr) list->values.push_back(value);
+          }
+          if (list != nullptr) list->lengths.push_back(static_cast<std::uint32_t>(length));
+        }
+      }
+      cursor.end_record();
+    }
+    return cursor.offset();
+  }
+
+  template <class Cursor>
+  static void read_corners(Cursor& cursor, const PlyProperty& property, std::size_t length,
+                           std::vector<Index>& corners) {
+    corners.clear();
+    for (std::size_t k = 0; k < length; ++k) {
+      const double index = cursor.scalar(property, property.type);
+      if (index > std::numeric_limits<Index>::max()) {
+        cursor.fail("the vertex index " + std::to_string(static_cast<std::uint64_t>(index)) + " is too large",
+                    "Indices must be below 2147483648; export the file again");
+      }
+      corners.push_back(static_cast<Index>(index));
+    }
+  }
+
+  template <class Cursor>
+  static void push_face(Cursor& cursor, const std::vector<Index>& corners, Faces& faces) {
+    const auto room = static_cast<std::size_t>(std::numeric_limits<Index>::max() - faces.corner_count());
+    if (corners.size() > room) cursor.fail("the faces have more than 2147483647 corners", "Split the mesh");
+    faces.push_back(corners);
+  }
+
+  const PlyDocument& document_;
+  const std::string name_;
+  const Context& context_;
+};
+
+}  // namespace
+
+std::size_t read_ply_records(const PlyDocument& document, const PlyElement& element, std::size_t offset,
+                             PlySinks& sinks, const Context& context) {
+  return RecordReader(document, context).read(element, offset, sinks);
+}
+
+}  // namespace meshgraft::io

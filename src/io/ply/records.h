@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+#include "document.h"
+
+namespace meshgraft::io {
+
+/// Where the values of one property go while its element is read.
+struct PlyTarget {
+  double* values = nullptr;  ///< null: not kept
+  std::size_t stride = 0;    ///< from one row to the next
+};
+
+/// The values of a list property, row after row.
+struct PlyListValues {
+  std::size_t property = 0;
+  std::vector<double> values;
+  std::vector<std::uint32_t> lengths;
+};
+
+/// What becomes of the values of an element's rows.
+struct PlySinks {
+  std::vector<PlyTarget> scalars;      ///< one per property
+  std::vector<PlyListValues> lists;    ///< lists whose values are kept
+  std::optional<std::size_t> corners;  ///< the list of vertex indices
+  Faces* faces = nullptr;
+};
+
+/// Reads an element's records, which begin at `offset` of the document's content; returns where they end.
+/// Throws Error(input) naming line or record and byte.
+std::size_t read_ply_records(const PlyDocument& document, const PlyElement& element, std::size_t offset,
+                             PlySinks& sinks, const Context& context);
+
+}  // namespace meshgraft::io

@@ -1,0 +1,401 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "document.h"
+#include "io/binary_value.h"
+#include "io/number_text.h"
+#include "io/obj/materials.h"
+#include "ply.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::uint64_t rows_per_check = 1 << 16;
+
+/// The mesh's values for one property of the file.
+struct Column {
+  const double* values = nullptr;  ///< null: the file's values stay
+  std::size_t stride = 0;          ///< from one row (one corner, for lists) to the next
+};
+
+/// The text or the bytes that a value takes in place of `old`; empty where `old` stays.
+/// Throws Error(input) where the file's type cannot hold the new value.
+std::optional<double> replacement(double old, double value, const PlyElement& element, std::uint64_t row,
+                                  const PlyProperty& property) {
+  if (same_value(old, value)) return std::nullopt;
+  if (std::isnan(value) && is_integer(property.type)) return std::nullopt;
+  const ParsedNumber rounded = narrow(value, property.type);
+  if (rounded.fault != NumberFault::none) {
+    std::string text;
+    append_number(text, value, ScalarType::float64);
+    throw Error(ErrorCode::input, text + " does not fit the file's type of '" + property.name + "'",
+                element.name + " " + std::to_string(row), "Write the mesh in another format, or scale it down");
+  }
+  if (same_value(old, rounded.value)) return std::nullopt;
+  return rounded.value;
+}
+
+/// Copies the file's bytes, with new values where the mesh's differ from the file's.
+class PlyPatcher {
+ public:
+  PlyPatcher(const PlyDocument& document, const Mesh& mesh, const Context& context)
+      : document_(document), mesh_(mesh), context_(context) {}
+
+  std::string patch() {
+    const bool ascii = document_.header.encoding == PlyEncoding::ascii;
+    if (!ascii) out_ = document_.content;
+    for (const PlyTable& table : document_.tables) {
+      const PlyElement& element = document_.header.elements[table.element];
+      const std::vector<Column> columns = columns_of(element, table);
+      const std::size_t begin = document_.element_begin[table.element];
+      if (ascii) {
+        PlyTextCursor cursor(document_.content, begin, name_);
+        patch_rows(element, columns, cursor);
+      } else if (!element.has_lists()) {
+        patch_columns(element, columns, begin);
+      } else {
+        PlyBinaryCursor cursor(document_.content, begin, swap(), name_);
+        patch_rows(element, columns, cursor);
+      }
+    }
+    if (ascii) copy_until(document_.content.size());
+    return std::move(out_);
+  }
+
+ private:
+  bool swap() const { return needs_swap(document_.header.encoding); }
+
+  std::vector<Column> columns_of(const PlyElement& element, const PlyTable& table) const {
+    std::vector<Column> columns(element.properties.size());
+    for (const PlyBinding& binding : table.bindings) {
+      Column& column = columns[binding.property];
+      if (binding.attribute.empty()) {
+        column = {mesh_.positions.data() + binding.component, 3};
+        continue;
+      }
+      const Attribute* attribute = mesh_.find_attribute(binding.domain, binding.attribute);
+      if (attribute == nullptr || attribute->components <= binding.component) continue;
+      const auto components = static_cast<std::size_t>(attribute->components);
+      const std::size_t count = binding.domain == Domain::corner
+                                    ? static_cast<std::size_t>(mesh_.faces.corner_count())
+                                    : static_cast<std::size_t>(element.count);
+      if (attribute->values.size() != count * components) continue;
+      column = {attribute->values.data() + binding.component, components};
+    }
+    return columns;
+  }
+
+  void patch_columns(const PlyElement& element, const std::vector<Column>& columns, std::size_t begin) {
+    const std::size_t record = element.smallest_binary_size();
+    char* at = out_.data() + begin;
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (columns[p].values != nullptr) {
+        for (std::size_t row = 0; row < element.count; ++row) {
+          const double old = load_binary(at + row * record, property.type, swap());
+          const double value = columns[p].values[row * columns[p].stride];
+          if (const auto next = replacement(old, value, element, row, property)) {
+            store_binary(at + row * record, *next, property.type, swap());
+          }
+        }
+      }
+      at += size_of(property.type);
+    }
+  }
+
+  template <class Cursor>
+  void patch_rows(const PlyElement& element, const std::vector<Column>& columns, Cursor& cursor) {
+    if (std::ranges::all_of(columns, [](const Column& column) { return column.values == nullptr; })) return;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      cursor.begin_record(element, row);
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        const Column column = columns[p];
+        if (!property.is_list) {
+          const double* value = column.values == nullptr ? nullptr : column.values + row * column.stride;
+          patch_value(element, row, property, cursor, value);
+          continue;
+        }
+        const double* values = nullptr;
+        if (column.values != nullptr) {
+          values = column.values +
+                   static_cast<std::size_t>(mesh_.faces.first_corner(static_cast<Index>(row))) * column.stride;
+        }
+        const std::size_t length = read_list_length(cursor, property);
+        for (std::size_t k = 0; k < length; ++k) {
+          patch_value(element, row, property, cursor, values == nullptr ? nullptr : values + k);
+        }
+      }
+      cursor.end_record();
+    }
+  }
+
+  template <class Cursor>
+  void patch_value(const PlyElement& element, std::uint64_t row, const PlyProperty& property, Cursor& cursor,
+                   const double* value) {
+    const double old = cursor.scalar(property, property.type);
+    if (value == nullptr) return;
+    if (const auto next = replacement(old, *value, element, row, property)) put(cursor, property, *next);
+  }
+
+  void put(const PlyTextCursor& cursor, const PlyProperty& property, double value) {
+    copy_until(cursor.value_begin());
+    append_number(out_, value, property.type);
+    copied_ = cursor.offset();
+  }
+
+  void put(const PlyBinaryCursor& cursor, const PlyProperty& property, double value) {
+    store_binary(out_.data() + cursor.value_begin(), value, property.type, swap());
+  }
+
+  void copy_until(std::size_t end) {
+    out_.append(document_.content, copied_, end - copied_);
+    copied_ = end;
+  }
+
+  const PlyDocument& document_;
+  const Mesh& mesh_;
+  const Context& context_;
+  const std::string name_ = "source";  // the document was read once: its records cannot fail to parse
+  std::string out_;
+  std::size_t copied_ = 0;  // of an ascii document's bytes
+};
+
+/// One property of a new file and where its values come from.
+struct NewProperty {
+  std::string name;
+  ScalarType type = ScalarType::float64;
+  const Attribute* attribute = nullptr;  ///< null: the positions, or the corners of a face
+  int component = 0;
+  bool is_list = false;
+  double scale = 1;  ///< from the mesh's values to the file's
+};
+
+std::string_view type_name(ScalarType type) {
+  switch (type) {
+    case ScalarType::int8: return "char";
+    case ScalarType::uint8: return "uchar";
+    case ScalarType::int16: return "short";
+    case ScalarType::uint16: return "ushort";
+    case ScalarType::int32: return "int";
+    case ScalarType::uint32: return "uint";
+    case ScalarType::float32: return "float";
+    case ScalarType::float64: break;
+  }
+  return "double";
+}
+
+/// Names that other programs look for.
+std::string component_name(const Attribute& attribute, int component) {
+  const auto k = static_cast<std::size_t>(component);
+  if (attribute.domain != Domain::corner &&
+      attribute.source_names.size() == static_cast<std::size_t>(attribute.components)) {
+    return attribute.source_names[k];
+  }
+  constexpr std::array<std::string_view, 3> normal = {"nx", "ny", "nz"};
+  constexpr std::array<std::string_view, 4> colour = {"red", "green", "blue", "alpha"};
+  constexpr std::array<std::string_view, 2> uv = {"s", "t"};
+  if (attribute.name == "normal" && k < normal.size()) return std::string(normal[k]);
+  if (attribute.name == "colour" && k < colour.size()) return std::string(colour[k]);
+  if (attribute.name == "uv" && k < uv.size()) return std::string(uv[k]);
+  return attribute.components == 1 ? attribute.name : attribute.name + "_" + std::to_string(component);
+}
+
+/// A mesh without a PLY file behind it, as binary little endian.
+class PlyComposer {
+ public:
+  PlyComposer(const Mesh& mesh, ScalarType position_type, const Context& context)
+      : mesh_(mesh), context_(context) {
+    for (const std::string_view axis : {"x", "y", "z"}) {
+      add_property(vertex_, std::string(axis), position_type, nullptr, static_cast<int>(vertex_.size()), false);
+    }
+    add_property(face_, "vertex_indices", ScalarType::int32, nullptr, 0, true);
+    for (const Attribute& attribute : mesh.attributes) add_attribute(attribute);
+  }
+
+  std::string compose() {
+    write_header();
+    write_vertices();
+    write_faces();
+    return std::move(out_);
+  }
+
+ private:
+  void add_attribute(const Attribute& attribute) {
+    const auto components = static_cast<std::size_t>(attribute.components);
+    if (attribute.domain == Domain::corner) {
+      if (attribute.values.size() != static_cast<std::size_t>(mesh_.faces.corner_count()) * components) return;
+      const std::string name = attribute.name == "uv" ? "texcoord" : attribute.name;
+      return add_property(face_, name, attribute.type, &attribute, 0, true);
+    }
+    const bool of_vertex = attribute.domain == Domain::vertex;
+    const auto count = static_cast<std::size_t>(of_vertex ? mesh_.vertex_count() : mesh_.face_count());
+    if (attribute.values.size() != count * components) return;
+    for (int k = 0; k < attribute.components; ++k) {
+      add_property(of_vertex ? vertex_ : face_, component_name(attribute, k), attribute.type, &attribute, k,
+                   false);
+    }
+    for (std::size_t k = 0; k < attribute.labels.size(); ++k) {
+      labels_ += "comment label " + attribute.name + " " + std::to_string(k) + " " + attribute.labels[k] + "\n";
+    }
+  }
+
+  /// Colours between 0 and 1 from formats without integer colours become bytes, as PLY readers expect.
+  static bool is_unit_colour(const Attribute* attribute) {
+    return attribute != nullptr && attribute->name == "colour" && attribute->source_names.empty() &&
+           !is_integer(attribute->type);
+  }
+
+  static void add_property(std::vector<NewProperty>& element, std::string name, ScalarType type,
+                           const Attribute* attribute, int component, bool is_list) {
+    std::replace_if(name.begin(), name.end(), [](unsigned char c) { return c <= 32; }, '_');
+    while (name.empty() || std::ranges::any_of(element, [&](const NewProperty& p) { return p.name == name; })) {
+      name += '_';
+    }
+    NewProperty property{std::move(name), type, attribute, component, is_list, 1.0};
+    if (is_unit_colour(attribute)) {
+      property.type = ScalarType::uint8;
+      property.scale = 255;
+    }
+    element.push_back(std::move(property));
+  }
+
+  /// A list's length is a byte where that is enough, as most readers expect.
+  ScalarType count_type(const NewProperty& property) const {
+    std::size_t longest = 0;
+    for (Index f = 0; f < mesh_.face_count(); ++f) longest = std::max(longest, mesh_.faces[f].size());
+    if (property.attribute != nullptr) longest *= static_cast<std::size_t>(property.attribute->components);
+    return longest <= 255 ? ScalarType::uint8 : ScalarType::uint32;
+  }
+
+  void write_header() {
+    out_ = "ply\nformat binary_little_endian 1.0\n" + labels_;
+    write_element("vertex", mesh_.vertex_count(), vertex_);
+    if (mesh_.face_count() > 0 || mesh_.vertex_count() == 0) write_element("face", mesh_.face_count(), face_);
+    out_ += "end_header\n";
+  }
+
+  void write_element(const std::string& name, Index count, const std::vector<NewProperty>& properties) {
+    out_ += "element " + name + " " + std::to_string(count) + "\n";
+    for (const NewProperty& property : properties) {
+      out_ += "property ";
+      if (property.is_list) {
+        out_ += "list ";
+        out_ += type_name(count_type(property));
+        out_ += ' ';
+      }
+      out_ += type_name(property.type);
+      out_ += " " + property.name + "\n";
+    }
+  }
+
+  void write_vertices() {
+    for (Index v = 0; v < mesh_.vertex_count(); ++v) {
+      if (v % static_cast<Index>(rows_per_check) == 0) context_.throw_if_stopped();
+      for (const NewProperty& property : vertex_) {
+        const double value = property.attribute == nullptr
+                                 ? mesh_.positions(v, property.component)
+                                 : value_of(property, static_cast<std::size_t>(v), property.component);
+        put(value, property, "vertex", v);
+      }
+    }
+  }
+
+  void write_faces() {
+    std::vector<ScalarType> count_types;
+    for (const NewProperty& property : face_) count_types.push_back(count_type(property));
+    for (Index f = 0; f < mesh_.face_count(); ++f) {
+      if (f % static_cast<Index>(rows_per_check) == 0) context_.throw_if_stopped();
+      for (std::size_t p = 0; p < face_.size(); ++p) {
+        const NewProperty& property = face_[p];
+        if (property.is_list && property.attribute == nullptr) {
+          put_scalar(static_cast<double>(mesh_.faces[f].size()), count_types[p]);
+          for (const Index corner : mesh_.faces[f]) put_scalar(corner, property.type);
+        } else if (property.is_list) {
+          put_corner_list(f, property, count_types[p]);
+        } else {
+          put(value_of(property, static_cast<std::size_t>(f), property.component), property, "face", f);
+        }
+      }
+    }
+  }
+
+  /// A face whose corners have no value has an empty list.
+  void put_corner_list(Index f, const NewProperty& property, ScalarType count_type) {
+    const auto components = static_cast<std::size_t>(property.attribute->components);
+    const std::size_t first = static_cast<std::size_t>(mesh_.faces.first_corner(f)) * components;
+    const std::span<const double> values(property.attribute->values.data() + first,
+                                         mesh_.faces[f].size() * components);
+    if (std::ranges::all_of(values, [](double value) { return std::isnan(value); })) {
+      return put_scalar(0, count_type);
+    }
+    put_scalar(static_cast<double>(values.size()), count_type);
+    for (const double value : values) put(value * property.scale, property, "face", f);
+  }
+
+  static double value_of(const NewProperty& property, std::size_t row, int component) {
+    const auto components = static_cast<std::size_t>(property.attribute->components);
+    return property.scale * property.attribute->values[row * components + static_cast<std::size_t>(component)];
+  }
+
+  void put(double value, const NewProperty& property, const char* element, Index row) {
+    if (is_integer(property.type) && std::isnan(value)) value = missing_value(property);
+    if (is_unit_colour(property.attribute)) value = std::clamp(value, 0.0, 255.0);
+    const ParsedNumber rounded = narrow(value, property.type);
+    if (rounded.fault != NumberFault::none) {
+      std::string text;
+      append_number(text, value, ScalarType::float64);
+      throw Error(ErrorCode::input, text + " does not fit the type of '" + property.name + "'",
+                  std::string(element) + " " + std::to_string(row), "Correct the value");
+    }
+    put_scalar(rounded.value, property.type);
+  }
+
+  /// Integers know no NaN: labels say -1 for "none", the others 0.
+  static double missing_value(const NewProperty& property) {
+    const bool is_signed = property.type == ScalarType::int8 || property.type == ScalarType::int16 ||
+                           property.type == ScalarType::int32;
+    return is_signed ? -1 : 0;
+  }
+
+  void put_scalar(double value, ScalarType type) {
+    const std::size_t at = out_.size();
+    out_.resize(at + size_of(type));
+    store_binary(out_.data() + at, value, type, needs_swap(PlyEncoding::little_endian));
+  }
+
+  const Mesh& mesh_;
+  const Context& context_;
+  std::vector<NewProperty> vertex_;
+  std::vector<NewProperty> face_;
+  std::string labels_;
+  std::string out_;
+};
+
+}  // namespace
+
+Written write_ply(const Mesh& mesh, const std::filesystem::path&, const WriteOptions&, const Context& context) {
+  const auto* document = dynamic_cast<const PlyDocument*>(mesh.source.get());
+  const bool unchanged = document != nullptr && document->has_topology_of(mesh);
+  if (unchanged) return {PlyPatcher(*document, mesh, context).patch()};
+  const bool from_floats = document != nullptr && document->position_type == ScalarType::float32;
+  Written written{
+      PlyComposer(mesh, from_floats ? ScalarType::float32 : ScalarType::float64, context).compose()};
+  written.notes = left_out_notes(mesh);
+  for (const std::string& library : material_libraries_of(mesh))
+    written.notes.push_back("PLY has no place for the materials that " + library +
+                            " defines: their names are kept, colours and textures are not");
+  return written;
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,69 @@
+#include <algorithm>
+
+#include "document.h"
+#include "io/number_text.h"
+
+namespace meshgraft::io {
+
+bool is_stl_keyword(std::string_view word, std::string_view keyword) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(word, keyword, {}, lower);
+}
+
+bool StlTextCursor::next_facet(StlFacetText& facet) {
+  for (;;) {
+    if (!in_solid_ && !next_solid()) return false;
+    const std::string_view word = words_.next();
+    if (is_stl_keyword(word, "facet")) break;
+    if (!is_stl_keyword(word, "endsolid")) fail_keyword(word, "'facet' or 'endsolid'");
+    words_.rest_of_line();  // the name again
+    in_solid_ = false;
+  }
+  std::size_t value = 0;
+  const auto read_vector = [&](const char* what) {
+    for (int axis = 0; axis < 3; ++axis, ++value) {
+      facet.words[value] = words_.next();
+      if (!WordCursor::to_number(facet.words[value], ScalarType::float64, facet.values[value]))
+        words_.fail_number(facet.words[value], ScalarType::float64, what);
+    }
+  };
+  expect("normal");
+  read_vector("normal of a facet");
+  expect("outer");
+  expect("loop");
+  for (int corner = 0; corner < 3; ++corner) {
+    expect("vertex");
+    read_vector("corner of a facet");
+  }
+  expect("endloop");
+  expect("endfacet");
+  return true;
+}
+
+bool StlTextCursor::next_solid() {
+  const std::string_view word = words_.next();
+  if (word.empty() && solid_count_ > 0) return false;
+  if (!is_stl_keyword(word, "solid")) fail_keyword(word, "'solid'");
+  ++solid_count_;
+  solid_name_ = words_.rest_of_line();
+  in_solid_ = true;
+  return true;
+}
+
+void StlTextCursor::expect(std::string_view keyword) {
+  const std::string_view word = words_.next();
+  if (!is_stl_keyword(word, keyword)) fail_keyword(word, "'" + std::string(keyword) + "'");
+}
+
+void StlTextCursor::fail_keyword(std::string_view word, std::string_view expected) const {
+  if (word.empty()) {
+    words_.fail("the file ends where " + std::string(expected) + " is expected",
+                "The file is cut off; copy or export it again");
+  }
+  std::string shown(word.substr(0, 40));
+  std::ranges::replace_if(shown, [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  words_.fail("'" + shown + "' stands where " + std::string(expected) + " is expected",
+              "A facet has one loop of three vertices; correct the line, or export the file again");
+}
+
+}  // namespace meshgraft::io

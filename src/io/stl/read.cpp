@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "document.h"
+#include "io/file.h"
+#include "point_index.h"
+#include "stl.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::size_t facets_per_check = 1 << 16;  // between two looks at the stop token
+
+/// Many a binary file begins with "solid" too: only the size tells it from an ascii one.
+bool has_binary_size(std::string_view content) {
+  if (content.size() < stl_layout::first_facet) return false;
+  const std::uint64_t body = content.size() - stl_layout::first_facet;
+  return body == std::uint64_t{load_stl_count(content)} * stl_layout::facet;
+}
+
+bool begins_with_solid(std::string_view content) {
+  if (content.starts_with("\xEF\xBB\xBF")) content.remove_prefix(3);
+  content.remove_prefix(std::min(content.find_first_not_of(" \t\r\n"), content.size()));
+  return is_stl_keyword(content.substr(0, 5), "solid") &&
+         (content.size() == 5 || std::string_view(" \t\r\n").find(content[5]) != std::string_view::npos);
+}
+
+bool is_text(std::string_view content) { return content.find('\0') == std::string_view::npos; }
+
+template <class Real>
+Points to_positions(const std::vector<std::array<Real, 3>>& points) {
+  Points positions(static_cast<Eigen::Index>(points.size()), 3);
+  prefer_huge_pages(positions.data(), 3 * points.size());
+  double* to = positions.data();
+  for (const auto& point : points) to = std::copy(point.begin(), point.end(), to);
+  return positions;
+}
+
+/// The same bytes in the other order, on machines that need it.
+template <class Bits>
+Bits little_endian(Bits bits) {
+  if constexpr (std::endian::native == std::endian::big) {
+    auto bytes = std::bit_cast<std::array<char, sizeof(Bits)>>(bits);
+    std::ranges::reverse(bytes);
+    return std::bit_cast<Bits>(bytes);
+  }
+  return bits;
+}
+
+template <class Bits>
+Bits load(const char* at) {
+  Bits bits;
+  std::memcpy(&bits, at, sizeof bits);
+  return little_endian(bits);
+}
+
+template <class Bits>
+void store(char* at, Bits bits) {
+  bits = little_endian(bits);
+  std::memcpy(at, &bits, sizeof bits);
+}
+
+class StlReader {
+ public:
+  StlReader(std::string content, const std::string& name, const Context& context)
+      : name_(name), context_(context), document_(std::make_shared<StlDocument>()) {
+    document_->content = std::move(content);
+    document_->path = name;
+  }
+
+  Mesh read() {
+    const std::string_view content = document_->content;
+    if (has_binary_size(content)) {
+      read_binary();
+    } else if (begins_with_solid(content) && is_text(content)) {
+      document_->ascii = true;
+      read_ascii();
+    } else {
+      fail_size();
+    }
+    document_->remember_topology(mesh_);
+    mesh_.source = std::move(document_);
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_binary() {
+    const std::size_t count = load_stl_count(document_->content);
+    if (count > max_facets) fail_too_large();
+    mesh_.faces.reserve(static_cast<Index>(count), static_cast<Index>(3 * count));
+    prefer_huge_pages(mesh_.faces.corners().data(), 3 * count);
+    prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
+    PointIndex<float> points(count / 2 + 3);  // a closed surface has half as many vertices as triangles
+    const char* facet = document_->content.data() + stl_layout::first_facet;
+    constexpr std::size_t block = 64;
+    std::array<FloatPoint, 3 * block> places;
+    std::array<Index, 3 * block> corners;
+    for (std::size_t begin = 0; begin < count; begin += block) {
+      if (begin % facets_per_check == 0) report_progress(begin, count);
+      const std::size_t size = std::min(block, count - begin);
+      for (std::size_t f = 0; f < size; ++f, facet += stl_layout::facet) {
+        for (std::size_t c = 0; c < 3; ++c)
+          places[3 * f + c] = load_stl_point(facet + (c + 1) * stl_layout::corner);
+      }
+      points.add({places.data(), 3 * size}, corners.data());
+      for (std::size_t f = 0; f < size; ++f) mesh_.faces.push_back({corners.data() + 3 * f, 3});
+    }
+    mesh_.positions = to_positions(points.finish());
+    add_attribute(count);
+  }
+
+  /// Most files have zeros there, which say nothing.
+  void add_attribute(std::size_t count) {
+    const char* first = document_->content.data() + stl_layout::first_facet + stl_layout::attribute;
+    std::vector<double> values;
+    for (std::size_t f = 0; f < count; ++f) {
+      const std::uint16_t value = load_stl_attribute(first + f * stl_layout::facet);
+      if (value == 0 && values.empty()) continue;
+      values.resize(count, 0.0);
+      values[f] = value;
+    }
+    if (!values.empty()) add_face_values(std::string(stl_attribute), ScalarType::uint16, std::move(values));
+  }
+
+  void read_ascii() {
+    StlTextCursor cursor(document_->content, name_);
+    PointIndex<double> points(0);
+    std::vector<double> objects;
+    std::vector<std::string> names;
+    std::unordered_map<std::string, double> object_of;
+    double object = 0;
+    std::size_t solids = 0;
+    StlFacetText facet;
+    while (cursor.next_facet(facet)) {
+      if (objects.size() % facets_per_check == 0) report_progress(cursor.offset(), document_->content.size());
+      if (objects.size() == max_facets) fail_too_large();
+      if (cursor.solid_count() != solids) {
+        solids = cursor.solid_count();
+        const std::string solid =
+            cursor.solid_name().empty() ? "solid_" + std::to_string(solids) : cursor.solid_name();
+        const auto [entry, is_new] = object_of.try_emplace(solid, static_cast<double>(names.size()));
+        if (is_new) names.push_back(solid);
+        object = entry->second;
+      }
+      std::array<std::array<double, 3>, 3> corners;
+      for (std::size_t k = 0; k < 9; ++k) corners[k / 3][k % 3] = facet.values[3 + k];
+      std::array<Index, 3> numbers;
+      points.add(corners, numbers.data());
+      mesh_.faces.push_back(numbers);
+      objects.push_back(object);
+    }
+    mesh_.positions = to_positions(points.finish());
+    if (cursor.solid_count() < 2) return;
+    add_face_values("object", ScalarType::int32, std::move(objects)).labels = std::move(names);
+  }
+
+  Attribute& add_face_values(std::string attribute_name, ScalarType type, std::vector<double> values) {
+    Attribute attribute;
+    attribute.name = std::move(attribute_name);
+    attribute.domain = Domain::face;
+    attribute.interpolation = Interpolation::nearest;
+    attribute.type = type;
+    attribute.values = std::move(values);
+    return mesh_.attributes.emplace_back(std::move(attribute));
+  }
+
+  [[noreturn]] void fail_size() const {
+    const std::string_view content = document_->content;
+    if (is_text(content)) {
+      throw Error(ErrorCode::input, "the file does not begin with 'solid'", name_ + ", line 1",
+                  "It is no ascii STL file; give it the extension of its own format");
+    }
+    if (content.size() < stl_layout::first_facet) {
+      throw Error(ErrorCode::input, "the file ends in the middle of its header", name_,
+                  "A binary STL file begins with 84 bytes; copy or export it again");
+    }
+    const std::uint64_t count = load_stl_count(content);
+    const std::uint64_t size = stl_layout::first_facet + count * stl_layout::facet;
+    const std::string problem = "the header announces " + std::to_string(count) + " facets, which take " +
+                                std::to_string(size) + " bytes, but the file has " +
+                                std::to_string(content.size());
+    throw Error(ErrorCode::input, problem, name_ + ", byte " + std::to_string(stl_layout::header),
+                size > content.size() ? "The file is cut off or no STL file; copy or export it again"
+                                      : "Correct the count, or export the file again");
+  }
+
+  [[noreturn]] void fail_too_large() const {
+    throw Error(ErrorCode::input, "the faces have more than 2147483647 corners", name_, "Split the mesh");
+  }
+
+  void report_progress(std::size_t done, std::size_t of) const {
+    context_.step("read", static_cast<double>(done) / static_cast<double>(of));
+  }
+
+  static constexpr std::size_t max_facets = std::numeric_limits<Index>::max() / 3;
+
+  const std::string& name_;
+  const Context& context_;
+  std::shared_ptr<StlDocument> document_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Format stl_format() {
+  static constexpr std::array<std::string_view, 1> extensions = {".stl"};
+  return {"STL", extensions, has_stl_signature, read_stl, write_stl};
+}
+
+bool has_stl_signature(std::string_view content) {
+  return has_binary_size(content) || (begins_with_solid(content) && is_text(content.substr(0, 1024)));
+}
+
+std::uint32_t load_stl_count(std::string_view content) {
+  return load<std::uint32_t>(content.data() + stl_layout::header);
+}
+
+FloatPoint load_stl_point(const char* at) {
+  FloatPoint point;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    point[axis] = std::bit_cast<float>(load<std::uint32_t>(at + 4 * axis));
+  return point;
+}
+
+void store_stl_point(char* at, const FloatPoint& point) {
+  for (std::size_t axis = 0; axis < 3; ++axis) store(at + 4 * axis, std::bit_cast<std::uint32_t>(point[axis]));
+}
+
+std::uint16_t load_stl_attribute(const char* at) { return load<std::uint16_t>(at); }
+void store_stl_attribute(char* at, std::uint16_t value) { store(at, value); }
+
+Mesh read_stl(std::string content, const std::string& name, const Context& context) {
+  return StlReader(std::move(content), name, context).read();
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,163 @@
+#include "package.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include <zip.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::string_view damaged = "The file is cut off or damaged; copy or export it again";
+
+std::string message_of(zip_error_t& error) {
+  std::string text = zip_error_strerror(&error);
+  zip_error_fini(&error);
+  return text;
+}
+
+/// An archive in memory. Closing writes the changes to the same source.
+class Archive {
+ public:
+  Archive(std::string_view bytes, int flags) {
+    zip_error_t error;
+    zip_error_init(&error);
+    // A copy that is libzip's to free: where an archive is changed, its source frees what it was given in any
+    // case (1.7).
+    auto* copy = bytes.empty() ? nullptr : static_cast<char*>(std::malloc(bytes.size()));
+    if (copy == nullptr && !bytes.empty()) throw std::bad_alloc();
+    std::copy(bytes.begin(), bytes.end(), copy);
+    source_ = zip_source_buffer_create(copy, bytes.size(), 1, &error);
+    if (source_ == nullptr) std::free(copy);
+    if (source_ != nullptr) archive_ = zip_open_from_source(source_, flags, &error);
+    if (archive_ == nullptr) {
+      if (source_ != nullptr) zip_source_free(source_);
+      throw Error(ErrorCode::input, "is no ZIP archive, as every 3MF file is (" + message_of(error) + ")", {},
+                  std::string(damaged));
+    }
+    zip_source_keep(source_);
+  }
+  Archive(const Archive&) = delete;
+  Archive& operator=(const Archive&) = delete;
+  ~Archive() {
+    if (archive_ != nullptr) zip_discard(archive_);
+    zip_source_free(source_);
+  }
+
+  zip_t* get() const { return archive_; }
+
+  std::string close() {
+    if (zip_close(archive_) != 0)
+      throw Error(ErrorCode::internal, std::string("the package cannot be written: ") + zip_strerror(archive_));
+    archive_ = nullptr;
+    zip_stat_t status;
+    std::string bytes;
+    if (zip_source_open(source_) != 0 || zip_source_stat(source_, &status) != 0)
+      throw Error(ErrorCode::internal, "the written package cannot be read");
+    bytes.resize(status.size);
+    const zip_int64_t got = zip_source_read(source_, bytes.data(), bytes.size());
+    zip_source_close(source_);
+    if (got != static_cast<zip_int64_t>(bytes.size()))
+      throw Error(ErrorCode::internal, "the written package cannot be read whole");
+    return bytes;
+  }
+
+ private:
+  zip_source_t* source_ = nullptr;
+  zip_t* archive_ = nullptr;
+};
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return lower;
+}
+
+// Nobody's mesh compresses like this: text of numbers shrinks to a tenth or so.
+void require_plausible(const zip_stat_t& entry, const std::string& place) {
+  constexpr zip_uint64_t small = zip_uint64_t{64} << 20;
+  constexpr zip_uint64_t largest_ratio = 200;
+  if (entry.size > small && entry.size / largest_ratio > entry.comp_size)
+    throw Error(ErrorCode::input,
+                "unpacks to " + std::to_string(entry.size) + " bytes, more than 200 times its size", place,
+                "If this is meant, pack the archive anew without compression");
+}
+
+std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& place) {
+  const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(archive, entry.index, 0),
+                                                               &zip_fclose);
+  if (!file)
+    throw Error(ErrorCode::input, std::string("cannot be unpacked: ") + zip_strerror(archive), place,
+                std::string(damaged));
+  // By pieces: the size that the archive tells may be a lie.
+  constexpr std::size_t piece = std::size_t{1} << 20;
+  std::string content;
+  content.reserve(std::min<std::size_t>(entry.size, 64 * piece));
+  for (;;) {
+    const std::size_t size = content.size();
+    content.resize(size + piece);
+    const zip_int64_t got = zip_fread(file.get(), content.data() + size, piece);
+    content.resize(size + static_cast<std::size_t>(std::max<zip_int64_t>(got, 0)));
+    if (got < 0 || content.size() > entry.size)
+      throw Error(ErrorCode::input, "cannot be unpacked: its data are damaged", place, std::string(damaged));
+    if (got == 0) return content;
+  }
+}
+
+zip_stat_t stat_of(zip_t* archive, zip_uint64_t index) {
+  zip_stat_t entry;
+  zip_stat_init(&entry);
+  constexpr zip_uint64_t needed = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_INDEX;
+  if (zip_stat_index(archive, index, 0, &entry) != 0 || (entry.valid & needed) != needed)
+    throw Error(ErrorCode::input, "the archive's table of contents is damaged", {}, std::string(damaged));
+  return entry;
+}
+
+}  // namespace
+
+std::vector<PackagePart> model_parts(std::string_view package, const std::string& name) try {
+  const Archive archive(package, ZIP_RDONLY);
+  std::vector<PackagePart> parts;
+  const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const zip_stat_t entry = stat_of(archive.get(), static_cast<zip_uint64_t>(i));
+    const std::string place = entry.name;
+    require_plausible(entry, place);
+    if (lower_case(place).ends_with(".model"))
+      parts.push_back({place, read_entry(archive.get(), entry, place)});
+  }
+  if (parts.empty())
+    throw Error(ErrorCode::input, "holds no 3D model", {}, "It is another kind of ZIP archive");
+  return parts;
+} catch (const Error& error) {
+  throw error.within(name);
+}
+
+std::string with_parts(std::string_view package, const std::vector<PackagePart>& parts) {
+  Archive archive(package, 0);
+  for (const PackagePart& part : parts) {
+    const zip_int64_t index = zip_name_locate(archive.get(), part.name.c_str(), 0);
+    zip_stat_t old;
+    zip_stat_init(&old);
+    zip_source_t* source =
+        index < 0 ? nullptr : zip_source_buffer(archive.get(), part.content.data(), part.content.size(), 0);
+    if (source == nullptr || zip_stat_index(archive.get(), static_cast<zip_uint64_t>(index), 0, &old) != 0 ||
+        zip_file_replace(archive.get(), static_cast<zip_uint64_t>(index), source, 0) != 0) {
+      if (source != nullptr) zip_source_free(source);
+      throw Error(ErrorCode::internal, "the part " + part.name + " cannot be replaced");
+    }
+    zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index),
+                             old.comp_method == ZIP_CM_STORE ? ZIP_CM_STORE : ZIP_CM_DEFLATE, 0);
+    zip_file_set_mtime(archive.get(), static_cast<zip_uint64_t>(index), old.mtime, 0);
+  }
+  return archive.close();
+}
+
+}  // namespace meshgraft::io

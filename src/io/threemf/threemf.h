@@ -1,0 +1,16 @@
+#pragma once
+
+#include "io/format.h"
+
+namespace meshgraft::io {
+
+/// 3MF, the 3D Manufacturing Format: a ZIP archive of XML. lib3mf says what the objects are and where they
+/// stand; coordinates are read and rewritten in the XML itself, so that they keep their digits and everything
+/// else its bytes.
+Format threemf_format();
+
+Mesh read_threemf(std::string content, const std::string& name, const Context& context);
+Written write_threemf(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
+                      const Context& context);
+
+}  // namespace meshgraft::io

@@ -1,0 +1,192 @@
+#include "xml.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <type_traits>
+
+#include <expat.h>
+
+#include <meshgraft/core/error.h>
+
+#include "io/number_text.h"
+
+namespace meshgraft::io {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
+
+/// Collects what a part holds while expat walks over the text. Exceptions wait until expat has returned: they
+/// must not cross its C code.
+class PartScanner {
+ public:
+  PartScanner(std::string_view xml, const std::string& place)
+      : xml_(xml), place_(place), parser_(XML_ParserCreateNS(nullptr, '|'), &XML_ParserFree) {
+    if (!parser_) throw std::bad_alloc();
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(parser_.get(), &start, &end);
+    XML_SetStartDoctypeDeclHandler(parser_.get(), &doctype);
+  }
+
+  ThreemfPart scan() {
+    constexpr std::size_t piece = std::size_t{1} << 28;  // expat takes an int
+    for (std::size_t at = 0; at <= xml_.size(); at += piece) {
+      const std::string_view text = xml_.substr(at, piece);
+      const bool last = at + piece > xml_.size();
+      const XML_Status status = XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), last);
+      if (failure_) std::rethrow_exception(failure_);
+      if (status != XML_STATUS_OK)
+        fail(std::string("is no well-formed XML: ") + XML_ErrorString(XML_GetErrorCode(parser_.get())),
+             "Export the model again");
+    }
+    for (ThreemfVertices& mesh : part_.meshes) finish(mesh);
+    return std::move(part_);
+  }
+
+ private:
+  static void XMLCALL start(void* self, const XML_Char* name, const XML_Char** attributes) {
+    static_cast<PartScanner*>(self)->guarded([&](PartScanner& c) { c.start_element(name, attributes); });
+  }
+  static void XMLCALL end(void* self, const XML_Char* name) {
+    static_cast<PartScanner*>(self)->guarded([&](PartScanner& c) {
+      if (local(name) == "vertices") c.inside_vertices_ = false;
+    });
+  }
+  static void XMLCALL doctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
+    static_cast<PartScanner*>(self)->guarded(
+        [](PartScanner& c) { c.fail("has a document type declaration, which 3MF forbids", "Remove it"); });
+  }
+
+  template <class Action>
+  void guarded(const Action& action) {
+    if (failure_) return;
+    try {
+      action(*this);
+    } catch (...) {
+      failure_ = std::current_exception();
+      XML_StopParser(parser_.get(), XML_FALSE);
+    }
+  }
+
+  // The name without its namespace, for elements of the core namespace; empty for others.
+  static std::string_view local(std::string_view name) {
+    constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/";
+    return name.starts_with(core) ? name.substr(name.rfind('|') + 1) : std::string_view();
+  }
+
+  void start_element(std::string_view name, const XML_Char** attributes) {
+    const std::string_view element = local(name);
+    if (element == "vertex" && inside_vertices_) return add_vertex(attributes);
+    if (element == "mesh") part_.meshes.emplace_back();
+    if (element == "vertices" && !part_.meshes.empty()) inside_vertices_ = true;
+    if (element == "object") object_ = value_of("id", attributes);
+    if (element == "component") part_.components[object_].push_back(reference(attributes));
+    if (element == "item") part_.items.push_back(reference(attributes));
+  }
+
+  static ThreemfReference reference(const XML_Char** attributes) {
+    constexpr std::string_view path = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06|path";
+    return {value_of(path, attributes), value_of("objectid", attributes)};
+  }
+
+  static std::string value_of(std::string_view name, const XML_Char** attributes) {
+    for (; *attributes != nullptr; attributes += 2)
+      if (name == attributes[0]) return attributes[1];
+    return {};
+  }
+
+  void add_vertex(const XML_Char** attributes) {
+    for (std::size_t axis = 0; axis < 3; ++axis) coordinates_.push_back(coordinate(axes[axis], attributes));
+    ThreemfVertices& mesh = part_.meshes.back();
+    mesh.tag_begin.push_back(static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())));
+    mesh.tag_length.push_back(static_cast<std::size_t>(XML_GetCurrentByteCount(parser_.get())));
+  }
+
+  double coordinate(std::string_view axis, const XML_Char** attributes) const {
+    for (; *attributes != nullptr; attributes += 2) {
+      if (axis != attributes[0]) continue;
+      std::string_view text = attributes[1];
+      while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+      while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+      const ParsedNumber number = parse_number(text, ScalarType::float64);
+      if (number.fault != NumberFault::none)
+        fail(std::string(axis) + " of a vertex: " + describe_fault(text, ScalarType::float64, number.fault),
+             remedy_for(text, number.fault));
+      return number.value;
+    }
+    fail("a vertex has no '" + std::string(axis) + "'", "Export the model again");
+  }
+
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+  // The collected numbers are those of all meshes one after another.
+  void finish(ThreemfVertices& mesh) {
+    const auto count = static_cast<Eigen::Index>(mesh.tag_begin.size());
+    mesh.positions = Eigen::Map<const Points>(coordinates_.data() + finished_, count, 3);
+    finished_ += 3 * static_cast<std::size_t>(count);
+  }
+
+  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const {
+    throw Error(ErrorCode::input, problem,
+                place_ + ", line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())), remedy);
+  }
+
+  std::string_view xml_;
+  const std::string& place_;
+  std::unique_ptr<std::remove_pointer_t<XML_Parser>, void (*)(XML_Parser)> parser_;
+  ThreemfPart part_;
+  std::string object_;
+  std::vector<double> coordinates_;
+  std::size_t finished_ = 0;
+  bool inside_vertices_ = false;
+  std::exception_ptr failure_;
+};
+
+/// The value of an attribute in a tag, between its quotes.
+std::string_view value_in(std::string_view tag, std::string_view attribute) {
+  for (std::size_t at = tag.find_first_of(" \t\r\n"); at < tag.size();) {
+    at = tag.find_first_not_of(" \t\r\n", at);
+    const std::size_t equals = tag.find('=', at);
+    const std::size_t open = tag.find_first_of("\"'", equals);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = tag.find(tag[open], open + 1);
+    std::string_view name = tag.substr(at, equals - at);
+    name = name.substr(0, name.find_last_not_of(" \t\r\n") + 1);
+    if (name == attribute) return tag.substr(open + 1, close - open - 1);
+    at = close + 1;
+  }
+  return {};
+}
+
+}  // namespace
+
+ThreemfPart scan_part(std::string_view xml, const std::string& place) { return PartScanner(xml, place).scan(); }
+
+bool is_utf8(std::string_view xml) { return !xml.starts_with("\xFF\xFE") && !xml.starts_with("\xFE\xFF"); }
+
+void append_tag(std::string& out, std::string_view tag, const Eigen::RowVector3d& from,
+                const Eigen::RowVector3d& to) {
+  struct Change {
+    std::string_view old;
+    double value;
+  };
+  std::vector<Change> changes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    if (!same_value(from(a), to(a))) changes.push_back({value_in(tag, axes[axis]), to(a)});
+  }
+  std::sort(changes.begin(), changes.end(),
+            [](const Change& a, const Change& b) { return a.old.data() < b.old.data(); });
+  const char* copied = tag.data();
+  for (const Change& change : changes) {
+    out.append(copied, change.old.data());
+    append_number(out, change.value, ScalarType::float64);
+    copied = change.old.data() + change.old.size();
+  }
+  out.append(copied, tag.data() + tag.size());
+}
+
+}  // namespace meshgraft::io

@@ -1,0 +1,88 @@
+#include <meshgraft/mesh/set_aside.h>
+
+#include <algorithm>
+
+#include "face_defects.h"
+#include "traced_faces.h"
+
+namespace meshgraft {
+
+namespace {
+
+bool is_refused(const TriageReport& triage) {
+  return std::ranges::any_of(triage.findings,
+                             [](const Finding& finding) { return finding.severity == Severity::refused; });
+}
+
+bool is_usable(const Mesh& mesh, Index face) {
+  return in_range(mesh, face) &&
+         std::ranges::all_of(mesh.faces[face], [&](Index v) { return mesh.positions.row(v).allFinite(); });
+}
+
+}  // namespace
+
+SetAside::SetAside(const Mesh& mesh, const TriageReport& triage, const std::string& name)
+    : given_(mesh), triage_(triage), name_(name) {
+  if (!is_refused(triage)) return;
+  TracedFaces kept;
+  std::vector<Between> corners;
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    if (!is_usable(mesh, f)) {
+      faces_.push_back(f);
+      continue;
+    }
+    corners.clear();
+    for (Index c = mesh.faces.first_corner(f); c < mesh.faces.first_corner(f + 1); ++c)
+      corners.push_back(same(c));
+    kept.add(mesh.faces[f], corners, f);
+  }
+  if (kept.faces.size() == 0) require_usable(triage, mesh, {}, name);
+
+  Mesh& usable = usable_.emplace();
+  usable.source = mesh.source;
+  usable.positions = mesh.positions;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    if (mesh.positions.row(v).allFinite()) continue;
+    non_finite_.push_back(v);
+    usable.positions.row(v) = mesh.positions.row(kept.faces[0][0]);
+  }
+  std::vector<Between> faces;
+  for (const Index f : kept.face_origin) faces.push_back(same(f));
+  for (const Attribute& attribute : mesh.attributes) {
+    if (attribute.domain == Domain::vertex)
+      usable.attributes.push_back(attribute);
+    else
+      usable.attributes.push_back(
+          carry(attribute, attribute.domain == Domain::face ? faces : kept.corner_origin));
+  }
+  usable.faces = std::move(kept.faces);
+}
+
+std::string SetAside::note() const {
+  if (faces_.empty()) return {};
+  return name_ + ": " + std::to_string(faces_.size()) +
+         (faces_.size() == 1 ? " face that has no place was left out"
+                             : " faces that have no place were left out") +
+         " ('meshgraft check' names the vertices without finite coordinates and the indices out of range)";
+}
+
+void SetAside::require_beyond(std::span<const Index> reach) const {
+  if (!usable_) return;
+  std::vector<char> within(given_.vertex_count(), 0);
+  for (const Index v : reach) within[v] = 1;
+  // A finding may be of the one vertex that a face has beyond reach.
+  std::vector<Index> touched;
+  for (const Index f : faces_) {
+    const auto face = given_.faces[f];
+    if (std::ranges::any_of(face, [&](Index v) { return is_vertex_of(given_, v) && within[v]; }))
+      touched.insert(touched.end(), face.begin(), face.end());
+  }
+  if (!touched.empty()) require_usable(triage_, given_, touched, name_);
+}
+
+void SetAside::put_back(const IndexMap& vertex, Mesh& result) const {
+  for (const Index v : non_finite_)
+    if (const Index now = vertex.new_index[v]; now >= 0) result.positions.row(now) = given_.positions.row(v);
+}
+
+}  // namespace meshgraft
