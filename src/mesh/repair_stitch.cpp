@@ -235,33 +235,39 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
 
   TornEdges torn;
   torn.on.resize(corners.size());
-  for (Index e = 0; e < table.edge_count(); ++e) {
-    if (table.half_edges[e].size() != 1) continue;
-    const Index c = table.half_edges[e][0], a = corners[c], b = corners[table.next[c]];
+  const auto look_along = [&](Index c) {
+    const Index a = corners[c], b = corners[table.next[c]];
     const auto face = surface.faces()[surface.face_of(c)];
-    std::vector<Index> candidates;
     for (const Index place : tree.near_segment(positions.row(a), positions.row(b), widest)) {
-      if (!place_on(positions, a, b, positions.row(place), 0, widest)) continue;
-      const auto there = places.vertices_at(place);
-      candidates.insert(candidates.end(), there.begin(), there.end());
-    }
-    for (const Index v : candidates) {
-      if (std::find(face.begin(), face.end(), v) != face.end()) continue;
-      const double reach = std::min(widest, 0.1 * shortest[v]);
-      const auto t = place_on(positions, a, b, positions.row(v), reach, reach);
-      // A boundary edge must run along this one too: surfaces that touch in a place stay as they are.
-      const bool runs_along = t && std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](Index w) {
-                                const Eigen::RowVector3d point = positions.row(w);
-                                return (point - positions.row(a)).norm() <= reach ||
-                                       (point - positions.row(b)).norm() <= reach ||
-                                       place_on(positions, a, b, point, reach, reach);
-                              });
-      if (!runs_along) continue;
-      torn.on[c].push_back({*t, v});
-      torn.vertices.push_back(v);
+      const bool at_end = positions.row(place) == positions.row(a) || positions.row(place) == positions.row(b);
+      if (at_end || !place_on(positions, a, b, positions.row(place), 0, widest)) continue;
+      for (const Index v : places.vertices_at(place)) {
+        if (std::find(face.begin(), face.end(), v) != face.end()) continue;
+        const double reach = std::min(widest, 0.1 * shortest[v]);
+        const auto t = place_on(positions, a, b, positions.row(v), reach, reach);
+        // A boundary edge must run along this one too: surfaces that touch in a place stay as they are.
+        const bool runs_along = t && std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](Index w) {
+                                  const Eigen::RowVector3d point = positions.row(w);
+                                  return (point - positions.row(a)).norm() <= reach ||
+                                         (point - positions.row(b)).norm() <= reach ||
+                                         place_on(positions, a, b, point, reach, reach);
+                                });
+        if (runs_along) torn.on[c].push_back({*t, v});
+      }
     }
     std::sort(torn.on[c].begin(), torn.on[c].end(), [](const OnEdge& x, const OnEdge& y) { return x.t < y.t; });
-  }
+  };
+  if (!corners.empty()) surface.face_of(0);  // makes the table, before threads ask
+  parallel_blocks(
+      static_cast<std::size_t>(table.edge_count()),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e)
+          if (table.half_edges[static_cast<Index>(e)].size() == 1)
+            look_along(table.half_edges[static_cast<Index>(e)][0]);
+      },
+      surface.context());
+  for (const auto& on : torn.on)
+    for (const OnEdge& one : on) torn.vertices.push_back(one.vertex);
   std::sort(torn.vertices.begin(), torn.vertices.end());
   torn.vertices.erase(std::unique(torn.vertices.begin(), torn.vertices.end()), torn.vertices.end());
   return torn;
