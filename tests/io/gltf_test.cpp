@@ -450,6 +450,18 @@ TEST(Gltf, AccessorsInOtherUseStay) {
   EXPECT_LT((read_mesh(folder / "b.glb").positions - mesh.positions).norm(), 1e-6);
 }
 
+TEST(Gltf, AccessorsOfExtensionsStay) {
+  const TemporaryFolder folder;
+  GltfBuilder b = plain_square();
+  b.json["nodes"][0]["extensions"] = {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 0}}}}}};
+  const std::string before = b.glb();
+  Mesh mesh = folder.mesh("a.glb", before);
+  mesh.positions(0, 2) = 1;
+  const GlbParts after = parts_of(folder.written(mesh, "b.glb"));
+  EXPECT_EQ(accessor_bytes(after, 0), accessor_bytes(parts_of(before), 0));
+  EXPECT_LT((read_mesh(folder / "b.glb").positions - mesh.positions).norm(), 1e-6);
+}
+
 TEST(Gltf, ValuesBeyondTheRangeOfIntegersBecomeFloats) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh("a.glb", quantised().glb());

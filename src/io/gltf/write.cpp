@@ -89,6 +89,21 @@ class Usage {
         count(sampler, "input");
         count(sampler, "output");
       }
+    count_in_extensions(edit_.json, false);
+  }
+
+  /// Only an extension knows where it names accessors: what may be such a name counts as one.
+  void count_in_extensions(const Json& json, bool within) {
+    if (!json.is_structured()) return;
+    for (const auto& member : json.items()) {
+      const Json& value = member.value();
+      if (within && json.is_object()) {
+        if (member.key() == "attributes") count_all(value);
+        for (const char* key : {"accessor", "indices", "input", "output"})
+          if (member.key() == key) count(json, key);
+      }
+      count_in_extensions(value, within || (json.is_object() && member.key() == "extensions"));
+    }
   }
 
   void add_spans(std::size_t index) {
