@@ -131,7 +131,7 @@ class CholmodSolver final : public LinearSolver {
   void check(const char* stage) const {
     if (common_.status == CHOLMOD_OK) return;
     if (common_.status == CHOLMOD_OUT_OF_MEMORY)
-      throw Error(ErrorCode::unsolvable, fmt::format("not enough memory for the {}", stage), "",
+      throw Error(ErrorCode::memory, fmt::format("not enough memory for the {}", stage), "",
                   "Choose a smaller region");
     throw Error(ErrorCode::internal,
                 fmt::format("CHOLMOD failed in the {} (status {})", stage, common_.status));
