@@ -72,14 +72,15 @@ CutAlong along(const CutArguments& arguments) {
   return {parse_plane(arguments.plane, "--plane"), {}};
 }
 
-CutResult cut(const Mesh& mesh, const CutAlong& along, const CutArguments& arguments, const Context& context) {
+CutResult cut(const SetAside& usable, const CutAlong& along, const CutArguments& arguments,
+              const Context& context) {
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
   try {
-    if (!along.plane) return cut_along_loop(mesh, along.loop, options, context);
-    return cut_by_plane(mesh, along.plane->point, along.plane->normal, options, context);
+    if (!along.plane) return cut_along_loop(usable.mesh(), along.loop, options, context);
+    return cut_by_plane(usable.mesh(), along.plane->point, along.plane->normal, options, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw error.within(arguments.by());
+    throw usable.explained(error).within(arguments.by());
   }
 }
 
@@ -241,7 +242,8 @@ void run_cut(const CutArguments& arguments, const Context& context) {
   const Mesh mesh = read_mesh(arguments.mesh, context);
   const TriageReport findings = triage(mesh, context);
   const SetAside usable(mesh, findings, arguments.mesh.string());
-  CutResult result = cut(usable.mesh(), asked, arguments, context);
+  usable.require_beyond(asked.loop);
+  CutResult result = cut(usable, asked, arguments, context);
   usable.require_beyond(vertices_at_cut(result));
   const CutFacts facts = gather(result);
   WrittenOutputs written = write_outputs(arguments, usable, result, context);

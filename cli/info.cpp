@@ -100,7 +100,8 @@ void line(std::string_view label, const std::string& text) { fmt::print("  {:<12
 // What keeps a loop from being merged; the findings tell more.
 std::string defects_along(const MeshFacts& facts, const std::vector<Index>& loop) {
   std::string text;
-  for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
+  for (const char* defect :
+       {"non-finite", "non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
     const Finding* finding = facts.triage.find(defect);
     if (!finding) continue;
     const auto here = std::find_if(loop.begin(), loop.end(), [&](Index v) {

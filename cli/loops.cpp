@@ -16,7 +16,7 @@ std::vector<LoopFacts> loop_facts(const Mesh& mesh, const std::vector<std::vecto
       one.length += length;
       moment += length * ((a + b) / 2 - mesh.positions.row(loop.front()));
     }
-    if (one.length > 0) one.centre += moment / one.length;
+    if (one.length != 0) one.centre += moment / one.length;  // no number where a vertex has no place
     facts.push_back(one);
   }
   return facts;

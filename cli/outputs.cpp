@@ -22,8 +22,9 @@ bool same_file(const fs::path& a, const fs::path& b) {
   if (fs::equivalent(a, b, missing) && !missing) return true;
   const auto whole = [](const fs::path& path) {
     std::error_code error;  // behind /dev/stdout may be no path, and links may go round in a circle
-    const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
-    return error ? fs::absolute(path).lexically_normal() : canonical;
+    const fs::path end = fs::absolute(follow_links(path));
+    const fs::path canonical = fs::weakly_canonical(end, error);
+    return error ? end.lexically_normal() : canonical;
   };
   return whole(a) == whole(b);
 }
@@ -110,7 +111,7 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
                     "Choose another name.");
     }
   }
-  require_mesh_format(outputs.mesh);
+  if (!outputs.mesh.empty()) require_mesh_format(outputs.mesh);
 }
 
 void write_result(EditResult& result, const fs::path& output, const WriteOptions& options,

@@ -131,9 +131,11 @@ void write_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh
   }
 #endif
   context.step("write");
-  const WriteResult mesh = write_mesh(result.mesh, arguments.output, {}, context);
-  for (const std::filesystem::path& file : mesh.files) written.files.push_back(file.string());
-  written.notes = mesh.notes;
+  if (!arguments.dry_run) {
+    const WriteResult mesh = write_mesh(result.mesh, arguments.output, {}, context);
+    for (const std::filesystem::path& file : mesh.files) written.files.push_back(file.string());
+    written.notes = mesh.notes;
+  }
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);
@@ -143,13 +145,11 @@ void write_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh
 }
 
 void check_outputs(const RepairArguments& arguments) {
-  if (arguments.dry_run) {
-    if (!arguments.report.empty()) require_outputs({.report = arguments.report}, {arguments.mesh}, {}, false);
-    return;
-  }
-  if (arguments.output.empty())
+  if (arguments.output.empty() && !arguments.dry_run)
     throw Error(ErrorCode::usage, "where to? -o FILE is missing", "repair", "Or look first, with --dry-run.");
-  require_outputs({.mesh = arguments.output, .picture = arguments.picture, .report = arguments.report},
+  require_outputs({.mesh = arguments.dry_run ? std::filesystem::path() : arguments.output,
+                   .picture = arguments.picture,
+                   .report = arguments.report},
                   {arguments.mesh}, {}, arguments.force);
 #ifdef MESHGRAFT_HAS_RENDER
   quick_options_of(arguments.view);
@@ -170,7 +170,7 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
                 "'--dry-run' tells what is wrong with them.");
   const TriageReport left = triage(result.mesh, context);
   WrittenOutputs written;
-  if (!arguments.dry_run) write_outputs(arguments, given, result, written, context);
+  write_outputs(arguments, given, result, written, context);
   const auto dump = [&](bool with_maps) {
     return report_json(arguments, given, result, left, written, with_maps)
                .dump(2, ' ', false, Json::error_handler_t::replace) +

@@ -87,6 +87,12 @@ Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, con
   if (handle.vertices.empty())
     throw Error(ErrorCode::input, fmt::format("the handle '{}' has no vertices", spec.name), select,
                 "Look at the mesh's bounding box with 'meshgraft info' and make the selection larger.");
+  for (const Index v : handle.vertices)
+    if (!context.mesh.positions.row(v).allFinite())
+      throw Error(ErrorCode::input,
+                  fmt::format("the handle '{}' has vertex {}, a coordinate of which is not a finite number",
+                              spec.name, v),
+                  select, "Leave it out, or remove it first: 'meshgraft repair' does.");
   if (spec.shape == HandleShape::vertex && handle.vertices.size() != 1)
     throw Error(ErrorCode::input,
                 fmt::format("a handle of shape 'vertex' has one vertex, not {}", handle.vertices.size()),

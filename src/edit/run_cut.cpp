@@ -55,13 +55,14 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
   context.step("cut");
   CutResult result;
   try {
+    if (const auto* loop = std::get_if<std::vector<Index>>(&step.along)) usable.require_beyond(*loop);
     result = cut(usable.mesh(), step, context);
     usable.require_beyond(vertices_at_cut(result));
     usable.put_back(result.vertex, result.mesh);
     if (std::string note = usable.note(); !note.empty()) report.notes.push_back(std::move(note));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw error.within(place);
+    throw usable.explained(error).within(place);
   }
   report.seconds.solve = watch.lap();
   ProducedSets produced;

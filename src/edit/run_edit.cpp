@@ -49,9 +49,15 @@ std::string label_of(const EditInput& input) {
 
 void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionContext& selections,
                                  int reach) {
-  const std::vector<Index> vertices =
-      region.whole ? std::vector<Index>() : grow_rings(region.vertices, reach, selections.rings);
-  require_usable(scene.triage, selections.mesh, vertices, scene.label);
+  std::vector<Index> vertices = region.vertices;
+  if (region.whole) {
+    vertices.resize(static_cast<std::size_t>(selections.mesh.vertex_count()));
+    std::iota(vertices.begin(), vertices.end(), Index{0});
+  }
+  vertices = grow_rings(vertices, reach, selections.rings);
+  // No equation has what no face has.
+  std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
+  if (!vertices.empty()) require_usable(scene.triage, selections.mesh, vertices, scene.label);
 }
 
 // All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.

@@ -35,6 +35,16 @@ struct Side {
         context(scene.mesh),
         selections(edit, context, scene.produced) {}
 
+  // Refuses a vertex that is meant by its number and has no place, or a bad face.
+  void require_usable(Index vertex, const std::string& place) const {
+    if (vertex < 0 || vertex >= scene.mesh.vertex_count()) return;  // said where it is used
+    try {
+      usable.require_beyond(std::vector<Index>{vertex});
+    } catch (const Error& error) {
+      throw error.within(place);
+    }
+  }
+
   // The vertices that the merge removed, or that faces of the seam have.
   std::vector<Index> reached(const IndexMap& map, const Mesh& result,
                              const std::vector<Index>& new_faces) const {
@@ -415,6 +425,12 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
     pairs = resolve_pairs(step, source, target, place);
   outcome.options = resolve_options(step, source, options.overrides, place);
   require_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
+  for (const MatchSpec& pair : step.align) {
+    if (const auto* number = std::get_if<Index>(&pair.source)) source.require_usable(*number, place + ".align");
+    if (const auto* number = std::get_if<Index>(&pair.target)) target.require_usable(*number, place + ".align");
+  }
+  if (step.at)
+    if (const auto* number = std::get_if<Index>(&step.at->place)) target.require_usable(*number, place + ".at");
   for (const MergePair& pair : pairs) {
     source.usable.require_beyond(pair.loops.source);
     target.usable.require_beyond(pair.loops.target);
@@ -441,7 +457,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
     }
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw placed(error, place);
+    throw placed(target.usable.explained(source.usable.explained(error)), place);
   }
   // What remains is the hole's, and that of sizes that were tried before.
   report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);

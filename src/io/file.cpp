@@ -159,18 +159,6 @@ class PendingFile::TemporaryFile {
 
 namespace {
 
-/// Where a symbolic link leads, whether there is a file or not, so that this is written and the link stays.
-fs::path resolve_link(fs::path path) {
-  constexpr int most_links = 40;  // Linux follows as many
-  std::error_code error;
-  for (int k = 0; k < most_links && fs::is_symlink(path, error); ++k) {
-    const fs::path next = fs::read_symlink(path, error);
-    if (error) break;
-    path = path.parent_path() / next;  // an absolute one replaces the folder
-  }
-  return path;
-}
-
 /// Pipes and devices have no old content to protect: the bytes simply go there.
 void write_through(const fs::path& path, std::string_view content) {
   Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
@@ -213,7 +201,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
     return;
   }
   if (exists && existing == Existing::refuse) refuse_existing(path);
-  target_ = resolve_link(path);  // not before: behind /dev/stdout is no path
+  target_ = follow_links(path);  // not before: behind /dev/stdout is no path
   // A rename would replace even a write-protected file.
   if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
     fail(path, "cannot be replaced", errno);
@@ -242,6 +230,17 @@ void write_file(const fs::path& path, std::string_view content, Existing existin
 
 void write_file_atomically(const fs::path& path, std::string_view content) {
   io::write_file(path, content, io::Existing::replace);
+}
+
+fs::path follow_links(fs::path path) {
+  constexpr int most_links = 40;  // Linux follows as many
+  std::error_code error;
+  for (int k = 0; k < most_links && fs::is_symlink(path, error); ++k) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = path.parent_path() / next;  // an absolute one replaces the folder
+  }
+  return path;
 }
 
 std::string read_file(const fs::path& path) {

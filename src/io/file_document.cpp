@@ -44,7 +44,7 @@ std::vector<std::string> left_out_notes(const Mesh& mesh) {
   for (const FileDocument* document : documents_of(mesh)) {
     const std::vector<std::string> lost = document->beside_the_mesh();
     if (!lost.empty())
-      notes.push_back(fmt::format("of {} this is left out, for the faces are new: {}",
+      notes.push_back(fmt::format("of {} this is left out, for the file is composed anew: {}",
                                   document->path.filename().string(), fmt::join(lost, ", ")));
   }
   return notes;

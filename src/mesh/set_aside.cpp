@@ -80,6 +80,13 @@ void SetAside::require_beyond(std::span<const Index> reach) const {
   if (!touched.empty()) require_usable(triage_, given_, touched, name_);
 }
 
+Error SetAside::explained(const Error& error) const {
+  if (faces_.empty()) return error;
+  std::string remedy = error.remedy();
+  if (!remedy.empty() && remedy.back() != '.') remedy += '.';
+  return Error(error.code(), error.problem(), error.place(), remedy + (remedy.empty() ? "" : " ") + note());
+}
+
 void SetAside::put_back(const IndexMap& vertex, Mesh& result) const {
   for (const Index v : non_finite_)
     if (const Index now = vertex.new_index[v]; now >= 0) result.positions.row(now) = given_.positions.row(v);

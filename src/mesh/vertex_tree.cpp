@@ -1,7 +1,6 @@
 #include "vertex_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -28,19 +27,28 @@ struct PointSet {
   }
 };
 
-// What nanoflann asks of a place for results: those in a ball, unless there are more than a few.
-struct FewInBall {
-  double squared_radius = 0;
-  std::array<std::uint32_t, 32> items{};
-  std::size_t count = 0;
-  bool overflow = false;
+// A straight way, from 0 to 1.
+struct Way {
+  Eigen::RowVector3d from, along;
+  double per_length = along.isZero(0) ? 0 : 1 / along.squaredNorm();  // squared
 
-  bool full() const { return true; }
-  double worstDist() const { return squared_radius; }
-  bool addPoint(double, std::uint32_t k) {
-    overflow = count == items.size();
-    if (!overflow) items[count++] = k;
-    return !overflow;
+  // The part of [begin, end] where a coordinate is at most (at least) `bound`; empty: begin > end.
+  void clip(int axis, double bound, bool at_most, double& begin, double& end) const {
+    const double start = from[axis] - bound, speed = along[axis];
+    if (speed == 0) {
+      if (at_most ? start > 0 : start < 0) end = begin - 1;
+      return;
+    }
+    const double t = -start / speed;
+    if ((speed > 0) == at_most)
+      end = std::min(end, t);
+    else
+      begin = std::max(begin, t);
+  }
+
+  double squared_distance(const Eigen::RowVector3d& point) const {
+    const double t = std::clamp((point - from).dot(along) * per_length, 0.0, 1.0);
+    return (point - from - t * along).squaredNorm();
   }
 };
 
@@ -60,21 +68,24 @@ struct VertexTree::Tree {
     for (const auto& [k, distance] : near) found.push_back(points.vertices[k]);
   }
 
-  // By balls around pieces of the way: the shorter the pieces, the less lies in the balls aside of it.
-  void collect_near(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b, double reach,
+  // Down to the leaves that the way comes near, a side's share of it at a time; nanoflann has searches around
+  // points alone, and a ball around a long way holds far more than is near it.
+  void collect_near(const Search::Node* node, const Way& way, double begin, double end, double reach,
                     std::vector<Index>& found) const {
-    const Eigen::RowVector3d middle = (a + b) / 2;
-    const double half = (b - a).norm() / 2, radius = half + reach;
-    FewInBall few{.squared_radius = std::nextafter(radius * radius, 1e300)};
-    search.findNeighbors(few, middle.data(), nanoflann::SearchParams());
-    if (!few.overflow) {
-      for (std::size_t i = 0; i < few.count; ++i) found.push_back(points.vertices[few.items[i]]);
+    if (!(begin <= end)) return;
+    if (node->child1 == nullptr) {
+      for (auto i = node->node_type.lr.left; i < node->node_type.lr.right; ++i) {
+        const Index v = points.vertices[search.vAcc[i]];
+        if (way.squared_distance(points.positions.row(v)) <= reach * reach) found.push_back(v);
+      }
       return;
     }
-    const bool is_short = half <= 2 * reach || middle == a || middle == b;
-    if (is_short) return collect(middle, radius, found);
-    collect_near(a, middle, reach, found);
-    collect_near(middle, b, reach, found);
+    const auto& cut = node->node_type.sub;
+    double low_begin = begin, low_end = end;
+    way.clip(cut.divfeat, cut.divlow + reach, true, low_begin, low_end);
+    collect_near(node->child1, way, low_begin, low_end, reach, found);
+    way.clip(cut.divfeat, cut.divhigh - reach, false, begin, end);
+    collect_near(node->child2, way, begin, end, reach, found);
   }
 };
 
@@ -102,9 +113,11 @@ std::vector<Index> VertexTree::within(const Eigen::RowVector3d& point, double ra
 std::vector<Index> VertexTree::near_segment(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
                                             double reach) const {
   std::vector<Index> found;
-  if (tree_) tree_->collect_near(a, b, reach, found);
+  // Rounding may put what is on the way beside it.
+  constexpr double rounding = 1e-14;
+  const double widened = reach + rounding * (a.cwiseAbs() + b.cwiseAbs()).maxCoeff();
+  if (tree_) tree_->collect_near(tree_->search.root_node, {a, b - a}, 0, 1, widened, found);
   std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

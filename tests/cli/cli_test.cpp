@@ -812,6 +812,37 @@ TEST_F(CommandLine, PointsAloneAreNoSurface) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.ply"));
 }
 
+TEST_F(CommandLine, ADryRepairReportsWithoutAnOutput) {
+  write("damaged.obj", sheet() + "f 1 1 1\n");
+  const Outcome dry = run("repair damaged.obj --dry-run --report dry.json --picture dry.png");
+  EXPECT_EQ(dry.status, 0) << dry.err;
+  EXPECT_EQ(json::parse(read_text(folder_ / "dry.json"))["changes"].size(), 1);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "dry.png"));
+}
+
+TEST_F(CommandLine, OutputsThatLinksMakeOneAreRefused) {
+  std::filesystem::create_symlink("later.obj", folder_ / "link.obj");  // to nothing yet
+  EXPECT_EQ(run("repair sheet.obj -o later.obj --report link.obj").status, 2);
+  EXPECT_EQ(run("repair sheet.obj -o link.obj --report later.obj").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "later.obj"));
+}
+
+TEST_F(CommandLine, VerticesWithoutAPlaceAreNamedWhereTheyMatter) {
+  write("ball.json", R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "nan.off"}},
+      "steps": [{"kind": "deform", "mesh": "a", "region": "all",
+                 "handles": [{"name": "h", "select": {"indices": [2]}, "pose": {"translate": [1, 0, 0]}}]}]})");
+  // A square of triangles about vertex 4, with a bad corner 2.
+  write("nan.off", "OFF 5 4 0\n0 0 0\n1 0 0\n1 nan 0\n0 1 0\n.5 .5 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n");
+  const Outcome posed = run("deform ball.json -o out.ply");
+  EXPECT_EQ(posed.status, 3);
+  EXPECT_NE(posed.err.find("vertex 2"), std::string::npos) << posed.err;
+  const Outcome cut = run("cut nan.off --loop 1,2,3 -o out.off");
+  EXPECT_EQ(cut.status, 3);
+  EXPECT_NE(cut.err.find("within reach: vertex 2"), std::string::npos) << cut.err;
+  EXPECT_NE(run("info nan.off").out.find("non-finite at vertex 2"), std::string::npos)
+      << run("info nan.off").out;
+}
+
 TEST_F(CommandLine, RepairGivesACleanFileBack) {
   const Outcome outcome = run("repair sheet.obj -o same.obj");
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -445,6 +445,14 @@ TEST(Obj, ContinuedLinesAreOneWhateverTheyHold) {
   }
 }
 
+TEST(Obj, ABackslashMayBeTheLastCharacter) {
+  const TemporaryFolder folder;
+  const std::string content = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 \\";
+  const Mesh mesh = folder.mesh("in.obj", content);
+  EXPECT_EQ(mesh.face_count(), 1);
+  EXPECT_EQ(folder.written(mesh, "same.obj"), content);
+}
+
 TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   const std::vector<BadFile> bad_files = {

@@ -62,6 +62,9 @@ std::vector<std::filesystem::path> files_behind(const std::filesystem::path& pat
 /// file beside it, flushed, then renamed). Throws Error(io), leaving no temporary file behind.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
+/// Where a path leads through symbolic links, whether there is a file or not.
+std::filesystem::path follow_links(std::filesystem::path path);
+
 /// A whole file as bytes. Throws Error(io) with a reason and a remedy (no such file, a folder, no permission).
 std::string read_file(const std::filesystem::path& path);
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/triage.h>
 
@@ -28,6 +29,10 @@ class SetAside {
 
   /// Throws Error(input) if a face that was left out has one of the vertices in `reach`.
   void require_beyond(std::span<const Index> reach) const;
+
+  /// The error of a step that worked on `mesh()`, which may be about a boundary that only this mesh has: with
+  /// what was left out, if anything was.
+  Error explained(const Error& error) const;
 
   /// Gives the copies in `result` of vertices without finite coordinates these coordinates again. `vertex` maps
   /// from the given mesh.

@@ -434,7 +434,8 @@ std::size_t ObjCursor::continuation_size() const {
   if (content_[offset_] != '\\') return 0;
   const std::string_view after = content_.substr(offset_ + 1, 2);
   if (after == "\r\n") return 3;
-  return !after.empty() && is_line_end(after[0]) ? 2 : 0;
+  if (after.empty()) return 1;
+  return is_line_end(after[0]) ? 2 : 0;
 }
 
 bool parse_obj_corner(std::string_view word, ObjCorner& corner) {

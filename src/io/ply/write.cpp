@@ -76,6 +76,7 @@ class PlyPatcher {
 
   std::vector<Column> columns_of(const PlyElement& element, const PlyTable& table) const {
     std::vector<Column> columns(element.properties.size());
+    if (element.count == 0) return columns;
     for (const PlyBinding& binding : table.bindings) {
       Column& column = columns[binding.property];
       if (binding.attribute.empty()) {
