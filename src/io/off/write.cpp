@@ -103,7 +103,7 @@ class OffPatcher {
 
   void patch_index(double value) {
     const double old = parse_number(words_[0], ScalarType::int32).value;
-    if (std::isnan(value) || same_value(old, value)) return;
+    if (std::isnan(value) || old == value) return;  // -0 is 0
     out_.replace(words_[0], std::to_string(static_cast<std::int64_t>(std::nearbyint(value))));
   }
 
