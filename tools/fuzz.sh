@@ -14,7 +14,7 @@ run() {
   local target=$1 corpus=build/fuzz/corpus/$1 broken=build/fuzz/broken/$1 longest=65536
   mkdir -p "$corpus" "$broken"
   build/fuzz/fuzz/fuzz_"$target" "$corpus" "fuzz/seeds/$target" -max_total_time="$seconds" -max_len=$longest \
-    -rss_limit_mb=2048 -timeout=20 -print_final_stats=1 -artifact_prefix="$broken/" \
+    -rss_limit_mb=2048 -timeout=60 -report_slow_units=60 -print_final_stats=1 -artifact_prefix="$broken/" \
     >"build/fuzz/$target.log" 2>&1 || true
 }
 export -f run
