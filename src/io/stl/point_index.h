@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <meshgraft/mesh/mesh.h>
@@ -24,9 +26,7 @@ class PointIndex {
   using Point = std::array<Real, 3>;
 
   explicit PointIndex(std::size_t expected_points) {
-    points_.reserve(expected_points);
     table_.reserve(std::bit_ceil(std::max<std::size_t>(2 * expected_points, 64)));
-    prefer_huge_pages(points_.data(), points_.capacity());
     prefer_huge_pages(table_.data(), table_.capacity());
     table_.resize(table_.capacity(), empty);
   }
@@ -45,26 +45,48 @@ class PointIndex {
       }
       for (std::size_t i = 0; i < part.size(); ++i) {
         const Index number = table_[slots[i]];
-        if (number != empty) __builtin_prefetch(points_.data() + number);
+        if (number != empty) __builtin_prefetch(&point(number));
       }
       for (std::size_t i = 0; i < part.size(); ++i) *numbers++ = number_of(part[i], slots[i]);
       points = points.subspan(part.size());
     }
   }
 
-  /// The points in the order of their numbers; the table goes.
-  const std::vector<Point>& finish() {
+  /// The points in the order of their numbers. The index gives back its memory on the way.
+  Points take() {
     table_ = {};
-    return points_;
+    Points positions(static_cast<Eigen::Index>(count_), 3);
+    prefer_huge_pages(positions.data(), 3 * count_);
+    double* to = positions.data();
+    std::size_t left = std::exchange(count_, 0);
+    for (auto& points : blocks_) {
+      const std::size_t size = std::min(left, block_size);
+      for (std::size_t k = 0; k < size; ++k) to = std::copy(points[k].begin(), points[k].end(), to);
+      left -= size;
+      points.reset();
+    }
+    blocks_.clear();
+    return positions;
   }
 
  private:
   static constexpr Index empty = -1;
+  static constexpr std::size_t block_bits = 16, block_size = std::size_t{1} << block_bits;
+
+  Point& point(Index number) {
+    const auto n = static_cast<std::size_t>(number);
+    return blocks_[n >> block_bits][n & (block_size - 1)];
+  }
+
+  void push_back(const Point& value) {
+    if (count_ % block_size == 0) blocks_.push_back(std::make_unique_for_overwrite<Point[]>(block_size));
+    point(static_cast<Index>(count_++)) = value;
+  }
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
 
-  std::size_t slot_of(const Point& point) const {
+  std::size_t slot_of(const Point& value) const {
     std::uint64_t hash = 0;
-    for (const Real coordinate : point) {
+    for (const Real coordinate : value) {
       // Adding 0 makes -0 into 0. Multiplying moves differences up, shifting brings them down again.
       hash = (hash ^ std::bit_cast<Bits>(coordinate + Real{0})) * 0x9E3779B97F4A7C15u;
       hash ^= hash >> 32;
@@ -72,35 +94,38 @@ class PointIndex {
     return static_cast<std::size_t>(hash) & (table_.size() - 1);
   }
 
-  Index number_of(const Point& point, std::size_t slot) {
-    const auto next = static_cast<Index>(points_.size());
-    if (std::ranges::any_of(point, [](Real coordinate) { return std::isnan(coordinate); })) {
-      points_.push_back(point);
+  Index number_of(const Point& value, std::size_t slot) {
+    const auto next = static_cast<Index>(count_);
+    if (std::ranges::any_of(value, [](Real coordinate) { return std::isnan(coordinate); })) {
+      push_back(value);
       return next;
     }
     for (;; slot = (slot + 1) & (table_.size() - 1)) {
       const Index number = table_[slot];
       if (number == empty) {
         table_[slot] = next;
-        points_.push_back(point);
+        push_back(value);
         return next;
       }
-      if (points_[static_cast<std::size_t>(number)] == point) return number;
+      if (point(number) == value) return number;
     }
   }
 
   void reserve(std::size_t more) {
-    if (2 * (points_.size() + more) <= table_.size()) return;
+    if (2 * (count_ + more) <= table_.size()) return;
     table_.assign(2 * table_.size(), empty);
-    for (std::size_t p = 0; p < points_.size(); ++p) {
-      if (std::ranges::any_of(points_[p], [](Real coordinate) { return std::isnan(coordinate); })) continue;
-      std::size_t slot = slot_of(points_[p]);
+    for (Index p = 0; p < static_cast<Index>(count_); ++p) {
+      const Point& value = point(p);
+      if (std::ranges::any_of(value, [](Real coordinate) { return std::isnan(coordinate); })) continue;
+      std::size_t slot = slot_of(value);
       while (table_[slot] != empty) slot = (slot + 1) & (table_.size() - 1);
-      table_[slot] = static_cast<Index>(p);
+      table_[slot] = p;
     }
   }
 
-  std::vector<Point> points_;
+  // In blocks, so that nothing is copied as they grow, and they go one by one.
+  std::vector<std::unique_ptr<Point[]>> blocks_;
+  std::size_t count_ = 0;
   std::vector<Index> table_;  // a power of two
 };
 

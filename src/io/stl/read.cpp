@@ -36,15 +36,6 @@ bool begins_with_solid(std::string_view content) {
 
 bool is_text(std::string_view content) { return content.find('\0') == std::string_view::npos; }
 
-template <class Real>
-Points to_positions(const std::vector<std::array<Real, 3>>& points) {
-  Points positions(static_cast<Eigen::Index>(points.size()), 3);
-  prefer_huge_pages(positions.data(), 3 * points.size());
-  double* to = positions.data();
-  for (const auto& point : points) to = std::copy(point.begin(), point.end(), to);
-  return positions;
-}
-
 /// The same bytes in the other order, on machines that need it.
 template <class Bits>
 Bits little_endian(Bits bits) {
@@ -114,7 +105,7 @@ class StlReader {
       points.add({places.data(), 3 * size}, corners.data());
       for (std::size_t f = 0; f < size; ++f) mesh_.faces.push_back({corners.data() + 3 * f, 3});
     }
-    mesh_.positions = to_positions(points.finish());
+    mesh_.positions = points.take();
     add_attribute(count);
   }
 
@@ -158,7 +149,7 @@ class StlReader {
       mesh_.faces.push_back(numbers);
       objects.push_back(object);
     }
-    mesh_.positions = to_positions(points.finish());
+    mesh_.positions = points.take();
     if (cursor.solid_count() < 2) return;
     add_face_values("object", ScalarType::int32, std::move(objects)).labels = std::move(names);
   }
