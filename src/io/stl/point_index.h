@@ -70,6 +70,7 @@ class PointIndex {
   }
 
  private:
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   static constexpr Index empty = -1;
   static constexpr std::size_t block_bits = 16, block_size = std::size_t{1} << block_bits;
 
@@ -82,7 +83,6 @@ class PointIndex {
     if (count_ % block_size == 0) blocks_.push_back(std::make_unique_for_overwrite<Point[]>(block_size));
     point(static_cast<Index>(count_++)) = value;
   }
-  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
 
   std::size_t slot_of(const Point& value) const {
     std::uint64_t hash = 0;
