@@ -37,7 +37,6 @@ struct Side {
 
   // Refuses a vertex that is meant by its number and has no place, or a bad face.
   void require_usable(Index vertex, const std::string& place) const {
-    if (vertex < 0 || vertex >= scene.mesh.vertex_count()) return;  // said where it is used
     try {
       usable.require_beyond(std::vector<Index>{vertex});
     } catch (const Error& error) {

@@ -69,7 +69,8 @@ std::string SetAside::note() const {
 void SetAside::require_beyond(std::span<const Index> reach) const {
   if (!usable_) return;
   std::vector<char> within(given_.vertex_count(), 0);
-  for (const Index v : reach) within[v] = 1;
+  for (const Index v : reach)
+    if (is_vertex_of(given_, v)) within[v] = 1;  // what does not exist is said where it is used
   // A finding may be of the one vertex that a face has beyond reach.
   std::vector<Index> touched;
   for (const Index f : faces_) {

@@ -839,6 +839,8 @@ TEST_F(CommandLine, VerticesWithoutAPlaceAreNamedWhereTheyMatter) {
   const Outcome cut = run("cut nan.off --loop 1,2,3 -o out.off");
   EXPECT_EQ(cut.status, 3);
   EXPECT_NE(cut.err.find("within reach: vertex 2"), std::string::npos) << cut.err;
+  EXPECT_EQ(run("cut nan.off --loop 1,2000000000,3 -o out.off").status, 3)
+      << "no such vertex, beside a bad one";
   EXPECT_NE(run("info nan.off").out.find("non-finite at vertex 2"), std::string::npos)
       << run("info nan.off").out;
 }
