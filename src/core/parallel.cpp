@@ -1,11 +1,14 @@
 #include <meshgraft/core/parallel.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
@@ -30,16 +33,25 @@ struct ForkJoin {
   char fork = 0, join = 0;
 };
 
+// Whether the thread runs the body of a loop: one within it stays in the same arena.
+thread_local bool in_body = false;
+
 // Begins with the fork and ends with the join, also when the body throws.
 class BodyScope {
  public:
-  explicit BodyScope(ForkJoin& events) : events_(events) { await(events_.fork); }
-  ~BodyScope() { signal(events_.join); }
+  explicit BodyScope(ForkJoin& events) : events_(events), was_in_body_(std::exchange(in_body, true)) {
+    await(events_.fork);
+  }
+  ~BodyScope() {
+    signal(events_.join);
+    in_body = was_in_body_;
+  }
   BodyScope(const BodyScope&) = delete;
   BodyScope& operator=(const BodyScope&) = delete;
 
  private:
   ForkJoin& events_;
+  bool was_in_body_;
 };
 
 // The same for the caller, around the loop.
@@ -54,7 +66,37 @@ class CallerScope {
   ForkJoin& events_;
 };
 
+// Runs `work` on at most as many threads as the context wants.
+template <class Work>
+void in_arena(const Context& context, const Work& work) {
+  if (in_body) {
+    // The thread does nothing of the outer loop while it waits for the inner one.
+    tbb::this_task_arena::isolate(work);
+    return;
+  }
+  tbb::task_arena arena(worker_threads(context));
+  arena.execute(work);
+}
+
 }  // namespace
+
+// More threads than cores gain nothing, and TBB complains of them on stderr.
+int worker_threads(const Context& context) {
+  const int cores = tbb::info::default_concurrency();
+  return context.threads > 0 ? std::min(context.threads, cores) : cores;
+}
+
+void share_out(int count, const std::function<void(int, int)>& body, const Context& context) {
+  const int shares = worker_threads(context);
+  const auto begin = [&](int share) { return static_cast<int>(std::int64_t{count} * share / shares); };
+  parallel_blocks(
+      static_cast<std::size_t>(shares),
+      [&](std::size_t first, std::size_t last) {
+        for (auto share = static_cast<int>(first); share < static_cast<int>(last); ++share)
+          body(begin(share), begin(share + 1));
+      },
+      context, 1);
+}
 
 void parallel_blocks(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
                      const Context& context, std::size_t grain) {
@@ -66,17 +108,109 @@ void parallel_blocks(std::size_t count, const std::function<void(std::size_t, st
     }
     return;
   }
-  // More threads than cores gain nothing, and TBB complains of them on stderr.
-  const int cores = tbb::info::default_concurrency();
-  tbb::task_arena arena(context.threads > 0 ? std::min(context.threads, cores) : cores);
   ForkJoin events;
   const CallerScope caller(events);
-  arena.execute([&] {
+  in_arena(context, [&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
       const BodyScope scope(events);
       context.throw_if_stopped();
       body(range.begin(), range.end());
     });
+  });
+}
+
+TaskForest::TaskForest(std::span<const int> parent, std::span<const double> work)
+    : size_(static_cast<int>(parent.size())), first_(parent.size()), slot_(parent.size(), -1) {
+  std::vector<double> below(work.begin(), work.end());
+  double total = 0;
+  for (int node = 0; node < size_; ++node) first_[node] = node;
+  for (int node = 0; node < size_; ++node) {
+    total += work[node];
+    if (const int above = parent[node]; above >= 0) {
+      below[above] += below[node];
+      first_[above] = std::min(first_[above], first_[node]);
+    }
+  }
+  constexpr double shares = 64;  // enough for a few threads to finish at about the same time
+  for (int node = 0; node < size_; ++node) {
+    if (below[node] <= total / shares) continue;
+    slot_[node] = static_cast<int>(children_.size());
+    children_.emplace_back();
+  }
+  for (int node = 0; node < size_; ++node) {
+    if (parent[node] < 0)
+      roots_.push_back(node);
+    else if (const int slot = slot_[parent[node]]; slot >= 0)
+      children_[slot].push_back(node);
+  }
+}
+
+void TaskForest::visit_up(const std::function<void(int)>& visit, const Context& context) const {
+  if (context.threads == 1) {
+    for (int node = 0; node < size_; ++node) {
+      context.throw_if_stopped();
+      visit(node);
+    }
+    return;
+  }
+  ForkJoin events;
+  const CallerScope caller(events);
+  std::vector<char> visited(slot_.size(), 0);
+  const std::function<void(int)> climb = [&](int root) {
+    int first = first_[root];
+    if (slot_[root] >= 0) {
+      tbb::task_group group;
+      for (const int child : children_[slot_[root]]) group.run([&climb, child] { climb(child); });
+      group.wait();
+      for (const int child : children_[slot_[root]]) await(visited[child]);
+      first = root;
+    }
+    const BodyScope scope(events);
+    for (int node = first; node <= root; ++node) {
+      context.throw_if_stopped();
+      visit(node);
+    }
+    signal(visited[root]);
+  };
+  in_arena(context, [&] {
+    tbb::task_group group;
+    for (const int root : roots_) group.run([&climb, root] { climb(root); });
+    group.wait();
+  });
+}
+
+void TaskForest::visit_down(const std::function<void(int)>& visit, const Context& context) const {
+  if (context.threads == 1) {
+    for (int node = size_ - 1; node >= 0; --node) {
+      context.throw_if_stopped();
+      visit(node);
+    }
+    return;
+  }
+  ForkJoin events;
+  const CallerScope caller(events);
+  std::vector<char> visited(slot_.size(), 0);
+  const std::function<void(int, char&)> descend = [&](int root, char& above) {
+    const bool alone = slot_[root] >= 0;
+    {
+      await(above);
+      const BodyScope scope(events);
+      for (int node = root; node >= (alone ? root : first_[root]); --node) {
+        context.throw_if_stopped();
+        visit(node);
+      }
+      signal(visited[root]);
+    }
+    if (!alone) return;
+    tbb::task_group group;
+    for (const int child : children_[slot_[root]])
+      group.run([&, child, root] { descend(child, visited[root]); });
+    group.wait();
+  };
+  in_arena(context, [&] {
+    tbb::task_group group;
+    for (const int root : roots_) group.run([&, root] { descend(root, events.fork); });
+    group.wait();
   });
 }
 

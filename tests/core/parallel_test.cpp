@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstddef>
+#include <functional>
+#include <random>
 #include <stdexcept>
 #include <stop_token>
 #include <vector>
@@ -80,6 +82,110 @@ TEST(Context, ReportsStagesAndThenStops) {
   EXPECT_EQ(fractions.size(), 2u);
   EXPECT_LT(fractions.at(0), 0);
   EXPECT_EQ(fractions.at(1), 0.5);
+}
+
+// Forests in postorder: a path, a star, many roots, a full binary tree, and one at random.
+std::vector<std::vector<int>> forests() {
+  std::vector<std::vector<int>> all{{}, {-1}};
+  std::vector<int> path, star, roots(300, -1), binary, random;
+  for (int node = 0; node < 300; ++node) path.push_back(node < 299 ? node + 1 : -1);
+  for (int node = 0; node < 300; ++node) star.push_back(node < 299 ? 299 : -1);
+  const std::function<int(int)> grow = [&](int levels) {
+    const int left = levels > 0 ? grow(levels - 1) : -1, right = levels > 0 ? grow(levels - 1) : -1;
+    const int node = static_cast<int>(binary.size());
+    binary.push_back(-1);
+    if (left >= 0) binary[left] = binary[right] = node;
+    return node;
+  };
+  grow(8);
+  // A stack of roots; each new node takes some of them as its children.
+  std::vector<int> open;
+  std::minstd_rand generator(5);
+  for (int node = 0; node < 1000; ++node) {
+    random.push_back(-1);
+    for (auto children = generator() % 3; children > 0 && !open.empty(); --children) {
+      random[open.back()] = node;
+      open.pop_back();
+    }
+    open.push_back(node);
+  }
+  for (auto* forest : {&path, &star, &roots, &binary, &random}) all.push_back(*forest);
+  return all;
+}
+
+TEST(TaskForest, VisitsEachNodeOnceAndChildrenOrParentsFirst) {
+  for (const std::vector<int>& parent : forests()) {
+    std::vector<double> work;
+    for (std::size_t node = 0; node < parent.size(); ++node)
+      work.push_back(1.0 + static_cast<double>(node % 7));
+    const TaskForest forest(parent, work);
+    for (const int threads : {1, 2, 4}) {
+      // Plain sums over the nodes below (above): a visit too early, twice or at the same time shows.
+      std::vector<int> below(parent.size(), 0), above(parent.size(), 0), expected(parent.size(), 1);
+      std::vector<std::vector<int>> children(parent.size());
+      for (std::size_t node = 0; node < parent.size(); ++node)
+        if (parent[node] >= 0) {
+          children[parent[node]].push_back(static_cast<int>(node));
+          expected[parent[node]] += expected[node];
+        }
+      forest.visit_up(
+          [&](int node) {
+            ++below[node];
+            for (const int child : children[node]) below[node] += below[child];
+          },
+          with_threads(threads));
+      EXPECT_EQ(below, expected);
+      forest.visit_down([&](int node) { above[node] += 1 + (parent[node] < 0 ? 0 : above[parent[node]]); },
+                        with_threads(threads));
+      for (std::size_t node = 0; node < parent.size(); ++node)
+        EXPECT_EQ(above[node], 1 + (parent[node] < 0 ? 0 : above[parent[node]]));
+    }
+  }
+}
+
+TEST(TaskForest, LetsAVisitShareOutItsOwnLoop) {
+  const std::vector<int> parent{2, 2, 6, 5, 5, 6, -1};
+  const TaskForest forest(parent, std::vector<double>(parent.size(), 1.0));
+  std::vector<std::vector<int>> counts(parent.size(), std::vector<int>(5000, 0));
+  forest.visit_up([&](int node) {
+    parallel_blocks(5000, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) ++counts[node][i];
+    });
+  });
+  for (const std::vector<int>& count : counts) EXPECT_EQ(count, std::vector<int>(5000, 1));
+}
+
+TEST(TaskForest, PassesOnAnExceptionAndStopsWhenAsked) {
+  for (const std::vector<int>& parent : forests()) {
+    if (parent.empty()) continue;
+    const TaskForest forest(parent, std::vector<double>(parent.size(), 1.0));
+    for (const int threads : {1, 2}) {
+      const auto broken = [&](int node) {
+        if (node == static_cast<int>(parent.size() / 2)) throw std::out_of_range("in the middle");
+      };
+      EXPECT_THROW(forest.visit_up(broken, with_threads(threads)), std::out_of_range);
+      EXPECT_THROW(forest.visit_down(broken, with_threads(threads)), std::out_of_range);
+      std::stop_source stop;
+      stop.request_stop();
+      const Context context{.threads = threads, .progress = {}, .stop_token = stop.get_token()};
+      EXPECT_THROW(forest.visit_up([](int) {}, context), Error);
+      EXPECT_THROW(forest.visit_down([](int) {}, context), Error);
+    }
+  }
+}
+
+TEST(ShareOut, CoversEverythingOnce) {
+  for (const int count : {0, 1, 2, 3, 1000})
+    for (const int threads : {0, 1, 2, 4}) {
+      std::vector<int> visits(static_cast<std::size_t>(count), 0);
+      share_out(
+          count,
+          [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) ++visits[i];
+          },
+          with_threads(threads));
+      EXPECT_EQ(visits, std::vector<int>(static_cast<std::size_t>(count), 1));
+    }
 }
 
 }  // namespace

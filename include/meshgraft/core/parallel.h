@@ -2,15 +2,45 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
+#include <vector>
 
 #include <meshgraft/core/context.h>
 
 namespace meshgraft {
+
+/// How many threads a loop has at most.
+int worker_threads(const Context& context);
 
 /// Runs `body(begin, end)` over disjoint blocks that cover [0, count), on at most `context.threads` threads.
 /// Each index must write only its own results and reduce nothing across indices: then the outcome does not
 /// depend on the number of threads. Checks for cancellation between blocks; exceptions propagate.
 void parallel_blocks(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
                      const Context& context = {}, std::size_t grain = 512);
+
+/// Runs `body(begin, end)` once for each of as many even shares of [0, count) as there are threads: for work in
+/// which each share has to look at everything. What comes of it must not depend on how many there are.
+void share_out(int count, const std::function<void(int, int)>& body, const Context& context = {});
+
+/// A forest in postorder (every subtree is a range of nodes that ends with its root), shared out between
+/// threads.
+class TaskForest {
+ public:
+  /// `parent` of each node, -1 at roots; `work` of each, in any unit.
+  TaskForest(std::span<const int> parent, std::span<const double> work);
+
+  /// Visits all nodes, children before their parent, or parents before their children. Nodes neither of which
+  /// lies below the other may be visited at the same time; `visit` may call `parallel_blocks`. What a visit
+  /// writes, only visits above (below) it may read. Checks for cancellation before each; exceptions propagate.
+  void visit_up(const std::function<void(int)>& visit, const Context& context = {}) const;
+  void visit_down(const std::function<void(int)>& visit, const Context& context = {}) const;
+
+ private:
+  int size_ = 0;
+  std::vector<int> first_;                  ///< of each node's subtree
+  std::vector<std::vector<int>> children_;  ///< of nodes that are visited on their own
+  std::vector<int> slot_;                   ///< place in `children_`; -1 where the subtree is visited as one
+  std::vector<int> roots_;
+};
 
 }  // namespace meshgraft
