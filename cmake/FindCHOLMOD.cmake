@@ -8,8 +8,9 @@
 
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(CHOLMOD_LIBRARY cholmod)
+find_library(CHOLMOD_CAMD_LIBRARY camd)  # its minimum degree, which is called directly too
 find_library(CHOLMOD_OPENBLAS_LIBRARY openblas)
-mark_as_advanced(CHOLMOD_INCLUDE_DIR CHOLMOD_LIBRARY CHOLMOD_OPENBLAS_LIBRARY)
+mark_as_advanced(CHOLMOD_INCLUDE_DIR CHOLMOD_LIBRARY CHOLMOD_CAMD_LIBRARY CHOLMOD_OPENBLAS_LIBRARY)
 
 # The version macros moved from cholmod_core.h to cholmod.h in SuiteSparse 6.
 set(CHOLMOD_VERSION)
@@ -40,7 +41,7 @@ endif()
 
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(CHOLMOD
-  REQUIRED_VARS CHOLMOD_LIBRARY CHOLMOD_INCLUDE_DIR cholmod_has_blas
+  REQUIRED_VARS CHOLMOD_LIBRARY CHOLMOD_CAMD_LIBRARY CHOLMOD_INCLUDE_DIR cholmod_has_blas
   VERSION_VAR CHOLMOD_VERSION
   REASON_FAILURE_MESSAGE "On Debian: apt-get install libsuitesparse-dev libopenblas-dev, \
 or configure with -DMESHGRAFT_WITH_CHOLMOD=OFF")
@@ -50,5 +51,5 @@ if(CHOLMOD_FOUND AND NOT TARGET CHOLMOD::CHOLMOD)
   set_target_properties(CHOLMOD::CHOLMOD PROPERTIES
     IMPORTED_LOCATION "${CHOLMOD_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}"
-    INTERFACE_LINK_LIBRARIES "${CHOLMOD_BLAS_LIBRARIES}")
+    INTERFACE_LINK_LIBRARIES "${CHOLMOD_CAMD_LIBRARY};${CHOLMOD_BLAS_LIBRARIES}")
 endif()

@@ -1,6 +1,7 @@
 #include <cholmod.h>
 
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,9 +9,8 @@
 #include <meshgraft/core/error.h>
 
 #include "backends.h"
-#include "blas_threads.h"
 #include "dissection.h"
-#include "one_thread.h"
+#include "multifrontal.h"
 
 namespace meshgraft {
 
@@ -47,12 +47,7 @@ class CholmodSolver final : public LinearSolver {
   }
   CholmodSolver(const CholmodSolver&) = delete;
   CholmodSolver& operator=(const CholmodSolver&) = delete;
-  ~CholmodSolver() override {
-    cholmod_l_free_dense(&work_y_, &common_);
-    cholmod_l_free_dense(&work_e_, &common_);
-    cholmod_l_free_factor(&factor_, &common_);
-    cholmod_l_finish(&common_);
-  }
+  ~CholmodSolver() override { cholmod_l_finish(&common_); }
 
   void analyse(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) override {
     context.step("analyse");
@@ -60,72 +55,42 @@ class CholmodSolver final : public LinearSolver {
     constexpr Eigen::Index fewest_to_dissect = 8'000, fewest_for_metis = 50'000;
     const bool dissects = graph.neighbours != nullptr && lower.rows() >= fewest_to_dissect;
     const bool use_metis = !dissects && lower.rows() >= fewest_for_metis;
-    common_.nmethods = 1;
-    common_.method[0].ordering = dissects ? CHOLMOD_GIVEN : use_metis ? CHOLMOD_METIS : CHOLMOD_AMD;
-    common_.postorder = 1;
-    cholmod_sparse matrix = view(lower);
-    std::vector<std::int64_t> order;
-    if (dissects) order = dissection_order(matrix, dissect(lower, graph, context));
-    cholmod_l_free_factor(&factor_, &common_);
-    std::unique_lock metis_lock(metis_mutex(), std::defer_lock);
-    if (use_metis) metis_lock.lock();
-    factor_ = cholmod_l_analyze_p(&matrix, dissects ? order.data() : nullptr, nullptr, 0, &common_);
-    check("analysis");
+    statistics_.ordering = dissects ? "dissection" : use_metis ? "metis" : "amd";
+    factor_.emplace(dissects ? find_supernodes(lower, dissect(lower, graph, context), context)
+                             : find_supernodes_of(view(lower), use_metis ? CHOLMOD_METIS : CHOLMOD_AMD));
     context.throw_if_stopped();
     statistics_.backend = "cholmod";
-    statistics_.ordering = dissects ? "dissection" : use_metis ? "metis" : "amd";
     statistics_.unknowns = lower.rows();
     statistics_.matrix_nonzeros = lower.nonZeros();
-    statistics_.factor_nonzeros = static_cast<std::int64_t>(common_.lnz);
-    statistics_.factor_flops = common_.fl;
+    statistics_.factor_nonzeros = static_cast<std::int64_t>(factor_->pattern().factor_nonzeros());
+    statistics_.factor_flops = factor_->pattern().flops();
   }
 
   void factorise(const NormalMatrix& lower, const Context& context) override {
-    context.step("factorise");
-    const SingleThreadedBlas single_threaded;
-    cholmod_sparse matrix = view(lower);
-    with_one_openmp_thread([&] { cholmod_l_factorize(&matrix, factor_, &common_); });
-    if (common_.status == CHOLMOD_NOT_POSDEF || factor_->minor < factor_->n)
-      throw Error(ErrorCode::unsolvable,
-                  fmt::format("the normal equations are not positive definite (at step {} of {})",
-                              factor_->minor, factor_->n),
-                  "", "Add a constraint, or choose another treatment of degenerate vertices");
-    check("factorisation");
-    context.throw_if_stopped();
-    statistics_.peak_memory_bytes = static_cast<std::int64_t>(common_.memory_usage);
+    context.step("factorise", 0);
+    factor_->factorise(lower, context);
+    statistics_.peak_memory_bytes = factor_->peak_bytes();
   }
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const override {
-    context.throw_if_stopped();
-    cholmod_dense b{};
-    b.nrow = static_cast<std::size_t>(rhs.rows());
-    b.ncol = static_cast<std::size_t>(rhs.cols());
-    b.nzmax = b.nrow * b.ncol;
-    b.d = b.nrow;
-    b.x = const_cast<double*>(rhs.data());
-    b.xtype = CHOLMOD_REAL;
-    b.dtype = CHOLMOD_DOUBLE;
-    const SingleThreadedBlas single_threaded;
-    const std::lock_guard lock(mutex_);  // the workspace is shared between callers
-    cholmod_dense* x = nullptr;
-    with_one_openmp_thread(
-        [&] { cholmod_l_solve2(CHOLMOD_A, factor_, &b, nullptr, &x, nullptr, &work_y_, &work_e_, &common_); });
-    check("solve");
-    Eigen::MatrixXd result =
-        Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), rhs.rows(), rhs.cols());
-    cholmod_l_free_dense(&x, &common_);
-    return result;
+    return factor_->solve(rhs, context);
   }
 
   SolverStatistics statistics() const override { return statistics_; }
 
  private:
-  /// Minimum degree within each set of a dissection, set after set.
-  std::vector<std::int64_t> dissection_order(cholmod_sparse& matrix, std::vector<std::int64_t> sets) {
-    std::vector<std::int64_t> order(sets.size());
-    cholmod_l_camd(&matrix, nullptr, 0, sets.data(), order.data(), &common_);
-    check("ordering");
-    return order;
+  /// Of the matrix's own graph, by CHOLMOD's orderings.
+  SupernodalPattern find_supernodes_of(cholmod_sparse matrix, int ordering) {
+    common_.nmethods = 1;
+    common_.method[0].ordering = ordering;
+    common_.postorder = 1;
+    std::unique_lock metis_lock(metis_mutex(), std::defer_lock);
+    if (ordering == CHOLMOD_METIS) metis_lock.lock();
+    cholmod_factor* symbolic = cholmod_l_analyze(&matrix, &common_);
+    check("analysis");
+    SupernodalPattern pattern = pattern_of(*symbolic);
+    cholmod_l_free_factor(&symbolic, &common_);
+    return pattern;
   }
 
   void check(const char* stage) const {
@@ -137,11 +102,21 @@ class CholmodSolver final : public LinearSolver {
                 fmt::format("CHOLMOD failed in the {} (status {})", stage, common_.status));
   }
 
-  mutable std::mutex mutex_;
-  mutable cholmod_common common_{};
-  mutable cholmod_dense* work_y_ = nullptr;
-  mutable cholmod_dense* work_e_ = nullptr;
-  cholmod_factor* factor_ = nullptr;
+  static SupernodalPattern pattern_of(const cholmod_factor& symbolic) {
+    const auto copy = [](const void* from, std::size_t count, auto& to) {
+      const auto* first = static_cast<const std::int64_t*>(from);
+      to.assign(first, first + count);
+    };
+    SupernodalPattern pattern;
+    copy(symbolic.Perm, symbolic.n, pattern.order);
+    copy(symbolic.super, symbolic.nsuper + 1, pattern.first_place);
+    copy(symbolic.pi, symbolic.nsuper + 1, pattern.rows_begin);
+    copy(symbolic.s, symbolic.ssize, pattern.rows);
+    return pattern;
+  }
+
+  cholmod_common common_{};
+  std::optional<MultifrontalFactor> factor_;
   SolverStatistics statistics_;
 };
 

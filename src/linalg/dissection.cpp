@@ -42,9 +42,11 @@ std::vector<int> bisect(const CouplingGraph& graph, int levels) {
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_SEED] = 1;
   const std::lock_guard lock(metis_mutex());
-  const int status = METIS_PartGraphRecursive(&vertices, &constraints, offsets.data(), neighbours.data(),
-                                              weights.data(), nullptr, nullptr, &parts, nullptr, nullptr,
-                                              options.data(), &cut_edges, part.data());
+  const int status = levels == 0
+                         ? METIS_OK  // it does not take a single part
+                         : METIS_PartGraphRecursive(&vertices, &constraints, offsets.data(), neighbours.data(),
+                                                    weights.data(), nullptr, nullptr, &parts, nullptr, nullptr,
+                                                    options.data(), &cut_edges, part.data());
   if (status != METIS_OK) std::fill(part.begin(), part.end(), 0);  // nothing is cut: minimum degree alone
   std::vector<int> of_unknown(graph.group.size(), -1);
   for (std::size_t u = 0; u < graph.group.size(); ++u)
@@ -101,12 +103,32 @@ std::mutex& metis_mutex() {
   return mutex;
 }
 
-std::vector<std::int64_t> dissect(const NormalMatrix& lower, const CouplingGraph& graph,
-                                  const Context& context) {
-  constexpr std::int64_t most_in_a_leaf = 500;
+namespace {
+
+/// Numbers the sets of a full binary tree in postorder; `set` has one entry per level and prefix.
+int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::vector<int>& parent) {
+  int left = -1, right = -1;
+  if (level + 1 < static_cast<int>(set.size())) {
+    left = number_sets(level + 1, 2 * prefix, set, parent);
+    right = number_sets(level + 1, 2 * prefix + 1, set, parent);
+  }
+  const int number = static_cast<int>(parent.size());
+  parent.push_back(-1);
+  if (left >= 0) parent[left] = parent[right] = number;
+  return set[level][prefix] = number;
+}
+
+}  // namespace
+
+Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) {
+  constexpr std::int64_t most_in_a_leaf = 500, fewest_groups_in_a_leaf = 8;
   const auto count = static_cast<std::size_t>(lower.rows());
+  std::vector<std::uint8_t> has_unknowns(static_cast<std::size_t>(graph.neighbours->size()), 0);
+  for (const Index group : graph.group)
+    if (group >= 0) has_unknowns[group] = 1;
+  const std::int64_t groups = std::count(has_unknowns.begin(), has_unknowns.end(), 1);
   int levels = 0;
-  while ((lower.rows() >> levels) > most_in_a_leaf) ++levels;
+  while ((lower.rows() >> levels) > most_in_a_leaf && (groups >> levels) > fewest_groups_in_a_leaf) ++levels;
   const std::vector<int> part = bisect(graph, levels);
   context.throw_if_stopped();
 
@@ -132,19 +154,20 @@ std::vector<std::int64_t> dissect(const NormalMatrix& lower, const CouplingGraph
     context.throw_if_stopped();
   }
 
-  // In postorder: by the last leaf that a node of the tree has below it, deeper nodes first.
-  std::vector<std::int64_t> sets(count), keys;
+  Dissection dissection;
+  std::vector<std::vector<int>> set(static_cast<std::size_t>(levels) + 1);
+  for (int level = 0; level <= levels; ++level) set[level].resize(std::size_t{1} << level);
+  const int root = number_sets(0, 0, set, dissection.parent);
+  dissection.parent[root] = root + 1;  // unknowns without a group
+  dissection.parent.push_back(-1);
+  dissection.unknowns.resize(dissection.parent.size());
+  dissection.set_of.resize(count);
   for (std::size_t u = 0; u < count; ++u) {
-    const int above_leaves = levels - level_of[u];
-    const std::int64_t leaves_end =
-        part[u] < 0 ? std::int64_t{2} << levels : ((std::int64_t{part[u]} >> above_leaves) + 1) << above_leaves;
-    sets[u] = leaves_end * (levels + 1) + above_leaves;
+    const int number = part[u] < 0 ? root + 1 : set[level_of[u]][part[u] >> (levels - level_of[u])];
+    dissection.set_of[u] = number;
+    dissection.unknowns[number].push_back(static_cast<int>(u));
   }
-  keys = sets;
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  for (std::int64_t& set : sets) set = std::lower_bound(keys.begin(), keys.end(), set) - keys.begin();
-  return sets;
+  return dissection;
 }
 
 }  // namespace meshgraft

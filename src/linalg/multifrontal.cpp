@@ -1,0 +1,253 @@
+#include "multifrontal.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <meshgraft/core/error.h>
+
+#include "blas_threads.h"
+#include "dense_cholesky.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// The supernode of each one's first row below its own, -1 where there is none.
+std::vector<int> parents(const SupernodalPattern& pattern) {
+  std::vector<int> node_at(pattern.order.size()), parent;
+  for (int node = 0; node < pattern.supernodes(); ++node)
+    std::fill(node_at.begin() + pattern.first_place[node], node_at.begin() + pattern.first_place[node + 1],
+              node);
+  for (int node = 0; node < pattern.supernodes(); ++node) {
+    const std::int64_t below =
+        pattern.rows_begin[node] + pattern.first_place[node + 1] - pattern.first_place[node];
+    parent.push_back(below < pattern.rows_begin[node + 1] ? node_at[pattern.rows[below]] : -1);
+  }
+  return parent;
+}
+
+/// Operations that each supernode takes.
+std::vector<double> work(const SupernodalPattern& pattern) {
+  std::vector<double> operations;
+  for (int node = 0; node < pattern.supernodes(); ++node) {
+    const double columns = pattern.first_place[node + 1] - pattern.first_place[node],
+                 rows = static_cast<double>(pattern.rows_begin[node + 1] - pattern.rows_begin[node]),
+                 below = rows - columns;
+    operations.push_back(columns * (columns * columns / 3 + columns * below + below * below + 100 * rows));
+  }
+  return operations;
+}
+
+}  // namespace
+
+namespace {
+
+/// Memory for update matrices, used again where it can be: pages that were never touched are dear.
+class UpdateStore {
+ public:
+  struct Block {
+    std::unique_ptr<double[]> values;
+    std::int64_t size = 0;
+  };
+
+  Block take(std::int64_t size) {
+    const std::lock_guard lock(mutex_);
+    auto fitting = free_.lower_bound(size);
+    if (fitting != free_.end() && fitting->first > 2 * size + 10'000) fitting = free_.end();
+    if (fitting == free_.end()) {
+      total_ += size;
+      return {std::unique_ptr<double[]>(new double[static_cast<std::size_t>(size)]), size};
+    }
+    Block block{std::move(fitting->second), fitting->first};
+    free_.erase(fitting);
+    return block;
+  }
+
+  void give_back(Block block) {
+    if (block.size == 0) return;
+    const std::lock_guard lock(mutex_);
+    free_.emplace(block.size, std::move(block.values));
+  }
+
+  std::int64_t size() const { return total_; }
+
+ private:
+  std::mutex mutex_;
+  std::multimap<std::int64_t, std::unique_ptr<double[]>> free_;
+  std::int64_t total_ = 0;
+};
+
+}  // namespace
+
+struct MultifrontalFactor::Front {
+  int first = 0, columns = 0, rows = 0;
+  const int* places = nullptr;  ///< of its rows
+  double* panel = nullptr;      ///< rows×columns, column by column
+
+  int below() const { return rows - columns; }
+  std::int64_t update_size() const { return static_cast<std::int64_t>(below()) * below(); }
+};
+
+MultifrontalFactor::Front MultifrontalFactor::front(int node) const {
+  const int first = pattern_.first_place[node];
+  return {first, pattern_.first_place[node + 1] - first,
+          static_cast<int>(pattern_.rows_begin[node + 1] - pattern_.rows_begin[node]),
+          pattern_.rows.data() + pattern_.rows_begin[node], values_.get() + panel_begin_[node]};
+}
+
+MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
+    : pattern_(std::move(pattern)),
+      place_(pattern_.order.size()),
+      parent_(parents(pattern_)),
+      panel_begin_(1, 0),
+      children_(parent_.size()),
+      forest_(parent_, work(pattern_)) {
+  for (std::size_t p = 0; p < place_.size(); ++p) place_[pattern_.order[p]] = static_cast<int>(p);
+  for (int node = 0; node < pattern_.supernodes(); ++node) {
+    const Front f = front(node);
+    panel_begin_.push_back(panel_begin_.back() + static_cast<std::int64_t>(f.rows) * f.columns);
+    if (parent_[node] >= 0) children_[parent_[node]].push_back(node);
+  }
+}
+
+void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
+  const SingleThreadedBlas single_threaded;
+  const LowerEntries entries = permute(lower, place_, true, context);
+  values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
+  UpdateStore store;
+  std::vector<UpdateStore::Block> updates(parent_.size());
+  std::atomic<std::int64_t> eliminated = 0;
+  tbb::enumerable_thread_specific<std::vector<int>> row_maps(
+      [&] { return std::vector<int>(pattern_.order.size()); });
+  const auto caller = std::this_thread::get_id();
+
+  forest_.visit_up(
+      [&](int node) {
+        const Front f = front(node);
+        std::vector<int>& row_at = row_maps.local();
+        for (int r = 0; r < f.rows; ++r) row_at[f.places[r]] = r;
+        std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
+        for (int c = 0; c < f.columns; ++c)
+          for (std::int64_t e = entries.begin[f.first + c]; e < entries.begin[f.first + c + 1]; ++e)
+            f.panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] = entries.value[e];
+
+        // Children's updates: what falls into the panel now, the rest once the front's own is formed.
+        const auto add_updates = [&](int from, int to, double* target, int shift, int stride) {
+          std::vector<int> rows;
+          for (const int child : children_[node]) {
+            const Front g = front(child);
+            const double* update = updates[child].values.get();
+            const int below = g.below();
+            rows.resize(static_cast<std::size_t>(below));
+            for (int r = 0; r < below; ++r) rows[r] = row_at[g.places[g.columns + r]];
+            const auto begin =
+                           static_cast<int>(std::lower_bound(rows.begin(), rows.end(), from) - rows.begin()),
+                       end = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), to) - rows.begin());
+            for (int c = begin; c < end; ++c) {
+              double* out = target + static_cast<std::int64_t>(rows[c] - shift) * stride - shift;
+              const double* in = update + static_cast<std::int64_t>(c) * below;
+              for (int r = c; r < below; ++r) out[rows[r]] += in[r];
+            }
+          }
+        };
+        add_updates(0, f.columns, f.panel, 0, f.rows);
+        const int good = factorise_panel(f.panel, f.rows, f.columns, context);
+        if (good < f.columns)
+          throw Error(ErrorCode::unsolvable,
+                      fmt::format("the normal equations are not positive definite (at step {} of {})",
+                                  f.first + good, pattern_.order.size()),
+                      "", "Add a constraint, or choose another treatment of degenerate vertices");
+        if (f.below() > 0) {
+          updates[node] = store.take(f.update_size());
+          form_update(f.panel, f.rows, f.columns, updates[node].values.get(), context);
+          add_updates(f.columns, f.rows, updates[node].values.get(), f.columns, f.below());
+        }
+        for (const int child : children_[node]) store.give_back(std::move(updates[child]));
+        eliminated += f.columns;
+        if (std::this_thread::get_id() == caller)
+          context.step("factorise",
+                       static_cast<double>(eliminated) / static_cast<double>(pattern_.order.size()));
+      },
+      context);
+  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + store.size()) +
+                static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(pattern_.rows.size());
+}
+
+Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Context& context) const {
+  const SingleThreadedBlas single_threaded;
+  constexpr Eigen::Index widest = 32;
+  Eigen::MatrixXd result(rhs.rows(), rhs.cols());
+  for (Eigen::Index begin = 0; begin < rhs.cols(); begin += widest) {
+    const Eigen::Index width = std::min(widest, rhs.cols() - begin);
+    Eigen::MatrixXd x(rhs.rows(), width);
+    const auto for_each_place = [&](const auto& body) {
+      parallel_blocks(
+          pattern_.order.size(),
+          [&](std::size_t first, std::size_t last) {
+            for (Eigen::Index c = 0; c < width; ++c)
+              for (auto p = static_cast<Eigen::Index>(first); p < static_cast<Eigen::Index>(last); ++p)
+                body(p, c);
+          },
+          context, 16'384);
+    };
+    for_each_place([&](Eigen::Index p, Eigen::Index c) { x(p, c) = rhs(pattern_.order[p], begin + c); });
+    substitute(x, context);
+    for_each_place([&](Eigen::Index p, Eigen::Index c) { result(pattern_.order[p], begin + c) = x(p, c); });
+  }
+  return result;
+}
+
+/// x ← L⁻ᵀ L⁻¹ x, by places.
+void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) const {
+  const auto width = static_cast<int>(x.cols());
+  // Of each supernode, what its columns subtract from the rows below (in a front of its own).
+  std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
+  forest_.visit_up(
+      [&](int node) {
+        const Front f = front(node);
+        fronts[node].reset(new double[static_cast<std::size_t>(f.rows) * width]);
+        double* values = fronts[node].get();
+        for (int c = 0; c < width; ++c) {
+          double* own = values + static_cast<std::int64_t>(c) * f.rows;
+          std::copy_n(x.data() + c * x.rows() + f.first, f.columns, own);
+          std::fill_n(own + f.columns, f.below(), 0.0);
+        }
+        for (const int child : children_[node]) {
+          const Front g = front(child);
+          for (int r = g.columns, k = 0; r < g.rows; ++r) {
+            while (f.places[k] < g.places[r]) ++k;
+            for (int c = 0; c < width; ++c)
+              values[k + static_cast<std::int64_t>(c) * f.rows] +=
+                  fronts[child][r + static_cast<std::int64_t>(c) * g.rows];
+          }
+          fronts[child].reset();
+        }
+        solve_panel(f.panel, f.rows, f.columns, values, width);
+        for (int c = 0; c < width; ++c)
+          std::copy_n(values + static_cast<std::int64_t>(c) * f.rows, f.columns,
+                      x.data() + c * x.rows() + f.first);
+      },
+      context);
+  forest_.visit_down(
+      [&](int node) {
+        const Front f = front(node);
+        const std::unique_ptr<double[]> values(new double[static_cast<std::size_t>(f.rows) * width]);
+        for (int c = 0; c < width; ++c)
+          for (int r = 0; r < f.rows; ++r)
+            values[r + static_cast<std::int64_t>(c) * f.rows] = x(f.places[r], c);
+        solve_panel_transposed(f.panel, f.rows, f.columns, values.get(), width);
+        for (int c = 0; c < width; ++c)
+          std::copy_n(values.get() + static_cast<std::int64_t>(c) * f.rows, f.columns,
+                      x.data() + c * x.rows() + f.first);
+      },
+      context);
+}
+
+}  // namespace meshgraft

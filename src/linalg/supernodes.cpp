@@ -1,0 +1,326 @@
+#include "supernodes.h"
+
+#include <camd.h>
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <meshgraft/core/parallel.h>
+
+namespace meshgraft {
+
+double SupernodalPattern::factor_nonzeros() const {
+  double sum = 0;
+  for (int node = 0; node < supernodes(); ++node) {
+    const double columns = first_place[node + 1] - first_place[node];
+    sum += columns * static_cast<double>(rows_begin[node + 1] - rows_begin[node]) - columns * (columns - 1) / 2;
+  }
+  return sum;
+}
+
+double SupernodalPattern::flops() const {
+  double sum = 0;
+  for (int node = 0; node < supernodes(); ++node) {
+    const double columns = first_place[node + 1] - first_place[node],
+                 below = static_cast<double>(rows_begin[node + 1] - rows_begin[node]) - columns;
+    sum += columns * (below * below + below * (columns + 1) + (columns + 1) * (2 * columns + 1) / 6);
+  }
+  return sum;
+}
+
+LowerEntries permute(const NormalMatrix& lower, std::span<const int> place, bool with_values,
+                     const Context& context) {
+  LowerEntries entries;
+  const auto count = static_cast<int>(place.size());
+  entries.begin.assign(place.size() + 1, 0);
+  const auto for_each_entry = [&](const auto& body) {
+    share_out(
+        count,
+        [&](int first, int last) {
+          for (Eigen::Index column = 0; column < lower.cols(); ++column)
+            for (NormalMatrix::InnerIterator it(lower, column); it; ++it) {
+              const auto [low, high] = std::minmax(place[it.row()], place[column]);
+              if (low >= first && low < last) body(low, high, it.value());
+            }
+        },
+        context);
+  };
+  for_each_entry([&](int low, int, double) { ++entries.begin[static_cast<std::size_t>(low) + 1]; });
+  for (int p = 0; p < count; ++p) entries.begin[p + 1] += entries.begin[p];
+  entries.row.resize(static_cast<std::size_t>(lower.nonZeros()));
+  if (with_values) entries.value.resize(entries.row.size());
+  std::vector<std::int64_t> next(entries.begin.begin(), entries.begin.end() - 1);
+  for_each_entry([&](int low, int high, double value) {
+    const std::int64_t entry = next[low]++;
+    entries.row[entry] = high;
+    if (with_values) entries.value[entry] = value;
+  });
+  return entries;
+}
+
+namespace {
+
+/// For unknowns of leaves, the unknowns of separators with a smaller number that they are coupled with: those
+/// that their own columns of the lower triangle do not have.
+std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower, const Dissection& dissection) {
+  std::vector<std::vector<int>> couplings(static_cast<std::size_t>(lower.cols()));
+  for (int set = 0; set < dissection.sets(); ++set) {
+    if (dissection.is_leaf(set)) continue;
+    for (const int column : dissection.unknowns[set])
+      for (NormalMatrix::InnerIterator it(lower, column); it; ++it)
+        if (dissection.is_leaf(dissection.set_of[it.row()])) couplings[it.row()].push_back(column);
+  }
+  return couplings;
+}
+
+/// Minimum degree within a leaf; what lies around it counts, but is not eliminated. `local` is all -1, before
+/// and after.
+void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
+                const std::vector<std::vector<int>>& couplings, std::vector<int>& local) {
+  std::vector<int> around, begin{0}, rows, constraints;
+  const auto own = static_cast<int>(leaf.size());
+  for (int k = 0; k < own; ++k) local[leaf[k]] = k;
+  const auto add = [&](int unknown) {
+    if (local[unknown] < 0) {
+      local[unknown] = own + static_cast<int>(around.size());
+      around.push_back(unknown);
+    }
+    rows.push_back(local[unknown]);
+  };
+  for (const int unknown : leaf) {
+    for (NormalMatrix::InnerIterator it(lower, unknown); it; ++it)
+      if (it.row() != unknown) add(static_cast<int>(it.row()));
+    for (const int other : couplings[unknown]) add(other);
+    begin.push_back(static_cast<int>(rows.size()));
+  }
+  const auto count = own + static_cast<int>(around.size());
+  begin.resize(static_cast<std::size_t>(count) + 1, begin.back());
+  constraints.assign(static_cast<std::size_t>(own), 0);
+  constraints.resize(static_cast<std::size_t>(count), 1);
+  std::vector<int> order(static_cast<std::size_t>(count));
+  const int status =
+      camd_order(count, begin.data(), rows.data(), order.data(), nullptr, nullptr, constraints.data());
+  for (const int unknown : around) local[unknown] = -1;
+  for (const int unknown : leaf) local[unknown] = -1;
+  if (status == CAMD_OUT_OF_MEMORY) throw std::bad_alloc();
+  std::vector<int> ordered;
+  for (const int k : order)
+    if (k < own) ordered.push_back(leaf[k]);
+  leaf = std::move(ordered);
+}
+
+struct Supernode {
+  int first = 0, columns = 0;
+  std::vector<int> rows;  ///< places, ascending, its own first
+  double zeros = 0;       ///< stored for a simpler structure
+
+  int below() const { return static_cast<int>(rows.size()) - columns; }
+  int parent_place() const { return rows[columns]; }
+};
+
+/// A set of places that is emptied at no cost.
+class PlaceSet {
+ public:
+  explicit PlaceSet(std::size_t count) : stamp_(count, 0) {}
+  void clear() {
+    places_.clear();
+    ++now_;
+  }
+  void add(int place) {
+    if (stamp_[place] == now_) return;
+    stamp_[place] = now_;
+    places_.push_back(place);
+  }
+  std::vector<int>& places() { return places_; }
+
+ private:
+  std::vector<int> stamp_, places_;
+  int now_ = 0;
+};
+
+/// Supernodes of the places first … last−1, eliminated one by one (fundamental supernodes).
+std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, PlaceSet& seen) {
+  std::vector<Supernode> nodes;
+  std::vector<std::vector<int>> children(static_cast<std::size_t>(last - first));
+  for (int place = first; place < last; ++place) {
+    seen.clear();
+    seen.add(place);
+    for (std::int64_t e = entries.begin[place]; e < entries.begin[place + 1]; ++e) seen.add(entries.row[e]);
+    for (const int child : children[place - first])
+      for (int r = nodes[child].columns; r < static_cast<int>(nodes[child].rows.size()); ++r)
+        seen.add(nodes[child].rows[r]);
+    bool joins = false;
+    if (!nodes.empty() && nodes.back().first + nodes.back().columns == place) {
+      Supernode& before = nodes.back();
+      if (before.below() > 0 && before.parent_place() == place) {
+        for (int r = before.columns; r < static_cast<int>(before.rows.size()); ++r) seen.add(before.rows[r]);
+        joins = static_cast<int>(seen.places().size()) == before.below();
+        if (joins) ++before.columns;
+      }
+    }
+    if (!joins) {
+      nodes.push_back({place, 1, seen.places()});
+      std::sort(nodes.back().rows.begin(), nodes.back().rows.end());
+    }
+    // The open supernode's parent is known once the next place did not join it; one that is its own next place
+    // has been looked at above.
+    const auto open = static_cast<int>(nodes.size()) - (joins ? 1 : 2);
+    if (!joins && open >= 0 && nodes[open].below() > 0 && nodes[open].parent_place() != place &&
+        nodes[open].parent_place() < last)
+      children[nodes[open].parent_place() - first].push_back(open);
+  }
+  return nodes;
+}
+
+/// Merges supernodes into the next one, their parent, where few zeros are stored for it.
+std::vector<Supernode> merge(std::vector<Supernode> nodes) {
+  std::vector<Supernode> merged;  // last one first
+  for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+    if (!merged.empty() && node->below() > 0) {
+      Supernode& next = merged.back();
+      const int columns = node->columns + next.columns;
+      if (node->parent_place() < next.first + next.columns) {
+        const double rows = static_cast<double>(node->columns) + static_cast<double>(next.rows.size());
+        const double zeros =
+            node->zeros + next.zeros + node->columns * (rows - static_cast<double>(node->rows.size()));
+        const double share = zeros / (columns * rows - columns * (columns - 1) / 2.0);
+        if (columns <= 8 || (columns <= 24 && share < 0.5) || (columns <= 64 && share < 0.15) || share < 0.05) {
+          std::vector<int> all(node->rows.begin(), node->rows.begin() + node->columns);
+          all.insert(all.end(), next.rows.begin(), next.rows.end());
+          next = {node->first, columns, std::move(all), zeros};
+          continue;
+        }
+      }
+    }
+    merged.push_back(std::move(*node));
+  }
+  std::reverse(merged.begin(), merged.end());
+  return merged;
+}
+
+/// The supernodes with every subtree in one piece: between those of a set, some may have parents further up
+/// than the others have. Rows stay ascending, for a supernode's rows are its ancestors' and those keep their
+/// order.
+SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const std::vector<int>& order) {
+  const auto count = static_cast<int>(nodes.size());
+  std::vector<int> node_at(order.size());
+  for (int node = 0; node < count; ++node)
+    std::fill_n(node_at.begin() + nodes[node]->first, nodes[node]->columns, node);
+  std::vector<std::vector<int>> children(nodes.size() + 1);  // the last: roots
+  for (int node = 0; node < count; ++node)
+    children[nodes[node]->below() > 0 ? node_at[nodes[node]->parent_place()] : count].push_back(node);
+  std::vector<int> sequence, stack = children.back();  // parents first, backwards
+  while (!stack.empty()) {
+    const int node = stack.back();
+    stack.pop_back();
+    sequence.push_back(node);
+    stack.insert(stack.end(), children[node].begin(), children[node].end());
+  }
+  std::reverse(sequence.begin(), sequence.end());
+
+  SupernodalPattern pattern;
+  std::vector<int> new_place(order.size());
+  for (const int node : sequence) {
+    pattern.first_place.push_back(static_cast<int>(pattern.order.size()));
+    for (int c = 0; c < nodes[node]->columns; ++c) {
+      new_place[nodes[node]->first + c] = static_cast<int>(pattern.order.size());
+      pattern.order.push_back(order[nodes[node]->first + c]);
+    }
+  }
+  pattern.first_place.push_back(static_cast<int>(order.size()));
+  pattern.rows_begin.push_back(0);
+  for (const int node : sequence) {
+    for (const int row : nodes[node]->rows) pattern.rows.push_back(new_place[row]);
+    pattern.rows_begin.push_back(static_cast<std::int64_t>(pattern.rows.size()));
+  }
+  return pattern;
+}
+
+}  // namespace
+
+SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& dissection,
+                                  const Context& context) {
+  const auto count = static_cast<std::size_t>(lower.cols());
+  std::vector<std::vector<int>> ordered = dissection.unknowns;
+  {
+    const std::vector<std::vector<int>> couplings = couplings_to_separators(lower, dissection);
+    tbb::enumerable_thread_specific<std::vector<int>> locals([&] { return std::vector<int>(count, -1); });
+    parallel_blocks(
+        ordered.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t set = begin; set < end; ++set)
+            if (dissection.is_leaf(static_cast<int>(set)) && !ordered[set].empty())
+              order_leaf(lower, ordered[set], couplings, locals.local());
+        },
+        context, 1);
+  }
+  std::vector<int> order, place(count), first_of_set;
+  for (const std::vector<int>& set : ordered) {
+    first_of_set.push_back(static_cast<int>(order.size()));
+    for (const int unknown : set) {
+      place[unknown] = static_cast<int>(order.size());
+      order.push_back(unknown);
+    }
+  }
+  first_of_set.push_back(static_cast<int>(count));
+  const LowerEntries entries = permute(lower, place, false, context);
+
+  // Up the tree: each set's supernodes, and of all those below it the ones whose parent is still to come.
+  struct Reach {
+    int set, node;
+  };
+  std::vector<std::vector<Supernode>> nodes(ordered.size());
+  std::vector<std::vector<Reach>> reaching(ordered.size());
+  std::vector<std::vector<int>> children(ordered.size());
+  std::vector<double> work;
+  for (int set = 0; set < dissection.sets(); ++set) {
+    if (dissection.parent[set] >= 0) children[dissection.parent[set]].push_back(set);
+    work.push_back(1 + static_cast<double>(ordered[set].size()));
+  }
+  tbb::enumerable_thread_specific<PlaceSet> seen_sets([&] { return PlaceSet(count); });
+  TaskForest(dissection.parent, work)
+      .visit_up(
+          [&](int set) {
+            const int first = first_of_set[set], last = first_of_set[set + 1];
+            PlaceSet& seen = seen_sets.local();
+            std::vector<Supernode>& own = nodes[set];
+            if (dissection.is_leaf(set)) {
+              own = merge(eliminate_one_by_one(first, last, entries, seen));
+            } else {
+              seen.clear();
+              for (int p = first; p < last; ++p) seen.add(p);
+              for (std::int64_t e = entries.begin[first]; e < entries.begin[last]; ++e)
+                seen.add(entries.row[e]);
+              for (const int child : children[set]) {
+                for (const Reach& reach : reaching[child]) {
+                  const Supernode& below = nodes[reach.set][reach.node];
+                  if (below.parent_place() >= last) {
+                    reaching[set].push_back(reach);
+                    continue;
+                  }
+                  for (int r = below.columns; r < static_cast<int>(below.rows.size()); ++r)
+                    seen.add(below.rows[r]);
+                }
+                reaching[child] = {};
+              }
+              if (first < last) {
+                own.push_back({first, last - first, seen.places()});
+                std::sort(own.back().rows.begin(), own.back().rows.end());
+              }
+            }
+            for (std::size_t node = 0; node < own.size(); ++node)
+              if (own[node].below() > 0 && own[node].parent_place() >= last)
+                reaching[set].push_back({set, static_cast<int>(node)});
+          },
+          context);
+
+  std::vector<const Supernode*> all;
+  for (const std::vector<Supernode>& of_set : nodes)
+    for (const Supernode& node : of_set) all.push_back(&node);
+  return in_postorder(all, order);
+}
+
+}  // namespace meshgraft

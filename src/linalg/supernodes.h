@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/linalg/linear_solver.h>
+
+#include "dissection.h"
+
+namespace meshgraft {
+
+/// Which unknowns a Cholesky factorisation eliminates together, and which rows their columns of the factor
+/// have. Places count in the order of elimination.
+struct SupernodalPattern {
+  std::vector<int> order;                ///< the unknown at each place
+  std::vector<int> first_place;          ///< of each supernode; one more at the end
+  std::vector<std::int64_t> rows_begin;  ///< of each supernode in `rows`; one more at the end
+  std::vector<int> rows;                 ///< places, ascending; a supernode's own come first
+
+  int supernodes() const { return static_cast<int>(first_place.size()) - 1; }
+  double factor_nonzeros() const;  ///< zeros that are stored for a simpler structure are counted
+  double flops() const;            ///< Σ (non-zeros of the column)²
+};
+
+/// A matrix's lower triangle by places: for each column the rows below, in no order.
+struct LowerEntries {
+  std::vector<std::int64_t> begin;
+  std::vector<int> row;
+  std::vector<double> value;  ///< may be left out
+};
+LowerEntries permute(const NormalMatrix& lower, std::span<const int> place, bool with_values,
+                     const Context& context);
+
+/// Orders each leaf of a dissection by minimum degree (Amestoy, Davis & Duff 1996), the unknowns around it in
+/// view, and finds the supernodes: a separator is one, leaves have those of their elimination, merged where few
+/// zeros are stored for it.
+SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& dissection,
+                                  const Context& context);
+
+}  // namespace meshgraft
