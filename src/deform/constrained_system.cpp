@@ -237,22 +237,23 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   F.setFromTriplets(F_entries.begin(), F_entries.end());
   if (columns == 0) return;
 
-  G_ = SparseRows(multiply(op.H(), E_, context) + F);
-  A_L_ = SparseRows(multiply(op.L(), E_, context) - multiply(op.delta(), G_, context));
+  G_ = multiply(op.H(), E_, context);
+  if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
+  A_L_ = difference_of_products(op.L(), E_, op.delta(), G_, context);
 
   bar_rows_ = stiffness_rows(density, stiffness);
   A_L_ = stack(stack(A_L_, multiply(bar_rows_, E_, context)), anchor_rows(density));
-  A_L_transposed_ = transpose(A_L_);
-  G_transposed_ = transpose(G_);
-  P_transposed_ = transpose(op.P());
+  A_L_transposed_ = transpose(A_L_, context);
+  G_transposed_ = transpose(G_, context);
+  P_transposed_ = transpose(op.P(), context);
   context.step("assemble", 0.7);
 }
 
 /// AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G; PᵀP couples the maps of pairs alone and is small.
 NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
   if (E_.cols() == 0) return NormalMatrix(0, 0);
-  const SparseRows coupling = multiply(multiply(P_transposed_, operators_->P(), context), G_, context);
-  return lower_triangle_of_sum(A_L_transposed_, A_L_, G_transposed_, coupling, context);
+  const SparseRows coupling = multiply(P_transposed_, operators_->P(), context);
+  return normal_equations(A_L_transposed_, A_L_, G_transposed_, coupling, G_, context);
 }
 
 /// Unknowns sit at their vertices; those of features are shared by vertices far apart.

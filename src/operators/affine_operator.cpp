@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/operators/laplacian.h>
 
@@ -98,7 +99,7 @@ AffineOperator::AffineOperator(const Points& points, const Triangles& triangles,
   context.step("assemble", 0.4);
   build_laplacian_rows(points, triangles, options, rows, context);
   pairs_ = smoothness_pairs(triangles, faces_at, rings_, unknown, options.opposite_pairs, context);
-  build_smoothness_rows(normals, options);
+  build_smoothness_rows(normals, options, context);
 }
 
 /// FT05 equation 9: (D x)_i − M_i δ_i, with D applied `laplacian_order` times on both sides.
@@ -139,16 +140,20 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
 
 /// FT05 equation 11: (M_i − M_j) d for d = p_i − p_j and, with apexes, for d = |p_i − p_j| times the normal
 /// between the two; an unordered pair stands for both ordered ones, hence √2.
-void AffineOperator::build_smoothness_rows(const Points& normals, const OperatorOptions& options) {
+void AffineOperator::build_smoothness_rows(const Points& normals, const OperatorOptions& options,
+                                           const Context& context) {
   const bool with_normals = options.degenerate != DegenerateTreatment::ft05_noise;
-  const auto rows_per_pair = with_normals ? 2 : 1;
-  P_.resize(static_cast<Eigen::Index>(pairs_.size()) * rows_per_pair, 3 * rings_.size());
-  P_.reserve(std::vector<int>(pairs_.size() * rows_per_pair, 6));
-  Eigen::Index row = 0;
-  const auto add_row = [&](const std::array<Index, 2>& pair, const Eigen::RowVector3d& d) {
-    for (int k = 0; k < 3; ++k) P_.insertBackUncompressed(row, 3 * pair[0] + k) = d[k];
-    for (int k = 0; k < 3; ++k) P_.insertBackUncompressed(row, 3 * pair[1] + k) = -d[k];
-    ++row;
+  const std::size_t rows_per_pair = with_normals ? 2 : 1;
+  P_ = rows_of_lengths(std::vector<int>(pairs_.size() * rows_per_pair, 6), 3 * rings_.size());
+  const auto write_row = [&](std::size_t row, const std::array<Index, 2>& pair, const Eigen::RowVector3d& d) {
+    int* columns = P_.innerIndexPtr() + 6 * row;
+    double* values = P_.valuePtr() + 6 * row;
+    for (int k = 0; k < 3; ++k) {
+      columns[k] = 3 * pair[0] + k;
+      columns[3 + k] = 3 * pair[1] + k;
+      values[k] = d[k];
+      values[3 + k] = -d[k];
+    }
   };
   // Where the faces around a vertex cancel (a two-sided sheet), its apex still has a direction.
   const auto direction = [&](Index v) -> Eigen::RowVector3d {
@@ -156,19 +161,23 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
     if (apex < 0) return normals.row(v);
     return (nodes_.positions.row(apex) - nodes_.positions.row(v)).normalized();
   };
-  for (const auto& pair : pairs_) {
-    const auto [i, j] = pair;
-    const double local_length = 0.5 * (edge_lengths_[i] + edge_lengths_[j]);
-    const double scale =
-        std::numbers::sqrt2 *
-        (options.density == Density::aware ? density_scale(mean_edge_length_ / local_length) : 1.0);
-    const Eigen::RowVector3d d = nodes_.positions.row(i) - nodes_.positions.row(j);
-    add_row(pair, scale * d);
-    if (with_normals) {
-      add_row(pair, scale * d.norm() * normal_between(direction(i), direction(j)));
-    }
-  }
-  P_.makeCompressed();
+  parallel_blocks(
+      pairs_.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+          const auto [i, j] = pairs_[p];
+          const double local_length = 0.5 * (edge_lengths_[i] + edge_lengths_[j]);
+          const double scale =
+              std::numbers::sqrt2 *
+              (options.density == Density::aware ? density_scale(mean_edge_length_ / local_length) : 1.0);
+          const Eigen::RowVector3d d = nodes_.positions.row(i) - nodes_.positions.row(j);
+          write_row(p * rows_per_pair, pairs_[p], scale * d);
+          if (with_normals)
+            write_row(p * rows_per_pair + 1, pairs_[p],
+                      scale * d.norm() * normal_between(direction(i), direction(j)));
+        }
+      },
+      context, 4096);
 }
 
 SparseRows AffineOperator::A(const Context& context) const {

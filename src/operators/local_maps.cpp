@@ -1,6 +1,7 @@
 #include <meshgraft/operators/local_maps.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -164,21 +165,29 @@ SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings
       },
       context);
 
-  SparseRows H(3 * n, nodes.positions.rows());
   std::vector<int> lengths(static_cast<std::size_t>(3 * n));
   for (Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) lengths[3 * i + k] = static_cast<int>(stencils[i].nodes.size());
-  H.reserve(lengths);
-  std::vector<Index> order;
-  for (Index i = 0; i < n; ++i) {
-    const std::vector<Index>& stencil = stencils[i].nodes;
-    order.resize(stencil.size());
-    for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<Index>(s);
-    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return stencil[a] < stencil[b]; });
-    for (int k = 0; k < 3; ++k)
-      for (Index s : order) H.insertBackUncompressed(3 * i + k, stencil[s]) = coefficients[i](s, k);
-  }
-  H.makeCompressed();
+  SparseRows H = rows_of_lengths(lengths, nodes.positions.rows());
+  parallel_blocks(
+      static_cast<std::size_t>(n),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> order;
+        for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
+          const std::vector<Index>& stencil = stencils[i].nodes;
+          order.resize(stencil.size());
+          std::iota(order.begin(), order.end(), 0);
+          std::sort(order.begin(), order.end(), [&](Index a, Index b) { return stencil[a] < stencil[b]; });
+          int entry = H.outerIndexPtr()[3 * i];
+          for (int k = 0; k < 3; ++k) {
+            for (const Index s : order) {
+              H.innerIndexPtr()[entry] = stencil[s];
+              H.valuePtr()[entry++] = coefficients[i](s, k);
+            }
+          }
+        }
+      },
+      context);
   return H;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <numeric>
+#include <random>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -34,7 +35,9 @@ NormalMatrix grid_matrix(int k, double shift = 1e-3) {
   SparseRows diagonal(k * k, k * k);
   diagonal.setIdentity();
   diagonal *= shift;
-  return lower_triangle_of_sum(transpose(laplacian), laplacian, diagonal, diagonal);
+  SparseRows identity(k * k, k * k);
+  identity.setIdentity();
+  return normal_equations(transpose(laplacian), laplacian, diagonal, identity, diagonal);
 }
 
 Eigen::MatrixXd dense(const NormalMatrix& lower) {
@@ -176,13 +179,13 @@ NormalMatrix bilaplacian(const IndexLists& rings) {
   SparseRows laplacian(n, n), identity(n, n);
   laplacian.setFromTriplets(entries.begin(), entries.end());
   identity.setIdentity();
-  return lower_triangle_of_sum(transpose(laplacian), laplacian, identity, identity);
+  return normal_equations(transpose(laplacian), laplacian, identity, identity, identity);
 }
 
 TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
   if (available_backends().front() != SolverBackend::cholmod) GTEST_SKIP() << "this build has no CHOLMOD";
   for (const char* sample : {"bumpy_plane", "torus", "knot", "cylinder"}) {
-    const Mesh mesh = make_sample(sample, 100);
+    const Mesh mesh = make_sample(sample, 140);
     const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
     const NormalMatrix matrix = bilaplacian(rings);
     std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
@@ -235,6 +238,62 @@ TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
   }
 }
 
+TEST(NestedDissection, SolvesWhateverTheGraphSays) {
+  // Graphs that say nothing of the matrix: sets then are coupled in odd ways, and all of it has to be found out
+  // from the matrix.
+  constexpr int k = 100;
+  const NormalMatrix matrix = grid_matrix(k);
+  const Eigen::MatrixXd x = Eigen::MatrixXd::Random(k * k, 3);
+  const Eigen::MatrixXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
+  std::minstd_rand generator(3);
+  for (const Index groups : {1, 7, 60, 500, k * k}) {
+    std::vector<Index> group;
+    for (int u = 0; u < k * k; ++u)
+      group.push_back(u % 97 == 0 ? -1 : static_cast<Index>(generator() % static_cast<unsigned>(groups)));
+    std::vector<std::vector<Index>> near(static_cast<std::size_t>(groups));
+    for (Index edge = 0; edge < groups; ++edge) {
+      const auto a = static_cast<Index>(generator() % static_cast<unsigned>(groups)),
+                 b = static_cast<Index>(generator() % static_cast<unsigned>(groups));
+      if (a == b) continue;
+      near[a].push_back(b);
+      near[b].push_back(a);
+    }
+    IndexLists neighbours;
+    for (std::vector<Index>& list : near) {
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+      neighbours.values.insert(neighbours.values.end(), list.begin(), list.end());
+      neighbours.offsets.push_back(static_cast<Index>(neighbours.values.size()));
+    }
+    auto solver = make_solver();
+    solver->analyse(matrix, {group, &neighbours});
+    solver->factorise(matrix);
+    EXPECT_LT((solver->solve(rhs) - x).norm(), 1e-6 * x.norm()) << groups << " groups";
+  }
+}
+
+TEST_P(EveryBackend, GivesTheSameBytesForAnyNumberOfThreadsAndColumns) {
+  constexpr int k = 110;
+  const IndexLists rings = grid_rings(k);
+  const NormalMatrix matrix = grid_matrix(k);
+  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
+  std::iota(group.begin(), group.end(), Index{0});
+  const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(k * k, 40);
+  const auto solution = [&](int threads, int columns) {
+    const Context context{.threads = threads, .progress = {}, .stop_token = {}};
+    auto solver = make_solver(GetParam());
+    solver->analyse(matrix, {group, &rings}, context);
+    solver->factorise(matrix, context);
+    return solver->solve(rhs.leftCols(columns), context);
+  };
+  for (const int columns : {1, 2, 3, 5, 32, 40}) {
+    const Eigen::MatrixXd one = solution(1, columns), two = solution(2, columns);
+    EXPECT_EQ(std::memcmp(one.data(), two.data(), sizeof(double) * one.size()), 0) << columns;
+    const Eigen::MatrixXd residual = matrix.selfadjointView<Eigen::Lower>() * one - rhs.leftCols(columns);
+    EXPECT_LT(residual.norm(), 1e-9 * rhs.norm()) << columns;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, testing::ValuesIn(available_backends()),
                          [](const auto& backend) {
                            return backend.param == SolverBackend::cholmod ? "cholmod" : "eigen";
@@ -268,9 +327,49 @@ TEST(SparseProducts, AgreeWithEigenAndDoNotDependOnThreads) {
   EXPECT_EQ(std::memcmp(one.valuePtr(), two.valuePtr(), sizeof(double) * one.nonZeros()), 0);
   EXPECT_EQ(std::memcmp(one.innerIndexPtr(), two.innerIndexPtr(), sizeof(int) * one.nonZeros()), 0);
 
+  const SparseRows back = transpose(a, Context{.threads = 2}), eigens = a.transpose();
+  EXPECT_EQ((back - eigens).norm(), 0);
+  EXPECT_EQ(back.nonZeros(), eigens.nonZeros());
+  EXPECT_EQ((stack(a, a).bottomRows(1500) - a).norm(), 0);
+  EXPECT_LT((difference_of_products(a, b, a, b)).norm(), 1e-12 * eigen.norm());
+
   for (int columns : {1, 3, 8}) {
     const Columns x = Columns::Random(900, columns);
     EXPECT_LT((multiply(a, x) - a * x).norm(), 1e-12 * x.norm());
+  }
+}
+
+/// Random rows, in runs of `together` with the same columns.
+SparseRows random_runs(int rows, int columns, int together, std::minstd_rand& generator) {
+  const auto random = [&] { return static_cast<double>(generator() % 2001) / 1000.0 - 1.0; };
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int row = 0; row < rows; row += together)
+    for (int k = 0; k < 6; ++k) {
+      const int column = static_cast<int>(generator() % static_cast<unsigned>(columns));
+      for (int r = row; r < std::min(rows, row + together); ++r) entries.emplace_back(r, column, random());
+    }
+  SparseRows matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(SparseProducts, TakeRowsWithTheSameColumnsTogether) {
+  std::minstd_rand generator(11);
+  for (const int together : {1, 2, 3, 4, 5}) {
+    const SparseRows a = random_runs(200, 300, together, generator),
+                     b = random_runs(300, 150, together, generator);
+    EXPECT_LT((multiply(a, b) - SparseRows(a * b)).norm(), 1e-12) << together;
+    const SparseRows columnwise = transpose(a);  // runs of columns, too
+    EXPECT_LT((multiply(columnwise, a) - SparseRows(columnwise * a)).norm(), 1e-12) << together;
+
+    const SparseRows K = multiply(transpose(random_runs(50, 300, together, generator)),
+                                  random_runs(50, 300, together, generator));
+    const SparseRows symmetric = K + transpose(K), A = random_runs(80, 150, together, generator);
+    const Eigen::MatrixXd expected = Eigen::MatrixXd(SparseRows(transpose(A) * A)) +
+                                     Eigen::MatrixXd(SparseRows(transpose(b) * symmetric * b));
+    const NormalMatrix lower = normal_equations(transpose(A), A, transpose(b), symmetric, b);
+    EXPECT_LT((Eigen::MatrixXd(lower) - Eigen::MatrixXd(expected.triangularView<Eigen::Lower>())).norm(),
+              1e-10);
   }
 }
 

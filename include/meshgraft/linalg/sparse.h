@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
@@ -19,9 +21,14 @@ using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Row
 /// product has 2³¹ or more non-zeros.
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context = {});
 
-/// Lower triangle of the symmetric matrix Σ a_k·b_k (each a_k of the same shape, each b_k too).
-NormalMatrix lower_triangle_of_sum(const SparseRows& a1, const SparseRows& b1, const SparseRows& a2,
-                                   const SparseRows& b2, const Context& context = {});
+/// a₁·b₁ − a₂·b₂ in the same way.
+SparseRows difference_of_products(const SparseRows& a1, const SparseRows& b1, const SparseRows& a2,
+                                  const SparseRows& b2, const Context& context = {});
+
+/// Lower triangle of AᵀA + Gᵀ K G, K symmetric.
+NormalMatrix normal_equations(const SparseRows& A_transposed, const SparseRows& A,
+                              const SparseRows& G_transposed, const SparseRows& K, const SparseRows& G,
+                              const Context& context = {});
 
 /// a·x for a block of columns, in parallel.
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
@@ -29,6 +36,9 @@ Columns multiply(const SparseRows& a, const Columns& x, const Context& context =
 /// The rows of `top`, then those of `bottom`.
 SparseRows stack(const SparseRows& top, const SparseRows& bottom);
 
-SparseRows transpose(const SparseRows& a);
+SparseRows transpose(const SparseRows& a, const Context& context = {});
+
+/// A matrix whose rows have so many entries each, still to be written (columns ascending).
+SparseRows rows_of_lengths(std::span<const int> lengths, Eigen::Index columns);
 
 }  // namespace meshgraft

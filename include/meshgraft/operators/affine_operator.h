@@ -64,7 +64,7 @@ class AffineOperator {
  private:
   void build_laplacian_rows(const Points& points, const Triangles& triangles, const OperatorOptions& options,
                             const std::vector<std::uint8_t>& rows, const Context& context);
-  void build_smoothness_rows(const Points& normals, const OperatorOptions& options);
+  void build_smoothness_rows(const Points& normals, const OperatorOptions& options, const Context& context);
 
   IndexLists rings_;
   std::vector<double> edge_lengths_;
