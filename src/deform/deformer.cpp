@@ -95,8 +95,8 @@ void Deformer::Impl::require_matching(std::span<const VertexConstraint> constrai
       throw Error(ErrorCode::input, "its rotation is not finite",
                   fmt::format("the constraint of vertex {}", constraint.vertex));
     constexpr double largest = 1e100;  // squares and volumes stay finite
-    if ((constraint.position && !(constraint.position->cwiseAbs().maxCoeff() < largest)) ||
-        (constraint.transform && !(constraint.transform->cwiseAbs().maxCoeff() < largest)))
+    if ((constraint.position && !(constraint.position->array().abs() < largest).all()) ||
+        (constraint.transform && !(constraint.transform->array().abs() < largest).all()))
       throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
                   fmt::format("the constraint of vertex {}", constraint.vertex));
   }
