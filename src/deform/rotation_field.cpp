@@ -248,15 +248,21 @@ MapField RotationField::linear_field(std::span<const VertexConstraint> constrain
       entries.row(v) = constraint.transform->reshaped().transpose();
   entries = fields_.spread(entries, context);
   MapField field;
-  for (Index v = 0; v < n; ++v) field.stretch.emplace_back(entries.row(v).transpose().reshaped(3, 3));
+  field.stretch.resize(3 * n, 3);
+  for (Index v = 0; v < n; ++v) {
+    const Eigen::Matrix3d map = entries.row(v).transpose().reshaped(3, 3);
+    field.stretch.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
+  }
   return field;
 }
 
 MapField RotationField::compose(const Blend& blended, const Columns& deviation, const Context& context) const {
   MapField field;
-  field.smoothness.resize(blended.rotation.size());
+  field.smoothness.resize(deviation.rows() * 3, 3);
   for_each_vertex(static_cast<Index>(blended.rotation.size()), context, [&](Index v) {
-    field.smoothness[v] = rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
+    const Eigen::Matrix3d map =
+        rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
+    field.smoothness.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
   });
   field.stretch = field.smoothness;
   return field;
