@@ -84,7 +84,7 @@ Eigen::RowVector3d turned_normal(const Eigen::Matrix3d& map, const Eigen::RowVec
 }  // namespace
 
 HandleBasis::HandleBasis(const Deformer& deformer, const Points& normals, const Context& context)
-    : normals_(normals) {
+    : normals_(normals.cast<float>()) {
   const ConstrainedSystem& system = deformer.system();
   if (!deformer.is_of_handles())
     throw Error(ErrorCode::usage, "the deformer has constraints per vertex, and no handles", "",
@@ -169,7 +169,7 @@ void HandleBasis::solve_targets(const ConstrainedSystem& system, const Context& 
   }
 }
 
-void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Points* normals,
+void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                         const Context& context) const {
   require_affine_poses(handles_, poses);
   require_rows(positions.rows(), base_.rows(), "the output of positions");
@@ -237,7 +237,7 @@ void HandleBasis::place_block(std::size_t block, std::span<const double> frames,
 
 /// Normals cof(M) n with Mᵀ = I + Σ_h C_h · frame_h, all divided by one factor.
 void HandleBasis::turn_block(std::size_t block, std::span<const float> frames, float unit,
-                             Points& normals) const {
+                             Directions& normals) const {
   using Lanes = Eigen::Array<float, lanes, 1>;
   Lanes m[3][3];  // the rows of Mᵀ: images of the axes
   for (std::size_t j = 0; j < 3; ++j)
@@ -259,7 +259,7 @@ void HandleBasis::turn_block(std::size_t block, std::span<const float> frames, f
     n[c].setZero();
     for (std::size_t lane = 0; lane < count; ++lane)
       n[c][static_cast<Eigen::Index>(lane)] =
-          static_cast<float>(normals(movers_[block * lanes + lane], static_cast<Eigen::Index>(c)));
+          normals(movers_[block * lanes + lane], static_cast<Eigen::Index>(c));
   }
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
@@ -275,7 +275,7 @@ void HandleBasis::turn_block(std::size_t block, std::span<const float> frames, f
   }
 }
 
-void HandleBasis::place_handles(std::span<const HandlePose> poses, Points& positions, Points* normals,
+void HandleBasis::place_handles(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                                 const Context& context) const {
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     const std::vector<Index>& vertices = handles_[h].vertices;
@@ -288,7 +288,8 @@ void HandleBasis::place_handles(std::span<const HandlePose> poses, Points& posit
     if (normals == nullptr || linear.isIdentity(0)) continue;
     const auto turn = [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
-        normals->row(turned_[h][k]) = turned_normal(linear, normals_.row(turned_[h][k]));
+        normals->row(turned_[h][k]) =
+            turned_normal(linear, normals_.row(turned_[h][k]).cast<double>()).cast<float>();
     };
     parallel_blocks(turned_[h].size(), turn, context, 4096);
   }
@@ -315,7 +316,7 @@ HandleBuffers HandleBasis::buffers() const {
     const Index v = buffers.vertices[static_cast<std::size_t>(k)];
     place[v] = static_cast<Index>(k);
     buffers.positions.row(k) = ((base_.row(v) - centre_) / scale_).cast<float>();
-    if (has_normals()) buffers.normals.row(k) = normals_.row(v).cast<float>();
+    if (has_normals()) buffers.normals.row(k) = normals_.row(v);
   }
   copy_columns(place, buffers);
   // Handles' own vertices follow their handle, and no other one.
@@ -362,7 +363,8 @@ std::int64_t HandleBasis::memory_bytes() const {
   return static_cast<std::int64_t>(weights_.size() * sizeof(double) +
                                    (maps_.size() + base_maps_.size()) * sizeof(float) +
                                    movers_.size() * sizeof(Index)) +
-         static_cast<std::int64_t>(sizeof(double)) * (base_.size() + normals_.size());
+         static_cast<std::int64_t>(sizeof(double)) * base_.size() +
+         static_cast<std::int64_t>(sizeof(float)) * normals_.size();
 }
 
 }  // namespace meshgraft

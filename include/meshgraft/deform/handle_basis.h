@@ -13,6 +13,9 @@
 
 namespace meshgraft {
 
+/// Directions in single precision, n×3: what is drawn needs no more, and half the memory is half the time.
+using Directions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
 /// What a vertex shader needs to move a mesh by its handles, in single precision. Everything is in units of the
 /// scene: place = centre + scale · position, so that meshes far from the origin keep their digits; put centre
 /// and scale into the model matrix, in double precision.
@@ -52,7 +55,7 @@ class HandleBasis {
   /// and the caller's; every row is written. Normals are unit, of the local maps: cof(M) n. Throws Error(usage)
   /// for another shape or number of poses, and for normals that the basis was not made for; Error(input) for a
   /// redrawn curve.
-  void frame(std::span<const HandlePose> poses, Points& positions, Points* normals = nullptr,
+  void frame(std::span<const HandlePose> poses, Points& positions, Directions* normals = nullptr,
              const Context& context = {}) const;
   Points frame(std::span<const HandlePose> poses, const Context& context = {}) const;
 
@@ -73,16 +76,16 @@ class HandleBasis {
   void solve_columns(const ConstrainedSystem& system, const Context& context);
   void solve_targets(const ConstrainedSystem& system, const Context& context);
   void place_block(std::size_t block, std::span<const double> frames, Points& positions) const;
-  void turn_block(std::size_t block, std::span<const float> frames, float unit, Points& normals) const;
+  void turn_block(std::size_t block, std::span<const float> frames, float unit, Directions& normals) const;
   void copy_columns(const std::vector<Index>& place, HandleBuffers& buffers) const;
-  void place_handles(std::span<const HandlePose> poses, Points& positions, Points* normals,
+  void place_handles(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                      const Context& context) const;
 
   std::vector<Handle> handles_;
   Eigen::RowVector3d centre_;
   double scale_ = 1;
   Points base_;                ///< n×3: where the vertices are with all handles at rest
-  Points normals_;             ///< n×3 at rest, or none
+  Directions normals_;         ///< n×3 at rest, or none
   std::vector<Index> movers_;  ///< vertices with columns, ascending: with an unknown position or map
   std::vector<std::vector<Index>> turned_;  ///< of each handle, vertices whose map is the handle's
   std::vector<double> weights_;             ///< b: 4 numbers a handle
