@@ -337,6 +337,7 @@ const ConstrainedSystem& Deformer::system() const { return *impl_->system; }
 std::span<const Handle> Deformer::handles() const { return impl_->handles; }
 const DeformerOptions& Deformer::options() const { return impl_->options; }
 bool Deformer::is_of_handles() const { return !impl_->per_vertex; }
+const RotationField* Deformer::rotation_field() const { return impl_->rotations.get(); }
 std::span<const Index> Deformer::patch_vertices() const { return impl_->system->patch().vertices; }
 
 }  // namespace meshgraft

@@ -106,7 +106,7 @@ TEST(HandleBasis, FollowsAnchorsAndFeatures) {
       ASSERT_FALSE(feature.vertices.empty());
       region.features.push_back(feature);
       for (Index v = 0; v < mesh.size(); v += 7) {
-        Anchor anchor{v, 0.3, {}};
+        Anchor anchor{v, 300, {}};
         if (targets)
           anchor.target =
               mesh.positions.row(v).transpose() + 0.1 * mesh.box_diagonal() * Eigen::Vector3d::UnitY();
@@ -116,8 +116,9 @@ TEST(HandleBasis, FollowsAnchorsAndFeatures) {
       const HandleBasis basis(deformer, normals_of(mesh, mesh.positions));
       for (const HandlePose& pose : {HandlePose{}, pose_of(head_move(scene))}) {
         const Points direct = deformer.evaluate(std::vector{pose});
-        EXPECT_EQ(same_bytes(direct, mesh.positions),
-                  !targets && pose.transform.isApprox(Eigen::Affine3d::Identity()));
+        // Anchors with targets move the mesh by themselves.
+        const bool rests = !targets && pose.transform.isApprox(Eigen::Affine3d::Identity());
+        EXPECT_EQ(largest_distance(direct, mesh.positions) < 1e-3, rests);
         Points frame(mesh.size(), 3);
         Directions normals(mesh.size(), 3);
         basis.frame(std::vector{pose}, frame, &normals);
@@ -224,7 +225,7 @@ TEST(HandleBasis, BuffersHoldTheMaps) {
   const Scene scene = make_scene(bumpy_sphere(3));
   const TestMesh& mesh = scene.mesh;
   Region region = two_handles(scene);
-  region.anchors.push_back({mesh.size() / 2, 1.0, Eigen::Vector3d(0, 0, 2)});
+  region.anchors.push_back({mesh.size() / 2, 1000, Eigen::Vector3d(0, 0, 2)});
   const HandleBasis basis(make_linear(scene, region), normals_of(mesh, mesh.positions));
   const auto poses = two_poses(scene);
   Points frame(mesh.size(), 3);

@@ -20,6 +20,7 @@ namespace meshgraft {
 class ConstrainedSystem;
 class HandleBasis;
 class ReducedFrames;
+class RotationField;
 
 /// What moves, what stays and what is held of a mesh.
 struct Region {
@@ -146,6 +147,7 @@ class Deformer {
   std::span<const Handle> handles() const;
   const DeformerOptions& options() const;
   bool is_of_handles() const;
+  const RotationField* rotation_field() const;
 
   Deformer();
   struct Impl;
