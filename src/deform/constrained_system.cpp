@@ -344,40 +344,57 @@ ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexC
   return values;
 }
 
+ConstrainedSystem::Known ConstrainedSystem::no_values(Eigen::Index columns) const {
+  return {Columns::Zero(operators_->nodes().positions.rows(), columns),
+          Columns::Zero(3 * patch_.size(), columns)};
+}
+
+Eigen::Index ConstrainedSystem::row_count() const { return solver_ ? A_L_.rows() + operators_->P().rows() : 0; }
+
+/// The part of b that is linear in values and field; anchors draw to rest.
 ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
   const AffineOperator& op = *operators_;
   const Columns m = multiply(op.H(), values.x, context) + values.m;
   Rows rhs;
   const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
-  rhs.laplacian.resize(A_L_.rows(), 3);
+  const auto bar_count = static_cast<Eigen::Index>(bars_.size());
+  rhs.laplacian.resize(A_L_.rows(), m.cols());
   rhs.laplacian.topRows(laplacian.rows()) = laplacian;
-  if (!bars_.empty()) {
-    auto bars = rhs.laplacian.middleRows(laplacian.rows(), static_cast<Eigen::Index>(bars_.size()));
+  if (bar_count > 0) {
+    auto bars = rhs.laplacian.middleRows(laplacian.rows(), bar_count);
     bars = -multiply(bar_rows_, values.x, context);
-    for (std::size_t b = 0; b < bars_.size() && !field.stretch.empty(); ++b) {
-      const auto [i, j] = bars_[b].ends;
-      const Eigen::Matrix3d change = (field.stretch[i] + field.stretch[j]) / 2 - Eigen::Matrix3d::Identity();
-      const Eigen::RowVector3d d = op.nodes().positions.row(i) - op.nodes().positions.row(j);
-      bars.row(static_cast<Eigen::Index>(b)) += bars_[b].weight * d * change.transpose();
-    }
+    if (field.stretch.rows() > 0) add_stretch(field.stretch, bars);
   }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
-    const Eigen::RowVector3d p = rest_.row(anchors_[a].vertex);
-    const Eigen::RowVector3d move = anchors_[a].target ? Eigen::RowVector3d(anchors_[a].target->transpose() - p)
-                                                       : Eigen::RowVector3d::Zero();
     const Index v = patch_.local(anchors_[a].vertex);
     const Eigen::RowVector3d back = patch_.points.row(v) - op.nodes().positions.row(v);
-    rhs.laplacian.row(laplacian.rows() + static_cast<Eigen::Index>(bars_.size() + a)) =
-        anchor_weights_[a] * (move / patch_.scale - back * m.middleRows<3>(3 * v));
+    rhs.laplacian.row(laplacian.rows() + bar_count + static_cast<Eigen::Index>(a)) =
+        -anchor_weights_[a] * (back * m.middleRows<3>(3 * v));
   }
-  Columns target = -m;
-  if (!field.smoothness.empty()) {
-    for (Index v = 0; v < patch_.size(); ++v)
-      target.middleRows<3>(3 * v) += (field.smoothness[v] - Eigen::Matrix3d::Identity()).transpose();
-  }
-  rhs.smoothness = multiply(op.P(), target, context);
+  const bool identity = field.smoothness.rows() == 0;
+  rhs.smoothness = multiply(op.P(), identity ? Columns(-m) : Columns(field.smoothness - m), context);
   return rhs;
+}
+
+void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const {
+  const Points& points = operators_->nodes().positions;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    const auto [i, j] = bars_[b].ends;
+    const Eigen::RowVector3d d = bars_[b].weight * (points.row(i) - points.row(j));
+    bars.row(static_cast<Eigen::Index>(b)) +=
+        d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
+  }
+}
+
+/// Where anchors draw to, the last rows beside E_L's.
+void ConstrainedSystem::add_targets(Rows& rows) const {
+  const auto first = rows.laplacian.rows() - static_cast<Eigen::Index>(anchors_.size());
+  for (std::size_t a = 0; a < anchors_.size(); ++a) {
+    if (!anchors_[a].target) continue;
+    const Eigen::RowVector3d move = anchors_[a].target->transpose() - rest_.row(anchors_[a].vertex);
+    rows.laplacian.row(first + static_cast<Eigen::Index>(a)) += anchor_weights_[a] * (move / patch_.scale);
+  }
 }
 
 Columns ConstrainedSystem::apply_transposed(const Rows& rows, const Context& context) const {
@@ -405,6 +422,13 @@ Columns ConstrainedSystem::solve(const Rows& rhs, int corrections, const Context
 
 Columns ConstrainedSystem::solve(const Known& values, const MapField& field, int corrections,
                                  const Context& context) const {
+  Rows rhs = right_hand_side(values, field, context);
+  add_targets(rhs);
+  return solve(rhs, corrections, context);
+}
+
+Columns ConstrainedSystem::respond(const Known& values, const MapField& field, int corrections,
+                                   const Context& context) const {
   return solve(right_hand_side(values, field, context), corrections, context);
 }
 
@@ -412,21 +436,27 @@ Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Con
   return multiply(G_, y, context) + multiply(operators_->H(), values.x, context) + values.m;
 }
 
+Columns ConstrainedSystem::displacements(const Columns& y, const Known& values, const Context& context) const {
+  Columns x = multiply(E_, y, context) + values.x;
+  const StencilNodes& nodes = operators_->nodes();
+  if (!nodes.moved.empty()) {
+    // FT05 equation 8: x = M (p − p') + x' for vertices that were moved off their plane.
+    const Columns m = maps(y, values, context);
+    for (Index v : nodes.moved) {
+      const Eigen::RowVector3d back = patch_.points.row(v) - nodes.positions.row(v);
+      x.row(v) += back * m.middleRows<3>(3 * v);
+    }
+  }
+  x.conservativeResize(patch_.size(), Eigen::NoChange);
+  return x;
+}
+
 void ConstrainedSystem::place(const Columns& y, const Known& values,
                               std::span<const VertexConstraint> constraints, Points& out,
                               const Context& context) const {
   out = rest_;
   if (y.rows() > 0) {
-    Columns x = multiply(E_, y, context) + values.x;
-    const StencilNodes& nodes = operators_->nodes();
-    if (!nodes.moved.empty()) {
-      // FT05 equation 8: x = M (p − p') + x' for vertices that were moved off their plane.
-      const Columns m = maps(y, values, context);
-      for (Index v : nodes.moved) {
-        const Eigen::RowVector3d back = patch_.points.row(v) - nodes.positions.row(v);
-        x.row(v) += back * m.middleRows<3>(3 * v);
-      }
-    }
+    const Columns x = displacements(y, values, context);
     place_features(y, out);
     for (Index v = 0; v < patch_.size(); ++v) {
       if (known_.position[v]) continue;
@@ -439,6 +469,11 @@ void ConstrainedSystem::place(const Columns& y, const Known& values,
   }
   for (const VertexConstraint& constraint : constraints)
     if (constraint.position) out.row(constraint.vertex) = constraint.position->transpose();
+}
+
+Columns ConstrainedSystem::feature_rows(std::size_t feature, const Columns& y) const {
+  if (feature_column_[feature] < 0) return Columns::Zero(4, y.cols());
+  return y.middleRows<4>(feature_column_[feature]);
 }
 
 /// All vertices of the features that something reaches.
@@ -482,7 +517,8 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
     return;
   }
   const Known values = known_values(constraints);
-  const Rows rhs = right_hand_side(values, field, context);
+  Rows rhs = right_hand_side(values, field, context);
+  add_targets(rhs);
   const Columns y = solve(rhs, residual_corrections_, context);
   place(y, values, constraints, out, context);
   if (report == nullptr) return;

@@ -28,10 +28,11 @@ struct VertexStates {
 /// Throws Error(input) at `place` unless 0 ≤ vertex < count.
 void require_vertex(Index vertex, Index count, const std::string& place);
 
-/// Maps F_i per vertex of the patch on the right-hand side; an empty field stands for I everywhere.
+/// Maps F_v per vertex of the patch on the right-hand side, less I: rows 3v … 3v+2 are (F_v − I)ᵀ. A field
+/// without rows stands for I everywhere.
 struct MapField {
-  std::vector<Eigen::Matrix3d> smoothness;  ///< of E_R: (M_i − M_j) d = (F_i − F_j) d
-  std::vector<Eigen::Matrix3d> stretch;     ///< of the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
+  Columns smoothness;  ///< of E_R: (M_i − M_j) d = (F_i − F_j) d
+  Columns stretch;     ///< of the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
 };
 
 /// The least-squares problem of a deformation with constraints per vertex: assembled and factorised by the
@@ -59,13 +60,27 @@ class ConstrainedSystem {
     Columns x, m;
   };
   Known known_values(std::span<const VertexConstraint> constraints) const;
+  /// Nothing known moves; room for `columns` columns.
+  Known no_values(Eigen::Index columns) const;
 
   /// The unknowns; `corrections` with the residual of the rectangular system follow the back-substitution.
   Columns solve(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// How the unknowns follow from values and field alone, as if no anchor had a target. Any number of columns;
+  /// `is_linear` must hold.
+  Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// Without features that are similarities, whatever is solved for is linear in values, field and targets.
+  bool is_linear() const { return similarities_.empty(); }
+  /// The rows of a full set of right-hand sides: what one of their columns takes of memory.
+  Eigen::Index row_count() const;
+
   /// The map T of each feature in a solution; I for those that nothing reaches.
   std::vector<Eigen::Matrix3d> feature_maps(const Columns& y) const;
+  /// (T − I)ᵀ and below it tᵀ of a feature's map (4 rows, patch units); zero for one that nothing reaches.
+  Columns feature_rows(std::size_t feature, const Columns& y) const;
   /// The local maps of a solution less I: rows 3v … 3v+2 are (M_v − I)ᵀ.
   Columns maps(const Columns& y, const Known& values, const Context& context) const;
+  /// The displacements of the patch's vertices in a solution (patch units); those of known positions too.
+  Columns displacements(const Columns& y, const Known& values, const Context& context) const;
 
   /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one.
   void evaluate(std::span<const VertexConstraint> constraints, const MapField& field, Points& out,
@@ -79,6 +94,8 @@ class ConstrainedSystem {
   const KnownParts& known() const { return known_; }
   const std::vector<Feature>& features() const { return features_; }
   const std::vector<Index>& free_vertices() const { return free_; }
+  const std::vector<Anchor>& anchors() const { return anchors_; }  ///< on vertices whose position is unknown
+  int residual_corrections() const { return residual_corrections_; }
   const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
 
  private:
@@ -104,6 +121,8 @@ class ConstrainedSystem {
     Columns laplacian, smoothness;
   };
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
+  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const;
+  void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
   Columns solve(const Rows& rhs, int corrections, const Context& context) const;

@@ -42,7 +42,9 @@ std::string_view to_string(DeformMethod value) {
 
 /// Handles and checks of the caller's input; the problem itself is the system's.
 struct Deformer::Impl {
+  DeformerOptions options;
   std::vector<Handle> handles;
+  bool per_vertex = false;         ///< constraints per vertex instead of handles
   Points normals;                  ///< of the rest mesh, n×3; only where a handle is a curve
   std::vector<Index> constrained;  ///< vertex of each constraint, in their order
   std::vector<std::uint8_t> gives_position, gives_transform;
@@ -61,7 +63,8 @@ struct Deformer::Impl {
 
 void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
                            std::span<const Anchor> anchors, std::span<const Feature> features,
-                           const DeformerOptions& options, const Context& context) {
+                           const DeformerOptions& chosen, const Context& context) {
+  options = chosen;
   validate(options);
   system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
                                                context);
@@ -95,8 +98,8 @@ void Deformer::Impl::require_matching(std::span<const VertexConstraint> constrai
       throw Error(ErrorCode::input, "its rotation is not finite",
                   fmt::format("the constraint of vertex {}", constraint.vertex));
     constexpr double largest = 1e100;  // squares and volumes stay finite
-    if ((constraint.position && !(constraint.position->cwiseAbs().maxCoeff() < largest)) ||
-        (constraint.transform && !(constraint.transform->cwiseAbs().maxCoeff() < largest)))
+    if ((constraint.position && !(constraint.position->array().abs() < largest).all()) ||
+        (constraint.transform && !(constraint.transform->array().abs() < largest).all()))
       throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
                   fmt::format("the constraint of vertex {}", constraint.vertex));
   }
@@ -230,6 +233,7 @@ Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangl
   VertexStates states = states_of_region(n, region.empty(), region, {});
   Deformer deformer;
   Impl& d = *deformer.impl_;
+  d.per_vertex = true;
   std::vector<std::uint8_t> seen(static_cast<std::size_t>(n), 0);
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
@@ -301,7 +305,10 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
     if (!field[v].allFinite())
       throw Error(ErrorCode::input, "the map is not finite", fmt::format("field, vertex {}", v));
   MapField local;
-  for (const Index v : system.patch().vertices) local.smoothness.push_back(field[v]);
+  local.smoothness.resize(3 * system.patch().size(), 3);
+  for (Index v = 0; v < system.patch().size(); ++v)
+    local.smoothness.middleRows<3>(3 * v) =
+        (field[system.patch().vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
   local.stretch = local.smoothness;
   Points positions;
   system.evaluate(constraints, local, positions, report, context);
@@ -326,6 +333,11 @@ const AffineOperator& Deformer::affine_operator() const {
 
 const DeformerSummary& Deformer::summary() const { return impl_->summary; }
 std::span<const Index> Deformer::free_vertices() const { return impl_->system->free_vertices(); }
+const ConstrainedSystem& Deformer::system() const { return *impl_->system; }
+std::span<const Handle> Deformer::handles() const { return impl_->handles; }
+const DeformerOptions& Deformer::options() const { return impl_->options; }
+bool Deformer::is_of_handles() const { return !impl_->per_vertex; }
+const RotationField* Deformer::rotation_field() const { return impl_->rotations.get(); }
 std::span<const Index> Deformer::patch_vertices() const { return impl_->system->patch().vertices; }
 
 }  // namespace meshgraft

@@ -9,6 +9,7 @@
 #include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "corotation.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -17,16 +18,6 @@ namespace {
 
 /// Rotation vector (3) and logarithm of the stretch (6) of a transform.
 using Logarithm = Eigen::Matrix<double, 1, 9>;
-
-/// `map` with the image of the normal at right angles to the surface's image: where nothing but a flat ring
-/// was fitted, it could be anything.
-Eigen::Matrix3d with_normal(const Eigen::Matrix3d& map, const Eigen::Vector3d& normal) {
-  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
-  const Eigen::Vector3d across = (map * u).cross(map * v);
-  const double length = across.norm();
-  if (!(length > 0)) return map;
-  return map + (across / std::sqrt(length) - map * normal) * normal.transpose();
-}
 
 template <class Body>
 void for_each_vertex(Index count, const Context& context, const Body& body) {
@@ -248,40 +239,31 @@ MapField RotationField::linear_field(std::span<const VertexConstraint> constrain
       entries.row(v) = constraint.transform->reshaped().transpose();
   entries = fields_.spread(entries, context);
   MapField field;
-  for (Index v = 0; v < n; ++v) field.stretch.emplace_back(entries.row(v).transpose().reshaped(3, 3));
+  field.stretch.resize(3 * n, 3);
+  for (Index v = 0; v < n; ++v) {
+    const Eigen::Matrix3d map = entries.row(v).transpose().reshaped(3, 3);
+    field.stretch.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
+  }
   return field;
 }
 
 MapField RotationField::compose(const Blend& blended, const Columns& deviation, const Context& context) const {
   MapField field;
-  field.smoothness.resize(blended.rotation.size());
+  field.smoothness.resize(deviation.rows() * 3, 3);
   for_each_vertex(static_cast<Index>(blended.rotation.size()), context, [&](Index v) {
-    field.smoothness[v] = rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
+    const Eigen::Matrix3d map =
+        rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
+    field.smoothness.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
   });
   field.stretch = field.smoothness;
   return field;
 }
-
-namespace {
-
-/// Full steps while they go one way, shorter ones where they turn back, by how much they do, and longer again
-/// afterwards. Continuous, so that neighbouring frames stay neighbours.
-double damped_pace(double pace, const Columns& step, const Columns& previous) {
-  constexpr double shortest = 0.1;
-  const double length = previous.squaredNorm();
-  if (!(length > 0)) return pace;
-  const double ahead = previous.cwiseProduct(step).sum() / length;
-  return std::clamp(ahead < 0 ? pace / (1 - ahead) : pace * (1 + ahead), shortest, 1.0);
-}
-
-}  // namespace
 
 /// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend, and
 /// those of features into the blend; smooth the deviations; solve again. Not a descent: steps that oscillate
 /// are damped. False where a feature turns inside out.
 bool RotationField::follow(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
                            const Context& context) const {
-  constexpr double settled = 1e-3;  // radians
   const ConstrainedSystem::Known values = system_.known_values(constraints);
   Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;
   double pace = 1;
@@ -303,7 +285,7 @@ bool RotationField::follow(std::span<const VertexConstraint> constraints, Blend&
     result.change = std::max(root_mean_square(step), turn);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
-    if (result.change < settled) break;
+    if (result.change < settled_change) break;
   }
   return true;
 }
@@ -314,13 +296,10 @@ Columns RotationField::surface_deviation(const Columns& maps, const Blend& blend
   const std::vector<Index>& apex = system_.operators()->nodes().apex;
   Columns deviation(current.rows(), 3);
   for_each_vertex(static_cast<Index>(current.rows()), context, [&](Index v) {
-    const Eigen::Matrix3d unstretch = blended.stretch[v].inverse();
-    Eigen::Matrix3d map = (maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity()) * unstretch;
-    const Eigen::Vector3d normal = unstretch * normals_.row(v).transpose();  // of the stretched surface
-    if (apex[v] < 0 && !normal.isZero(0)) map = with_normal(map, normal.normalized());
-    const Eigen::Matrix3d rotation = nearest_rotation(map);
-    const Eigen::Vector3d turn = rotation_log(rotation * blended.rotation[v].transpose());
-    deviation.row(v) = nearest_turn(turn, current.row(v).transpose()).transpose();
+    const Eigen::Matrix3d map = maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d normal = apex[v] < 0 ? Eigen::Vector3d(normals_.row(v)) : Eigen::Vector3d::Zero();
+    deviation.row(v) =
+        surface_turn(map, {blended.rotation[v], blended.stretch[v]}, normal, current.row(v)).transpose();
   });
   return deviation;
 }

@@ -25,6 +25,10 @@ class RotationField {
   };
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
 
+  const SurfaceFields& fields() const { return fields_; }
+  const Points& normals() const { return normals_; }  ///< of the patch at rest
+  int iterations() const { return iterations_; }      ///< co-rotational steps at the most
+
  private:
   /// What the constraints alone say of each vertex: F = rotation · stretch.
   struct Blend {

@@ -251,23 +251,46 @@ NormalMatrix normal_equations(const SparseRows& A_transposed, const SparseRows& 
                                 A.cols(), A.cols(), context);
 }
 
+namespace {
+
+/// Columns [first, first + width) of a·x.
+template <int width>
+void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Columns& y,
+                      const Context& context) {
+  using Row = Eigen::Matrix<double, 1, width>;
+  parallel_blocks(
+      static_cast<std::size_t>(a.rows()),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row) {
+          Row sum = Row::Zero();
+          for (SparseRows::InnerIterator it(a, row); it; ++it)
+            sum += it.value() * x.row(it.col()).template segment<width>(first);
+          y.row(row).template segment<width>(first) = sum;
+        }
+      },
+      context, 4096);
+}
+
+}  // namespace
+
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context) {
+  // Widths that are known when compiled: sums stay in registers, and nothing is allocated per row.
   Columns y(a.rows(), x.cols());
-  const auto multiply_block = [&](auto width) {
-    using Row = Eigen::Matrix<double, 1, decltype(width)::value>;
-    return [&](std::size_t begin, std::size_t end) {
-      for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row) {
-        Row sum = Row::Zero(1, x.cols());
-        for (SparseRows::InnerIterator it(a, row); it; ++it) sum += it.value() * x.row(it.col());
-        y.row(row) = sum;
-      }
-    };
-  };
-  const auto rows = static_cast<std::size_t>(a.rows());
-  if (x.cols() == 3) {
-    parallel_blocks(rows, multiply_block(std::integral_constant<int, 3>{}), context, 4096);
-  } else {
-    parallel_blocks(rows, multiply_block(std::integral_constant<int, Eigen::Dynamic>{}), context, 4096);
+  Eigen::Index first = 0;
+  while (const Eigen::Index left = x.cols() - first) {
+    if (left == 3) {
+      multiply_columns<3>(a, x, first, y, context);
+      first += 3;
+    } else if (left >= 8) {
+      multiply_columns<8>(a, x, first, y, context);
+      first += 8;
+    } else if (left >= 4) {
+      multiply_columns<4>(a, x, first, y, context);
+      first += 4;
+    } else {
+      multiply_columns<1>(a, x, first, y, context);
+      first += 1;
+    }
   }
   return y;
 }

@@ -117,9 +117,11 @@ TEST(Errors, WhatIsNotFiniteIsRefusedWithinReach) {
     expect_error(ErrorCode::input, {"vertex 200"}, [&] { make(broken.mesh, held_foot(scene)); });
   }
   const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene));
-  HandlePose pose;
-  pose.transform.translation().x() = std::numeric_limits<double>::quiet_NaN();
-  expect_error(ErrorCode::input, {}, [&] { deformer.evaluate(std::vector{pose}); });
+  for (int k = 0; k < 3; ++k) {
+    HandlePose pose;
+    pose.transform.translation()[k] = std::numeric_limits<double>::quiet_NaN();
+    expect_error(ErrorCode::input, {}, [&] { deformer.evaluate(std::vector{pose}); });
+  }
 }
 
 TEST(Errors, CallsOfTheWrongShapeAreRefused) {

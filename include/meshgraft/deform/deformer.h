@@ -17,6 +17,11 @@
 
 namespace meshgraft {
 
+class ConstrainedSystem;
+class HandleBasis;
+class ReducedFrames;
+class RotationField;
+
 /// What moves, what stays and what is held of a mesh.
 struct Region {
   std::vector<Index> vertices{};  ///< the region of interest; with `whole` unused
@@ -135,6 +140,15 @@ class Deformer {
   std::span<const Index> free_vertices() const;
 
  private:
+  // What is built on a set-up: its problem, its handles (none of constraints per vertex), its options.
+  friend HandleBasis;
+  friend ReducedFrames;
+  const ConstrainedSystem& system() const;
+  std::span<const Handle> handles() const;
+  const DeformerOptions& options() const;
+  bool is_of_handles() const;
+  const RotationField* rotation_field() const;
+
   Deformer();
   struct Impl;
   std::unique_ptr<Impl> impl_;

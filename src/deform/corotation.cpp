@@ -1,0 +1,44 @@
+#include "corotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "rotations.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// `map` with the image of the normal at right angles to the surface's image.
+Eigen::Matrix3d with_normal(const Eigen::Matrix3d& map, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
+  const Eigen::Vector3d across = (map * u).cross(map * v);
+  const double length = across.norm();
+  if (!(length > 0)) return map;
+  return map + (across / std::sqrt(length) - map * normal) * normal.transpose();
+}
+
+}  // namespace
+
+Eigen::Vector3d surface_turn(const Eigen::Matrix3d& map, const BlendedMap& blended,
+                             const Eigen::Vector3d& normal, const Eigen::Vector3d& current) {
+  const Eigen::Matrix3d unstretch = blended.stretch.inverse();
+  Eigen::Matrix3d turned = map * unstretch;
+  const Eigen::Vector3d stretched = unstretch * normal;  // of the stretched surface
+  if (!normal.isZero(0)) turned = with_normal(turned, stretched.normalized());
+  const Eigen::Matrix3d rotation = nearest_rotation(turned);
+  return nearest_turn(rotation_log(rotation * blended.rotation.transpose()), current);
+}
+
+double damped_pace(double pace, const Columns& step, const Columns& previous) {
+  constexpr double shortest = 0.1;
+  const double length = previous.squaredNorm();
+  if (!(length > 0)) return pace;
+  const double ahead = previous.cwiseProduct(step).sum() / length;
+  return std::clamp(ahead < 0 ? pace / (1 - ahead) : pace * (1 + ahead), shortest, 1.0);
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,47 @@
+#include "handle_frame.h"
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+HandleFrame handle_frame(const HandlePose& pose, const Eigen::RowVector3d& centre, double scale) {
+  const Eigen::Matrix3d change = (pose.transform.linear() - Eigen::Matrix3d::Identity()).transpose();
+  HandleFrame frame;
+  frame.topRows<3>() = change;
+  frame.row(3) = (centre * change + pose.transform.translation().transpose()) / scale;
+  return frame;
+}
+
+ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std::span<const Handle> handles) {
+  const Patch& patch = system.patch();
+  ConstrainedSystem::Known values = system.no_values(static_cast<Eigen::Index>(4 * handles.size()));
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    const auto column = static_cast<Eigen::Index>(4 * h);
+    for (const Index vertex : handles[h].vertices) {
+      const Index v = patch.local(vertex);
+      if (v < 0) continue;
+      if (handles[h].constrain_position) values.x.row(v).segment<4>(column) << patch.points.row(v), 1.0;
+      if (handles[h].constrain_transform) values.m.block<3, 3>(3 * v, column).setIdentity();
+    }
+  }
+  return values;
+}
+
+void require_affine_poses(std::span<const Handle> handles, std::span<const HandlePose> poses) {
+  if (poses.size() != handles.size())
+    throw Error(ErrorCode::usage,
+                fmt::format("{} poses were given for {} handles", poses.size(), handles.size()));
+  for (std::size_t h = 0; h < poses.size(); ++h) {
+    const std::string place = fmt::format("handle '{}'", handles[h].name);
+    if (poses[h].curve)
+      throw Error(ErrorCode::input, "its curve is redrawn, which is not one affine map", place,
+                  "Evaluate the deformer for this pose");
+    constexpr double largest = 1e100;  // squares and volumes stay finite
+    if (!(poses[h].transform.affine().array().abs() < largest).all())
+      throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", place);
+  }
+}
+
+}  // namespace meshgraft

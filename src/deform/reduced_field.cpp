@@ -1,0 +1,356 @@
+#include "reduced_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+
+#include <meshgraft/core/parallel.h>
+
+#include "rotations.h"
+#include "surface_samples.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Rows 3v … 3v+2, columns 3 or 4 a weight: weight · [I | 0].
+Columns scaled_identities(const Columns& weights, std::size_t first, std::size_t count, Eigen::Index width) {
+  Columns field = Columns::Zero(3 * weights.rows(), width * static_cast<Eigen::Index>(count));
+  for (Eigen::Index v = 0; v < weights.rows(); ++v)
+    for (std::size_t k = 0; k < count; ++k)
+      for (Eigen::Index j = 0; j < 3; ++j)
+        field(3 * v + j, width * static_cast<Eigen::Index>(k) + j) =
+            weights(v, static_cast<Eigen::Index>(first + k));
+  return field;
+}
+
+}  // namespace
+
+/// Logarithms of the handles' transforms, and of the fits of components without any.
+struct ReducedField::Logs {
+  Eigen::Matrix3d reference = Eigen::Matrix3d::Identity();
+  Columns handles;  ///< H × 9: rotation vector, stretch
+  Columns fits;     ///< components without a given map × 9
+};
+
+ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField& rotations,
+                           std::span<const Handle> handles, const DeformerOptions& options, Index centres,
+                           Index samples, const Context& context)
+    : system_(&system),
+      rotations_(&rotations),
+      handles_(handles),
+      handle_count_(handles.size()),
+      iterations_(rotations.iterations()) {
+  context.step("reduce", 0);
+  spread_logs(context);
+  choose_samples(centres, samples);
+  spread_samples(options.backend, context);
+  if (iterations_ > 0) reduce_smoothing(context);
+  fit_loose_components();
+  maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), static_cast<Eigen::Index>(width()));
+  base_maps_ = Columns::Zero(maps_.rows(), 3);
+}
+
+void ReducedField::choose_samples(Index centres, Index samples) {
+  const Patch& patch = system_->patch();
+  const IndexLists& rings = system_->operators()->rings();
+  const std::vector<std::uint8_t>& given = system_->known().transform;
+  std::vector<std::uint8_t> open(given.size());
+  for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
+  // Components without a given map come first, and need a centre each.
+  const std::vector<std::uint8_t>& holds = rotations_->fields().component_holds();
+  const auto loose = static_cast<Index>(std::count(holds.begin(), holds.end(), 0));
+  centres = std::max(centres, loose);
+  samples_ = farthest_vertices(patch.points, rings, given, open, std::max(samples, loose));
+  centres_.assign(samples_.begin(),
+                  samples_.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(
+                                         samples_.size(), static_cast<std::size_t>(centres))));
+  cell_ = nearest_sample(patch.points, rings, samples_);
+  areas_.assign(samples_.size(), 0.0);
+  normals_ = Points::Zero(static_cast<Eigen::Index>(samples_.size()), 3);
+  const std::vector<double>& areas = rotations_->fields().areas();
+  for (Index v = 0; v < patch.size(); ++v) {
+    if (!open[v]) cell_[v] = -1;
+    if (cell_[v] < 0) continue;
+    areas_[cell_[v]] += areas[v];
+    if (system_->operators()->nodes().apex[v] < 0)
+      normals_.row(cell_[v]) += areas[v] * rotations_->normals().row(v);
+  }
+  for (auto normal : normals_.rowwise())
+    if (!normal.isZero(0)) normal.normalize();
+}
+
+/// The weights χ: how the handles' logarithms are blended.
+void ReducedField::spread_logs(const Context& context) {
+  const Patch& patch = system_->patch();
+  const KnownParts& known = system_->known();
+  const SurfaceFields& fields = rotations_->fields();
+  given_ = Columns::Zero(patch.size(), static_cast<Eigen::Index>(handle_count_));
+  given_areas_.assign(handle_count_, 0.0);
+  gives_maps_.assign(handle_count_, 0);
+  for (std::size_t h = 0; h < handle_count_; ++h)
+    for (const Index vertex : handles_[h].vertices) {
+      const Index v = patch.local(vertex);
+      if (v < 0 || !handles_[h].constrain_transform) continue;
+      gives_maps_[h] = 1;
+      given_areas_[h] += fields.areas()[v];
+      given_(v, static_cast<Eigen::Index>(h)) = 1;
+    }
+  const IndexLists& rings = system_->operators()->rings();
+  for (Index v = 0; v < patch.size(); ++v)
+    from_rest_ = from_rest_ || (known.transform[v] && given_.row(v).isZero(0) && !rings[v].empty());
+  blend_weights_ = fields.spread(given_, context);
+}
+
+/// The weights φ, and what of χ and φ frames need.
+void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
+  const Patch& patch = system_->patch();
+  const auto centre_count = static_cast<Eigen::Index>(centres_.size());
+  std::vector<std::uint8_t> held = system_->known().transform;
+  Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
+  values.rightCols(given_.cols()) = given_;
+  for (Eigen::Index k = 0; k < centre_count; ++k) {
+    values(centres_[static_cast<std::size_t>(k)], k) = 1;
+    held[centres_[static_cast<std::size_t>(k)]] = 1;
+  }
+  const SurfaceFields around_centres(patch.points, patch.triangles, system_->operators()->rings(), held, -1,
+                                     backend, context);
+  const Columns weights = around_centres.spread(values, context);
+  centre_weights_ = weights.leftCols(centre_count);
+  given_weights_ = weights.rightCols(given_.cols());
+  interpolation_ = cell_means(centre_weights_, 1);
+  cell_influence_ = cell_means(blend_weights_, 1);
+  centre_influence_.resize(centre_count, given_.cols());
+  for (Eigen::Index k = 0; k < centre_count; ++k)
+    centre_influence_.row(k) = blend_weights_.row(centres_[static_cast<std::size_t>(k)]);
+}
+
+/// smooth(f)(c) = Σ_v g_c(v) a_v f(v), g_c what smoothing makes of a unit source at c: one solve a centre.
+void ReducedField::reduce_smoothing(const Context& context) {
+  const SurfaceFields& fields = rotations_->fields();
+  constexpr Eigen::Index at_once = 16;
+  const auto count = static_cast<Eigen::Index>(centres_.size());
+  smoothing_ = Columns::Zero(count, static_cast<Eigen::Index>(samples_.size()));
+  for (Eigen::Index first = 0; first < count; first += at_once) {
+    const Eigen::Index columns = std::min(at_once, count - first);
+    Columns sources = Columns::Zero(system_->patch().size(), columns);
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      const Index centre = centres_[static_cast<std::size_t>(first + k)];
+      sources(centre, k) = 1 / fields.areas()[centre];
+    }
+    const Columns g = fields.smooth(sources, context);
+    for (Index v = 0; v < system_->patch().size(); ++v)
+      if (cell_[v] >= 0)
+        smoothing_.col(cell_[v]).segment(first, columns) += fields.areas()[v] * g.row(v).transpose();
+  }
+}
+
+/// Components that are held by positions alone start from the affine map that fits those best.
+void ReducedField::fit_loose_components() {
+  const SurfaceFields& fields = rotations_->fields();
+  const Patch& patch = system_->patch();
+  std::vector<Index> number(fields.component_holds().size(), -1);
+  for (std::size_t c = 0; c < number.size(); ++c) {
+    if (fields.component_holds()[c]) continue;
+    number[c] = static_cast<Index>(fits_.size());
+    fits_.push_back(Columns::Zero(3, static_cast<Eigen::Index>(4 * handle_count_)));
+    std::vector<std::pair<Index, std::size_t>> held;  // vertex, handle
+    for (std::size_t h = 0; h < handle_count_; ++h)
+      for (const Index vertex : handles_[h].vertices)
+        if (const Index v = patch.local(vertex);
+            v >= 0 && handles_[h].constrain_position && fields.component()[v] == static_cast<Index>(c))
+          held.emplace_back(v, h);
+    if (held.size() < 4) continue;
+    Eigen::MatrixXd places(held.size(), 3), moves = Eigen::MatrixXd::Zero(held.size(), 4 * handle_count_);
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      places.row(row) = patch.points.row(held[k].first);
+      moves.row(row).segment<4>(static_cast<Eigen::Index>(4 * held[k].second)) << places.row(row), 1.0;
+    }
+    places.rowwise() -= places.colwise().mean().eval();
+    moves.rowwise() -= moves.colwise().mean().eval();
+    fits_.back() = places.completeOrthogonalDecomposition().solve(moves);
+  }
+  const auto loose = [&](Index v) { return number[fields.component()[v]]; };
+  std::transform(centres_.begin(), centres_.end(), std::back_inserter(centre_component_), loose);
+  std::transform(samples_.begin(), samples_.end(), std::back_inserter(cell_component_), loose);
+}
+
+/// Means over the cells, `rows_per_vertex` rows each.
+Columns ReducedField::cell_means(const Columns& values, Eigen::Index rows_per_vertex) const {
+  const std::vector<double>& areas = rotations_->fields().areas();
+  const auto cells = static_cast<Eigen::Index>(samples_.size());
+  Columns means = Columns::Zero(rows_per_vertex * cells, values.cols());
+  for (std::size_t v = 0; v < cell_.size(); ++v)
+    if (cell_[v] >= 0)
+      means.middleRows(rows_per_vertex * cell_[v], rows_per_vertex) +=
+          areas[v] / areas_[cell_[v]] *
+          values.middleRows(rows_per_vertex * static_cast<Eigen::Index>(v), rows_per_vertex);
+  return means;
+}
+
+std::size_t ReducedField::rows_alike(std::size_t first) const {
+  const std::size_t handles = 4 * handle_count_;
+  return first < handles ? handles - first : first < 2 * handles ? 2 * handles - first : width() - first;
+}
+
+ReducedField::Columnwise ReducedField::right_hand_sides(std::size_t first, std::size_t count) const {
+  const std::size_t handle_rows = 4 * handle_count_;
+  Columnwise sides;
+  if (first >= 2 * handle_rows) {
+    sides.values = system_->no_values(static_cast<Eigen::Index>(count));
+    sides.field.smoothness = scaled_identities(centre_weights_, (first - 2 * handle_rows) / 3, count / 3, 3);
+    sides.field.stretch = sides.field.smoothness;
+    return sides;
+  }
+  const std::size_t handle = first % handle_rows / 4;
+  sides.values = unit_frame_values(*system_, handles_.subspan(handle, count / 4));
+  if (first < handle_rows) {
+    sides.field.smoothness = scaled_identities(given_weights_, handle, count / 4, 4);
+    sides.field.stretch = sides.field.smoothness;
+    return sides;
+  }
+  // Blended linearly: edges keep the blended transforms where there is stiffness, maps are left to E_R.
+  sides.field.stretch = scaled_identities(blend_weights_, handle, count / 4, 4);
+  const SurfaceFields& fields = rotations_->fields();
+  Index loose = 0;
+  for (std::size_t c = 0; c < fields.component_holds().size(); ++c) {
+    if (fields.component_holds()[c]) continue;
+    const Columns fit =
+        fits_[loose++].middleCols(static_cast<Eigen::Index>(4 * handle), static_cast<Eigen::Index>(count));
+    for (Index v = 0; v < system_->patch().size(); ++v)
+      if (fields.component()[v] == static_cast<Index>(c)) sides.field.stretch.middleRows<3>(3 * v) = fit;
+  }
+  return sides;
+}
+
+void ReducedField::set_maps(std::size_t first, const Columns& maps) {
+  maps_.middleCols(static_cast<Eigen::Index>(first), maps.cols()) = cell_means(maps, 3);
+}
+
+void ReducedField::finish() {
+  system_ = nullptr;
+  rotations_ = nullptr;
+  handles_ = {};
+  cell_ = {};
+  given_ = centre_weights_ = given_weights_ = blend_weights_ = {};
+}
+
+/// False where one of them has none. See `RotationField::blend`, which says the same vertex by vertex.
+bool ReducedField::handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const {
+  std::vector<PolarParts> parts(poses.size());
+  bool from_rest = from_rest_;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t h = 0; h < poses.size(); ++h) {
+    if (!gives_maps_[h]) continue;
+    if (!polar_decompose(poses[h].transform.linear(), parts[h])) return false;
+    from_rest = from_rest || poses[h].rotation.has_value();
+    sum += given_areas_[h] * parts[h].rotation;
+  }
+  if (!from_rest) logs.reference = nearest_rotation(sum);
+  logs.handles = Columns::Zero(static_cast<Eigen::Index>(poses.size()), 9);
+  for (std::size_t h = 0; h < poses.size(); ++h) {
+    if (!gives_maps_[h]) continue;
+    Eigen::Vector3d turn = rotation_log(parts[h].rotation * logs.reference.transpose());
+    if (poses[h].rotation) turn = nearest_turn(turn, poses[h].rotation->angle() * poses[h].rotation->axis());
+    logs.handles.row(static_cast<Eigen::Index>(h)) << turn.transpose(),
+        stretch_log(parts[h].stretch).transpose();
+  }
+  logs.fits = Columns::Zero(static_cast<Eigen::Index>(fits_.size()), 9);
+  for (std::size_t c = 0; c < fits_.size(); ++c) {
+    const Eigen::Matrix3d change = fits_[c] * frames;
+    PolarParts fit;
+    if (!polar_decompose(Eigen::Matrix3d::Identity() + change.transpose(), fit)) return false;
+    logs.fits.row(static_cast<Eigen::Index>(c))
+        << rotation_log(fit.rotation * logs.reference.transpose()).transpose(),
+        stretch_log(fit.stretch).transpose();
+  }
+  return true;
+}
+
+BlendedMap ReducedField::blend(const Logs& logs, Eigen::Index row, const Columns& influence,
+                               Index component) const {
+  Eigen::Matrix<double, 1, 9> log;
+  if (component >= 0)
+    log = logs.fits.row(component);
+  else
+    log = influence.row(row) * logs.handles;
+  return {rotation_exp(log.head<3>().transpose()) * logs.reference, stretch_exp(log.tail<6>().transpose())};
+}
+
+ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const HandleFrame* frames,
+                                        const Context& context) const {
+  const auto handle_rows = static_cast<Eigen::Index>(4 * handle_count_);
+  Columns handle_frames(handle_rows, 3);
+  for (std::size_t h = 0; h < handle_count_; ++h)
+    handle_frames.middleRows<4>(static_cast<Eigen::Index>(4 * h)) = frames[h];
+  Result result;
+  result.coefficients = Columns::Zero(static_cast<Eigen::Index>(width()), 3);
+  Logs logs;
+  if (!handle_logs(poses, handle_frames, logs)) {
+    result.linear = true;
+    result.coefficients.middleRows(handle_rows, handle_rows) = handle_frames;
+    return result;
+  }
+  result.coefficients.topRows(handle_rows) = handle_frames;
+  std::vector<BlendedMap> at_centres, at_cells;
+  for (std::size_t k = 0; k < centres_.size(); ++k)
+    at_centres.push_back(blend(logs, static_cast<Eigen::Index>(k), centre_influence_, centre_component_[k]));
+  set_field(at_centres, Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), result.coefficients);
+  if (iterations_ == 0) return result;
+  for (std::size_t s = 0; s < samples_.size(); ++s)
+    at_cells.push_back(blend(logs, static_cast<Eigen::Index>(s), cell_influence_, cell_component_[s]));
+  follow(at_centres, at_cells, result, context);
+  return result;
+}
+
+/// The steps of `RotationField::follow`, on the samples.
+void ReducedField::follow(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
+                          Result& result, const Context& context) const {
+  Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), previous;
+  Columns raw(static_cast<Eigen::Index>(samples_.size()), 3);
+  double pace = 1;
+  while (result.iterations < iterations_) {
+    const Columns current = interpolation_ * deviation;
+    const auto turn = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        const auto row = static_cast<Eigen::Index>(s);
+        const Eigen::Matrix3d change =
+            maps_.middleRows<3>(3 * row) * result.coefficients + base_maps_.middleRows<3>(3 * row);
+        raw.row(row) = surface_turn(change.transpose() + Eigen::Matrix3d::Identity(), at_cells[s],
+                                    normals_.row(row).transpose(), current.row(row).transpose())
+                           .transpose();
+      }
+    };
+    parallel_blocks(samples_.size(), turn, context, 32);
+    const Columns step = smoothing_ * raw - deviation;
+    if (result.iterations > 0) pace = damped_pace(pace, step, previous);
+    previous = step;
+    deviation += pace * step;
+    set_field(at_centres, deviation, result.coefficients);
+    ++result.iterations;
+
+    const Columns change = interpolation_ * step;
+    double sum = 0, area = 0;
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      sum += areas_[s] * change.row(static_cast<Eigen::Index>(s)).squaredNorm();
+      area += areas_[s];
+    }
+    result.change = area > 0 ? std::sqrt(sum / area) : 0;
+    if (result.change < settled_change) break;
+  }
+}
+
+void ReducedField::set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
+                             Columns& coefficients) const {
+  for (std::size_t k = 0; k < at_centres.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const Eigen::Matrix3d map =
+        rotation_exp(deviation.row(row).transpose()) * at_centres[k].rotation * at_centres[k].stretch;
+    coefficients.middleRows<3>(static_cast<Eigen::Index>(8 * handle_count_) + 3 * row) =
+        (map - Eigen::Matrix3d::Identity()).transpose();
+  }
+}
+
+}  // namespace meshgraft

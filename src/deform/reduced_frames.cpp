@@ -1,0 +1,167 @@
+#include <meshgraft/deform/reduced_frames.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+
+#include "constrained_system.h"
+#include "handle_frame.h"
+#include "reduced_field.h"
+#include "response_columns.h"
+#include "rotation_field.h"
+
+namespace meshgraft {
+
+namespace {
+
+void validate(const ReducedFramesOptions& options) {
+  const auto require = [](Index value, Index most, const char* field) {
+    if (value < 1 || value > most)
+      throw Error(ErrorCode::input, fmt::format("{} is not between 1 and {}", value, most), field);
+  };
+  require(options.centres, 1024, "centres");
+  require(options.samples_per_centre, 64, "samples_per_centre");
+}
+
+/// The rows of the vertices that are free.
+Columns free_rows(const ConstrainedSystem& system, const Columns& displacements) {
+  Columns rows(static_cast<Eigen::Index>(system.free_vertices().size()), displacements.cols());
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    rows.row(k) = displacements.row(system.patch().local(system.free_vertices()[static_cast<std::size_t>(k)]));
+  return rows;
+}
+
+}  // namespace
+
+struct ReducedFrames::Impl {
+  std::vector<Handle> handles;
+  Eigen::RowVector3d centre;
+  double scale = 1;
+  Points base;                          ///< n×3: where the vertices are with all handles at rest
+  std::unique_ptr<ReducedField> field;  ///< null where nothing is free
+  ResponseColumns responses;
+
+  void solve_responses(const ConstrainedSystem& system, const Context& context);
+  void solve_targets(const ConstrainedSystem& system, const Context& context);
+  void place_handles(std::span<const HandlePose> poses, Points& positions, const Context& context) const;
+};
+
+ReducedFrames::ReducedFrames(const Deformer& deformer, const ReducedFramesOptions& options,
+                             const Context& context)
+    : impl_(std::make_unique<Impl>()) {
+  validate(options);
+  const ConstrainedSystem& system = deformer.system();
+  if (!deformer.is_of_handles())
+    throw Error(ErrorCode::usage, "the deformer has constraints per vertex, and no handles", "",
+                "Set it up with a region and handles");
+  if (deformer.options().method == DeformMethod::ft05)
+    throw Error(ErrorCode::usage, "method 'ft05' needs no reduced frames", "",
+                "Use a handle basis, which is exact");
+  if (!system.features().empty())
+    throw Error(ErrorCode::input, "features are not part of reduced frames", "",
+                "Leave them out, or evaluate the deformer for each pose");
+  Impl& d = *impl_;
+  d.handles.assign(deformer.handles().begin(), deformer.handles().end());
+  d.base = system.rest();
+  d.centre = system.patch().centre;
+  d.scale = system.patch().scale;
+  if (system.row_count() == 0) return;
+  const Index samples = options.centres * options.samples_per_centre;
+  d.field = std::make_unique<ReducedField>(system, *deformer.rotation_field(), d.handles, deformer.options(),
+                                           options.centres, samples, context);
+  d.solve_responses(system, context);
+  d.solve_targets(system, context);
+  d.field->finish();
+}
+
+ReducedFrames::ReducedFrames(ReducedFrames&&) noexcept = default;
+ReducedFrames& ReducedFrames::operator=(ReducedFrames&&) noexcept = default;
+ReducedFrames::~ReducedFrames() = default;
+
+/// Some columns at a time, whole handles or centres, so that the right-hand sides take a bounded part of the
+/// memory.
+void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
+  constexpr std::size_t most_numbers = std::size_t{1} << 26, whole = 12, most_at_once = 48;
+  const std::size_t room = most_numbers / static_cast<std::size_t>(system.row_count());
+  const std::size_t at_once = std::clamp(room / whole * whole, whole, most_at_once);
+  responses = ResponseColumns(system.free_vertices(), field->width());
+  for (std::size_t first = 0; first < field->width();) {
+    context.step("reduce", static_cast<double>(first) / static_cast<double>(field->width()));
+    const std::size_t count = std::min(at_once, field->rows_alike(first));
+    const ReducedField::Columnwise sides = field->right_hand_sides(first, count);
+    const Columns y = system.respond(sides.values, sides.field, 0, context);
+    responses.set(first, free_rows(system, system.displacements(y, sides.values, context)), context);
+    field->set_maps(first, system.maps(y, sides.values, context));
+    first += count;
+  }
+}
+
+/// What anchors with targets do while all handles rest.
+void ReducedFrames::Impl::solve_targets(const ConstrainedSystem& system, const Context& context) {
+  const std::vector<Anchor>& anchors = system.anchors();
+  if (std::none_of(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.target.has_value(); }))
+    return;
+  const ConstrainedSystem::Known values = system.no_values(3);
+  const Columns y = system.solve(values, {}, system.residual_corrections(), context);
+  const Columns x = free_rows(system, system.displacements(y, values, context));
+  for (Eigen::Index k = 0; k < x.rows(); ++k)
+    base.row(system.free_vertices()[static_cast<std::size_t>(k)]) += scale * x.row(k);
+  field->set_base_maps(system.maps(y, values, context));
+}
+
+void ReducedFrames::frame(std::span<const HandlePose> poses, Points& positions, const Context& context,
+                          EvaluationReport* report) const {
+  const Impl& d = *impl_;
+  require_affine_poses(d.handles, poses);
+  if (positions.rows() != d.base.rows())
+    throw Error(ErrorCode::usage,
+                fmt::format("the output has {} rows for {} vertices", positions.rows(), d.base.rows()));
+  ReducedField::Result found;
+  if (d.field) {
+    std::vector<HandleFrame> frames;
+    for (const HandlePose& pose : poses) frames.push_back(handle_frame(pose, d.centre, d.scale));
+    found = d.field->find(poses, frames.data(), context);
+    d.responses.place(found.coefficients, d.scale, d.base, positions, context);
+  } else {
+    positions = d.base;
+  }
+  d.place_handles(poses, positions, context);
+  if (report == nullptr) return;
+  *report = {};
+  report->iterations = found.iterations;
+  report->last_rotation_change = found.change;
+  report->fell_back_to_linear = found.linear;
+}
+
+Points ReducedFrames::frame(std::span<const HandlePose> poses, const Context& context,
+                            EvaluationReport* report) const {
+  Points positions(impl_->base.rows(), 3);
+  frame(poses, positions, context, report);
+  return positions;
+}
+
+void ReducedFrames::Impl::place_handles(std::span<const HandlePose> poses, Points& positions,
+                                        const Context& context) const {
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    if (!handles[h].constrain_position) continue;
+    const std::vector<Index>& vertices = handles[h].vertices;
+    const auto place = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        positions.row(vertices[k]) = (poses[h].transform * base.row(vertices[k]).transpose()).transpose();
+    };
+    parallel_blocks(vertices.size(), place, context, 4096);
+  }
+}
+
+Index ReducedFrames::centres() const {
+  return impl_->field ? static_cast<Index>(impl_->field->centre_count()) : 0;
+}
+
+std::int64_t ReducedFrames::memory_bytes() const {
+  return impl_->responses.memory_bytes() + static_cast<std::int64_t>(sizeof(double)) * impl_->base.size();
+}
+
+}  // namespace meshgraft

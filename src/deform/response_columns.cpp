@@ -1,0 +1,75 @@
+#include "response_columns.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <meshgraft/core/parallel.h>
+
+namespace meshgraft {
+
+ResponseColumns::ResponseColumns(std::vector<Index> vertices, std::size_t columns)
+    : vertices_(std::move(vertices)), columns_(columns), values_(block_count() * columns * lanes, 0.0F) {}
+
+void ResponseColumns::set(std::size_t first, const Columns& values, const Context& context) {
+  const auto set_rows = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (Eigen::Index c = 0; c < values.cols(); ++c)
+        values_[(k / lanes * columns_ + first + static_cast<std::size_t>(c)) * lanes + k % lanes] =
+            static_cast<float>(values(static_cast<Eigen::Index>(k), c));
+  };
+  parallel_blocks(vertices_.size(), set_rows, context, 1024);
+}
+
+void ResponseColumns::place(const Columns& coefficients, double scale, const Points& base, Points& positions,
+                            const Context& context) const {
+  const std::size_t blocks = block_count();
+  std::vector<float> numbers;
+  for (const double number : coefficients.reshaped<Eigen::RowMajor>())
+    numbers.push_back(static_cast<float>(number));
+  const auto run = [&](std::size_t begin, std::size_t end) {
+    // The block's vertices, and all up to the next block's first.
+    const Eigen::Index from = begin == 0 ? 0 : vertices_[begin * lanes];
+    const Eigen::Index to = end == blocks ? base.rows() : vertices_[end * lanes];
+    positions.middleRows(from, to - from) = base.middleRows(from, to - from);
+    for (std::size_t block = begin; block < end; ++block) place_block(block, numbers, scale, positions);
+  };
+  if (blocks > 0)
+    parallel_blocks(blocks, run, context, 256);
+  else
+    positions = base;
+}
+
+void ResponseColumns::place_block(std::size_t block, const std::vector<float>& coefficients, double scale,
+                                  Points& positions) const {
+  using Lanes = Eigen::Array<float, lanes, 1>;
+  using Sums = Eigen::Array<double, lanes, 1>;
+  constexpr std::size_t short_sum = 32;  // terms in single precision, before rounding adds up
+  Sums total[3] = {Sums::Zero(), Sums::Zero(), Sums::Zero()};
+  const float* value = values_.data() + block * columns_ * lanes;
+  const float* coefficient = coefficients.data();
+  for (std::size_t first = 0; first < columns_; first += short_sum) {
+    Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
+    for (std::size_t c = first; c < std::min(columns_, first + short_sum);
+         ++c, value += lanes, coefficient += 3) {
+      const Eigen::Map<const Lanes> column(value);
+      x += column * coefficient[0];
+      y += column * coefficient[1];
+      z += column * coefficient[2];
+    }
+    total[0] += x.cast<double>();
+    total[1] += y.cast<double>();
+    total[2] += z.cast<double>();
+  }
+  const std::size_t count = std::min(lanes, vertices_.size() - block * lanes);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const auto at = static_cast<Eigen::Index>(lane);
+    positions.row(vertices_[block * lanes + lane]) +=
+        scale * Eigen::RowVector3d(total[0][at], total[1][at], total[2][at]);
+  }
+}
+
+std::int64_t ResponseColumns::memory_bytes() const {
+  return static_cast<std::int64_t>(values_.size() * sizeof(float) + vertices_.size() * sizeof(Index));
+}
+
+}  // namespace meshgraft

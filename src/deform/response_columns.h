@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// A dense matrix in single precision with a row per vertex that moves, made to be multiplied with few columns
+/// fast: rows in blocks, each column's numbers of a block side by side.
+class ResponseColumns {
+ public:
+  ResponseColumns() = default;
+  /// `vertices`, ascending, are those with rows.
+  ResponseColumns(std::vector<Index> vertices, std::size_t columns);
+
+  /// Fills columns first … first + values.cols() − 1; `values` has a row for each vertex.
+  void set(std::size_t first, const Columns& values, const Context& context);
+
+  /// positions.row(v) = base.row(v) + scale · (row of v) · coefficients (columns×3) for the vertices with rows,
+  /// base.row(v) for all others.
+  void place(const Columns& coefficients, double scale, const Points& base, Points& positions,
+             const Context& context) const;
+
+  const std::vector<Index>& vertices() const { return vertices_; }
+  std::int64_t memory_bytes() const;
+
+ private:
+  static constexpr std::size_t lanes = 8;
+  std::size_t block_count() const { return (vertices_.size() + lanes - 1) / lanes; }
+  void place_block(std::size_t block, const std::vector<float>& coefficients, double scale,
+                   Points& positions) const;
+
+  std::vector<Index> vertices_;
+  std::size_t columns_ = 0;
+  std::vector<float> values_;  ///< [block][column][vertex of the block]
+};
+
+}  // namespace meshgraft

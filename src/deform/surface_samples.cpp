@@ -1,0 +1,87 @@
+#include "surface_samples.h"
+
+#include <functional>
+#include <limits>
+#include <queue>
+#include <tuple>
+
+namespace meshgraft {
+
+namespace {
+
+/// Distances along edges (Dijkstra) that can be improved source by source.
+class EdgeDistances {
+ public:
+  EdgeDistances(const Points& points, const IndexLists& rings)
+      : points_(points),
+        rings_(rings),
+        distance_(static_cast<std::size_t>(rings.size()), std::numeric_limits<double>::infinity()),
+        source_(distance_.size(), -1) {}
+
+  void add_source(Index vertex, Index number) {
+    distance_[vertex] = 0;
+    source_[vertex] = number;
+    queue_.emplace(0.0, vertex);
+  }
+
+  /// Visits only what has become nearer.
+  void update() {
+    while (!queue_.empty()) {
+      const auto [distance, v] = queue_.top();
+      queue_.pop();
+      if (distance > distance_[v]) continue;
+      for (const Index w : rings_[v]) {
+        const double along = distance + (points_.row(v) - points_.row(w)).norm();
+        if (along >= distance_[w]) continue;
+        distance_[w] = along;
+        source_[w] = source_[v];
+        queue_.emplace(along, w);
+      }
+    }
+  }
+
+  double distance(Index vertex) const { return distance_[vertex]; }
+  const std::vector<Index>& sources() const { return source_; }
+
+ private:
+  using Entry = std::tuple<double, Index>;
+  const Points& points_;
+  const IndexLists& rings_;
+  std::vector<double> distance_;
+  std::vector<Index> source_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+};
+
+}  // namespace
+
+std::vector<Index> farthest_vertices(const Points& points, const IndexLists& rings,
+                                     std::span<const std::uint8_t> seeds,
+                                     std::span<const std::uint8_t> candidates, Index count) {
+  EdgeDistances distances(points, rings);
+  for (Index v = 0; v < rings.size(); ++v)
+    if (seeds[v]) distances.add_source(v, 0);
+  distances.update();
+  std::vector<Index> chosen;
+  while (true) {
+    Index farthest = -1;
+    for (Index v = 0; v < rings.size(); ++v)
+      if (candidates[v] && (farthest < 0 || distances.distance(v) > distances.distance(farthest))) farthest = v;
+    if (farthest < 0 || !(distances.distance(farthest) > 0)) break;
+    const bool reached = distances.distance(farthest) < std::numeric_limits<double>::infinity();
+    if (reached && static_cast<Index>(chosen.size()) >= count) break;
+    chosen.push_back(farthest);
+    distances.add_source(farthest, 0);
+    distances.update();
+  }
+  return chosen;
+}
+
+std::vector<Index> nearest_sample(const Points& points, const IndexLists& rings,
+                                  std::span<const Index> samples) {
+  EdgeDistances distances(points, rings);
+  for (std::size_t s = 0; s < samples.size(); ++s) distances.add_source(samples[s], static_cast<Index>(s));
+  distances.update();
+  return distances.sources();
+}
+
+}  // namespace meshgraft
