@@ -1,7 +1,10 @@
 #include <meshgraft/core/parallel.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <future>
+#include <thread>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -117,6 +120,24 @@ void parallel_blocks(std::size_t count, const std::function<void(std::size_t, st
       body(range.begin(), range.end());
     });
   });
+}
+
+void run_abandonable(std::function<void()> work, const Context& context) {
+  context.throw_if_stopped();
+  if (!context.stop_token.stop_possible()) {
+    work();
+    return;
+  }
+  std::packaged_task<void()> task(std::move(work));
+  std::future<void> done = task.get_future();
+  std::jthread worker(std::move(task));
+  constexpr std::chrono::milliseconds between_looks(10);
+  while (done.wait_for(between_looks) != std::future_status::ready) {
+    if (!context.stop_token.stop_requested()) continue;
+    worker.detach();
+    context.throw_if_stopped();
+  }
+  done.get();
 }
 
 TaskForest::TaskForest(std::span<const int> parent, std::span<const double> work)

@@ -258,7 +258,7 @@ NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
 
 /// Unknowns sit at their vertices; those of features are shared by vertices far apart.
 CouplingGraph ConstrainedSystem::coupling_graph() const {
-  CouplingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rings()};
+  CouplingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rings(), cuts_};
   const std::vector<Index>& apex = operators_->nodes().apex;
   for (Index v = 0; v < patch_.size(); ++v)
     for (const Index node : {v, apex[v]}) {

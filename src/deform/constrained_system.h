@@ -96,6 +96,8 @@ class ConstrainedSystem {
   const std::vector<Index>& free_vertices() const { return free_; }
   const std::vector<Anchor>& anchors() const { return anchors_; }  ///< on vertices whose position is unknown
   int residual_corrections() const { return residual_corrections_; }
+  /// How the patch's rings were cut, for other systems over them.
+  const std::shared_ptr<GraphCuts>& cuts() const { return cuts_; }
   const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
 
  private:
@@ -147,6 +149,7 @@ class ConstrainedSystem {
   std::unique_ptr<AffineOperator> operators_;
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_, P_transposed_;
   std::unique_ptr<LinearSolver> solver_;
+  std::shared_ptr<GraphCuts> cuts_ = std::make_shared<GraphCuts>();  ///< of the patch's rings
   double normal_one_norm_ = 0;
   int residual_corrections_ = 1;
 

@@ -114,8 +114,8 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
     values(centres_[static_cast<std::size_t>(k)], k) = 1;
     held[centres_[static_cast<std::size_t>(k)]] = 1;
   }
-  const SurfaceFields around_centres(patch.points, patch.triangles, system_->operators()->rings(), held, -1,
-                                     backend, context);
+  const SurfaceFields around_centres(patch.points, patch.triangles, system_->operators()->rings(),
+                                     system_->cuts(), held, -1, backend, context);
   const Columns weights = around_centres.spread(values, context);
   centre_weights_ = weights.leftCols(centre_count);
   given_weights_ = weights.rightCols(given_.cols());

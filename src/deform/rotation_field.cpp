@@ -46,7 +46,7 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
                              const Context& context)
     : system_(system),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
-      fields_(system.patch().points, system.patch().triangles, system.operators()->rings(),
+      fields_(system.patch().points, system.patch().triangles, system.operators()->rings(), system.cuts(),
               known_maps(system.known()), iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend,
               context) {
   const Patch& patch = system.patch();

@@ -44,13 +44,12 @@ NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unkno
   return lower;
 }
 
-/// Factorises the square part of `rows`, those of the vertices `unknown`.
-std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const std::vector<Index>& unknown,
-                                        const IndexLists& rings, SolverBackend backend,
-                                        const Context& context) {
-  const NormalMatrix matrix = square_part(rows, unknown);
+/// Factorises the square part of `rows`, those of the graph's groups: each unknown is a vertex.
+std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const CouplingGraph& graph,
+                                        SolverBackend backend, const Context& context) {
+  const NormalMatrix matrix = square_part(rows, graph.group);
   auto solver = make_solver(backend);
-  solver->analyse(matrix, {unknown, &rings}, context);
+  solver->analyse(matrix, graph, context);
   solver->factorise(matrix, context);
   return solver;
 }
@@ -58,8 +57,8 @@ std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const std::vecto
 }  // namespace
 
 SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             std::span<const std::uint8_t> given, double smoothing_length_rel,
-                             SolverBackend backend, const Context& context)
+                             const std::shared_ptr<GraphCuts>& cuts, std::span<const std::uint8_t> given,
+                             double smoothing_length_rel, SolverBackend backend, const Context& context)
     : areas_(vertex_areas(points, triangles)) {
   find_components(rings, given);
   if (free_.empty()) return;
@@ -74,7 +73,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   const SparseRows bending = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
   if (!held_.empty()) {
     spread_rows_ = select_rows(bending, held_);
-    spread_solver_ = factorise(spread_rows_, held_, rings, backend, context);
+    spread_solver_ = factorise(spread_rows_, {held_, &rings, cuts}, backend, context);
   }
   if (smoothing_length_rel < 0) return;
   std::vector<double> weights = free_widths(context);
@@ -84,7 +83,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   const SparseRows smoothing =
       select_rows(diagonal(areas_) + multiply(diagonal(vertex_weights), bending, context), free_);
-  smooth_solver_ = factorise(smoothing, free_, rings, backend, context);
+  smooth_solver_ = factorise(smoothing, {free_, &rings, cuts}, backend, context);
 }
 
 void SurfaceFields::find_components(const IndexLists& rings, std::span<const std::uint8_t> given) {

@@ -19,10 +19,11 @@ namespace meshgraft {
 class SurfaceFields {
  public:
   /// `given` flags per vertex; the smoothing length ℓ is relative to the width of the surface between the
-  /// places where values are given. Negative: `smooth` will not be called.
+  /// places where values are given. Negative: `smooth` will not be called. `cuts` of the rings are used, or
+  /// filled.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                std::span<const std::uint8_t> given, double smoothing_length_rel, SolverBackend backend,
-                const Context& context = {});
+                const std::shared_ptr<GraphCuts>& cuts, std::span<const std::uint8_t> given,
+                double smoothing_length_rel, SolverBackend backend, const Context& context = {});
 
   /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere. On components
   /// where nothing is given, all of `values` as they are.

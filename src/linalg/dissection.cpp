@@ -10,48 +10,68 @@
 #include <span>
 #include <utility>
 
+#include <meshgraft/core/parallel.h>
+
 namespace meshgraft {
 
 namespace {
 
-/// The side of each unknown at every cut: bit `levels - 1` of its part for the first cut, bit 0 for the last;
-/// -1 without a group. Cuts are where the fewest edges of the graph cross.
-std::vector<int> bisect(const CouplingGraph& graph, int levels) {
-  const Index groups = graph.neighbours->size();
-  std::vector<idx_t> number(static_cast<std::size_t>(groups), -1), weights;
+/// Cuts a graph where the fewest edges cross, so that every side has as many unknowns as the other.
+GraphCuts cut_graph(const CouplingGraph& graph, int levels, const Context& context) {
+  const IndexLists& rings = *graph.neighbours;
+  struct Input {
+    std::vector<idx_t> number, weights, offsets{0}, neighbours, part;
+  };
+  const auto input = std::make_shared<Input>();
+  input->number.assign(static_cast<std::size_t>(rings.size()), -1);
+  idx_t vertices = 0;
+  for (Index group = 0; group < rings.size(); ++group)
+    if (!rings[group].empty()) input->number[group] = vertices++;
   for (const Index group : graph.group)
-    if (group >= 0) number[group] = 0;
-  for (idx_t& n : number)
-    if (n == 0) {
-      n = static_cast<idx_t>(weights.size());
-      weights.push_back(0);
-    }
+    if (group >= 0 && input->number[group] < 0) input->number[group] = vertices++;
+  input->weights.assign(static_cast<std::size_t>(vertices), 0);
   for (const Index group : graph.group)
-    if (group >= 0) ++weights[number[group]];
-  std::vector<idx_t> offsets{0}, neighbours;
-  for (Index group = 0; group < groups; ++group) {
-    if (number[group] < 0) continue;
-    for (const Index other : (*graph.neighbours)[group])
-      if (number[other] >= 0) neighbours.push_back(number[other]);
-    offsets.push_back(static_cast<idx_t>(neighbours.size()));
+    if (group >= 0) ++input->weights[input->number[group]];
+  std::vector<Index> group_of(static_cast<std::size_t>(vertices));
+  for (Index group = 0; group < rings.size(); ++group)
+    if (input->number[group] >= 0) group_of[input->number[group]] = group;
+  for (const Index group : group_of) {
+    for (const Index other : rings[group]) input->neighbours.push_back(input->number[other]);
+    input->offsets.push_back(static_cast<idx_t>(input->neighbours.size()));
   }
+  input->part.assign(static_cast<std::size_t>(vertices), 0);
+  if (levels > 0)  // METIS does not take a single part
+    run_abandonable(
+        [input, vertices, levels]() mutable {
+          idx_t constraints = 1, parts = idx_t{1} << levels, cut_edges = 0;
+          std::vector<idx_t> options(METIS_NOPTIONS);
+          METIS_SetDefaultOptions(options.data());
+          options[METIS_OPTION_SEED] = 1;
+          const std::lock_guard lock(metis_mutex());
+          const int status = METIS_PartGraphRecursive(
+              &vertices, &constraints, input->offsets.data(), input->neighbours.data(), input->weights.data(),
+              nullptr, nullptr, &parts, nullptr, nullptr, options.data(), &cut_edges, input->part.data());
+          // Where nothing is cut, minimum degree is left alone.
+          if (status != METIS_OK) std::fill(input->part.begin(), input->part.end(), 0);
+        },
+        context);
+  GraphCuts cuts{levels, std::vector<int>(static_cast<std::size_t>(rings.size()), 0)};
+  for (Index group = 0; group < rings.size(); ++group)
+    if (input->number[group] >= 0) cuts.part[group] = static_cast<int>(input->part[input->number[group]]);
+  return cuts;
+}
 
-  auto vertices = static_cast<idx_t>(weights.size());
-  idx_t constraints = 1, parts = idx_t{1} << levels, cut_edges = 0;
-  std::vector<idx_t> options(METIS_NOPTIONS), part(weights.size(), 0);
-  METIS_SetDefaultOptions(options.data());
-  options[METIS_OPTION_SEED] = 1;
-  const std::lock_guard lock(metis_mutex());
-  const int status = levels == 0
-                         ? METIS_OK  // it does not take a single part
-                         : METIS_PartGraphRecursive(&vertices, &constraints, offsets.data(), neighbours.data(),
-                                                    weights.data(), nullptr, nullptr, &parts, nullptr, nullptr,
-                                                    options.data(), &cut_edges, part.data());
-  if (status != METIS_OK) std::fill(part.begin(), part.end(), 0);  // nothing is cut: minimum degree alone
-  std::vector<int> of_unknown(graph.group.size(), -1);
-  for (std::size_t u = 0; u < graph.group.size(); ++u)
-    if (graph.group[u] >= 0) of_unknown[u] = static_cast<int>(part[number[graph.group[u]]]);
-  return of_unknown;
+/// The part of each unknown, at `levels` or, where the graph has been cut fewer times, so many; -1 without a
+/// group.
+std::vector<int> parts_of_unknowns(const CouplingGraph& graph, int& levels, const Context& context) {
+  GraphCuts own;
+  GraphCuts& cuts = graph.cuts ? *graph.cuts : own;
+  if (cuts.part.empty()) cuts = cut_graph(graph, levels, context);
+  levels = std::min(levels, cuts.levels);
+  std::vector<int> part;
+  for (const Index group : graph.group)
+    part.push_back(group < 0 ? -1 : cuts.part[group] >> (cuts.levels - levels));
+  return part;
 }
 
 /// An entry of the matrix across a cut.
@@ -129,8 +149,7 @@ Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const 
   const std::int64_t groups = std::count(has_unknowns.begin(), has_unknowns.end(), 1);
   int levels = 0;
   while ((lower.rows() >> levels) > most_in_a_leaf && (groups >> levels) > fewest_groups_in_a_leaf) ++levels;
-  const std::vector<int> part = bisect(graph, levels);
-  context.throw_if_stopped();
+  const std::vector<int> part = parts_of_unknowns(graph, levels, context);
 
   // The entries across each level's cuts.
   std::vector<std::vector<Crossing>> crossings(static_cast<std::size_t>(levels));

@@ -3,9 +3,12 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <future>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <stop_token>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -186,6 +189,36 @@ TEST(ShareOut, CoversEverythingOnce) {
           with_threads(threads));
       EXPECT_EQ(visits, std::vector<int>(static_cast<std::size_t>(count), 1));
     }
+}
+
+TEST(RunAbandonable, StopsWaitingWhileTheWorkGoesOn) {
+  std::stop_source stop;
+  const Context context{.threads = 0, .progress = {}, .stop_token = stop.get_token()};
+  struct Shared {
+    std::promise<void> may_end, ended;
+  };
+  const auto shared = std::make_shared<Shared>();
+  std::jthread other([&] { stop.request_stop(); });
+  EXPECT_THROW(run_abandonable(
+                   [shared] {
+                     shared->may_end.get_future().wait();
+                     shared->ended.set_value();
+                   },
+                   context),
+               Error);
+  shared->may_end.set_value();
+  shared->ended.get_future().wait();  // the test does not end otherwise
+}
+
+TEST(RunAbandonable, RunsToTheEndAndPassesOnAnException) {
+  std::stop_source stop;
+  for (const Context& context :
+       {Context{}, Context{.threads = 0, .progress = {}, .stop_token = stop.get_token()}}) {
+    int calls = 0;
+    run_abandonable([&] { ++calls; }, context);
+    EXPECT_EQ(calls, 1);
+    EXPECT_THROW(run_abandonable([] { throw std::out_of_range("wrong"); }, context), std::out_of_range);
+  }
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <meshgraft/linalg/linear_solver.h>
 
+#include <chrono>
 #include <cstring>
+#include <memory>
 #include <numeric>
 #include <random>
 #include <thread>
@@ -235,6 +237,49 @@ TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
     const Eigen::VectorXd x = Eigen::VectorXd::Random(n);
     const Eigen::VectorXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
     EXPECT_LT((solver->solve(rhs) - x).norm(), 1e-9 * x.norm());
+  }
+}
+
+TEST(NestedDissection, CutsAGraphOnceForSeveralSystems) {
+  if (available_backends().front() != SolverBackend::cholmod) GTEST_SKIP() << "this build has no CHOLMOD";
+  constexpr int k = 100;
+  const IndexLists rings = grid_rings(k);
+  const NormalMatrix matrix = grid_matrix(k);
+  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
+  std::iota(group.begin(), group.end(), Index{0});
+  const auto cuts = std::make_shared<GraphCuts>();
+  auto alone = make_solver(), first = make_solver(), second = make_solver();
+  alone->analyse(matrix, {group, &rings});
+  first->analyse(matrix, {group, &rings, cuts});
+  const GraphCuts filled = *cuts;
+  EXPECT_EQ(filled.part.size(), group.size());
+  second->analyse(matrix, {group, &rings, cuts});
+  EXPECT_EQ(cuts->part, filled.part);
+  for (const auto* solver : {&first, &second})
+    EXPECT_EQ((*solver)->statistics().factor_nonzeros, alone->statistics().factor_nonzeros);
+}
+
+TEST(NestedDissection, CanBeCancelledAtAnyTime) {
+  constexpr int k = 110;
+  const IndexLists rings = grid_rings(k);
+  const NormalMatrix matrix = grid_matrix(k);
+  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
+  std::iota(group.begin(), group.end(), Index{0});
+  for (const int milliseconds : {0, 1, 3, 10, 30, 100}) {
+    std::stop_source stop;
+    const Context context{.threads = 2, .progress = {}, .stop_token = stop.get_token()};
+    std::jthread other([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+      stop.request_stop();
+    });
+    auto solver = make_solver();
+    try {
+      solver->analyse(matrix, {group, &rings}, context);
+      solver->factorise(matrix, context);
+      solver->solve(Eigen::MatrixXd::Random(k * k, 3), context);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::cancelled);
+    }
   }
 }
 

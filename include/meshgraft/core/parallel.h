@@ -22,6 +22,10 @@ void parallel_blocks(std::size_t count, const std::function<void(std::size_t, st
 /// which each share has to look at everything. What comes of it must not depend on how many there are.
 void share_out(int count, const std::function<void(int, int)>& body, const Context& context = {});
 
+/// Runs `work`, which cannot be interrupted, and stops waiting for it when a stop is requested: throws
+/// Error(cancelled), and the work is finished by a thread of its own. It must own whatever it uses.
+void run_abandonable(std::function<void()> work, const Context& context = {});
+
 /// A forest in postorder (every subtree is a range of nodes that ends with its root), shared out between
 /// threads.
 class TaskForest {

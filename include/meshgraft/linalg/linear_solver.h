@@ -32,11 +32,19 @@ struct SolverStatistics {
   std::int64_t peak_memory_bytes = 0;  ///< of the solver alone
 };
 
+/// How a graph is cut in two, its halves in two, and so on.
+struct GraphCuts {
+  int levels = 0;
+  std::vector<int> part;  ///< of each vertex: bit `levels - 1` is its side of the first cut, bit 0 of the last
+};
+
 /// Where the unknowns of a matrix sit: a graph far smaller than the matrix's own, in which an ordering is found
 /// sooner. Unknowns are coupled if their groups are the same or few edges apart.
 struct CouplingGraph {
   std::vector<Index> group;                ///< of each unknown; -1 where it is coupled with groups far apart
   const IndexLists* neighbours = nullptr;  ///< of each group; none: no graph is known
+  /// Kept by the caller for several systems over one graph: the first to cut it fills this, later ones use it.
+  std::shared_ptr<GraphCuts> cuts{};
 };
 
 /// Solves N x = y for a symmetric positive definite N: analyse once per pattern, factorise once per set of
