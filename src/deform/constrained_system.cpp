@@ -252,8 +252,7 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
 /// AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G; PᵀP couples the maps of pairs alone and is small.
 NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
   if (E_.cols() == 0) return NormalMatrix(0, 0);
-  const SparseRows coupling = multiply(P_transposed_, operators_->P(), context);
-  return normal_equations(A_L_transposed_, A_L_, G_transposed_, coupling, G_, context);
+  return normal_equations(A_L_transposed_, A_L_, G_transposed_, coupling(context), G_, context);
 }
 
 /// Unknowns sit at their vertices; those of features are shared by vertices far apart.
@@ -351,30 +350,42 @@ ConstrainedSystem::Known ConstrainedSystem::no_values(Eigen::Index columns) cons
 
 Eigen::Index ConstrainedSystem::row_count() const { return solver_ ? A_L_.rows() + operators_->P().rows() : 0; }
 
+namespace {
+
+/// What E_R draws the maps' free part to.
+Columns wanted_maps(const Columns& known, const MapField& field) {
+  return field.smoothness.rows() == 0 ? Columns(-known) : Columns(field.smoothness - known);
+}
+
+}  // namespace
+
 /// The part of b that is linear in values and field; anchors draw to rest.
 ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
+  const Columns m = multiply(operators_->H(), values.x, context) + values.m;
+  return {laplacian_rows(values, m, field, context), multiply(operators_->P(), wanted_maps(m, field), context)};
+}
+
+/// The rows of E_L, of stiffness and of anchors; `m` are the maps of what is known.
+Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m, const MapField& field,
+                                          const Context& context) const {
   const AffineOperator& op = *operators_;
-  const Columns m = multiply(op.H(), values.x, context) + values.m;
-  Rows rhs;
   const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
   const auto bar_count = static_cast<Eigen::Index>(bars_.size());
-  rhs.laplacian.resize(A_L_.rows(), m.cols());
-  rhs.laplacian.topRows(laplacian.rows()) = laplacian;
+  Columns rows(A_L_.rows(), m.cols());
+  rows.topRows(laplacian.rows()) = laplacian;
   if (bar_count > 0) {
-    auto bars = rhs.laplacian.middleRows(laplacian.rows(), bar_count);
+    auto bars = rows.middleRows(laplacian.rows(), bar_count);
     bars = -multiply(bar_rows_, values.x, context);
     if (field.stretch.rows() > 0) add_stretch(field.stretch, bars);
   }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Index v = patch_.local(anchors_[a].vertex);
     const Eigen::RowVector3d back = patch_.points.row(v) - op.nodes().positions.row(v);
-    rhs.laplacian.row(laplacian.rows() + bar_count + static_cast<Eigen::Index>(a)) =
+    rows.row(laplacian.rows() + bar_count + static_cast<Eigen::Index>(a)) =
         -anchor_weights_[a] * (back * m.middleRows<3>(3 * v));
   }
-  const bool identity = field.smoothness.rows() == 0;
-  rhs.smoothness = multiply(op.P(), identity ? Columns(-m) : Columns(field.smoothness - m), context);
-  return rhs;
+  return rows;
 }
 
 void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const {
@@ -430,6 +441,18 @@ Columns ConstrainedSystem::solve(const Known& values, const MapField& field, int
 Columns ConstrainedSystem::respond(const Known& values, const MapField& field, int corrections,
                                    const Context& context) const {
   return solve(right_hand_side(values, field, context), corrections, context);
+}
+
+Columns ConstrainedSystem::respond(const Known& values, const MapField& field, const SparseRows& coupling,
+                                   const Context& context) const {
+  const Columns m = multiply(operators_->H(), values.x, context) + values.m;
+  Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
+  rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field), context), context);
+  return solver_->solve(Eigen::MatrixXd(rhs), context);
+}
+
+SparseRows ConstrainedSystem::coupling(const Context& context) const {
+  return multiply(P_transposed_, operators_->P(), context);
 }
 
 Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Context& context) const {

@@ -68,6 +68,11 @@ class ConstrainedSystem {
   /// How the unknowns follow from values and field alone, as if no anchor had a target. Any number of columns;
   /// `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// The same by one back-substitution, for many columns: given PᵀP, the rows of E_R, four times as many as
+  /// those of the maps, are never written out.
+  Columns respond(const Known& values, const MapField& field, const SparseRows& coupling,
+                  const Context& context) const;
+  SparseRows coupling(const Context& context) const;  ///< PᵀP
   /// Without features that are similarities, whatever is solved for is linear in values, field and targets.
   bool is_linear() const { return similarities_.empty(); }
   /// The rows of a full set of right-hand sides: what one of their columns takes of memory.
@@ -123,6 +128,8 @@ class ConstrainedSystem {
     Columns laplacian, smoothness;
   };
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
+  Columns laplacian_rows(const Known& values, const Columns& m, const MapField& field,
+                         const Context& context) const;
   void add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;

@@ -48,8 +48,8 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   spread_samples(options.backend, context);
   if (iterations_ > 0) reduce_smoothing(context);
   fit_loose_components();
-  maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), static_cast<Eigen::Index>(width()));
-  base_maps_ = Columns::Zero(maps_.rows(), 3);
+  maps_.setZero(4, static_cast<Eigen::Index>(samples_.size() * width()));
+  base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
 }
 
 void ReducedField::choose_samples(Index centres, Index samples) {
@@ -226,7 +226,10 @@ ReducedField::Columnwise ReducedField::right_hand_sides(std::size_t first, std::
 }
 
 void ReducedField::set_maps(std::size_t first, const Columns& maps) {
-  maps_.middleCols(static_cast<Eigen::Index>(first), maps.cols()) = cell_means(maps, 3);
+  const Columns means = cell_means(maps, 3);
+  for (std::size_t s = 0; s < samples_.size(); ++s)
+    maps_.topRows<3>().middleCols(static_cast<Eigen::Index>(s * width() + first), means.cols()) =
+        means.middleRows<3>(static_cast<Eigen::Index>(3 * s));
 }
 
 void ReducedField::finish() {
@@ -305,6 +308,22 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
   return result;
 }
 
+/// (M − I)ᵀ of a cell, without what targets of anchors add.
+Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coefficients) const {
+  using Lanes = Eigen::Array<double, 4, 1>;
+  Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
+  const double* column = maps_.data() + 4 * cell * width();
+  for (Eigen::Index row = 0; row < coefficients.rows(); ++row, column += 4) {
+    const Eigen::Map<const Lanes> numbers(column);
+    x += numbers * coefficients(row, 0);
+    y += numbers * coefficients(row, 1);
+    z += numbers * coefficients(row, 2);
+  }
+  Eigen::Matrix3d map;
+  map << x.head<3>(), y.head<3>(), z.head<3>();
+  return map;
+}
+
 /// The steps of `RotationField::follow`, on the samples.
 void ReducedField::follow(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
                           Result& result, const Context& context) const {
@@ -316,8 +335,7 @@ void ReducedField::follow(const std::vector<BlendedMap>& at_centres, const std::
     const auto turn = [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
         const auto row = static_cast<Eigen::Index>(s);
-        const Eigen::Matrix3d change =
-            maps_.middleRows<3>(3 * row) * result.coefficients + base_maps_.middleRows<3>(3 * row);
+        const Eigen::Matrix3d change = cell_map(s, result.coefficients) + base_maps_.middleRows<3>(3 * row);
         raw.row(row) = surface_turn(change.transpose() + Eigen::Matrix3d::Identity(), at_cells[s],
                                     normals_.row(row).transpose(), current.row(row).transpose())
                            .transpose();

@@ -62,6 +62,7 @@ class ReducedField {
   struct Logs;
   bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
   BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
+  Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
   void follow(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
               Result& result, const Context& context) const;
   void set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
@@ -92,7 +93,10 @@ class ReducedField {
   Columns smoothing_;          ///< centres × cells: what the smoothed field takes from where
   std::vector<double> areas_;  ///< of cells
   Points normals_;             ///< of cells, where the maps do not know what happens to them; else 0
-  Columns maps_, base_maps_;   ///< 3 rows a cell × width()
+  /// Of each cell the columns of (M − I)ᵀ that `width()` rows cause: three numbers and a zero, to be added at
+  /// once.
+  Eigen::Matrix<double, 4, Eigen::Dynamic> maps_;
+  Columns base_maps_;  ///< 3 rows a cell: with all handles at rest
 };
 
 }  // namespace meshgraft

@@ -85,14 +85,15 @@ ReducedFrames::~ReducedFrames() = default;
 /// memory.
 void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
   constexpr std::size_t most_numbers = std::size_t{1} << 26, whole = 12, most_at_once = 48;
-  const std::size_t room = most_numbers / static_cast<std::size_t>(system.row_count());
+  const std::size_t room = most_numbers / static_cast<std::size_t>(3 * system.patch().size());
   const std::size_t at_once = std::clamp(room / whole * whole, whole, most_at_once);
+  const SparseRows coupling = system.coupling(context);
   responses = ResponseColumns(system.free_vertices(), field->width());
   for (std::size_t first = 0; first < field->width();) {
     context.step("reduce", static_cast<double>(first) / static_cast<double>(field->width()));
     const std::size_t count = std::min(at_once, field->rows_alike(first));
     const ReducedField::Columnwise sides = field->right_hand_sides(first, count);
-    const Columns y = system.respond(sides.values, sides.field, 0, context);
+    const Columns y = system.respond(sides.values, sides.field, coupling, context);
     responses.set(first, free_rows(system, system.displacements(y, sides.values, context)), context);
     field->set_maps(first, system.maps(y, sides.values, context));
     first += count;

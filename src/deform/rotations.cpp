@@ -29,11 +29,42 @@ Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3
   return (angle + circle * std::round((along - angle) / circle)) * axis;
 }
 
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
+namespace {
+
+/// (M⁻¹)ᵀ det M.
+Eigen::Matrix3d cofactors(const Eigen::Matrix3d& m) {
+  Eigen::Matrix3d result;
+  result << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
+  return result;
+}
+
+Eigen::Matrix3d nearest_rotation_by_svd(const Eigen::Matrix3d& map) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(map, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();
   if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
   return u * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
+  // Newton's iteration for the polar factor, scaled (Higham 1986), X ← (γ X + X⁻ᵀ/γ)/2: a tenth of the time of
+  // a singular value decomposition. Only away from flat maps and reflections, where it converges in a few
+  // steps.
+  constexpr double flattest = 1e-3;
+  constexpr int most_steps = 10;
+  Eigen::Matrix3d x = map;
+  for (int step = 0; step < most_steps; ++step) {
+    const Eigen::Matrix3d cofactor = cofactors(x);
+    const double determinant = x.col(0).dot(cofactor.col(0)), size = x.norm();
+    if (step == 0 && !(determinant > flattest * size * size * size)) break;
+    const double gamma = std::sqrt(cofactor.norm() / (determinant * size));
+    const Eigen::Matrix3d next = (gamma * x + cofactor / (gamma * determinant)) / 2;
+    const double change = (next - x).norm();
+    x = next;
+    if (change < 1e-8) return x;  // the error is its square
+  }
+  return nearest_rotation_by_svd(map);
 }
 
 bool polar_decompose(const Eigen::Matrix3d& map, PolarParts& parts) {
