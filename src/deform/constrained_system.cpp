@@ -455,6 +455,49 @@ SparseRows ConstrainedSystem::coupling(const Context& context) const {
   return multiply(P_transposed_, operators_->P(), context);
 }
 
+SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, const Context& context) const {
+  const Index n = patch_.size();
+  SparseRows along(3 * n, n);
+  std::vector<Eigen::Triplet<double>> of_maps, of_bars;
+  for (Index v = 0; v < n; ++v) of_maps.emplace_back(3 * v + axis, v, 1.0);
+  along.setFromTriplets(of_maps.begin(), of_maps.end());
+  const SparseRows smoothness = multiply(G_transposed_, multiply(coupling, along, context), context);
+  if (bars_.empty()) return smoothness;
+  const Points& points = operators_->nodes().positions;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    const auto [i, j] = bars_[b].ends;
+    const double half = bars_[b].weight * (points(i, axis) - points(j, axis)) / 2;
+    of_bars.emplace_back(static_cast<int>(b), i, half);
+    of_bars.emplace_back(static_cast<int>(b), j, half);
+  }
+  SparseRows stretch(static_cast<Eigen::Index>(bars_.size()), n);
+  stretch.setFromTriplets(of_bars.begin(), of_bars.end());
+  const SparseRows bars_transposed = transpose(multiply(bar_rows_, E_, context), context);
+  return smoothness + multiply(bars_transposed, stretch, context);
+}
+
+Columns ConstrainedSystem::back_substitute(const Columns& rhs, const Context& context) const {
+  return solver_->solve(Eigen::MatrixXd(rhs), context);
+}
+
+SparseRows ConstrainedSystem::displacement_rows() const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    for (SparseRows::InnerIterator it(E_, patch_.local(free_[k])); it; ++it)
+      entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value());
+  const StencilNodes& nodes = operators_->nodes();
+  for (const Index v : nodes.moved) {  // as in `displacements`
+    const Eigen::RowVector3d back = patch_.points.row(v) - nodes.positions.row(v);
+    const auto k = std::lower_bound(free_.begin(), free_.end(), patch_.vertices[v]) - free_.begin();
+    for (int axis = 0; axis < 3; ++axis)
+      for (SparseRows::InnerIterator it(G_, 3 * v + axis); it; ++it)
+        entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), back[axis] * it.value());
+  }
+  SparseRows rows(static_cast<Eigen::Index>(free_.size()), E_.cols());
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
+}
+
 Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Context& context) const {
   return multiply(G_, y, context) + multiply(operators_->H(), values.x, context) + values.m;
 }

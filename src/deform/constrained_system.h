@@ -73,6 +73,14 @@ class ConstrainedSystem {
   Columns respond(const Known& values, const MapField& field, const SparseRows& coupling,
                   const Context& context) const;
   SparseRows coupling(const Context& context) const;  ///< PᵀP
+
+  // For many fields at once: with φ a number per vertex of the patch and the field F − I = φ e_axis eᵀ, all
+  // known values zero, the right-hand side is field_rows(axis) φ; y solves for it, and gives the displacements
+  // of the free vertices and the local maps by sparse rows.
+  SparseRows field_rows(int axis, const SparseRows& coupling, const Context& context) const;
+  Columns back_substitute(const Columns& rhs, const Context& context) const;
+  SparseRows displacement_rows() const;
+  const SparseRows& map_rows() const { return G_; }
   /// Without features that are similarities, whatever is solved for is linear in values, field and targets.
   bool is_linear() const { return similarities_.empty(); }
   /// The rows of a full set of right-hand sides: what one of their columns takes of memory.

@@ -15,13 +15,10 @@ namespace meshgraft {
 namespace {
 
 /// Rows 3v … 3v+2, columns 3 or 4 a weight: weight · [I | 0].
-Columns scaled_identities(const Columns& weights, std::size_t first, std::size_t count, Eigen::Index width) {
-  Columns field = Columns::Zero(3 * weights.rows(), width * static_cast<Eigen::Index>(count));
+Columns scaled_identities(const Columns& weights, std::size_t column) {
+  Columns field = Columns::Zero(3 * weights.rows(), 4);
   for (Eigen::Index v = 0; v < weights.rows(); ++v)
-    for (std::size_t k = 0; k < count; ++k)
-      for (Eigen::Index j = 0; j < 3; ++j)
-        field(3 * v + j, width * static_cast<Eigen::Index>(k) + j) =
-            weights(v, static_cast<Eigen::Index>(first + k));
+    for (Eigen::Index j = 0; j < 3; ++j) field(3 * v + j, j) = weights(v, static_cast<Eigen::Index>(column));
   return field;
 }
 
@@ -178,58 +175,51 @@ void ReducedField::fit_loose_components() {
 }
 
 /// Means over the cells, `rows_per_vertex` rows each.
-Columns ReducedField::cell_means(const Columns& values, Eigen::Index rows_per_vertex) const {
+SparseRows ReducedField::cell_mean_rows(int rows_per_vertex) const {
   const std::vector<double>& areas = rotations_->fields().areas();
-  const auto cells = static_cast<Eigen::Index>(samples_.size());
-  Columns means = Columns::Zero(rows_per_vertex * cells, values.cols());
+  std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t v = 0; v < cell_.size(); ++v)
-    if (cell_[v] >= 0)
-      means.middleRows(rows_per_vertex * cell_[v], rows_per_vertex) +=
-          areas[v] / areas_[cell_[v]] *
-          values.middleRows(rows_per_vertex * static_cast<Eigen::Index>(v), rows_per_vertex);
-  return means;
+    for (int k = 0; cell_[v] >= 0 && k < rows_per_vertex; ++k)
+      entries.emplace_back(rows_per_vertex * cell_[v] + k, rows_per_vertex * static_cast<int>(v) + k,
+                           areas[v] / areas_[cell_[v]]);
+  SparseRows rows(rows_per_vertex * static_cast<Eigen::Index>(samples_.size()),
+                  rows_per_vertex * static_cast<Eigen::Index>(cell_.size()));
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
 }
 
-std::size_t ReducedField::rows_alike(std::size_t first) const {
-  const std::size_t handles = 4 * handle_count_;
-  return first < handles ? handles - first : first < 2 * handles ? 2 * handles - first : width() - first;
+Columns ReducedField::cell_means(const Columns& values, int rows_per_vertex) const {
+  return multiply(cell_mean_rows(rows_per_vertex), values);
 }
 
-ReducedField::Columnwise ReducedField::right_hand_sides(std::size_t first, std::size_t count) const {
-  const std::size_t handle_rows = 4 * handle_count_;
+ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
+  const std::size_t handle = number % handle_count_;
   Columnwise sides;
-  if (first >= 2 * handle_rows) {
-    sides.values = system_->no_values(static_cast<Eigen::Index>(count));
-    sides.field.smoothness = scaled_identities(centre_weights_, (first - 2 * handle_rows) / 3, count / 3, 3);
-    sides.field.stretch = sides.field.smoothness;
-    return sides;
-  }
-  const std::size_t handle = first % handle_rows / 4;
-  sides.values = unit_frame_values(*system_, handles_.subspan(handle, count / 4));
-  if (first < handle_rows) {
-    sides.field.smoothness = scaled_identities(given_weights_, handle, count / 4, 4);
+  sides.values = unit_frame_values(*system_, handles_.subspan(handle, 1));
+  if (number < handle_count_) {
+    sides.field.smoothness = scaled_identities(given_weights_, handle);
     sides.field.stretch = sides.field.smoothness;
     return sides;
   }
   // Blended linearly: edges keep the blended transforms where there is stiffness, maps are left to E_R.
-  sides.field.stretch = scaled_identities(blend_weights_, handle, count / 4, 4);
+  sides.field.stretch = scaled_identities(blend_weights_, handle);
   const SurfaceFields& fields = rotations_->fields();
   Index loose = 0;
   for (std::size_t c = 0; c < fields.component_holds().size(); ++c) {
     if (fields.component_holds()[c]) continue;
-    const Columns fit =
-        fits_[loose++].middleCols(static_cast<Eigen::Index>(4 * handle), static_cast<Eigen::Index>(count));
+    const Columns fit = fits_[loose++].middleCols<4>(static_cast<Eigen::Index>(4 * handle));
     for (Index v = 0; v < system_->patch().size(); ++v)
       if (fields.component()[v] == static_cast<Index>(c)) sides.field.stretch.middleRows<3>(3 * v) = fit;
   }
   return sides;
 }
 
-void ReducedField::set_maps(std::size_t first, const Columns& maps) {
-  const Columns means = cell_means(maps, 3);
+void ReducedField::set_maps(std::size_t first, std::size_t stride, const Columns& means) {
   for (std::size_t s = 0; s < samples_.size(); ++s)
-    maps_.topRows<3>().middleCols(static_cast<Eigen::Index>(s * width() + first), means.cols()) =
-        means.middleRows<3>(static_cast<Eigen::Index>(3 * s));
+    for (Eigen::Index c = 0; c < means.cols(); ++c)
+      maps_.topRows<3>().col(
+          static_cast<Eigen::Index>(s * width() + first + stride * static_cast<std::size_t>(c))) =
+          means.col(c).segment<3>(static_cast<Eigen::Index>(3 * s));
 }
 
 void ReducedField::finish() {

@@ -29,16 +29,19 @@ class ReducedField {
   std::size_t width() const { return 8 * handle_count_ + 3 * centre_count(); }
   std::size_t centre_count() const { return centres_.size(); }
 
-  /// Known values and field of rows first … first + count − 1, whole handles or centres of one kind.
+  /// Known values and field of the right-hand sides of some rows.
   struct Columnwise {
     ConstrainedSystem::Known values;
     MapField field;
   };
-  Columnwise right_hand_sides(std::size_t first, std::size_t count) const;
-  /// How many rows from `first` on are of the same kind.
-  std::size_t rows_alike(std::size_t first) const;
-  /// The local maps (3 rows a vertex of the patch) that these rows cause.
-  void set_maps(std::size_t first, const Columns& maps);
+  /// Of a handle's four rows; beyond the handles, of those that are blended linearly.
+  Columnwise handle_sides(std::size_t number) const;
+  const Columns& centre_weights() const { return centre_weights_; }  ///< φ, patch × centres
+  /// Means over cells, of values with so many rows a vertex, and as a matrix.
+  Columns cell_means(const Columns& values, int rows_per_vertex) const;
+  SparseRows cell_mean_rows(int rows_per_vertex) const;
+  /// Means of the local maps that rows first, first + stride, … cause.
+  void set_maps(std::size_t first, std::size_t stride, const Columns& means);
   /// The local maps with all handles at rest, where anchors have targets.
   void set_base_maps(const Columns& maps) { base_maps_ = cell_means(maps, 3); }
   /// Lets go of what only the set-up needs.
@@ -58,7 +61,6 @@ class ReducedField {
   void spread_samples(SolverBackend backend, const Context& context);
   void reduce_smoothing(const Context& context);
   void fit_loose_components();
-  Columns cell_means(const Columns& values, Eigen::Index rows_per_vertex) const;
   struct Logs;
   bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
   BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;

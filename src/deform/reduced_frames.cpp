@@ -81,22 +81,32 @@ ReducedFrames::ReducedFrames(ReducedFrames&&) noexcept = default;
 ReducedFrames& ReducedFrames::operator=(ReducedFrames&&) noexcept = default;
 ReducedFrames::~ReducedFrames() = default;
 
-/// Some columns at a time, whole handles or centres, so that the right-hand sides take a bounded part of the
-/// memory.
+/// How the vertices follow handles and centres, some columns at a time so that right-hand sides take a bounded
+/// part of the memory.
 void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
-  constexpr std::size_t most_numbers = std::size_t{1} << 26, whole = 12, most_at_once = 48;
-  const std::size_t room = most_numbers / static_cast<std::size_t>(3 * system.patch().size());
-  const std::size_t at_once = std::clamp(room / whole * whole, whole, most_at_once);
-  const SparseRows coupling = system.coupling(context);
   responses = ResponseColumns(system.free_vertices(), field->width());
-  for (std::size_t first = 0; first < field->width();) {
-    context.step("reduce", static_cast<double>(first) / static_cast<double>(field->width()));
-    const std::size_t count = std::min(at_once, field->rows_alike(first));
-    const ReducedField::Columnwise sides = field->right_hand_sides(first, count);
+  const SparseRows coupling = system.coupling(context);
+  for (std::size_t handle = 0; handle < 2 * handles.size();
+       ++handle) {  // blended along rotations, then linearly
+    const ReducedField::Columnwise sides = field->handle_sides(handle);
     const Columns y = system.respond(sides.values, sides.field, coupling, context);
-    responses.set(first, free_rows(system, system.displacements(y, sides.values, context)), context);
-    field->set_maps(first, system.maps(y, sides.values, context));
-    first += count;
+    responses.set(4 * handle, 1, free_rows(system, system.displacements(y, sides.values, context)), context);
+    field->set_maps(4 * handle, 1, field->cell_means(system.maps(y, sides.values, context), 3));
+  }
+  const SparseRows displacements = system.displacement_rows();
+  const SparseRows maps = multiply(field->cell_mean_rows(3), system.map_rows(), context);
+  const auto centres = static_cast<Eigen::Index>(field->centre_count());
+  constexpr Eigen::Index at_once = 32;
+  for (int axis = 0; axis < 3; ++axis) {
+    const SparseRows sides = system.field_rows(axis, coupling, context);
+    for (Eigen::Index first = 0; first < centres; first += at_once) {
+      context.step("reduce", static_cast<double>(axis * centres + first) / static_cast<double>(3 * centres));
+      const Columns weights = field->centre_weights().middleCols(first, std::min(at_once, centres - first));
+      const Columns y = system.back_substitute(multiply(sides, weights, context), context);
+      const std::size_t column = 8 * handles.size() + static_cast<std::size_t>(3 * first + axis);
+      responses.set(column, 3, multiply(displacements, y, context), context);
+      field->set_maps(column, 3, multiply(maps, y, context));
+    }
   }
 }
 

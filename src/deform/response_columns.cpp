@@ -10,11 +10,12 @@ namespace meshgraft {
 ResponseColumns::ResponseColumns(std::vector<Index> vertices, std::size_t columns)
     : vertices_(std::move(vertices)), columns_(columns), values_(block_count() * columns * lanes, 0.0F) {}
 
-void ResponseColumns::set(std::size_t first, const Columns& values, const Context& context) {
+void ResponseColumns::set(std::size_t first, std::size_t stride, const Columns& values,
+                          const Context& context) {
   const auto set_rows = [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       for (Eigen::Index c = 0; c < values.cols(); ++c)
-        values_[(k / lanes * columns_ + first + static_cast<std::size_t>(c)) * lanes + k % lanes] =
+        values_[(k / lanes * columns_ + first + stride * static_cast<std::size_t>(c)) * lanes + k % lanes] =
             static_cast<float>(values(static_cast<Eigen::Index>(k), c));
   };
   parallel_blocks(vertices_.size(), set_rows, context, 1024);

@@ -17,8 +17,8 @@ class ResponseColumns {
   /// `vertices`, ascending, are those with rows.
   ResponseColumns(std::vector<Index> vertices, std::size_t columns);
 
-  /// Fills columns first … first + values.cols() − 1; `values` has a row for each vertex.
-  void set(std::size_t first, const Columns& values, const Context& context);
+  /// Fills columns first, first + stride, …, one for each of `values`, which has a row for each vertex.
+  void set(std::size_t first, std::size_t stride, const Columns& values, const Context& context);
 
   /// positions.row(v) = base.row(v) + scale · (row of v) · coefficients (columns×3) for the vertices with rows,
   /// base.row(v) for all others.

@@ -258,6 +258,9 @@ template <int width>
 void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Columns& y,
                       const Context& context) {
   using Row = Eigen::Matrix<double, 1, width>;
+  constexpr Eigen::Index entries_at_once = 32'768;
+  const auto rows_at_once = static_cast<std::size_t>(
+      std::clamp<Eigen::Index>(entries_at_once * a.rows() / std::max<Eigen::Index>(a.nonZeros(), 1), 16, 4096));
   parallel_blocks(
       static_cast<std::size_t>(a.rows()),
       [&](std::size_t begin, std::size_t end) {
@@ -268,7 +271,7 @@ void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first,
           y.row(row).template segment<width>(first) = sum;
         }
       },
-      context, 4096);
+      context, rows_at_once);
 }
 
 }  // namespace
