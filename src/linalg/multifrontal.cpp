@@ -221,11 +221,15 @@ void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) 
         }
         for (const int child : children_[node]) {
           const Front g = front(child);
-          for (int r = g.columns, k = 0; r < g.rows; ++r) {
-            while (f.places[k] < g.places[r]) ++k;
-            for (int c = 0; c < width; ++c)
-              values[k + static_cast<std::int64_t>(c) * f.rows] +=
-                  fronts[child][r + static_cast<std::int64_t>(c) * g.rows];
+          std::vector<int> rows(static_cast<std::size_t>(g.below()));
+          for (int r = 0, k = 0; r < g.below(); ++r) {
+            while (f.places[k] < g.places[g.columns + r]) ++k;
+            rows[r] = k;
+          }
+          for (int c = 0; c < width; ++c) {
+            double* sum = values + static_cast<std::int64_t>(c) * f.rows;
+            const double* update = fronts[child].get() + static_cast<std::int64_t>(c) * g.rows + g.columns;
+            for (int r = 0; r < g.below(); ++r) sum[rows[r]] += update[r];
           }
           fronts[child].reset();
         }
