@@ -135,7 +135,12 @@ class Deformer {
   std::span<const Index> free_vertices() const;
 
  private:
+  friend class ProxyDeformer;
   Deformer();
+  /// `evaluate`, and the local map of each vertex of the mesh less I; zero where nothing tells it.
+  Points evaluate_with_maps(std::span<const VertexConstraint> constraints,
+                            std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
+                            EvaluationReport* report) const;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
