@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 
 #include "../core/stopwatch.h"
+#include "region_states.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -87,13 +88,7 @@ void ConstrainedSystem::cut_patch(const Triangles& triangles, const VertexStates
 void ConstrainedSystem::take_anchors(std::span<const Anchor> all_anchors, const VertexStates& states) {
   for (std::size_t a = 0; a < all_anchors.size(); ++a) {
     const Anchor& anchor = all_anchors[a];
-    require_vertex(anchor.vertex, static_cast<Index>(rest_.rows()), fmt::format("anchor {}", a));
-    if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
-      throw Error(ErrorCode::input, fmt::format("the weight {} is not a positive number", anchor.weight),
-                  fmt::format("anchor {} (vertex {})", a, anchor.vertex));
-    if (anchor.target && !anchor.target->allFinite())
-      throw Error(ErrorCode::input, "the target is not finite",
-                  fmt::format("anchor {} (vertex {})", a, anchor.vertex));
+    require_usable(anchor, a, static_cast<Index>(rest_.rows()));
     const Index local = patch_.local(anchor.vertex);
     if (local < 0 || states.position[anchor.vertex]) continue;  // what is held needs no anchor
     known_.anchored[local] = 1;
@@ -577,7 +572,9 @@ double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstrai
 }
 
 void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, const MapField& field,
-                                 Points& out, EvaluationReport* report, const Context& context) const {
+                                 Points& out, EvaluationReport* report, Columns* solved_maps,
+                                 const Context& context) const {
+  if (solved_maps != nullptr) solved_maps->resize(0, 3);
   if (!solver_) {
     place(Columns(0, 3), {}, constraints, out, context);
     return;
@@ -587,6 +584,7 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   add_targets(rhs);
   const Columns y = solve(rhs, residual_corrections_, context);
   place(y, values, constraints, out, context);
+  if (solved_maps != nullptr) *solved_maps = maps(y, values, context);
   if (report == nullptr) return;
   // Columns of similarities have a gradient: what keeps them similar.
   const auto of_single_vertices = [&](const Rows& rows) {

@@ -95,9 +95,10 @@ class ConstrainedSystem {
   /// The displacements of the patch's vertices in a solution (patch units); those of known positions too.
   Columns displacements(const Columns& y, const Known& values, const Context& context) const;
 
-  /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one.
+  /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one, and with the
+  /// solution's `maps` `solved_maps`, empty where nothing is free.
   void evaluate(std::span<const VertexConstraint> constraints, const MapField& field, Points& out,
-                EvaluationReport* report, const Context& context) const;
+                EvaluationReport* report, Columns* solved_maps, const Context& context) const;
   CouplingGraph coupling_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
   double condition_estimate(const Context& context) const;

@@ -11,6 +11,7 @@
 
 #include "../core/stopwatch.h"
 #include "constrained_system.h"
+#include "region_states.h"
 #include "rotation_field.h"
 
 namespace meshgraft {
@@ -44,10 +45,9 @@ std::string_view to_string(DeformMethod value) {
 struct Deformer::Impl {
   DeformerOptions options;
   std::vector<Handle> handles;
-  bool per_vertex = false;         ///< constraints per vertex instead of handles
-  Points normals;                  ///< of the rest mesh, n×3; only where a handle is a curve
-  std::vector<Index> constrained;  ///< vertex of each constraint, in their order
-  std::vector<std::uint8_t> gives_position, gives_transform;
+  bool per_vertex = false;  ///< constraints per vertex instead of handles
+  Points normals;  ///< of the rest mesh, n×3; only where a handle is a curve
+  ConstraintList constrained;
   DeformerSummary summary;
   std::unique_ptr<ConstrainedSystem> system;
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
@@ -55,10 +55,8 @@ struct Deformer::Impl {
   void build(const Points& rest, const Triangles& triangles, const VertexStates& states,
              std::span<const Anchor> anchors, std::span<const Feature> features, const DeformerOptions& options,
              const Context& context);
-  void constrain(Index vertex, bool position, bool transform, VertexStates& states);
-  void require_matching(std::span<const VertexConstraint> constraints) const;
   void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
-                const Context& context) const;
+                Columns* solved_maps, const Context& context) const;
 };
 
 void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
@@ -74,43 +72,12 @@ void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const
   summary.factorise_seconds += watch.seconds();
 }
 
-void Deformer::Impl::constrain(Index vertex, bool position, bool transform, VertexStates& states) {
-  // Outside the region both are known already, and the part that is not given stays at rest.
-  states.position[vertex] |= static_cast<std::uint8_t>(position);
-  states.transform[vertex] |= static_cast<std::uint8_t>(transform);
-  constrained.push_back(vertex);
-  gives_position.push_back(position);
-  gives_transform.push_back(transform);
-}
-
-void Deformer::Impl::require_matching(std::span<const VertexConstraint> constraints) const {
-  if (constraints.size() != constrained.size())
-    throw Error(ErrorCode::usage, fmt::format("{} constraints were given where the set-up has {}",
-                                              constraints.size(), constrained.size()));
-  for (std::size_t c = 0; c < constraints.size(); ++c) {
-    const VertexConstraint& constraint = constraints[c];
-    if (constraint.vertex != constrained[c] || constraint.position.has_value() != (gives_position[c] != 0) ||
-        constraint.transform.has_value() != (gives_transform[c] != 0))
-      throw Error(ErrorCode::usage,
-                  fmt::format("constraint {} does not constrain what it did in the set-up", c));
-    if (constraint.rotation &&
-        !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
-      throw Error(ErrorCode::input, "its rotation is not finite",
-                  fmt::format("the constraint of vertex {}", constraint.vertex));
-    constexpr double largest = 1e100;  // squares and volumes stay finite
-    if ((constraint.position && !(constraint.position->array().abs() < largest).all()) ||
-        (constraint.transform && !(constraint.transform->array().abs() < largest).all()))
-      throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
-                  fmt::format("the constraint of vertex {}", constraint.vertex));
-  }
-}
-
 /// The method: the field of maps first, then the solve with it.
 void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Points& out,
-                              EvaluationReport* report, const Context& context) const {
+                              EvaluationReport* report, Columns* solved_maps, const Context& context) const {
   RotationField::Result found;
   if (rotations) found = rotations->find(constraints, context);
-  system->evaluate(constraints, found.field, out, report, context);
+  system->evaluate(constraints, found.field, out, report, solved_maps, context);
   if (report == nullptr) return;
   report->iterations = found.iterations;
   report->last_rotation_change = found.change;
@@ -121,85 +88,6 @@ Deformer::Deformer() : impl_(std::make_unique<Impl>()) {}
 Deformer::Deformer(Deformer&&) noexcept = default;
 Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 Deformer::~Deformer() = default;
-
-namespace {
-
-void require_triangles(const Points& rest, const Triangles& triangles) {
-  const auto n = static_cast<Index>(rest.rows());
-  for (Index t = 0; t < triangles.rows(); ++t)
-    for (int corner = 0; corner < 3; ++corner)
-      require_vertex(triangles(t, corner), n, fmt::format("triangle {}", t));
-}
-
-/// Vertices outside the region are known; those inside are not, until a constraint says otherwise.
-VertexStates states_of_region(Index count, bool whole, std::span<const Index> region,
-                              std::span<const Index> fixed) {
-  VertexStates states(count, !whole);
-  for (Index v : region) {
-    require_vertex(v, count, "region");
-    states.position[v] = states.transform[v] = 0;
-  }
-  for (Index v : fixed) {
-    require_vertex(v, count, "fixed");
-    states.position[v] = states.transform[v] = 1;
-  }
-  return states;
-}
-
-void add_features(std::span<const Feature> features, VertexStates& states) {
-  const auto count = static_cast<Index>(states.feature.size());
-  for (std::size_t f = 0; f < features.size(); ++f) {
-    if (features[f].vertices.empty())
-      throw Error(ErrorCode::input, "it has no vertices", fmt::format("feature {}", f),
-                  "Select some, or drop it");
-    if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
-      throw Error(ErrorCode::input, fmt::format("its scale {} is not a positive number", *features[f].scale),
-                  fmt::format("feature {}", f));
-    for (Index v : features[f].vertices) {
-      require_vertex(v, count, fmt::format("feature {}", f));
-      if (states.feature[v] >= 0)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is in two features", v),
-                    fmt::format("feature {}", f));
-      if (states.position[v] || states.transform[v])
-        throw Error(ErrorCode::input, fmt::format("vertex {} is fixed or constrained too", v),
-                    fmt::format("feature {}", f), "Choose its vertices from the free part of the region");
-      states.feature[v] = static_cast<Index>(f);
-    }
-  }
-}
-
-/// Names every handle's vertices once; throws where two meet, or one meets the fixed part.
-void require_disjoint(const Region& region, Index count) {
-  constexpr int nobody = -2, fixed = -1;
-  std::vector<int> owner(static_cast<std::size_t>(count), nobody);
-  for (Index v : region.fixed) {
-    require_vertex(v, count, "fixed");
-    owner[v] = fixed;
-  }
-  for (std::size_t h = 0; h < region.handles.size(); ++h) {
-    const Handle& handle = region.handles[h];
-    const std::string place = fmt::format("handle '{}'", handle.name);
-    if (handle.vertices.empty())
-      throw Error(ErrorCode::input, "it has no vertices", place, "Select some, or drop the handle");
-    if (!handle.constrain_position && !handle.constrain_transform)
-      throw Error(ErrorCode::input, "it constrains neither position nor transform", place,
-                  "Let it constrain one of them, or drop the handle");
-    for (Index v : handle.vertices) {
-      require_vertex(v, count, place);
-      if (owner[v] == static_cast<int>(h))
-        throw Error(ErrorCode::input, fmt::format("vertex {} is named twice", v), place);
-      if (owner[v] != nobody)
-        throw Error(ErrorCode::input,
-                    owner[v] == fixed ? fmt::format("vertex {} is also fixed", v)
-                                      : fmt::format("vertex {} also belongs to handle '{}'", v,
-                                                    region.handles[owner[v]].name),
-                    place, "Take it out of one of the two");
-      owner[v] = static_cast<int>(h);
-    }
-  }
-}
-
-}  // namespace
 
 Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region& region,
                    const DeformerOptions& options, const Context& context)
@@ -212,7 +100,7 @@ Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region&
   d.handles = region.handles;
   for (const Handle& handle : region.handles) {
     for (Index v : handle.vertices)
-      d.constrain(v, handle.constrain_position, handle.constrain_transform, states);
+      d.constrained.add(v, handle.constrain_position, handle.constrain_transform, states);
   }
   const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
                                      [](const Handle& handle) { return handle.shape == HandleShape::curve; });
@@ -234,18 +122,7 @@ Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangl
   Deformer deformer;
   Impl& d = *deformer.impl_;
   d.per_vertex = true;
-  std::vector<std::uint8_t> seen(static_cast<std::size_t>(n), 0);
-  for (std::size_t c = 0; c < constraints.size(); ++c) {
-    const VertexConstraint& constraint = constraints[c];
-    const std::string place = fmt::format("constraint {}", c);
-    require_vertex(constraint.vertex, n, place);
-    if (seen[constraint.vertex]++)
-      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), place);
-    if (!constraint.position && !constraint.transform)
-      throw Error(ErrorCode::input,
-                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), place);
-    d.constrain(constraint.vertex, constraint.position.has_value(), constraint.transform.has_value(), states);
-  }
+  d.constrained.add(constraints, states);
   add_features(features, states);
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
   d.build(rest, triangles, states, anchors, features, options, context);
@@ -274,8 +151,8 @@ void Deformer::evaluate(std::span<const HandlePose> poses, Points& positions_out
     throw Error(ErrorCode::usage,
                 fmt::format("the output has {} rows for {} vertices", positions_out.rows(), vertices));
   const std::vector<VertexConstraint> posed = constraints(poses);
-  impl_->require_matching(posed);
-  impl_->evaluate(posed, positions_out, report, context);
+  impl_->constrained.require_matching(posed);
+  impl_->evaluate(posed, positions_out, report, nullptr, context);
 }
 
 Points Deformer::evaluate(std::span<const HandlePose> poses, const Context& context,
@@ -287,16 +164,33 @@ Points Deformer::evaluate(std::span<const HandlePose> poses, const Context& cont
 
 Points Deformer::evaluate(std::span<const VertexConstraint> constraints, const Context& context,
                           EvaluationReport* report) const {
-  impl_->require_matching(constraints);
+  impl_->constrained.require_matching(constraints);
   Points positions;
-  impl_->evaluate(constraints, positions, report, context);
+  impl_->evaluate(constraints, positions, report, nullptr, context);
+  return positions;
+}
+
+Points Deformer::evaluate_with_maps(std::span<const VertexConstraint> constraints,
+                                    std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
+                                    EvaluationReport* report) const {
+  impl_->constrained.require_matching(constraints);
+  Points positions;
+  Columns solved;
+  impl_->evaluate(constraints, positions, report, &solved, context);
+  map_changes.assign(static_cast<std::size_t>(positions.rows()), Eigen::Matrix3d::Zero());
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.transform)
+      map_changes[constraint.vertex] = *constraint.transform - Eigen::Matrix3d::Identity();
+  const std::vector<Index>& patch = impl_->system->patch().vertices;
+  for (Eigen::Index v = 0; 3 * v < solved.rows(); ++v)
+    map_changes[patch[static_cast<std::size_t>(v)]] = solved.middleRows<3>(3 * v).transpose();
   return positions;
 }
 
 Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constraints,
                                      std::span<const Eigen::Matrix3d> field, const Context& context,
                                      EvaluationReport* report) const {
-  impl_->require_matching(constraints);
+  impl_->constrained.require_matching(constraints);
   const ConstrainedSystem& system = *impl_->system;
   if (static_cast<Eigen::Index>(field.size()) != system.rest().rows())
     throw Error(ErrorCode::usage,
@@ -311,7 +205,7 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
         (field[system.patch().vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
   local.stretch = local.smoothness;
   Points positions;
-  system.evaluate(constraints, local, positions, report, context);
+  system.evaluate(constraints, local, positions, report, nullptr, context);
   return positions;
 }
 

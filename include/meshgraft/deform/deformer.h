@@ -19,6 +19,7 @@ namespace meshgraft {
 
 class ConstrainedSystem;
 class HandleBasis;
+class ProxyDeformer;
 class ReducedFrames;
 class RotationField;
 
@@ -142,6 +143,7 @@ class Deformer {
  private:
   // What is built on a set-up: its problem, its handles (none of constraints per vertex), its options.
   friend HandleBasis;
+  friend ProxyDeformer;
   friend ReducedFrames;
   const ConstrainedSystem& system() const;
   std::span<const Handle> handles() const;
@@ -150,6 +152,10 @@ class Deformer {
   const RotationField* rotation_field() const;
 
   Deformer();
+  /// `evaluate`, and the local map of each vertex of the mesh less I; zero where nothing tells it.
+  Points evaluate_with_maps(std::span<const VertexConstraint> constraints,
+                            std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
+                            EvaluationReport* report) const;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

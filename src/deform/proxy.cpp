@@ -1,0 +1,538 @@
+#include <meshgraft/deform/proxy.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/mesh/normals.h>
+#include <meshgraft/operators/laplacian.h>
+
+#include "../core/stopwatch.h"
+#include "even_out.h"
+#include "proxy_surface.h"
+#include "region_states.h"
+#include "skin.h"
+
+namespace meshgraft {
+
+namespace {
+
+constexpr Index fewest_vertices = 50;
+
+void validate(const ProxyOptions& options) {
+  if (options.vertices < fewest_vertices)
+    throw Error(ErrorCode::input, fmt::format("{} is less than {}", options.vertices, fewest_vertices),
+                "proxy vertices");
+}
+
+/// A number for the vertices that are held by one thing: 0 for what stays, then handles or constraints of one
+/// kind, features, and what is anchored; -1 elsewhere.
+class Holders {
+ public:
+  explicit Holders(const VertexStates& states_of_region)
+      : of_vertex(states_of_region.position.size(), -1), stays_(states_of_region.position) {
+    for (std::size_t v = 0; v < of_vertex.size(); ++v)
+      if (stays_[v]) of_vertex[v] = 0;
+  }
+  void hold(Index vertex, Index number) { of_vertex[vertex] = number; }
+  /// All of these by one thing of their own.
+  template <class Vertices>
+  void hold_together(const Vertices& vertices) {
+    const Index number = next_number();
+    for (const Index v : vertices) of_vertex[v] = number;
+  }
+  Index next_number() { return ++last_; }
+  bool stays(Index v) const { return stays_[v] != 0; }
+
+  std::vector<Index> of_vertex;
+
+ private:
+  std::vector<std::uint8_t> stays_;
+  Index last_ = 0;
+};
+
+Decimated whole_surface(const ProxyGround& ground) {
+  Decimated all{{}, ground.triangles};
+  for (Index v = 0; v < ground.size(); ++v) all.vertices.push_back(v);
+  return all;
+}
+
+}  // namespace
+
+struct ProxyDeformer::Impl {
+  Points rest;
+  std::vector<Handle> handles;
+  Points normals;  ///< of the rest mesh; only where a handle is a curve
+  ConstraintList constrained;
+
+  // What the proxy needs of the constraints, in their order.
+  struct Needed {
+    std::size_t constraint;
+    Index proxy = -1;      ///< its number as a vertex of the proxy
+    Index bone = -1;       ///< of a vertex at the rim
+    Index inner_row = -1;  ///< of the skin, where its map is not given
+  };
+  std::vector<Needed> needed;
+  std::vector<Handle> needed_handles;  ///< with their needed vertices
+
+  ProxySummary summary;
+  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+  std::vector<Index> proxy_vertices;
+  Triangles proxy_triangles{0, 3};
+  std::optional<Deformer> deformer;  ///< none where nothing is free
+  // Bones: the proxy's vertices, one that rests, the vertices at rims.
+  Index bone_count = 0;
+  Index resting_bone() const { return static_cast<Index>(proxy_vertices.size()); }
+  std::vector<Index> free;  ///< with those of features
+  std::vector<Index> skinned;
+  Skin skin;  ///< of `skinned`, then of inner rows
+  struct Follower {
+    Index vertex, bone;
+  };
+  std::vector<Follower> followers;  ///< vertices of features
+
+  // The set-up.
+  void build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
+             std::span<const Anchor> anchors, std::span<const Feature> features, const ProxyOptions& options,
+             const Context& context);
+  bool try_build(const ProxyGround& ground, const VertexStates& states, const Holders& holders,
+                 std::span<const Anchor> anchors, std::span<const Feature> features,
+                 const ProxyOptions& options, bool keep_all, const Context& context);
+  bool make_weights(const ProxyGround& ground, const Decimated& proxy, const VertexStates& states,
+                    const Context& context);
+  std::vector<Anchor> proxy_anchors(std::span<const Anchor> anchors, const ProxyGround& ground,
+                                    const Decimated& proxy, Density density, const Context& context) const;
+  void make_deformer(const VertexStates& states, const Holders& holders, std::vector<Anchor> anchors,
+                     std::span<const Feature> features, const DeformerOptions& options, const Context& context);
+
+  // Each frame.
+  std::vector<VertexConstraint> place_handles(std::span<const HandlePose> poses, Points& out) const;
+  void move(std::span<const VertexConstraint> given, Points& out, const Context& context,
+            EvaluationReport* report) const;
+  std::vector<Bone> bones(std::span<const VertexConstraint> given, const Context& context,
+                          EvaluationReport* report) const;
+  Bone bone_at(const Eigen::RowVector3d& place, const Eigen::RowVector3d& displacement,
+               const Eigen::Matrix3d& map_change) const;
+};
+
+/// First the vertices at rims that the even spacing asks for; where the proxy cannot be solved with them, all.
+void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
+                                std::span<const Anchor> anchors, std::span<const Feature> features,
+                                const ProxyOptions& options, const Context& context) {
+  validate(options);
+  for (std::size_t a = 0; a < anchors.size(); ++a)
+    require_usable(anchors[a], a, static_cast<Index>(rest.rows()));
+  Stopwatch watch;
+  context.step("decimate", 0);
+  const ProxyGround ground = make_ground(rest, triangles, states, holders.of_vertex,
+                                         options.deformer.operators.laplacian_order, options.vertices, context);
+  summary.spacing = ground.spacing;
+  summary.decimate_seconds = watch.seconds();
+  if (ground.unknown_vertices == 0) return;
+  for (Index v = 0; v < ground.size(); ++v)
+    if (!states.position[ground.vertices[v]]) free.push_back(ground.vertices[v]);
+  summary.free_vertices = static_cast<Index>(free.size());
+  if (try_build(ground, states, holders, anchors, features, options, false, context)) return;
+  require_solvable(rest, triangles, states, anchors, context);
+  if (try_build(ground, states, holders, anchors, features, options, true, context)) return;
+  throw Error(ErrorCode::unsolvable,
+              fmt::format("no proxy of about {} vertices can be solved for this region", options.vertices), "",
+              "Ask for more vertices, or solve without a proxy");
+}
+
+/// False where the proxy is not held well enough, or part of the surface is not on it.
+bool ProxyDeformer::Impl::try_build(const ProxyGround& ground, const VertexStates& states,
+                                    const Holders& holders, std::span<const Anchor> anchors,
+                                    std::span<const Feature> features, const ProxyOptions& options,
+                                    bool keep_all, const Context& context) {
+  Stopwatch watch;
+  const double around = static_cast<double>(ground.size()) / ground.unknown_vertices;
+  const auto target = static_cast<Index>(std::min<double>(options.vertices * around, ground.size()));
+  const std::vector<std::uint8_t> keep = vertices_to_keep(ground, keep_all);
+  Decimated proxy = target < ground.size()
+                        ? decimate(ground.points, ground.triangles, ground.normals, keep, target)
+                        : whole_surface(ground);
+  constexpr int rounds = 4;  // more change little
+  if (target < ground.size())
+    even_out({ground.points, ground.rings, ground.holder, keep}, proxy, rounds, context);
+  summary.decimate_seconds += watch.lap();
+  context.step("skin", 0);
+  centre = ground.centre;
+  proxy_triangles = proxy.triangles;
+  proxy_vertices.clear();
+  for (const Index v : proxy.vertices) proxy_vertices.push_back(ground.vertices[v]);
+  summary.vertices = static_cast<Index>(proxy_vertices.size());
+  if (!make_weights(ground, proxy, states, context)) return false;
+  summary.skin_entries = skin.bones.size();
+  summary.skin_seconds = watch.lap();
+  try {
+    make_deformer(states, holders,
+                  proxy_anchors(anchors, ground, proxy, options.deformer.operators.density, context), features,
+                  options.deformer, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::unsolvable) return false;
+    throw;
+  }
+  return deformer.has_value();
+}
+
+/// The skin, and which constraints the proxy and the rims need.
+bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimated& proxy,
+                                       const VertexStates& states, const Context& context) {
+  const auto position_known = [&](Index v) { return states.position[ground.vertices[v]] != 0; };
+  const auto feature = [&](Index v) { return states.feature[ground.vertices[v]]; };
+  SkinProblem problem{ground.points, ground.rings, proxy.vertices, proxy_reaches(ground, proxy)};
+  std::vector<Index> proxy_of_feature;  // one of its vertices
+  for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
+    if (const Index f = feature(proxy.vertices[k]); f >= 0) {
+      if (static_cast<std::size_t>(f) >= proxy_of_feature.size()) proxy_of_feature.resize(f + 1, -1);
+      if (proxy_of_feature[f] < 0) proxy_of_feature[f] = static_cast<Index>(k);
+    }
+  const auto feature_bone = [&](Index v) {
+    const auto f = static_cast<std::size_t>(feature(v));
+    return f < proxy_of_feature.size() ? proxy_of_feature[f] : -1;
+  };
+
+  std::vector<Index> bone_of(ground.vertices.size(), -1);  // of constrained vertices
+  std::vector<std::uint8_t> is_constrained(static_cast<std::size_t>(rest.rows()), 0);
+  for (const Index v : constrained.vertex) is_constrained[v] = 1;
+  for (std::size_t k = 0; k < proxy.vertices.size(); ++k) bone_of[proxy.vertices[k]] = static_cast<Index>(k);
+  bone_count = resting_bone() + 1;
+  std::vector<Index> rows, inner;
+  followers.clear();
+  skinned.clear();
+  for (Index v = 0; v < ground.size(); ++v) {
+    const Index global = ground.vertices[v];
+    const auto ring = ground.rings[v];
+    const auto beside_others = [&] {
+      return std::any_of(ring.begin(), ring.end(),
+                         [&](Index w) { return !position_known(w) && feature(w) != feature(v); });
+    };
+    if (feature(v) >= 0) {
+      const Index bone = feature_bone(v);
+      if (bone < 0) continue;
+      followers.push_back({global, bone});
+      if (beside_others()) problem.rim.push_back({v, bone});
+    } else if (!position_known(v)) {
+      rows.push_back(v);
+      skinned.push_back(global);
+    } else if (beside_others()) {
+      Index& bone = bone_of[v];
+      if (!is_constrained[global]) {
+        bone = resting_bone();
+      } else if (bone < 0) {
+        bone = bone_count++;
+        if (!states.transform[global]) inner.push_back(v);
+      }
+      problem.rim.push_back({v, bone});
+    }
+  }
+  problem.rows = rows;
+  problem.inner = inner;
+  // Not more of the rim than a few times the vertices that follow it.
+  constexpr double most_visits = 30;
+  const double area = 0.866 * ground.spacing * ground.spacing * summary.vertices;
+  const double edge = std::sqrt(area / (0.866 * ground.size()));
+  problem.rim_reach = std::min(
+      ground.spacing, edge * std::sqrt(most_visits / 3 * static_cast<double>(rows.size()) /
+                                       static_cast<double>(std::max<std::size_t>(1, problem.rim.size()))));
+  SkinResult result = make_skin(std::move(problem), context);
+  if (!result.outside.empty()) return false;
+  skin = std::move(result.skin);
+
+  needed.clear();
+  std::vector<Index> inner_row(ground.vertices.size(), -1);
+  for (std::size_t i = 0; i < inner.size(); ++i) inner_row[inner[i]] = static_cast<Index>(rows.size() + i);
+  for (std::size_t c = 0; c < constrained.size(); ++c) {
+    const auto found = std::lower_bound(ground.vertices.begin(), ground.vertices.end(), constrained.vertex[c]);
+    if (found == ground.vertices.end() || *found != constrained.vertex[c]) continue;
+    const auto v = static_cast<Index>(found - ground.vertices.begin());
+    Needed need{c};
+    if (bone_of[v] < 0) continue;
+    (bone_of[v] < resting_bone() ? need.proxy : need.bone) = bone_of[v];
+    need.inner_row = inner_row[v];
+    needed.push_back(need);
+  }
+  return true;
+}
+
+/// Anchors of the proxy that pull as those of the mesh do together: each of these counts at the proxy's vertex
+/// that its own vertex follows most. A row's weight w ℓ stands for an integral under `Density::aware`.
+std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> anchors,
+                                                       const ProxyGround& ground, const Decimated& proxy,
+                                                       Density density, const Context& context) const {
+  if (anchors.empty()) return {};
+  const std::vector<double> lengths = mean_edge_lengths(ground.points, ground.rings);
+  Points places(static_cast<Eigen::Index>(proxy.vertices.size()), 3);
+  for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
+    places.row(static_cast<Eigen::Index>(k)) = ground.points.row(proxy.vertices[k]);
+  const std::vector<double> proxy_lengths =
+      mean_edge_lengths(places, vertex_rings(static_cast<Index>(places.rows()), proxy.triangles, context));
+  struct Pull {
+    double squared_weight = 0;
+    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+  };
+  std::vector<Pull> pulls(proxy.vertices.size());
+  for (const Anchor& anchor : anchors) {
+    const auto row = std::lower_bound(skinned.begin(), skinned.end(), anchor.vertex);
+    if (row == skinned.end() || *row != anchor.vertex) continue;
+    const auto r = static_cast<std::size_t>(row - skinned.begin());
+    const auto heaviest =
+        std::find_if(skin.bones.begin() + skin.offsets[r], skin.bones.begin() + skin.offsets[r + 1],
+                     [&](Index bone) { return bone < resting_bone(); });
+    if (heaviest == skin.bones.begin() + skin.offsets[r + 1]) continue;
+    const Index k = *heaviest;
+    const auto v = std::lower_bound(ground.vertices.begin(), ground.vertices.end(), anchor.vertex) -
+                   ground.vertices.begin();
+    const double ratio = lengths[v] / proxy_lengths[k];
+    const double weight = anchor.weight * (density == Density::aware ? ratio : 1 / ratio);
+    pulls[k].squared_weight += weight * weight;
+    if (anchor.target)
+      pulls[k].displacement += weight * weight * (*anchor.target - rest.row(anchor.vertex).transpose());
+  }
+  std::vector<Anchor> result;
+  for (std::size_t k = 0; k < pulls.size(); ++k) {
+    if (!(pulls[k].squared_weight > 0)) continue;
+    const Eigen::Vector3d displacement = pulls[k].displacement / pulls[k].squared_weight;
+    result.push_back({static_cast<Index>(k), std::sqrt(pulls[k].squared_weight),
+                      Eigen::Vector3d(rest.row(proxy_vertices[k]).transpose() + displacement)});
+  }
+  return result;
+}
+
+void ProxyDeformer::Impl::make_deformer(const VertexStates& states, const Holders& holders,
+                                        std::vector<Anchor> anchors, std::span<const Feature> features,
+                                        const DeformerOptions& options, const Context& context) {
+  const auto count = static_cast<Eigen::Index>(proxy_vertices.size());
+  Points places(count, 3);
+  std::vector<Index> region;
+  std::vector<Feature> proxy_features(features.begin(), features.end());
+  for (Feature& feature : proxy_features) feature.vertices.clear();
+  for (Index k = 0; k < count; ++k) {
+    const Index v = proxy_vertices[k];
+    places.row(k) = rest.row(v);
+    if (!holders.stays(v)) region.push_back(k);
+    if (states.feature[v] >= 0) proxy_features[states.feature[v]].vertices.push_back(k);
+  }
+  std::erase_if(proxy_features, [](const Feature& feature) { return feature.vertices.empty(); });
+  if (region.empty()) return;
+  std::vector<VertexConstraint> constraints;
+  for (const Needed& need : needed) {
+    if (need.proxy < 0) continue;
+    VertexConstraint& constraint = constraints.emplace_back();
+    constraint.vertex = need.proxy;
+    if (constrained.gives_position[need.constraint])
+      constraint.position = rest.row(constrained.vertex[need.constraint]).transpose();
+    if (constrained.gives_transform[need.constraint]) constraint.transform = Eigen::Matrix3d::Identity();
+  }
+  deformer = Deformer::with_constraints(places, proxy_triangles, region, constraints, anchors, proxy_features,
+                                        options, context);
+  summary.deformer = deformer->summary();
+}
+
+/// What a change of a map does, as a bone: at `place` the displacement, elsewhere the map's.
+Bone ProxyDeformer::Impl::bone_at(const Eigen::RowVector3d& place, const Eigen::RowVector3d& displacement,
+                                  const Eigen::Matrix3d& map_change) const {
+  Bone bone;
+  bone << map_change, displacement.transpose() - map_change * (place - centre).transpose();
+  return bone;
+}
+
+std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> given, const Context& context,
+                                             EvaluationReport* report) const {
+  std::vector<VertexConstraint> of_proxy;
+  for (std::size_t i = 0; i < needed.size(); ++i) {
+    if (needed[i].proxy < 0) continue;
+    of_proxy.push_back(given[i]);
+    of_proxy.back().vertex = needed[i].proxy;
+  }
+  std::vector<Eigen::Matrix3d> map_changes;
+  const Points moved = deformer->evaluate_with_maps(of_proxy, map_changes, context, report);
+  std::vector<Bone> result(static_cast<std::size_t>(bone_count), Bone::Zero());
+  for (std::size_t k = 0; k < proxy_vertices.size(); ++k) {
+    const Eigen::RowVector3d place = rest.row(proxy_vertices[k]);
+    result[k] = bone_at(place, moved.row(static_cast<Eigen::Index>(k)) - place, map_changes[k]);
+  }
+  for (std::size_t i = 0; i < needed.size(); ++i) {
+    const auto& [constraint, proxy, bone, inner_row] = needed[i];
+    if (bone <= resting_bone() || !given[i].position) continue;
+    const Eigen::RowVector3d place = rest.row(constrained.vertex[constraint]);
+    Eigen::Matrix3d map_change = Eigen::Matrix3d::Zero();
+    if (given[i].transform)
+      map_change = *given[i].transform - Eigen::Matrix3d::Identity();
+    else if (inner_row >= 0)
+      map_change = blend(skin, inner_row, result).leftCols<3>();
+    result[bone] = bone_at(place, given[i].position->transpose() - place, map_change);
+  }
+  return result;
+}
+
+/// `given` belong to `needed`; `out` is at rest but for what is held.
+void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& out, const Context& context,
+                               EvaluationReport* report) const {
+  if (report != nullptr) *report = {};
+  if (!deformer) return;
+  for (const VertexConstraint& constraint : given) require_usable(constraint);
+  std::vector<Bone> posed;
+  try {
+    posed = bones(given, context, report);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::unsolvable) throw;  // it would name a vertex of the proxy
+    throw Error(ErrorCode::unsolvable, "the solution on the proxy is not finite", "",
+                "Move the handles by less, or repair the surface");
+  }
+  const auto follow = [&](Index v, const Bone& bone) {
+    const Eigen::Vector3d place = (rest.row(v) - centre).transpose();
+    out.row(v) += (bone.leftCols<3>() * place + bone.col(3)).transpose();
+  };
+  for (const Follower& follower : followers) follow(follower.vertex, posed[follower.bone]);
+  parallel_blocks(
+      skinned.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) follow(skinned[r], blend(skin, static_cast<Index>(r), posed));
+      },
+      context, 2048);
+}
+
+/// Puts all handle vertices where they belong; returns the constraints that are needed.
+std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const HandlePose> poses,
+                                                                 Points& out) const {
+  if (poses.size() != handles.size())
+    throw Error(ErrorCode::usage,
+                fmt::format("{} poses were given for {} handles", poses.size(), handles.size()));
+  std::vector<VertexConstraint> given;
+  std::size_t first = 0, next = 0;  // constraint of the handle's first vertex; place in `needed`
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    const Handle& handle = handles[h];
+    const std::size_t end = first + handle.vertices.size();
+    if (poses[h].curve) {  // a curve's frames take all of it
+      const auto all = handle_constraints(handle, poses[h], rest, normals);
+      for (; next < needed.size() && needed[next].constraint < end; ++next)
+        given.push_back(all[needed[next].constraint - first]);
+      for (const VertexConstraint& constraint : all)
+        if (constraint.position) out.row(constraint.vertex) = constraint.position->transpose();
+    } else {
+      const auto held = handle_constraints(needed_handles[h], poses[h], rest, normals);
+      given.insert(given.end(), held.begin(), held.end());
+      next += held.size();
+      if (handle.constrain_position)
+        for (const Index v : handle.vertices)
+          out.row(v) = (poses[h].transform * rest.row(v).transpose()).transpose();
+    }
+    first = end;
+  }
+  return given;
+}
+
+ProxyDeformer::ProxyDeformer() : impl_(std::make_unique<Impl>()) {}
+ProxyDeformer::ProxyDeformer(ProxyDeformer&&) noexcept = default;
+ProxyDeformer& ProxyDeformer::operator=(ProxyDeformer&&) noexcept = default;
+ProxyDeformer::~ProxyDeformer() = default;
+
+ProxyDeformer::ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
+                             const ProxyOptions& options, const Context& context)
+    : ProxyDeformer() {
+  const auto n = static_cast<Index>(rest.rows());
+  require_triangles(rest, triangles);
+  require_disjoint(region, n);
+  VertexStates states = states_of_region(n, region.whole, region.vertices, region.fixed);
+  Impl& d = *impl_;
+  d.rest = rest;
+  d.handles = region.handles;
+  Holders holders(states);
+  for (const Handle& handle : region.handles) {
+    for (const Index v : handle.vertices)
+      d.constrained.add(v, handle.constrain_position, handle.constrain_transform, states);
+    holders.hold_together(handle.vertices);
+  }
+  const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
+                                     [](const Handle& handle) { return handle.shape == HandleShape::curve; });
+  if (has_curve) d.normals = vertex_normals(rest, triangles, vertex_triangles(n, triangles, context), context);
+  add_features(region.features, states);
+  for (const Feature& feature : region.features) holders.hold_together(feature.vertices);
+  d.build(triangles, states, holders, region.anchors, region.features, options, context);
+
+  std::size_t first = 0, next = 0;
+  for (Handle handle : d.handles) {
+    const std::size_t end = first + handle.vertices.size();
+    handle.vertices.clear();
+    for (; next < d.needed.size() && d.needed[next].constraint < end; ++next)
+      handle.vertices.push_back(d.constrained.vertex[d.needed[next].constraint]);
+    d.needed_handles.push_back(std::move(handle));
+    first = end;
+  }
+}
+
+ProxyDeformer ProxyDeformer::with_constraints(const Points& rest, const Triangles& triangles,
+                                              std::span<const Index> region,
+                                              std::span<const VertexConstraint> constraints,
+                                              std::span<const Anchor> anchors,
+                                              std::span<const Feature> features, const ProxyOptions& options,
+                                              const Context& context) {
+  const auto n = static_cast<Index>(rest.rows());
+  require_triangles(rest, triangles);
+  VertexStates states = states_of_region(n, region.empty(), region, {});
+  ProxyDeformer deformer;
+  Impl& d = *deformer.impl_;
+  d.rest = rest;
+  Holders holders(states);
+  d.constrained.add(constraints, states);
+  const Index first_kind = holders.next_number();  // by what is given of a vertex
+  holders.next_number();
+  holders.next_number();
+  for (std::size_t c = 0; c < constraints.size(); ++c)
+    holders.hold(
+        constraints[c].vertex,
+        first_kind + (d.constrained.gives_position[c] ? (d.constrained.gives_transform[c] ? 0 : 1) : 2));
+  add_features(features, states);
+  for (const Feature& feature : features) holders.hold_together(feature.vertices);
+  d.build(triangles, states, holders, anchors, features, options, context);
+  return deformer;
+}
+
+void ProxyDeformer::evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context,
+                             EvaluationReport* report) const {
+  const Impl& d = *impl_;
+  if (positions_out.rows() != d.rest.rows())
+    throw Error(ErrorCode::usage,
+                fmt::format("the output has {} rows for {} vertices", positions_out.rows(), d.rest.rows()));
+  positions_out = d.rest;
+  const std::vector<VertexConstraint> given = d.place_handles(poses, positions_out);
+  d.move(given, positions_out, context, report);
+}
+
+Points ProxyDeformer::evaluate(std::span<const HandlePose> poses, const Context& context,
+                               EvaluationReport* report) const {
+  Points positions(impl_->rest.rows(), 3);
+  evaluate(poses, positions, context, report);
+  return positions;
+}
+
+Points ProxyDeformer::evaluate(std::span<const VertexConstraint> constraints, const Context& context,
+                               EvaluationReport* report) const {
+  const Impl& d = *impl_;
+  d.constrained.require_matching(constraints);
+  Points positions = d.rest;
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.position) positions.row(constraint.vertex) = constraint.position->transpose();
+  std::vector<VertexConstraint> given;
+  for (const Impl::Needed& need : d.needed) given.push_back(constraints[need.constraint]);
+  d.move(given, positions, context, report);
+  return positions;
+}
+
+const ProxySummary& ProxyDeformer::summary() const { return impl_->summary; }
+std::span<const Index> ProxyDeformer::free_vertices() const { return impl_->free; }
+std::span<const Index> ProxyDeformer::proxy_vertices() const { return impl_->proxy_vertices; }
+const Triangles& ProxyDeformer::proxy_triangles() const { return impl_->proxy_triangles; }
+
+double ProxyDeformer::condition_estimate(const Context& context) const {
+  return impl_->deformer ? impl_->deformer->condition_estimate(context) : 1.0;
+}
+
+}  // namespace meshgraft

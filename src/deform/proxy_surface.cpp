@@ -1,0 +1,211 @@
+#include "proxy_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/mesh/normals.h>
+
+#include "ball_walk.h"
+
+namespace meshgraft {
+
+namespace {
+
+bool is_unknown(const VertexStates& states, Index v) { return !states.position[v] || !states.transform[v]; }
+
+struct Reach {
+  std::vector<std::uint8_t> inside;  ///< flags over the mesh
+  Index unknown = 0;
+};
+
+/// The unknown vertices and `rings` around them. The number of rings depends on how many are unknown.
+Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const VertexStates& states,
+                   int laplacian_order, Index wanted) {
+  const Index n = faces_at.size();
+  Reach reach{std::vector<std::uint8_t>(static_cast<std::size_t>(n), 0)};
+  std::vector<Index> front;
+  for (Index v = 0; v < n; ++v) {
+    if (!is_unknown(states, v) || faces_at[v].empty()) continue;
+    reach.inside[v] = 1;
+    ++reach.unknown;
+    front.push_back(v);
+  }
+  // As many as the rows of the proxy look at, in its own edges.
+  const double edges_per_edge = std::max(1.0, std::sqrt(static_cast<double>(reach.unknown) / wanted));
+  const int rings = static_cast<int>(std::ceil((laplacian_order + 2) * edges_per_edge)) + 2;
+  std::vector<Index> next;
+  for (int ring = 0; ring < rings && !front.empty(); ++ring) {
+    next.clear();
+    for (const Index v : front)
+      for (const Index t : faces_at[v])
+        for (const Index w : triangles.row(t))
+          if (!reach.inside[w]) {
+            reach.inside[w] = 1;
+            next.push_back(w);
+          }
+    front.swap(next);
+  }
+  return reach;
+}
+
+double unknown_area(const Points& rest, const Triangles& triangles, const VertexStates& states) {
+  double sum = 0;
+  for (const auto& t : triangles.rowwise()) {
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return is_unknown(states, v); })) continue;
+    const Eigen::RowVector3d u = rest.row(t[1]) - rest.row(t[0]), v = rest.row(t[2]) - rest.row(t[0]);
+    sum += u.cross(v).norm() / 2;
+  }
+  return sum;
+}
+
+void take_points(const Points& rest, ProxyGround& ground) {
+  for (const Index v : ground.vertices)
+    if (!rest.row(v).allFinite())
+      throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that is not a finite number", v),
+                  "", "Repair the mesh, or choose a region away from that vertex");
+  Eigen::RowVector3d low = rest.row(ground.vertices.front()), high = low;
+  for (const Index v : ground.vertices) {
+    low = low.cwiseMin(rest.row(v));
+    high = high.cwiseMax(rest.row(v));
+  }
+  ground.centre = low + (high - low) / 2;
+  ground.points.resize(ground.size(), 3);
+  for (Index i = 0; i < ground.size(); ++i) ground.points.row(i) = rest.row(ground.vertices[i]) - ground.centre;
+}
+
+/// Vertices that something holds beside some that it does not.
+std::vector<std::uint8_t> flag_rim(const ProxyGround& ground) {
+  std::vector<std::uint8_t> rim(ground.vertices.size(), 0);
+  for (Index v = 0; v < ground.size(); ++v) {
+    const auto ring = ground.rings[v];
+    rim[v] = ground.holder[v] >= 0 && std::any_of(ring.begin(), ring.end(), [&](Index w) {
+               return ground.holder[w] != ground.holder[v];
+             });
+  }
+  return rim;
+}
+
+/// Up to four vertices that span as much as the given ones: the first, the farthest from it, the farthest from
+/// the line through these, and from the plane.
+std::vector<Index> extremes(const Points& points, const std::vector<Index>& vertices) {
+  std::vector<Index> found{vertices.front()};
+  const Eigen::RowVector3d origin = points.row(found.front());
+  Eigen::Matrix3d across = Eigen::Matrix3d::Identity();  // what the directions so far leave
+  for (int direction = 0; direction < 3; ++direction) {
+    Index farthest = -1;
+    double length = 0;
+    for (const Index v : vertices) {
+      const double distance = ((points.row(v) - origin) * across).norm();
+      if (distance > length) {
+        length = distance;
+        farthest = v;
+      }
+    }
+    if (farthest < 0) break;
+    const Eigen::RowVector3d unit = (points.row(farthest) - origin) * across / length;
+    across -= across * unit.transpose() * unit;
+    found.push_back(farthest);
+  }
+  return found;
+}
+
+/// The pieces of what is held: vertices with one holder that hang together.
+std::vector<std::vector<Index>> held_pieces(const ProxyGround& ground) {
+  std::vector<std::uint8_t> seen(ground.vertices.size(), 0);
+  std::vector<std::vector<Index>> pieces;
+  for (Index start = 0; start < ground.size(); ++start) {
+    if (ground.holder[start] < 0 || seen[start]) continue;
+    std::vector<Index> piece{start};
+    seen[start] = 1;
+    for (std::size_t next = 0; next < piece.size(); ++next)
+      for (const Index w : ground.rings[piece[next]])
+        if (!seen[w] && ground.holder[w] == ground.holder[start]) {
+          seen[w] = 1;
+          piece.push_back(w);
+        }
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
+
+}  // namespace
+
+ProxyGround make_ground(const Points& rest, const Triangles& triangles, const VertexStates& states,
+                        std::span<const Index> holder, int laplacian_order, Index wanted,
+                        const Context& context) {
+  const auto n = static_cast<Index>(rest.rows());
+  ProxyGround ground;
+  std::vector<Index> place(static_cast<std::size_t>(n), -1);
+  {
+    const IndexLists faces_at = vertex_triangles(n, triangles, context);
+    const Reach reach = reach_around(triangles, faces_at, states, laplacian_order, wanted);
+    ground.unknown_vertices = reach.unknown;
+    if (reach.unknown == 0) return ground;
+    for (Index v = 0; v < n; ++v) {
+      if (!reach.inside[v]) continue;
+      place[v] = ground.size();
+      ground.vertices.push_back(v);
+    }
+  }
+  take_points(rest, ground);
+  std::vector<Index> corners;
+  for (const auto& t : triangles.rowwise())
+    if (std::all_of(t.begin(), t.end(), [&](Index v) { return place[v] >= 0; }))
+      for (const Index v : t) corners.push_back(place[v]);
+  ground.triangles =
+      Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  corners = {};
+  for (const Index v : ground.vertices) ground.holder.push_back(holder[v]);
+  const IndexLists faces_at = vertex_triangles(ground.size(), ground.triangles, context);
+  ground.rings = vertex_rings(ground.triangles, faces_at, context);
+  ground.normals = vertex_normals(ground.points, ground.triangles, faces_at, context);
+  constexpr double area_per_vertex = 0.866;  // of equilateral triangles with unit edges
+  ground.spacing = std::sqrt(unknown_area(rest, triangles, states) / (area_per_vertex * wanted));
+  return ground;
+}
+
+std::vector<std::uint8_t> vertices_to_keep(const ProxyGround& ground, bool all) {
+  constexpr double apart = 0.7;  // of the spacing, so that few edges become longer than it
+  std::vector<std::uint8_t> keep(ground.vertices.size(), 0);
+  const std::vector<std::uint8_t> rim = flag_rim(ground);
+  if (all) return rim;
+  std::vector<std::uint8_t> settled(keep.size(), 0);
+  BallWalk ball(ground.points, ground.rings);
+  const auto keep_and_settle = [&](Index v) {
+    keep[v] = 1;
+    ball.from(v, apart * ground.spacing,
+              [&](Index w, double) { settled[w] |= ground.holder[w] == ground.holder[v]; });
+  };
+  for (const std::vector<Index>& piece : held_pieces(ground)) {
+    std::vector<Index> edge;
+    for (const Index v : piece)
+      if (rim[v]) edge.push_back(v);
+    if (edge.empty()) continue;
+    for (const Index v : extremes(ground.points, edge)) keep_and_settle(v);
+    for (const Index v : edge)
+      if (!settled[v]) keep_and_settle(v);
+  }
+  return keep;
+}
+
+std::vector<double> proxy_reaches(const ProxyGround& ground, const Decimated& proxy) {
+  constexpr double beyond = 1.1;  // so that the ends of a proxy's edges have more than nothing of it
+  std::vector<double> reaches(proxy.vertices.size(), 0);
+  for (const auto& t : proxy.triangles.rowwise())
+    for (int c = 0; c < 3; ++c) {
+      const Index a = t[c], b = t[(c + 1) % 3], v = proxy.vertices[a], w = proxy.vertices[b];
+      const auto ring = ground.rings[v];
+      if (std::binary_search(ring.begin(), ring.end(), w)) continue;
+      const double length = beyond * (ground.points.row(v) - ground.points.row(w)).norm();
+      reaches[a] = std::max(reaches[a], length);
+      reaches[b] = std::max(reaches[b], length);
+    }
+  return reaches;
+}
+
+}  // namespace meshgraft

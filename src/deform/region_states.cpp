@@ -1,0 +1,170 @@
+#include "region_states.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "solvability.h"
+
+namespace meshgraft {
+
+void require_triangles(const Points& rest, const Triangles& triangles) {
+  const auto n = static_cast<Index>(rest.rows());
+  for (Index t = 0; t < triangles.rows(); ++t)
+    for (const Index v : triangles.row(t))
+      if (v < 0 || v >= n) require_vertex(v, n, fmt::format("triangle {}", t));
+}
+
+VertexStates states_of_region(Index count, bool whole, std::span<const Index> region,
+                              std::span<const Index> fixed) {
+  VertexStates states(count, !whole);
+  for (Index v : region) {
+    require_vertex(v, count, "region");
+    states.position[v] = states.transform[v] = 0;
+  }
+  for (Index v : fixed) {
+    require_vertex(v, count, "fixed");
+    states.position[v] = states.transform[v] = 1;
+  }
+  return states;
+}
+
+void add_features(std::span<const Feature> features, VertexStates& states) {
+  const auto count = static_cast<Index>(states.feature.size());
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (features[f].vertices.empty())
+      throw Error(ErrorCode::input, "it has no vertices", fmt::format("feature {}", f),
+                  "Select some, or drop it");
+    if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
+      throw Error(ErrorCode::input, fmt::format("its scale {} is not a positive number", *features[f].scale),
+                  fmt::format("feature {}", f));
+    for (Index v : features[f].vertices) {
+      require_vertex(v, count, fmt::format("feature {}", f));
+      if (states.feature[v] >= 0)
+        throw Error(ErrorCode::input, fmt::format("vertex {} is in two features", v),
+                    fmt::format("feature {}", f));
+      if (states.position[v] || states.transform[v])
+        throw Error(ErrorCode::input, fmt::format("vertex {} is fixed or constrained too", v),
+                    fmt::format("feature {}", f), "Choose its vertices from the free part of the region");
+      states.feature[v] = static_cast<Index>(f);
+    }
+  }
+}
+
+void require_disjoint(const Region& region, Index count) {
+  constexpr int nobody = -2, fixed = -1;
+  std::vector<int> owner(static_cast<std::size_t>(count), nobody);
+  for (Index v : region.fixed) {
+    require_vertex(v, count, "fixed");
+    owner[v] = fixed;
+  }
+  for (std::size_t h = 0; h < region.handles.size(); ++h) {
+    const Handle& handle = region.handles[h];
+    const std::string place = fmt::format("handle '{}'", handle.name);
+    if (handle.vertices.empty())
+      throw Error(ErrorCode::input, "it has no vertices", place, "Select some, or drop the handle");
+    if (!handle.constrain_position && !handle.constrain_transform)
+      throw Error(ErrorCode::input, "it constrains neither position nor transform", place,
+                  "Let it constrain one of them, or drop the handle");
+    for (Index v : handle.vertices) {
+      require_vertex(v, count, place);
+      if (owner[v] == static_cast<int>(h))
+        throw Error(ErrorCode::input, fmt::format("vertex {} is named twice", v), place);
+      if (owner[v] != nobody)
+        throw Error(ErrorCode::input,
+                    owner[v] == fixed ? fmt::format("vertex {} is also fixed", v)
+                                      : fmt::format("vertex {} also belongs to handle '{}'", v,
+                                                    region.handles[owner[v]].name),
+                    place, "Take it out of one of the two");
+      owner[v] = static_cast<int>(h);
+    }
+  }
+}
+
+void ConstraintList::add(Index v, bool position, bool transform, VertexStates& states) {
+  // Outside the region both are known already, and the part that is not given stays at rest.
+  states.position[v] |= static_cast<std::uint8_t>(position);
+  states.transform[v] |= static_cast<std::uint8_t>(transform);
+  vertex.push_back(v);
+  gives_position.push_back(position);
+  gives_transform.push_back(transform);
+}
+
+void ConstraintList::add(std::span<const VertexConstraint> constraints, VertexStates& states) {
+  const auto count = static_cast<Index>(states.position.size());
+  std::vector<std::uint8_t> seen(states.position.size(), 0);
+  for (std::size_t c = 0; c < constraints.size(); ++c) {
+    const VertexConstraint& constraint = constraints[c];
+    const std::string place = fmt::format("constraint {}", c);
+    require_vertex(constraint.vertex, count, place);
+    if (seen[constraint.vertex]++)
+      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), place);
+    if (!constraint.position && !constraint.transform)
+      throw Error(ErrorCode::input,
+                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), place);
+    add(constraint.vertex, constraint.position.has_value(), constraint.transform.has_value(), states);
+  }
+}
+
+void ConstraintList::require_matching(std::span<const VertexConstraint> constraints) const {
+  if (constraints.size() != size())
+    throw Error(ErrorCode::usage,
+                fmt::format("{} constraints were given where the set-up has {}", constraints.size(), size()));
+  for (std::size_t c = 0; c < constraints.size(); ++c) {
+    const VertexConstraint& constraint = constraints[c];
+    if (constraint.vertex != vertex[c] || constraint.position.has_value() != (gives_position[c] != 0) ||
+        constraint.transform.has_value() != (gives_transform[c] != 0))
+      throw Error(ErrorCode::usage,
+                  fmt::format("constraint {} does not constrain what it did in the set-up", c));
+    require_usable(constraint);
+  }
+}
+
+void require_usable(const VertexConstraint& constraint) {
+  if (constraint.rotation &&
+      !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
+    throw Error(ErrorCode::input, "its rotation is not finite",
+                fmt::format("the constraint of vertex {}", constraint.vertex));
+  constexpr double largest = 1e100;  // squares and volumes stay finite
+  if ((constraint.position && !(constraint.position->array().abs() < largest).all()) ||
+      (constraint.transform && !(constraint.transform->array().abs() < largest).all()))
+    throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
+                fmt::format("the constraint of vertex {}", constraint.vertex));
+}
+
+void require_usable(const Anchor& anchor, std::size_t number, Index count) {
+  require_vertex(anchor.vertex, count, fmt::format("anchor {}", number));
+  if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
+    throw Error(ErrorCode::input, fmt::format("the weight {} is not a positive number", anchor.weight),
+                fmt::format("anchor {} (vertex {})", number, anchor.vertex));
+  if (anchor.target && !anchor.target->allFinite())
+    throw Error(ErrorCode::input, "the target is not finite",
+                fmt::format("anchor {} (vertex {})", number, anchor.vertex));
+}
+
+void require_solvable(const Points& rest, const Triangles& triangles, const VertexStates& states,
+                      std::span<const Anchor> anchors, const Context& context) {
+  const auto n = static_cast<Index>(rest.rows());
+  const IndexLists faces_at = vertex_triangles(n, triangles, context);
+  std::vector<std::uint8_t> unknown(static_cast<std::size_t>(n), 0);
+  for (Index v = 0; v < n; ++v)
+    unknown[v] = !faces_at[v].empty() && (!states.position[v] || !states.transform[v]);
+  const Patch patch = make_patch(rest, triangles, faces_at, unknown, 1, context);
+  KnownParts known;
+  for (const Index v : patch.vertices) {
+    known.position.push_back(states.position[v]);
+    known.transform.push_back(states.transform[v]);
+    known.feature.push_back(states.feature[v]);
+  }
+  known.anchored.assign(patch.vertices.size(), 0);
+  for (const Anchor& anchor : anchors)
+    if (const Index v = patch.local(anchor.vertex); v >= 0) known.anchored[v] = 1;
+  const IndexLists rings = vertex_rings(patch.size(), patch.triangles, context);
+  settle_idle_components(rings, known);
+  require_solvable(patch, rings, known);
+}
+
+}  // namespace meshgraft
