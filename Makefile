@@ -40,10 +40,11 @@ format: ## bring the code into style
 	@tools/bootstrap.sh lint
 	@tools/lint.sh --fix-format
 
-bench: ## benchmarks, beside CGAL (BENCH_ARGS='--benchmark_filter=…')
+bench: ## benchmarks, beside CGAL; all: into docs/performance.md; BENCH_ARGS='--benchmark_filter=…': to the terminal
 	@tools/bootstrap.sh build bench
 	@cmake --preset bench && cmake --build --preset bench --target meshgraft_bench
-	@build/bench/bench/meshgraft_bench $(BENCH_ARGS)
+	@mkdir -p out && build/bench/bench/meshgraft_bench --benchmark_out=out/bench.json $(BENCH_ARGS)
+	@bench/report.py out/bench.json $(if $(BENCH_ARGS),,--into docs/performance.md)
 
 asan: ## the small tests under address and undefined-behaviour sanitizers
 	@tools/bootstrap.sh build test

@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""Turn meshgraft_bench's JSON into markdown tables of medians and ratios.
+"""Turn meshgraft_bench's JSON into markdown tables of medians and ratios, and plots.
 
     meshgraft_bench --benchmark_repetitions=5 --benchmark_out=times.json
     bench/report.py times.json                            # to the terminal
-    bench/report.py times.json --into docs/performance.md # between the page's two markers
+    bench/report.py times.json --into docs/performance.md # between the page's two markers; plots beside it
 """
 
 import argparse
 import json
+import math
 import statistics
 import sys
 from collections import defaultdict
+from pathlib import Path
+
+from plot import log_log_plot, stacked_bars
 
 BEGIN = "<!-- tables: begin (made by bench/report.py) -->"
 END = "<!-- tables: end -->"
@@ -59,16 +63,66 @@ def set_up(numbers):
     return sum(numbers[stage] for stage in STAGES)
 
 
-def stage_table(by_size):
+def stage_table(by_size, dgemm):
     rows = []
     for size, numbers in sorted(by_size.items()):
+        rate = numbers["factor_flops"] / numbers["factorise"]
         rows.append(
             [f"{numbers['vertices']:,.0f}", f"{numbers['unknowns']:,.0f}", f"{numbers['factor_nonzeros'] / 1e6:.2f} M"]
             + [milliseconds(numbers[stage]) for stage in STAGES]
             + [milliseconds(set_up(numbers)), milliseconds(numbers["evaluate"])]
+            + [f"{rate / 1e9:.0f}" + (f" ({100 * rate / dgemm:.0f} %)" if dgemm else "")]
+            + [f"{numbers['peak_bytes'] / 1e6:,.0f}"]
         )
-    header = ["vertices", "unknowns", "factor non-zeros"] + STAGES + ["set-up", "evaluate"]
+    header = ["vertices", "unknowns", "factor non-zeros"] + STAGES + ["set-up", "evaluate", "GFlop/s", "MB"]
     return table(header, rows)
+
+
+def frame_table(runs):
+    rows = []
+    for (_, kind, variant), by_size in runs.items():
+        for numbers in by_size.values():
+            rows.append([
+                kind.replace("-1", ", one handle").replace("-8", ", 8 handles"),
+                variant,
+                f"{numbers['vertices']:,.0f}",
+                milliseconds(numbers["set_up"]),
+                milliseconds(numbers["basis"]) if "basis" in numbers else "–",
+                milliseconds(numbers["frame"]),
+                f"{numbers['error']:.1e}" if numbers["error"] else "–",
+                f"{numbers['peak_bytes'] / 1e6:,.0f}",
+            ])
+    return table(["frames", "variant", "vertices", "set-up", "basis", "frame", "error", "MB"], rows)
+
+
+def ordering_table(runs):
+    rows = []
+    for (_, treatment, _), by_size in runs.items():
+        for numbers in by_size.values():
+            rows.append([
+                treatment,
+                f"{numbers['vertices']:,.0f}",
+                milliseconds(numbers["metis_analyse"]),
+                f"{numbers['metis_factor_nonzeros'] / 1e6:.1f} M",
+                f"{numbers['metis_flops'] / 1e9:.1f}",
+                milliseconds(numbers["analyse"]),
+                f"{numbers['factor_nonzeros'] / 1e6:.1f} M",
+                f"{numbers['factor_flops'] / 1e9:.1f}",
+                ratio(numbers["analyse"], numbers["metis_analyse"]),
+                ratio(numbers["factor_flops"], numbers["metis_flops"]),
+            ])
+    return table(["treatment", "vertices", "METIS", "non-zeros", "GFlop", "dissection", "non-zeros", "GFlop", "time",
+                  "flops"], rows)
+
+
+def growth(by_size):
+    """Exponent of the set-up's growth between 50,000 vertices and the largest size."""
+    sizes = sorted(size for size in by_size if size >= 50_000)
+    if len(sizes) < 2:
+        return ""
+    low, high = by_size[sizes[0]], by_size[sizes[-1]]
+    exponent = math.log(set_up(high) / set_up(low)) / math.log(high["vertices"] / low["vertices"])
+    return f"Set-up grows with the {exponent:.2f}th power of the size between {sizes[0]:,} and {sizes[-1]:,}."
 
 
 def comparison_table(ours, theirs):
@@ -115,9 +169,21 @@ def machine(context, repetitions):
 def make_report(data):
     medians, repetitions = read_medians(data["benchmarks"])
     parts = [machine(data["context"], repetitions)]
+    rates = {key[1]: next(iter(sizes.values())) for key, sizes in medians.items() if key[0] == "machine"}
+    dgemm = rates["dgemm"]["all_cores"] if "dgemm" in rates else None
+    if rates:
+        parts.append(" ".join(
+            f"{name}: {numbers['one_core'] / 1e9:.0f} {unit} on one core, {numbers['all_cores'] / 1e9:.0f} on all."
+            for name, unit in (("dgemm", "GFlop/s"), ("triad", "GB/s")) if (numbers := rates.get(name))))
     ours = {key: sizes for key, sizes in medians.items() if key[0] == "meshgraft"}
     for (_, treatment, backend), sizes in ours.items():
-        parts += [f"### meshgraft, {treatment}, {backend}", stage_table(sizes)]
+        parts += [f"### meshgraft, {treatment}, {backend}", stage_table(sizes, dgemm), growth(sizes)]
+    frames = {key: sizes for key, sizes in medians.items() if key[0] == "frames"}
+    if frames:
+        parts += ["### frames", frame_table(frames)]
+    orderings = {key: sizes for key, sizes in medians.items() if key[0] == "ordering"}
+    if orderings:
+        parts += ["### orderings", ordering_table(orderings)]
     for (_, method, _), sizes in ((key, sizes) for key, sizes in medians.items() if key[0] == "cgal"):
         for (_, treatment, backend), our_sizes in ours.items():
             if backend == "cholmod":
@@ -125,7 +191,42 @@ def make_report(data):
     merges = {key: sizes for key, sizes in medians.items() if key[0] == "merge"}
     if merges:
         parts += ["### merging", merge_table(merges)]
-    return "\n\n".join(parts)
+    return "\n\n".join(part for part in parts if part)
+
+
+def draw_plots(data, folder):
+    """Time and memory over size beside CGAL's, and the stages of the set-ups."""
+    medians, _ = read_medians(data["benchmarks"])
+    chosen = {
+        "apex": ("meshgraft", "apex", "cholmod"),
+        "ft05-noise": ("meshgraft", "ft05-noise", "cholmod"),
+        "default (corotational)": ("meshgraft", "corotational", "default"),
+        "CGAL SRE_ARAP": ("cgal", "SRE_ARAP", "default"),
+    }
+    runs = {name: medians[key] for name, key in chosen.items() if key in medians}
+
+    def curve(value):
+        return {name: [(n["vertices"], value(n)) for _, n in sorted(sizes.items())] for name, sizes in runs.items()}
+
+    def all_of_set_up(n):
+        return n["construct"] + n["preprocess"] if "construct" in n else set_up(n)
+
+    folder.mkdir(parents=True, exist_ok=True)
+    plots = {
+        "set_up": log_log_plot("Set-up", "vertices", "seconds", curve(all_of_set_up)),
+        "evaluate": log_log_plot("One new pose (CGAL: 10 iterations)", "vertices", "seconds",
+                                 curve(lambda n: n.get("evaluate", n.get("deform")))),
+        "memory": log_log_plot("Memory beside the mesh", "vertices", "bytes", curve(lambda n: n["peak_bytes"])),
+    }
+    bars = []
+    for name, sizes in runs.items():
+        if name.startswith("CGAL"):
+            continue
+        size, numbers = max(sizes.items())
+        bars.append((f"{name}, {size:,}", [(stage, numbers[stage]) for stage in STAGES]))
+    plots["stages"] = stacked_bars("Where a set-up's time goes", "seconds", bars)
+    for name, svg in plots.items():
+        (folder / f"{name}.svg").write_text(svg, encoding="utf-8")
 
 
 def replace_between_markers(path, report):
@@ -144,9 +245,11 @@ def main():
     parser.add_argument("--into", metavar="PAGE", help="replace what stands between the page's markers")
     arguments = parser.parse_args()
     with open(arguments.json, encoding="utf-8") as file:
-        report = make_report(json.load(file))
+        data = json.load(file)
+    report = make_report(data)
     if arguments.into:
         replace_between_markers(arguments.into, report)
+        draw_plots(data, Path(arguments.into).parent / "performance")
     else:
         sys.stdout.write(report + "\n")
 

@@ -22,71 +22,19 @@
 #include <meshgraft/deform/quality.h>
 
 #include "../cli/blas_kernels.h"
-#include "bench_edit.h"
 #include "bench_merge.h"
+#include "bench_run.h"
 #include "cgal_deformation.h"
+#include "frame_benchmark.h"
+#include "machine_benchmark.h"
 
 namespace meshgraft::bench {
 namespace {
 
-constexpr std::array<Index, 6> sizes{2'000, 5'000, 10'000, 20'000, 50'000, 100'000};
+constexpr std::array<Index, 7> sizes{2'000, 5'000, 10'000, 20'000, 50'000, 100'000, 250'000};
 constexpr unsigned cgal_iterations = 10;
 
-// Made once per size and shared by all benchmarks of that size.
-template <class Task, Task (*make)(Index)>
-class BySize {
- public:
-  const Task& operator[](Index size) {
-    const auto [entry, is_new] = made_.try_emplace(size);
-    if (is_new) entry->second = make(size);
-    return entry->second;
-  }
-
- private:
-  std::map<Index, Task> made_;
-};
-using Edits = BySize<BenchEdit, make_bump_edit>;
 using Merges = BySize<BenchMerge, make_head_on_bust>;
-
-using Stages = std::vector<std::pair<std::string, double>>;  // name, seconds
-
-void report(benchmark::State& state, const Stages& stages) {
-  double total = 0;
-  for (const auto& [name, seconds] : stages) {
-    state.counters[name] += seconds;
-    total += seconds;
-  }
-  state.SetIterationTime(total);
-}
-
-// Counters were summed over the iterations.
-void average(benchmark::State& state) {
-  for (auto& [name, counter] : state.counters) counter.value /= static_cast<double>(state.iterations());
-}
-
-Region region_of(const BenchEdit& edit) {
-  Region region;
-  region.whole = true;
-  region.fixed = edit.fixed;
-  region.handles = {Handle{"disc", HandleShape::region, edit.handle}};
-  return region;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double evaluation_seconds(const Deformer& deformer, std::span<const HandlePose> poses, Points& positions) {
-  std::vector<double> seconds;
-  for (int repeat = 0; repeat < 5; ++repeat) {
-    const auto start = std::chrono::steady_clock::now();
-    deformer.evaluate(poses, positions);
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return median(std::move(seconds));
-}
 
 void run_deformer(benchmark::State& state, const BenchEdit& edit, const DeformerOptions& options) {
   const Region region = region_of(edit);
@@ -95,23 +43,47 @@ void run_deformer(benchmark::State& state, const BenchEdit& edit, const Deformer
   Points positions(edit.positions.rows(), 3);
   DeformerSummary summary;
   Quality quality;
+  const PeakMemory memory;
   for ([[maybe_unused]] auto iteration : state) {
     const Deformer deformer(edit.positions, edit.triangles, region, options);
     summary = deformer.summary();
     report(state, {{"assemble", summary.assemble_seconds},
                    {"analyse", summary.analyse_seconds},
                    {"factorise", summary.factorise_seconds},
-                   {"evaluate", evaluation_seconds(deformer, poses, positions)}});
+                   {"evaluate", median_seconds(5, [&] { deformer.evaluate(poses, positions); })}});
     quality = measure_quality(edit.positions, positions, edit.triangles, deformer.free_vertices(),
                               {.self_intersections = false});
   }
   average(state);
   state.counters["vertices"] = static_cast<double>(edit.positions.rows());
   state.counters["free"] = summary.free_vertices;
+  state.counters["peak_bytes"] = static_cast<double>(memory.bytes());
+  state.counters["factor_flops"] = summary.solver.factor_flops;
   state.counters["unknowns"] = static_cast<double>(summary.solver.unknowns);
   state.counters["factor_nonzeros"] = static_cast<double>(summary.solver.factor_nonzeros);
   state.counters["edge_rms"] = quality.edge_rms;
   state.counters["dihedral_p99_deg"] = quality.dihedral_p99_deg;
+}
+
+// Of the matrix's own graph by METIS, beside that of the mesh's graph in `run_deformer`.
+void run_ordering(benchmark::State& state, const BenchEdit& edit, const OperatorOptions& operators) {
+  const Deformer deformer(edit.positions, edit.triangles, region_of(edit),
+                          {.method = DeformMethod::ft05, .operators = operators});
+  const NormalMatrix normal = deformer.normal_matrix();
+  SolverStatistics statistics;
+  for ([[maybe_unused]] auto iteration : state) {
+    const auto solver = make_solver(SolverBackend::cholmod);
+    report(state, {{"metis_analyse", seconds([&] { solver->analyse(normal); })}});
+    statistics = solver->statistics();
+  }
+  average(state);
+  const DeformerSummary& ours = deformer.summary();
+  state.counters["vertices"] = static_cast<double>(edit.positions.rows());
+  state.counters["metis_flops"] = statistics.factor_flops;
+  state.counters["metis_factor_nonzeros"] = static_cast<double>(statistics.factor_nonzeros);
+  state.counters["analyse"] = ours.analyse_seconds;
+  state.counters["factor_flops"] = ours.solver.factor_flops;
+  state.counters["factor_nonzeros"] = static_cast<double>(ours.solver.factor_nonzeros);
 }
 
 std::vector<Index> free_vertices(const BenchEdit& edit) {
@@ -128,6 +100,7 @@ std::vector<Index> free_vertices(const BenchEdit& edit) {
 
 void run_surface_mesh_deformation(benchmark::State& state, const BenchEdit& edit, CgalMethod method) {
   CgalResult result;
+  const PeakMemory memory;
   for ([[maybe_unused]] auto iteration : state) {
     result = run_cgal(edit, method, cgal_iterations);
     report(state, {{"construct", result.times.construct_seconds},
@@ -135,6 +108,7 @@ void run_surface_mesh_deformation(benchmark::State& state, const BenchEdit& edit
                    {"deform", result.times.deform_seconds}});
   }
   average(state);
+  state.counters["peak_bytes"] = static_cast<double>(memory.bytes());
   const std::vector<Index> free = free_vertices(edit);
   const Quality quality =
       measure_quality(edit.positions, result.positions, edit.triangles, free, {.self_intersections = false});
@@ -159,18 +133,6 @@ void run_merge(benchmark::State& state, const BenchMerge& merge, const MergeOpti
   state.counters["source_vertices"] = merge.source.vertex_count();
 }
 
-void add(const std::string& name, const std::function<void(benchmark::State&)>& body) {
-  benchmark::RegisterBenchmark(name.c_str(), body)
-      ->UseManualTime()
-      ->Iterations(1)
-      ->Unit(benchmark::kMillisecond);
-}
-
-bool is_available(SolverBackend backend) {
-  const auto backends = available_backends();
-  return std::find(backends.begin(), backends.end(), backend) != backends.end();
-}
-
 void register_deformer(Edits& edits, Index eigen_max_vertices) {
   for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
     for (const auto& [backend, backend_name] :
@@ -186,6 +148,16 @@ void register_deformer(Edits& edits, Index eigen_max_vertices) {
       }
     }
   }
+}
+
+void register_orderings(Edits& edits) {
+  if (!is_available(SolverBackend::cholmod)) return;
+  for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise})
+    for (const Index size : {60'000, 100'000, 250'000})  // METIS is used from 50,000 unknowns on
+      add("ordering/" + std::string(to_string(treatment)) + "/metis/" + std::to_string(size),
+          [&edits, size, treatment](benchmark::State& state) {
+            run_ordering(state, edits[size], {.degenerate = treatment});
+          });
 }
 
 // The default method: its set-up has two scalar systems more, its evaluation a solve per step.
@@ -251,8 +223,11 @@ int main(int argc, char** argv) {
   meshgraft::bench::Edits edits;
   meshgraft::bench::Merges merges;
   const meshgraft::Index eigen_max_vertices = meshgraft::bench::take_eigen_max_vertices(argc, argv);
+  meshgraft::bench::register_machine();
   meshgraft::bench::register_deformer(edits, eigen_max_vertices);
   meshgraft::bench::register_corotational(edits);
+  meshgraft::bench::register_frames(edits);
+  meshgraft::bench::register_orderings(edits);
   meshgraft::bench::register_cgal(edits);
   meshgraft::bench::register_merge(merges);
   benchmark::Initialize(&argc, argv);

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/mesh/mesh.h>
+
+#include "bench_edit.h"
+
+namespace meshgraft::bench {
+
+/// Made once per size and shared by all benchmarks of that size.
+template <class Task, Task (*make)(Index)>
+class BySize {
+ public:
+  const Task& operator[](Index size) {
+    const auto [entry, is_new] = made_.try_emplace(size);
+    if (is_new) entry->second = make(size);
+    return entry->second;
+  }
+
+ private:
+  std::map<Index, Task> made_;
+};
+using Edits = BySize<BenchEdit, make_bump_edit>;
+
+using Stages = std::vector<std::pair<std::string, double>>;  ///< name, seconds
+
+/// Adds to the counters of one iteration, whose time is the stages' sum.
+void report(benchmark::State& state, const Stages& stages);
+/// Divides the counters, which were summed over the iterations.
+void average(benchmark::State& state);
+/// One iteration, timed by its stages.
+void add(const std::string& name, const std::function<void(benchmark::State&)>& body);
+
+double median(std::vector<double> values);
+double seconds(const std::function<void()>& work);
+/// Median of some calls.
+double median_seconds(int calls, const std::function<void()>& work);
+
+/// The most memory that the process had since the object was made, less what it had then.
+class PeakMemory {
+ public:
+  PeakMemory();
+  std::int64_t bytes() const;
+
+ private:
+  std::int64_t before_ = 0;
+};
+
+/// The edit's region, held as it says.
+Region region_of(const BenchEdit& edit);
+bool is_available(SolverBackend backend);
+
+}  // namespace meshgraft::bench
