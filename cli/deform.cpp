@@ -131,6 +131,13 @@ void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
                              {"cholmod", SolverBackend::cholmod},
                              {"eigen", SolverBackend::eigen}},
                             "The sparse Cholesky that is used");
+  command
+      .add_option(
+          "--proxy", overrides.proxy,
+          "Solve a decimated proxy of about so many vertices, which the others follow: for regions that "
+          "take too long or too much memory; 0: the region itself")
+      ->type_name("N")
+      ->check(whole_number_from(0, 1'000'000'000));
 }
 
 }  // namespace

@@ -24,10 +24,10 @@ namespace {
 
 constexpr Index fewest_vertices = 50;
 
-void validate(const ProxyOptions& options) {
-  if (options.vertices < fewest_vertices)
-    throw Error(ErrorCode::input, fmt::format("{} is less than {}", options.vertices, fewest_vertices),
-                "proxy vertices");
+Index wanted_vertices(const ProxyOptions& options) {
+  if (options.vertices < 1)
+    throw Error(ErrorCode::input, fmt::format("{} vertices are none", options.vertices), "proxy");
+  return std::max(options.vertices, fewest_vertices);
 }
 
 /// A number for the vertices that are held by one thing: 0 for what stays, then handles or constraints of one
@@ -124,13 +124,13 @@ struct ProxyDeformer::Impl {
 void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
                                 std::span<const Anchor> anchors, std::span<const Feature> features,
                                 const ProxyOptions& options, const Context& context) {
-  validate(options);
+  const Index wanted = wanted_vertices(options);
   for (std::size_t a = 0; a < anchors.size(); ++a)
     require_usable(anchors[a], a, static_cast<Index>(rest.rows()));
   Stopwatch watch;
   context.step("decimate", 0);
   const ProxyGround ground = make_ground(rest, triangles, states, holders.of_vertex,
-                                         options.deformer.operators.laplacian_order, options.vertices, context);
+                                         options.deformer.operators.laplacian_order, wanted, context);
   summary.spacing = ground.spacing;
   summary.decimate_seconds = watch.seconds();
   if (ground.unknown_vertices == 0) return;
@@ -152,7 +152,7 @@ bool ProxyDeformer::Impl::try_build(const ProxyGround& ground, const VertexState
                                     bool keep_all, const Context& context) {
   Stopwatch watch;
   const double around = static_cast<double>(ground.size()) / ground.unknown_vertices;
-  const auto target = static_cast<Index>(std::min<double>(options.vertices * around, ground.size()));
+  const auto target = static_cast<Index>(std::min<double>(wanted_vertices(options) * around, ground.size()));
   const std::vector<std::uint8_t> keep = vertices_to_keep(ground, keep_all);
   Decimated proxy = target < ground.size()
                         ? decimate(ground.points, ground.triangles, ground.normals, keep, target)
@@ -210,8 +210,9 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
     const Index global = ground.vertices[v];
     const auto ring = ground.rings[v];
     const auto beside_others = [&] {
-      return std::any_of(ring.begin(), ring.end(),
-                         [&](Index w) { return !position_known(w) && feature(w) != feature(v); });
+      return std::any_of(ring.begin(), ring.end(), [&](Index w) {
+        return !position_known(w) && (feature(w) < 0 || feature(w) != feature(v));
+      });
     };
     if (feature(v) >= 0) {
       const Index bone = feature_bone(v);
@@ -234,13 +235,15 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
   }
   problem.rows = rows;
   problem.inner = inner;
-  // Not more of the rim than a few times the vertices that follow it.
-  constexpr double most_visits = 30;
+  // Two of the proxy's edges: over one, what the proxy is off beside a rim shows as a bend. But no farther than
+  // that the rim's vertices are met by some tens of others each, in the mean.
+  constexpr double rim_reach_rel = 2, most_visits = 30;
   const double area = 0.866 * ground.spacing * ground.spacing * summary.vertices;
   const double edge = std::sqrt(area / (0.866 * ground.size()));
-  problem.rim_reach = std::min(
-      ground.spacing, edge * std::sqrt(most_visits / 3 * static_cast<double>(rows.size()) /
-                                       static_cast<double>(std::max<std::size_t>(1, problem.rim.size()))));
+  problem.rim_reach =
+      std::min(rim_reach_rel * ground.spacing,
+               edge * std::sqrt(most_visits / 3 * static_cast<double>(rows.size()) /
+                                static_cast<double>(std::max<std::size_t>(1, problem.rim.size()))));
   SkinResult result = make_skin(std::move(problem), context);
   if (!result.outside.empty()) return false;
   skin = std::move(result.skin);

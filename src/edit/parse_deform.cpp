@@ -60,6 +60,7 @@ DeformerOptions parse_deformer(const Object& fields) {
 namespace {
 
 constexpr int max_refinements = 4;
+constexpr int max_proxy = 1'000'000'000;
 
 HandleMotion parse_motion(const Object& fields) {
   HandleMotion motion;
@@ -168,13 +169,15 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
 
 DeformSettings parse_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
-  known.insert(known.end(), {"refine_boundary", "weld"});
+  known.insert(known.end(), {"refine_boundary", "proxy", "weld"});
   const Object fields(value, known);
   DeformSettings settings;
   settings.deformer = parse_deformer(fields);
   fields.optional("refine_boundary", [&](const Value& v) {
     settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
   });
+  fields.optional("proxy",
+                  [&](const Value& v) { settings.proxy = static_cast<Index>(v.integer_in(0, max_proxy)); });
   fields.optional("weld", [&](const Value& v) { settings.weld = v.boolean(); });
   return settings;
 }

@@ -181,6 +181,11 @@ Json settings_in_force(const StepReport& step) {
           {"weld", step.settings.weld}};
 }
 
+Json proxy_json(const std::optional<ProxyFacts>& proxy) {
+  if (!proxy) return nullptr;
+  return {{"vertices", proxy->vertices}, {"free", proxy->free_vertices}, {"spacing", proxy->spacing}};
+}
+
 Json deform_json(const StepReport& step) {
   Json json = {{"kind", "deform"}, {"name", step.name}, {"mesh", step.mesh}, {"result", step.result}};
   json["method"] = std::string(to_string(step.method));
@@ -189,6 +194,7 @@ Json deform_json(const StepReport& step) {
   add_quality(json, step);
   json["iterations"] = step.evaluation ? Json(step.evaluation->iterations) : Json(nullptr);
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
+  json["proxy"] = proxy_json(step.proxy);
   json["notes"] = step.notes;
   return json;
 }

@@ -11,6 +11,7 @@
 #include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/edit/resolve_deform.h>
 #include <meshgraft/io/mesh_io.h>
@@ -120,19 +121,41 @@ Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const 
   return solution;
 }
 
-// Factorises, solves and measures: by handles, or vertex by vertex where some are constrained by themselves.
-Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
-               StepReport& report, const Context& context) {
+// The solve of what `options` are for: the region itself, or a proxy of it.
+Deformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
+                       const DeformerOptions& options, const Context& context) {
   const Region& region = problem.deform.region;
+  if (problem.deform.constraints.empty()) return {problem.rest, problem.triangles, region, options, context};
+  return Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
+                                    region.anchors, region.features, options, context);
+}
+
+ProxyDeformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
+                            const ProxyOptions& options, const Context& context) {
+  const Region& region = problem.deform.region;
+  if (problem.deform.constraints.empty()) return {problem.rest, problem.triangles, region, options, context};
+  return ProxyDeformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
+                                         region.anchors, region.features, options, context);
+}
+
+const DeformerSummary& note_facts(const Deformer& deformer, StepReport&) { return deformer.summary(); }
+
+const DeformerSummary& note_facts(const ProxyDeformer& deformer, StepReport& report) {
+  const ProxySummary& summary = deformer.summary();
+  report.proxy = ProxyFacts{summary.vertices, summary.deformer.free_vertices, summary.spacing};
+  return summary.deformer;
+}
+
+// Factorises, solves and measures: by handles, or vertex by vertex where some are constrained by themselves.
+template <class Options>
+Solution solve_by(const Options& deformer_options, const DeformProblem& problem, const RunOptions& options,
+                  StepReport& report, const Context& context) {
   const bool by_handles = problem.deform.constraints.empty();
   std::vector<VertexConstraint> constraints;
   Stopwatch watch;
   if (!by_handles) constraints = joined_constraints(problem, context);
-  const Deformer deformer =
-      by_handles ? Deformer(problem.rest, problem.triangles, region, settings.deformer, context)
-                 : Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
-                                              region.anchors, region.features, settings.deformer, context);
-  const DeformerSummary& summary = deformer.summary();
+  const auto deformer = make_deformer(problem, constraints, deformer_options, context);
+  const DeformerSummary& summary = note_facts(deformer, report);
   report.seconds.analyse = summary.analyse_seconds;
   report.seconds.factorise = summary.factorise_seconds;
   report.seconds.assemble = std::max(0.0, watch.lap() - summary.analyse_seconds - summary.factorise_seconds);
@@ -153,8 +176,19 @@ Solution solve(const DeformProblem& problem, const DeformSettings& settings, con
   return solution;
 }
 
+Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
+               StepReport& report, const Context& context) {
+  if (settings.proxy == 0) return solve_by(settings.deformer, problem, options, report, context);
+  return solve_by(ProxyOptions{settings.deformer, settings.proxy}, problem, options, report, context);
+}
+
 std::vector<std::string> notes_of(const StepReport& report) {
   std::vector<std::string> notes;
+  if (report.proxy && report.proxy->free_vertices < report.counts.free)
+    notes.push_back(
+        fmt::format("a proxy with {} free vertices was solved in the place of {}: an approximation, closer "
+                    "with more of them",
+                    report.proxy->free_vertices, report.counts.free));
   if (report.evaluation && report.evaluation->fell_back_to_linear)
     notes.emplace_back(
         "a handle mirrors or flattens what it holds, so there is no rotation to follow; maps were blended "
@@ -196,6 +230,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.result = step.result.empty() ? step.mesh : step.result;
   report.settings = step.settings;
   report.settings.deformer = effective_options(step.settings.deformer, options.overrides);
+  report.settings.proxy = options.overrides.proxy.value_or(report.settings.proxy);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
   const Finding* torn = scene.triage.find("duplicate-vertex");

@@ -312,6 +312,7 @@ std::string shape_word(MergeShape shape) { return shape == MergeShape::ft05 ? "f
 Json settings_json(const DeformSettings& settings) {
   Json json = deformer_json(settings.deformer);
   json["refine_boundary"] = settings.refine_boundary;
+  json["proxy"] = settings.proxy;
   json["weld"] = settings.weld;
   return json;
 }

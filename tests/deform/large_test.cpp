@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/memory_estimate.h>
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
@@ -11,6 +12,20 @@ namespace meshgraft::test {
 namespace {
 
 class Large : public testing::TestWithParam<Index> {};
+
+TEST_P(Large, MemoryIsAsEstimated) {
+  for (const TestMesh& mesh : large_families(GetParam()))
+    for (const DegenerateTreatment treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
+      SCOPED_TRACE(mesh.name + ", " + std::string(to_string(treatment)));
+      const DeformerOptions options = linear_method({.degenerate = treatment});
+      const Deformer deformer(mesh.positions, mesh.triangles, two_handles(make_scene(mesh, 0.03, 0.03)),
+                              options);
+      const double ratio = static_cast<double>(estimated_memory(deformer.summary().free_vertices, options)) /
+                           static_cast<double>(deformer.summary().solver.peak_memory_bytes);
+      EXPECT_GT(ratio, 1 / 1.5);
+      EXPECT_LT(ratio, 1.5);
+    }
+}
 
 TEST_P(Large, AffineMapsAreReproduced) {
   for (const TestMesh& mesh : large_families(GetParam())) {

@@ -53,17 +53,17 @@ double difference(const Scene& scene, const Points& result, const Points& refere
   return std::sqrt((result - reference).rowwise().squaredNorm().mean()) / moved;
 }
 
-std::vector<Scene> large_scenes() {
+std::vector<Scene> medium_scenes() {
   std::vector<Scene> scenes;
   for (TestMesh& mesh :
-       std::vector<TestMesh>{irregular_grid(90, 60), bar(14, 90), tube(60, 90), bumpy_sphere(5)})
+       std::vector<TestMesh>{irregular_grid(66, 44), bar(8, 60), tube(40, 60), bumpy_sphere(4)})
     scenes.push_back(make_scene(std::move(mesh)));
   return scenes;
 }
 
 TEST(Proxy, AffineMapsAreReproduced) {
   std::vector<TestMesh> meshes = mesh_families();
-  for (const Scene& scene : large_scenes()) meshes.push_back(scene.mesh);
+  for (const Scene& scene : medium_scenes()) meshes.push_back(scene.mesh);
   for (const TestMesh& mesh : meshes) {
     const Scene scene = make_scene(mesh);
     for (const DegenerateTreatment treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
@@ -85,7 +85,7 @@ TEST(Proxy, AffineMapsAreReproduced) {
 }
 
 TEST(Proxy, NothingMovesWhenNothingIsMoved) {
-  for (const Scene& scene : large_scenes()) {
+  for (const Scene& scene : medium_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     EXPECT_TRUE(same_bytes(make_proxy(scene, held_foot(scene), 300).evaluate(std::vector{HandlePose{}}),
                            scene.mesh.positions));
@@ -93,7 +93,7 @@ TEST(Proxy, NothingMovesWhenNothingIsMoved) {
 }
 
 TEST(Proxy, WhatIsHeldIsExact) {
-  for (const Scene& scene : large_scenes()) {
+  for (const Scene& scene : medium_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     const Points result = by_proxy(scene, 300);
     const Affine3d move = head_move(scene);
@@ -106,12 +106,12 @@ TEST(Proxy, WhatIsHeldIsExact) {
 }
 
 TEST(Proxy, ApproachesTheDirectSolve) {
-  for (const Scene& scene : large_scenes())
+  for (const Scene& scene : medium_scenes())
     for (const DeformMethod method : {DeformMethod::ft05, DeformMethod::corotational}) {
       SCOPED_TRACE(scene.mesh.name + ", " + std::string(to_string(method)));
       const Points reference = directly(scene, {.method = method});
       const double coarse = difference(scene, by_proxy(scene, 150, {.method = method}), reference),
-                   medium = difference(scene, by_proxy(scene, 1500, {.method = method}), reference),
+                   medium = difference(scene, by_proxy(scene, 900, {.method = method}), reference),
                    all = difference(scene, by_proxy(scene, scene.mesh.size(), {.method = method}), reference);
       RecordProperty(scene.mesh.name, std::to_string(coarse) + " " + std::to_string(medium));
       EXPECT_LT(medium, 0.035);
@@ -121,24 +121,25 @@ TEST(Proxy, ApproachesTheDirectSolve) {
 }
 
 TEST(Proxy, DetailIsNeitherCrinkledNorCutOffAtRims) {
-  for (const Scene& scene : large_scenes()) {
-    SCOPED_TRACE(scene.mesh.name);
-    const Points reference = directly(scene), result = by_proxy(scene, 800);
-    const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), 800);
-    const QualityOptions options{.self_intersections = false};
-    const Quality beside =
-        measure_quality(reference, result, scene.mesh.triangles, proxy.free_vertices(), options);
-    const Quality moved =
-        measure_quality(scene.mesh.positions, reference, scene.mesh.triangles, proxy.free_vertices(), options);
-    // Less than the edit itself changes them.
-    EXPECT_LT(beside.dihedral_p99_deg, std::max(2.0, moved.dihedral_p99_deg));
-    EXPECT_LT(beside.rim_jump_max_deg, 15);
+  for (const TestMesh& mesh : {irregular_grid(90, 70), bar(12, 80), tube(60, 80)}) {
+    SCOPED_TRACE(mesh.name);
+    const Scene scene = make_scene(mesh);
+    const Points reference = directly(scene);
+    const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), mesh.size() / 10);
+    const Points result = proxy.evaluate(std::vector{pose_of(head_move(scene))});
+    const Quality beside = measure_quality(reference, result, mesh.triangles, proxy.free_vertices(),
+                                           {.self_intersections = false});
+    const Quality moved = measure_quality(mesh.positions, reference, mesh.triangles, proxy.free_vertices(),
+                                          {.self_intersections = false});
+    // Angles differ by no more than about what the edit itself changes them.
+    EXPECT_LT(beside.dihedral_p99_deg, 1.5 * moved.dihedral_p99_deg);
+    EXPECT_LT(beside.rim_jump_max_deg, 1.2 * moved.rim_jump_max_deg);
   }
 }
 
 TEST(Proxy, AsManyVerticesAsAskedFor) {
-  for (const Scene& scene : large_scenes())
-    for (const Index asked : {200, 1000, 3000}) {
+  for (const Scene& scene : medium_scenes())
+    for (const Index asked : {200, 600, 1000}) {
       SCOPED_TRACE(scene.mesh.name + ", " + std::to_string(asked));
       const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), asked);
       Index free = 0;
@@ -153,7 +154,7 @@ TEST(Proxy, AsManyVerticesAsAskedFor) {
 
 TEST(Proxy, KeepsTheTopology) {
   for (const TestMesh& mesh :
-       {torus(60, 120), bar(14, 90), tube(60, 90), plate_with_holes(3, 4), bumpy_sphere(4)}) {
+       {torus(40, 70), bar(8, 60), tube(40, 60), plate_with_holes(3, 3), bumpy_sphere(4)}) {
     SCOPED_TRACE(mesh.name);
     const Scene scene = make_scene(mesh, 0.05, 0.05);
     const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), mesh.size() / 8);
@@ -172,7 +173,7 @@ TEST(Proxy, KeepsTheTopology) {
 }
 
 TEST(Proxy, SameBytesForAnyNumberOfThreads) {
-  for (const Scene& scene : large_scenes()) {
+  for (const Scene& scene : medium_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     std::vector<Points> results;
     for (const int threads : {1, 2, 1}) {
@@ -392,7 +393,8 @@ TEST(Proxy, RefusesByNameWhatCannotBeSolved) {
     EXPECT_EQ(error.code(), ErrorCode::unsolvable);
   }
   EXPECT_EQ(of_direct, of_proxy);
-  EXPECT_THROW(make_proxy(scene, held_foot(scene), 10), Error);
+  EXPECT_THROW(make_proxy(scene, held_foot(scene), 0), Error);
+  EXPECT_NO_THROW(make_proxy(scene, held_foot(scene), 1));
 }
 
 TEST(Proxy, CanBeCancelledAnywhere) {

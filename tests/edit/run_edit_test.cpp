@@ -175,6 +175,25 @@ TEST_F(RunEdit, FollowsAnAffineMapOfAllConstraintsExactly) {
   }
 }
 
+TEST_F(RunEdit, SolvesAProxyAndSaysSo) {
+  const EditResult exact = run_edit(edit(step()));
+  EXPECT_FALSE(exact.report.steps.front().proxy.has_value());
+  const EditResult by_proxy = run_edit(edit(step()), {.overrides = {.proxy = 60}});
+  ASSERT_TRUE(by_proxy.report.steps.front().proxy.has_value());
+  EXPECT_LT(by_proxy.report.steps.front().proxy->free_vertices, exact.report.counts.free);
+  EXPECT_EQ(by_proxy.report.counts.free, exact.report.counts.free);
+  ASSERT_EQ(by_proxy.report.steps.front().notes.size(), 1u);
+  EXPECT_NE(by_proxy.report.steps.front().notes.front().find("proxy"), std::string::npos);
+  EXPECT_NE(write_report(by_proxy.report).find("\"spacing\""), std::string::npos);
+  EXPECT_LT((by_proxy.mesh.positions - exact.mesh.positions).rowwise().norm().maxCoeff(), 0.6);  // of 3
+  // From the file, too, and with a proxy of all vertices it is the exact result.
+  std::string with_all = step();
+  with_all.insert(with_all.rfind('}'), R"(, "settings": {"proxy": 100000})");
+  const EditResult all = run_edit(edit(with_all));
+  ASSERT_TRUE(all.report.steps.front().proxy.has_value());
+  EXPECT_LT((all.mesh.positions - exact.mesh.positions).rowwise().norm().maxCoeff(), 1e-10);
+}
+
 TEST_F(RunEdit, TargetsPerVertexDoWhatAHandleDoes) {
   const EditResult by_handle = run_edit(edit(step()));
   std::string targets, transforms;

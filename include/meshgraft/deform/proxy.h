@@ -12,7 +12,7 @@ namespace meshgraft {
 struct ProxyOptions {
   DeformerOptions deformer{};  ///< of the solve on the proxy
   /// About how many vertices of the region, with the handles in it, the proxy has. It has more where handles
-  /// and rims need them, and where the topology allows no fewer; at most all.
+  /// and rims need them, and where the topology allows no fewer; at least 50, at most all.
   Index vertices = 4000;
 };
 

@@ -135,6 +135,9 @@ struct DeformSettings {
   /// How often the surroundings of handles and of the fixed rim are halved for the solve (FT05 section 6); the
   /// result has the original vertices only.
   int refine_boundary = 0;
+  /// About how many vertices the decimated proxy has that is solved in the region's place (deform/proxy.h); 0:
+  /// the region itself is solved.
+  Index proxy = 0;
   /// Vertices of a boundary at exactly the same place are one for the solve (a soup, a seam of UVs).
   bool weld = true;
 };

@@ -38,6 +38,13 @@ struct DeformCounts {
   Index free = 0, fixed = 0, handle = 0, degenerate = 0;
 };
 
+/// The decimated proxy that was solved in a region's place.
+struct ProxyFacts {
+  Index vertices = 0;       ///< with those around the region
+  Index free_vertices = 0;  ///< of them, those that were solved for
+  double spacing = 0;       ///< edge length that it was made for, model units
+};
+
 /// What a merge step did beside moving vertices.
 struct MergeOutcome {
   std::string source;    ///< name of the mesh that was grafted
@@ -73,7 +80,9 @@ struct StepReport {
   SolverStatistics solver;
   std::optional<EvaluationReport> evaluation;  ///< absent, as what tells of the solver, for a published method
   std::optional<double> condition_estimate;    ///< of AᵀA; absent if it was not asked for
-  double max_displacement = 0;                 ///< model units
+  /// Absent where the region itself was solved; else what tells of the solver and the solve is the proxy's.
+  std::optional<ProxyFacts> proxy;
+  double max_displacement = 0;  ///< model units
   Quality quality;
   std::vector<std::string> notes;  ///< sentences for people about what went another way than asked
 };

@@ -20,6 +20,7 @@ struct SettingsOverrides {
   std::optional<Density> density;
   std::optional<DegenerateTreatment> degenerate;
   std::optional<SolverBackend> backend;
+  std::optional<Index> proxy;
   std::optional<MergeShape> shape;
 };
 
