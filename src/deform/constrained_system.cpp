@@ -446,9 +446,7 @@ Columns ConstrainedSystem::respond(const Known& values, const MapField& field, c
   return solver_->solve(Eigen::MatrixXd(rhs), context);
 }
 
-SparseRows ConstrainedSystem::coupling(const Context& context) const {
-  return multiply(P_transposed_, operators_->P(), context);
-}
+SparseRows ConstrainedSystem::coupling(const Context& context) const { return operators_->coupling(context); }
 
 SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, const Context& context) const {
   const Index n = patch_.size();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
 
 namespace meshgraft {
 
@@ -45,6 +47,27 @@ struct HalfEdge {
   bool ascending;  ///< whether its face runs from `low` to `high`
   auto key() const { return std::pair(low, high); }
 };
+
+/// Whether two faces run along an edge in the same direction.
+bool any_wound_against(Index vertex_count, const Triangles& triangles, const Context& context) {
+  const IndexLists faces_at = vertex_triangles(vertex_count, triangles, context);
+  std::atomic<bool> found = false;
+  parallel_blocks(
+      static_cast<std::size_t>(vertex_count),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> ends;
+        for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
+          ends.clear();
+          for (const Index t : faces_at[v])
+            for (int corner = 0; corner < 3; ++corner)
+              if (triangles(t, corner) == v) ends.push_back(triangles(t, (corner + 1) % 3));
+          std::sort(ends.begin(), ends.end());
+          if (std::adjacent_find(ends.begin(), ends.end()) != ends.end()) found = true;
+        }
+      },
+      context);
+  return found;
+}
 
 /// Turns faces over until any two that meet in an edge of their own are wound alike: normals are sums over
 /// faces and would cancel. Each component keeps its first face; where there is no consistent winding (a
@@ -156,10 +179,15 @@ Patch make_patch(const Points& points, const Triangles& triangles, const IndexLi
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   patch.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (int corner = 0; corner < 3; ++corner)
-      patch.triangles(static_cast<Eigen::Index>(f), corner) = patch.local(triangles(faces[f], corner));
-  wind_alike(patch.triangles);
+  parallel_blocks(
+      faces.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f)
+          for (int corner = 0; corner < 3; ++corner)
+            patch.triangles(static_cast<Eigen::Index>(f), corner) = patch.local(triangles(faces[f], corner));
+      },
+      context, 4096);
+  if (any_wound_against(patch.size(), patch.triangles, context)) wind_alike(patch.triangles);
   return patch;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
@@ -44,37 +45,43 @@ std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
                                                    const IndexLists& vertex_triangles, const IndexLists& rings,
                                                    std::span<const std::uint8_t> active, bool opposite_pairs,
                                                    const Context& context) {
-  context.throw_if_stopped();
-  std::vector<std::array<Index, 2>> pairs;
-  const auto add = [&](Index i, Index j) {
-    if (i != j && (active[i] || active[j])) pairs.push_back({std::min(i, j), std::max(i, j)});
-  };
-  std::vector<Index> opposite;
-  for (Index i = 0; i < rings.size(); ++i) {
-    for (Index j : rings[i]) {
-      if (j < i) continue;
-      add(i, j);
-      if (!opposite_pairs) continue;
-      // Every two faces on the edge (i, j) contribute the pair of their third corners.
-      opposite.clear();
-      for (Index t : vertex_triangles[i]) {
-        bool on_edge = false;
-        Index third = -1;
-        for (int corner = 0; corner < 3; ++corner) {
-          const Index v = triangles(t, corner);
-          if (v == j)
-            on_edge = true;
-          else if (v != i)
-            third = v;
-        }
-        if (on_edge && third >= 0) opposite.push_back(third);
+  // Of each vertex its partners with a larger number, by blocks of vertices.
+  constexpr std::size_t block_size = 1024;
+  const auto count = static_cast<std::size_t>(rings.size());
+  std::vector<std::vector<std::array<Index, 2>>> blocks((count + block_size - 1) / block_size);
+  const auto list_partners = [&](Index i, std::vector<Index>& partners) {
+    partners.assign(rings[i].begin(), rings[i].end());
+    for (const Index t : vertex_triangles[i]) {
+      // The third corners of the other faces on the edge opposite.
+      std::array<Index, 2> edge{-1, -1};
+      for (int corner = 0, end = 0; corner < 3; ++corner)
+        if (triangles(t, corner) != i && end < 2) edge[end++] = triangles(t, corner);
+      if (!opposite_pairs || edge[1] < 0 || edge[0] == edge[1]) continue;
+      for (const Index other : vertex_triangles[edge[0]]) {
+        const auto corners = triangles.row(other);
+        if (other == t || (corners.array() != edge[1]).all()) continue;
+        for (const Index v : corners)
+          if (v != edge[0] && v != edge[1]) partners.push_back(v);
       }
-      for (std::size_t a = 0; a < opposite.size(); ++a)
-        for (std::size_t b = a + 1; b < opposite.size(); ++b) add(opposite[a], opposite[b]);
     }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    std::sort(partners.begin(), partners.end());
+    partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
+  };
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> partners;
+        for (std::size_t block = begin; block < end; ++block)
+          for (auto i = static_cast<Index>(block * block_size);
+               i < static_cast<Index>(std::min(count, (block + 1) * block_size)); ++i) {
+            list_partners(i, partners);
+            for (const Index j : partners)
+              if (i < j && (active[i] || active[j])) blocks[block].push_back({i, j});
+          }
+      },
+      context, 1);
+  std::vector<std::array<Index, 2>> pairs;
+  for (const auto& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
   return pairs;
 }
 
@@ -178,6 +185,73 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
         }
       },
       context, 4096);
+}
+
+SparseRows AffineOperator::coupling(const Context& context) const {
+  const Index n = rings_.size();
+  // Pairs by their second vertex; by their first they are in order.
+  IndexLists to_smaller;
+  std::vector<Index> first_pair(static_cast<std::size_t>(n) + 1, 0), next;
+  to_smaller.offsets.assign(static_cast<std::size_t>(n) + 1, 0);
+  for (const auto& [i, j] : pairs_) {
+    ++first_pair[i + 1];
+    ++to_smaller.offsets[j + 1];
+  }
+  std::partial_sum(first_pair.begin(), first_pair.end(), first_pair.begin());
+  std::partial_sum(to_smaller.offsets.begin(), to_smaller.offsets.end(), to_smaller.offsets.begin());
+  to_smaller.values.resize(pairs_.size());
+  next.assign(to_smaller.offsets.begin(), to_smaller.offsets.end() - 1);
+  for (std::size_t p = 0; p < pairs_.size(); ++p)
+    to_smaller.values[next[pairs_[p][1]]++] = static_cast<Index>(p);
+
+  std::vector<int> lengths(static_cast<std::size_t>(3 * n));
+  for (Index v = 0; v < n; ++v) {
+    const auto partners = static_cast<int>(to_smaller[v].size()) + first_pair[v + 1] - first_pair[v];
+    std::fill_n(lengths.begin() + 3 * v, 3, partners > 0 ? 3 * (partners + 1) : 0);
+  }
+  SparseRows K = rows_of_lengths(lengths, 3 * n);
+  const auto rows_per_pair = pairs_.empty() ? 0 : P_.rows() / static_cast<Eigen::Index>(pairs_.size());
+  // Σ d dᵀ over the rows of a pair.
+  const auto block_of = [&](Index pair) {
+    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    for (Eigen::Index row = pair * rows_per_pair; row < (pair + 1) * rows_per_pair; ++row) {
+      const Eigen::Map<const Eigen::Vector3d> d(P_.valuePtr() + 6 * row);
+      block += d * d.transpose();
+    }
+    return block;
+  };
+  parallel_blocks(
+      static_cast<std::size_t>(n),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
+          const int first = K.outerIndexPtr()[3 * v], length = lengths[static_cast<std::size_t>(3 * v)];
+          if (length == 0) continue;
+          int place = 0;
+          const auto write = [&](Index partner, const Eigen::Matrix3d& block, int at) {
+            for (int row = 0; row < 3; ++row)
+              for (int column = 0; column < 3; ++column) {
+                const int entry = first + row * length + at + column;
+                K.innerIndexPtr()[entry] = 3 * partner + column;
+                K.valuePtr()[entry] = block(row, column);
+              }
+          };
+          Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+          const auto add = [&](Index pair, Index partner) {
+            const Eigen::Matrix3d block = block_of(pair);
+            own += block;
+            write(partner, -block, place);
+            place += 3;
+          };
+          for (const Index pair : to_smaller[v]) add(pair, pairs_[static_cast<std::size_t>(pair)][0]);
+          const int diagonal = place;
+          place += 3;
+          for (Index pair = first_pair[v]; pair < first_pair[v + 1]; ++pair)
+            add(pair, pairs_[static_cast<std::size_t>(pair)][1]);
+          write(v, own, diagonal);
+        }
+      },
+      context);
+  return K;
 }
 
 SparseRows AffineOperator::A(const Context& context) const {

@@ -58,6 +58,9 @@ class AffineOperator {
   const std::vector<double>& edge_lengths() const { return edge_lengths_; }  ///< ℓ_i, n
   double mean_edge_length() const { return mean_edge_length_; }              ///< ℓ̄
 
+  /// PᵀP, which couples the maps of pairs.
+  SparseRows coupling(const Context& context = {}) const;
+
   /// A = [L − Δ H; P H] over all nodes, none of them constrained.
   SparseRows A(const Context& context = {}) const;
 
