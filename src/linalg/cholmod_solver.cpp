@@ -95,7 +95,7 @@ class CholmodSolver final : public LinearSolver {
     statistics_.peak_memory_bytes = static_cast<std::int64_t>(common_.memory_usage);
   }
 
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const override {
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions&, const Context& context) const override {
     context.throw_if_stopped();
     cholmod_dense b{};
     b.nrow = static_cast<std::size_t>(rhs.rows());
