@@ -60,15 +60,25 @@ class ConstrainedSystem {
   };
   Known known_values(std::span<const VertexConstraint> constraints) const;
 
-  /// The unknowns; `corrections` with the residual of the rectangular system follow the back-substitution.
-  Columns solve(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// How the unknowns are solved for.
+  struct SolveSteps {
+    int corrections = 0;  ///< with the residual of the rectangular system, after the back-substitution
+    const Columns* guess = nullptr;  ///< unknowns of a similar problem; an iterative solver starts there
+  };
+  Columns solve(const Known& values, const MapField& field, const SolveSteps& steps,
+                const Context& context) const;
   /// The map T of each feature in a solution; I for those that nothing reaches.
   std::vector<Eigen::Matrix3d> feature_maps(const Columns& y) const;
   /// The local maps of a solution less I: rows 3v … 3v+2 are (M_v − I)ᵀ.
   Columns maps(const Columns& y, const Known& values, const Context& context) const;
 
+  /// The field on the right-hand side, and unknowns near the solution if there are any at hand.
+  struct Problem {
+    MapField field;
+    Columns guess;
+  };
   /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one.
-  void evaluate(std::span<const VertexConstraint> constraints, const MapField& field, Points& out,
+  void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, Points& out,
                 EvaluationReport* report, const Context& context) const;
   CouplingGraph coupling_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
@@ -106,7 +116,7 @@ class ConstrainedSystem {
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
-  Columns solve(const Rows& rhs, int corrections, const Context& context) const;
+  Columns solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const;
   void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints, Points& out,
              const Context& context) const;
   double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;

@@ -107,7 +107,7 @@ void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Poi
                               EvaluationReport* report, const Context& context) const {
   RotationField::Result found;
   if (rotations) found = rotations->find(constraints, context);
-  system->evaluate(constraints, found.field, out, report, context);
+  system->evaluate(constraints, found.problem, out, report, context);
   if (report == nullptr) return;
   report->iterations = found.iterations;
   report->last_rotation_change = found.change;
@@ -300,9 +300,9 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!field[v].allFinite())
       throw Error(ErrorCode::input, "the map is not finite", fmt::format("field, vertex {}", v));
-  MapField local;
-  for (const Index v : system.patch().vertices) local.smoothness.push_back(field[v]);
-  local.stretch = local.smoothness;
+  ConstrainedSystem::Problem local;
+  for (const Index v : system.patch().vertices) local.field.smoothness.push_back(field[v]);
+  local.field.stretch = local.field.smoothness;
   Points positions;
   system.evaluate(constraints, local, positions, report, context);
   return positions;
