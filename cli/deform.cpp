@@ -126,11 +126,13 @@ void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
   add_choice<Density>(command, "--density", overrides.density,
                       {{"ft05", Density::ft05}, {"aware", Density::aware}},
                       "Whether rows count by number or by the size of their triangles");
-  add_choice<SolverBackend>(command, "--backend", overrides.backend,
-                            {{"auto", SolverBackend::automatic},
-                             {"cholmod", SolverBackend::cholmod},
-                             {"eigen", SolverBackend::eigen}},
-                            "The sparse Cholesky that is used");
+  add_choice<SolverBackend>(
+      command, "--backend", overrides.backend,
+      {{"auto", SolverBackend::automatic},
+       {"cholmod", SolverBackend::cholmod},
+       {"eigen", SolverBackend::eigen},
+       {"iterative", SolverBackend::iterative}},
+      "The sparse solver: a Cholesky factorisation, or iterations for very large regions");
   command
       .add_option(
           "--proxy", overrides.proxy,

@@ -252,13 +252,17 @@ NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
 
 /// Unknowns sit at their vertices; those of features are shared by vertices far apart.
 CouplingGraph ConstrainedSystem::coupling_graph() const {
-  CouplingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rings(), cuts_};
+  CouplingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rings(), cuts_,
+                      Points::Zero(E_.cols(), 3)};
   const std::vector<Index>& apex = operators_->nodes().apex;
   for (Index v = 0; v < patch_.size(); ++v)
     for (const Index node : {v, apex[v]}) {
       if (node < 0) continue;
       for (SparseRows::InnerIterator entry(E_, node); entry; ++entry)
-        if (entry.col() < shared_begin_) graph.group[entry.col()] = v;
+        if (entry.col() < shared_begin_) {
+          graph.group[entry.col()] = v;
+          graph.positions.row(entry.col()) = operators_->nodes().positions.row(node);
+        }
     }
   return graph;
 }
@@ -414,28 +418,38 @@ ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const 
           rhs.smoothness - multiply(operators_->P(), multiply(G_, y, context), context)};
 }
 
-/// y = (AᵀA)⁻¹ Aᵀ b, then corrections with the residual of the rectangular system.
-Columns ConstrainedSystem::solve(const Rows& rhs, int corrections, const Context& context) const {
+/// y = (AᵀA)⁻¹ Aᵀ b, then corrections with the residual of the rectangular system. An iterative solver has to
+/// be as accurate only as all of them together are to be.
+Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const {
+  // Of the box, errors are some ten times as large as these (docs/performance.md).
+  const double tolerance = steps.corrections > 0 ? 1e-8 : 1e-6;
+  SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
   const auto back_substitute = [&](const Rows& rows) {
-    return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), context));
+    return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), options, context));
   };
+  Eigen::MatrixXd guess;
+  if (steps.guess != nullptr && steps.guess->rows() == E_.cols()) {
+    guess = *steps.guess;
+    options.guess = &guess;
+  }
   Columns y = back_substitute(rhs);
-  for (int correction = 0; correction < corrections; ++correction)
+  options.guess = nullptr;
+  for (int correction = 0; correction < steps.corrections; ++correction)
     y += back_substitute(residual_rows(rhs, y, context));
   impose_similarities(y);
   return y;
 }
 
-Columns ConstrainedSystem::solve(const Known& values, const MapField& field, int corrections,
+Columns ConstrainedSystem::solve(const Known& values, const MapField& field, const SolveSteps& steps,
                                  const Context& context) const {
   Rows rhs = right_hand_side(values, field, context);
   add_targets(rhs);
-  return solve(rhs, corrections, context);
+  return solve(rhs, steps, context);
 }
 
 Columns ConstrainedSystem::respond(const Known& values, const MapField& field, int corrections,
                                    const Context& context) const {
-  return solve(right_hand_side(values, field, context), corrections, context);
+  return solve(right_hand_side(values, field, context), {.corrections = corrections}, context);
 }
 
 Columns ConstrainedSystem::respond(const Known& values, const MapField& field, const SparseRows& coupling,
@@ -569,7 +583,7 @@ double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstrai
   return largest;
 }
 
-void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, const MapField& field,
+void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, const Problem& problem,
                                  Points& out, EvaluationReport* report, Columns* solved_maps,
                                  const Context& context) const {
   if (solved_maps != nullptr) solved_maps->resize(0, 3);
@@ -578,9 +592,9 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
     return;
   }
   const Known values = known_values(constraints);
-  Rows rhs = right_hand_side(values, field, context);
+  Rows rhs = right_hand_side(values, problem.field, context);
   add_targets(rhs);
-  const Columns y = solve(rhs, residual_corrections_, context);
+  const Columns y = solve(rhs, {.corrections = residual_corrections_, .guess = &problem.guess}, context);
   place(y, values, constraints, out, context);
   if (solved_maps != nullptr) *solved_maps = maps(y, values, context);
   if (report == nullptr) return;
@@ -591,6 +605,7 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   const double scale = of_single_vertices(rhs);
   report->residual = scale > 0 ? of_single_vertices(residual_rows(rhs, y, context)) / scale : 0.0;
   report->max_transform_deviation = max_transform_deviation(constraints, out);
+  report->solver_iterations = solver_->statistics().iterations;
   report->inverted_maps = count_inverted(maps(y, values, context));
 }
 

@@ -63,8 +63,13 @@ class ConstrainedSystem {
   /// Nothing known moves; room for `columns` columns.
   Known no_values(Eigen::Index columns) const;
 
-  /// The unknowns; `corrections` with the residual of the rectangular system follow the back-substitution.
-  Columns solve(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// How the unknowns are solved for.
+  struct SolveSteps {
+    int corrections = 0;  ///< with the residual of the rectangular system, after the back-substitution
+    const Columns* guess = nullptr;  ///< unknowns of a similar problem; an iterative solver starts there
+  };
+  Columns solve(const Known& values, const MapField& field, const SolveSteps& steps,
+                const Context& context) const;
   /// How the unknowns follow from values and field alone, as if no anchor had a target. Any number of columns;
   /// `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
@@ -95,9 +100,14 @@ class ConstrainedSystem {
   /// The displacements of the patch's vertices in a solution (patch units); those of known positions too.
   Columns displacements(const Columns& y, const Known& values, const Context& context) const;
 
+  /// The field on the right-hand side, and unknowns near the solution if there are any at hand.
+  struct Problem {
+    MapField field;
+    Columns guess;
+  };
   /// Positions (n×3) for constraints that fit `states`; fills `report`'s measures if there is one, and with the
   /// solution's `maps` `solved_maps`, empty where nothing is free.
-  void evaluate(std::span<const VertexConstraint> constraints, const MapField& field, Points& out,
+  void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, Points& out,
                 EvaluationReport* report, Columns* solved_maps, const Context& context) const;
   CouplingGraph coupling_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
@@ -143,7 +153,7 @@ class ConstrainedSystem {
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
-  Columns solve(const Rows& rhs, int corrections, const Context& context) const;
+  Columns solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const;
   void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints, Points& out,
              const Context& context) const;
   double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;

@@ -46,7 +46,7 @@ struct Deformer::Impl {
   DeformerOptions options;
   std::vector<Handle> handles;
   bool per_vertex = false;  ///< constraints per vertex instead of handles
-  Points normals;  ///< of the rest mesh, n×3; only where a handle is a curve
+  Points normals;           ///< of the rest mesh, n×3; only where a handle is a curve
   ConstraintList constrained;
   DeformerSummary summary;
   std::unique_ptr<ConstrainedSystem> system;
@@ -77,7 +77,7 @@ void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Poi
                               EvaluationReport* report, Columns* solved_maps, const Context& context) const {
   RotationField::Result found;
   if (rotations) found = rotations->find(constraints, context);
-  system->evaluate(constraints, found.field, out, report, solved_maps, context);
+  system->evaluate(constraints, found.problem, out, report, solved_maps, context);
   if (report == nullptr) return;
   report->iterations = found.iterations;
   report->last_rotation_change = found.change;
@@ -198,12 +198,12 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!field[v].allFinite())
       throw Error(ErrorCode::input, "the map is not finite", fmt::format("field, vertex {}", v));
-  MapField local;
-  local.smoothness.resize(3 * system.patch().size(), 3);
+  ConstrainedSystem::Problem local;
+  local.field.smoothness.resize(3 * system.patch().size(), 3);
   for (Index v = 0; v < system.patch().size(); ++v)
-    local.smoothness.middleRows<3>(3 * v) =
+    local.field.smoothness.middleRows<3>(3 * v) =
         (field[system.patch().vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
-  local.stretch = local.smoothness;
+  local.field.stretch = local.field.smoothness;
   Points positions;
   system.evaluate(constraints, local, positions, report, nullptr, context);
   return positions;

@@ -155,7 +155,7 @@ void HandleBasis::solve_targets(const ConstrainedSystem& system, const Context& 
   if (std::none_of(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.target.has_value(); }))
     return;
   const auto values = system.no_values(3);
-  const Columns y = system.solve(values, {}, system.residual_corrections(), context);
+  const Columns y = system.solve(values, {}, {.corrections = system.residual_corrections()}, context);
   const SolutionRows solution(system, y, values, has_normals(), context);
   const std::vector<Index> feature = features_outside(system, movers_);
   if (has_normals()) base_maps_.assign(block_count() * 9 * lanes, 0.0F);

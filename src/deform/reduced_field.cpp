@@ -136,7 +136,7 @@ void ReducedField::reduce_smoothing(const Context& context) {
       const Index centre = centres_[static_cast<std::size_t>(first + k)];
       sources(centre, k) = 1 / fields.areas()[centre];
     }
-    const Columns g = fields.smooth(sources, context);
+    const Columns g = fields.smooth(sources, Columns::Zero(sources.rows(), columns), context);
     for (Index v = 0; v < system_->patch().size(); ++v)
       if (cell_[v] >= 0)
         smoothing_.col(cell_[v]).segment(first, columns) += fields.areas()[v] * g.row(v).transpose();

@@ -116,7 +116,7 @@ void ReducedFrames::Impl::solve_targets(const ConstrainedSystem& system, const C
   if (std::none_of(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.target.has_value(); }))
     return;
   const ConstrainedSystem::Known values = system.no_values(3);
-  const Columns y = system.solve(values, {}, system.residual_corrections(), context);
+  const Columns y = system.solve(values, {}, {.corrections = system.residual_corrections()}, context);
   const Columns x = free_rows(system, system.displacements(y, values, context));
   for (Eigen::Index k = 0; k < x.rows(); ++k)
     base.row(system.free_vertices()[static_cast<std::size_t>(k)]) += scale * x.row(k);

@@ -61,18 +61,19 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
   Blend blended;
   bool found = blend(constraints, {}, blended, context);
   if (found) {
-    result.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+    result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
     if (has_features_) {  // their maps are not given: a first solve tells them
-      const Columns y = system_.solve(system_.known_values(constraints), result.field, 0, context);
+      Columns& y = result.problem.guess;
+      y = system_.solve(system_.known_values(constraints), result.problem.field, {}, context);
       found = blend(constraints, system_.feature_maps(y), blended, context);
-      if (found) result.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+      if (found) result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
     }
   }
   if (found && iterations_ > 0) found = follow(constraints, blended, result, context);
   if (!found) {
     result = {};
     result.linear = true;
-    result.field = linear_field(constraints, context);
+    result.problem.field = linear_field(constraints, context);
   }
   return result;
 }
@@ -268,7 +269,8 @@ bool RotationField::follow(std::span<const VertexConstraint> constraints, Blend&
   Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;
   double pace = 1;
   while (result.iterations < iterations_) {
-    const Columns y = system_.solve(values, result.field, 0, context);
+    Columns& y = result.problem.guess;
+    y = system_.solve(values, result.problem.field, {.guess = &y}, context);
     double turn = 0;
     if (has_features_) {
       const std::vector<Eigen::Vector3d> before = blended.feature_turn;
@@ -277,11 +279,11 @@ bool RotationField::follow(std::span<const VertexConstraint> constraints, Blend&
         turn = std::max(turn, (blended.feature_turn[f] - before[f]).norm());
     }
     const Columns raw = surface_deviation(system_.maps(y, values, context), blended, deviation, context);
-    const Columns step = fields_.smooth(raw, context) - deviation;
+    const Columns step = fields_.smooth(raw, deviation, context) - deviation;
     if (result.iterations > 0) pace = damped_pace(pace, step, previous);
     previous = step;
     deviation += pace * step;
-    result.field = compose(blended, deviation, context);
+    result.problem.field = compose(blended, deviation, context);
     result.change = std::max(root_mean_square(step), turn);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);

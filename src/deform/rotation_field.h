@@ -18,9 +18,9 @@ class RotationField {
   RotationField(const ConstrainedSystem& system, const DeformerOptions& options, const Context& context);
 
   struct Result {
-    MapField field;
-    int iterations = 0;   ///< co-rotational steps that were made
-    double change = 0;    ///< that the last of them asked for, radians (root mean square)
+    ConstrainedSystem::Problem problem;  ///< the field, and what the last step solved for
+    int iterations = 0;                  ///< co-rotational steps that were made
+    double change = 0;                   ///< that the last of them asked for, radians (root mean square)
     bool linear = false;  ///< a constraint reflects or flattens, so that there are no logarithms to blend
   };
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;

@@ -9,6 +9,9 @@ namespace meshgraft {
 
 namespace {
 
+/// Of an iterative backend; positions follow the fields' errors.
+constexpr double solver_tolerance = 1e-7;
+
 SparseRows diagonal(const std::vector<double>& values, double factor = 1) {
   const auto n = static_cast<Eigen::Index>(values.size());
   SparseRows matrix(n, n);
@@ -73,7 +76,8 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   const SparseRows bending = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
   if (!held_.empty()) {
     spread_rows_ = select_rows(bending, held_);
-    spread_solver_ = factorise(spread_rows_, {held_, &rings, cuts}, backend, context);
+    spread_solver_ =
+        factorise(spread_rows_, {held_, &rings, cuts, points(held_, Eigen::all)}, backend, context);
   }
   if (smoothing_length_rel < 0) return;
   std::vector<double> weights = free_widths(context);
@@ -83,7 +87,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   const SparseRows smoothing =
       select_rows(diagonal(areas_) + multiply(diagonal(vertex_weights), bending, context), free_);
-  smooth_solver_ = factorise(smoothing, {free_, &rings, cuts}, backend, context);
+  smooth_solver_ = factorise(smoothing, {free_, &rings, cuts, points(free_, Eigen::all)}, backend, context);
 }
 
 void SurfaceFields::find_components(const IndexLists& rings, std::span<const std::uint8_t> given) {
@@ -152,20 +156,23 @@ Columns SurfaceFields::spread(const Columns& values, const Context& context) con
   Columns differences = Columns::Zero(values.rows(), columns);
   for (const Index v : given_) differences.row(v) = values.row(v) - means.row(component_[v]);
   for (int pass = 0; pass < 2; ++pass)  // the second is a correction with the residual of the first
-    add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, differences, context)), context), held_,
-        differences);
+    add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, differences, context)),
+                              {.tolerance = std::sqrt(solver_tolerance)}, context),
+        held_, differences);
   Columns fields = values;
   for (const Index v : held_) fields.row(v) = differences.row(v) + means.row(component_[v]);
   return fields;
 }
 
-Columns SurfaceFields::smooth(const Columns& values, const Context& context) const {
+Columns SurfaceFields::smooth(const Columns& values, const Columns& guess, const Context& context) const {
   Columns fields = Columns::Zero(values.rows(), values.cols());
   if (free_.empty()) return fields;
   Eigen::MatrixXd weighted(static_cast<Eigen::Index>(free_.size()), values.cols());
   for (std::size_t k = 0; k < free_.size(); ++k)
     weighted.row(static_cast<Eigen::Index>(k)) = areas_[free_[k]] * values.row(free_[k]);
-  add(smooth_solver_->solve(weighted, context), free_, fields);
+  const Eigen::MatrixXd start = guess(free_, Eigen::all);
+  add(smooth_solver_->solve(weighted, {.tolerance = solver_tolerance, .guess = &start}, context), free_,
+      fields);
   return fields;
 }
 

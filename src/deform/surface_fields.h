@@ -29,8 +29,9 @@ class SurfaceFields {
   /// where nothing is given, all of `values` as they are.
   Columns spread(const Columns& values, const Context& context = {}) const;
 
-  /// Fields (n×k) that are 0 where values are given, and minimise ∫ |f − values|² + ℓ⁴ |Δf|² elsewhere.
-  Columns smooth(const Columns& values, const Context& context = {}) const;
+  /// Fields (n×k) that are 0 where values are given, and minimise ∫ |f − values|² + ℓ⁴ |Δf|² elsewhere. An
+  /// iterative backend starts from `guess` (n×k).
+  Columns smooth(const Columns& values, const Columns& guess, const Context& context = {}) const;
 
   const std::vector<double>& areas() const { return areas_; }
   /// Connected components: of each vertex (-1 for isolated ones), and whether a value is given in it.

@@ -52,7 +52,8 @@ DeformerOptions parse_deformer(const Object& fields) {
   fields.optional("backend", [&](const Value& v) {
     options.backend = v.choice<SolverBackend>({{"auto", SolverBackend::automatic},
                                                {"cholmod", SolverBackend::cholmod},
-                                               {"eigen", SolverBackend::eigen}});
+                                               {"eigen", SolverBackend::eigen},
+                                               {"iterative", SolverBackend::iterative}});
   });
   return options;
 }

@@ -30,13 +30,15 @@ Json seconds_json(const StageSeconds& seconds) {
 }
 
 Json solver_json(const SolverStatistics& solver) {
-  return {{"backend", solver.backend},
-          {"ordering", solver.ordering},
-          {"unknowns", solver.unknowns},
-          {"matrix_nonzeros", solver.matrix_nonzeros},
-          {"factor_nonzeros", solver.factor_nonzeros},
-          {"factor_flops", solver.factor_flops},
-          {"peak_memory_bytes", solver.peak_memory_bytes}};
+  Json json = {{"backend", solver.backend},
+               {"ordering", solver.ordering},
+               {"unknowns", solver.unknowns},
+               {"matrix_nonzeros", solver.matrix_nonzeros},
+               {"factor_nonzeros", solver.factor_nonzeros},
+               {"factor_flops", solver.factor_flops},
+               {"peak_memory_bytes", solver.peak_memory_bytes}};
+  if (solver.coarse_unknowns > 0) json["coarse_unknowns"] = solver.coarse_unknowns;
+  return json;
 }
 
 std::string severity_word(Severity severity) {

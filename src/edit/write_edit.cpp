@@ -332,6 +332,7 @@ std::string backend_word(SolverBackend backend) {
     case SolverBackend::automatic: return "auto";
     case SolverBackend::cholmod: return "cholmod";
     case SolverBackend::eigen: return "eigen";
+    case SolverBackend::iterative: return "iterative";
   }
   return {};
 }

@@ -8,5 +8,6 @@ namespace meshgraft {
 
 std::unique_ptr<LinearSolver> make_cholmod_solver();  // defined where CHOLMOD is built in
 std::unique_ptr<LinearSolver> make_eigen_solver();
+std::unique_ptr<LinearSolver> make_iterative_solver();
 
 }  // namespace meshgraft

@@ -72,7 +72,8 @@ class CholmodSolver final : public LinearSolver {
     statistics_.peak_memory_bytes = factor_->peak_bytes();
   }
 
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const override {
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions&,
+                        const Context& context) const override {
     return factor_->solve(rhs, context);
   }
 

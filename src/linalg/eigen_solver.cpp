@@ -38,7 +38,8 @@ class EigenSolver final : public LinearSolver {
     statistics_.peak_memory_bytes = (factor.nonZeros() + lower.nonZeros()) * bytes_per_nonzero;
   }
 
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const override {
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions&,
+                        const Context& context) const override {
     context.throw_if_stopped();
     return cholesky_.solve(rhs);
   }

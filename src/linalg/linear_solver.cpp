@@ -10,15 +10,16 @@ namespace meshgraft {
 
 std::vector<SolverBackend> available_backends() {
 #ifdef MESHGRAFT_HAS_CHOLMOD
-  return {SolverBackend::cholmod, SolverBackend::eigen};
+  return {SolverBackend::cholmod, SolverBackend::eigen, SolverBackend::iterative};
 #else
-  return {SolverBackend::eigen};
+  return {SolverBackend::eigen, SolverBackend::iterative};
 #endif
 }
 
 std::unique_ptr<LinearSolver> make_solver(SolverBackend backend) {
   if (backend == SolverBackend::automatic) backend = available_backends().front();
   if (backend == SolverBackend::eigen) return make_eigen_solver();
+  if (backend == SolverBackend::iterative) return make_iterative_solver();
 #ifdef MESHGRAFT_HAS_CHOLMOD
   return make_cholmod_solver();
 #else

@@ -59,6 +59,7 @@ TEST_P(EveryBackend, SolvesSeveralColumnsAtOnce) {
     const Eigen::MatrixXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
     EXPECT_LT((solver->solve(rhs) - x).norm(), 1e-6 * x.norm()) << k;
     EXPECT_EQ(solver->statistics().unknowns, k * k);
+    if (GetParam() == SolverBackend::iterative) continue;  // its factor is that of a smaller matrix
     EXPECT_GE(solver->statistics().factor_nonzeros, matrix.nonZeros());
   }
 }
@@ -166,8 +167,9 @@ TEST_P(EveryBackend, SolvesTheSameWithACouplingGraph) {
   without->factorise(matrix);
   const Eigen::MatrixXd x = Eigen::MatrixXd::Random(matrix.rows(), 2);
   const Eigen::MatrixXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
-  EXPECT_LT((with->solve(rhs) - x).norm(), 1e-6 * x.norm());
-  EXPECT_LT((with->solve(rhs) - without->solve(rhs)).norm(), 1e-6 * x.norm());
+  const SolveOptions options{.tolerance = 1e-11};
+  EXPECT_LT((with->solve(rhs, options) - x).norm(), 1e-6 * x.norm());
+  EXPECT_LT((with->solve(rhs, options) - without->solve(rhs, options)).norm(), 1e-6 * x.norm());
 }
 
 /// A bi-Laplacian over rings, plus the identity.
@@ -341,7 +343,11 @@ TEST_P(EveryBackend, GivesTheSameBytesForAnyNumberOfThreadsAndColumns) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, testing::ValuesIn(available_backends()),
                          [](const auto& backend) {
-                           return backend.param == SolverBackend::cholmod ? "cholmod" : "eigen";
+                           switch (backend.param) {
+                             case SolverBackend::cholmod: return "cholmod";
+                             case SolverBackend::eigen: return "eigen";
+                             default: return "iterative";
+                           }
                          });
 
 TEST(Backends, OneThatIsNotBuiltInIsRefusedByName) {

@@ -76,6 +76,7 @@ struct EvaluationReport {
   double residual = 0;                 ///< ‖Aᵀ(b − A x)‖ / ‖Aᵀ b‖, 0 for a zero right-hand side
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
   int iterations = 0;                  ///< co-rotational steps that were made
+  int solver_iterations = 0;           ///< of the backend `iterative`, in the last solve
   double last_rotation_change = 0;     ///< of the field that the last of them asked for, RMS, radians
   Index inverted_maps = 0;             ///< free vertices whose local map has a determinant of 0 or less
   /// A constraint reflects or flattens: there is no logarithm, and transforms were blended linearly.

@@ -20,16 +20,23 @@ enum class SolverBackend {
   automatic,  ///< CHOLMOD where it was built in, else Eigen
   cholmod,    ///< supernodal Cholesky (SuiteSparse), minimum degree or, for large matrices, nested dissection
   eigen,      ///< Eigen's simplicial Cholesky, approximate minimum degree
+  iterative,  ///< conjugate gradients, preconditioned by two grids: for regions that no factor fits
 };
 
 struct SolverStatistics {
-  std::string backend;   ///< "cholmod" or "eigen"
-  std::string ordering;  ///< "dissection" (of a coupling graph), "metis" (of the matrix's own graph), "amd"
+  std::string backend;   ///< "cholmod", "eigen" or "iterative"
+  std::string ordering;  ///< "dissection" (of a coupling graph), "metis" (of the matrix's own graph), "amd"; of
+                         ///< the coarse matrix for "iterative", whose factor the next but two numbers describe
   std::int64_t unknowns = 0;
   std::int64_t matrix_nonzeros = 0;  ///< of the lower triangle
   std::int64_t factor_nonzeros = 0;
   double factor_flops = 0;
   std::int64_t peak_memory_bytes = 0;  ///< of the solver alone
+
+  // Of "iterative" alone.
+  std::int64_t coarse_unknowns = 0;
+  double operator_complexity = 1;  ///< entries of all matrices over those of N
+  int iterations = 0;              ///< that the latest solve took
 };
 
 /// How a graph is cut in two, its halves in two, and so on.
@@ -45,6 +52,16 @@ struct CouplingGraph {
   const IndexLists* neighbours = nullptr;  ///< of each group; none: no graph is known
   /// Kept by the caller for several systems over one graph: the first to cut it fills this, later ones use it.
   std::shared_ptr<GraphCuts> cuts{};
+  /// Of each unknown (unknowns×3; rows of those without a group do not count): vectors whose entries are an
+  /// affine function of them cost (nearly) nothing. Empty: that is known of constants alone.
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> positions{};
+};
+
+/// How a solve may stop early; direct methods need neither.
+struct SolveOptions {
+  /// Of the error in the energy norm √(eᵀ N e), as the preconditioner measures it, relative to the solution's.
+  double tolerance = 1e-9;
+  const Eigen::MatrixXd* guess = nullptr;  ///< where to start from (unknowns×k); none: zero
 };
 
 /// Solves N x = y for a symmetric positive definite N: analyse once per pattern, factorise once per set of
@@ -61,7 +78,13 @@ class LinearSolver {
   virtual void factorise(const NormalMatrix& lower, const Context& context = {}) = 0;
 
   /// Solves for all columns of `rhs` (unknowns×k). Safe to call from several threads at once.
-  virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context = {}) const = 0;
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context = {}) const {
+    return solve(rhs, SolveOptions{}, context);
+  }
+
+  /// Throws Error(unsolvable) where an iterative method does not get there.
+  virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
+                                const Context& context = {}) const = 0;
 
   virtual SolverStatistics statistics() const = 0;
 };

@@ -1,0 +1,282 @@
+#include "block_matrix.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+
+// The loops below have the processor's widest registers to gain from; the library is built for any.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define MESHGRAFT_WIDEST_REGISTERS [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
+#else
+#define MESHGRAFT_WIDEST_REGISTERS
+#endif
+
+namespace meshgraft {
+
+namespace {
+
+constexpr int columns = 4;
+
+/// What a sweep reads of the matrix.
+template <int width>
+struct BlockRows {
+  const Index* offsets;
+  const Index* before;
+  const double* blocks;
+  const double* diagonal;
+  const double* diagonal_inverse;
+};
+
+/// The four columns of a row: one register, or two (GCC and Clang know how). Anywhere in memory.
+using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
+
+// Blocks are arrays of width×width numbers and nodes' values of `width` rows; the compiler unrolls all that
+// follows.
+
+/// y += M x.
+template <int width>
+[[gnu::always_inline]] inline void add_product(const double* M, const Four* x, Four* y) {
+  for (int a = 0; a < width; ++a)
+    for (int b = 0; b < width; ++b) y[a] += M[width * a + b] * x[b];
+}
+
+/// y -= Mᵀ x.
+template <int width>
+[[gnu::always_inline]] inline void subtract_transposed(const double* M, const Four* x, Four* y) {
+  for (int a = 0; a < width; ++a) {
+    Four value = y[a];
+    for (int b = 0; b < width; ++b) value -= M[width * b + a] * x[b];
+    y[a] = value;
+  }
+}
+
+template <int width>
+MESHGRAFT_WIDEST_REGISTERS void multiply_rows(const BlockRows<width> N, Index begin, Index end, const Four* x,
+                                              Four* y) {
+  for (Index i = begin; i < end; ++i) {
+    Four sum[width] = {}, minus_x[width];
+    for (int a = 0; a < width; ++a) minus_x[a] = -x[i * std::ptrdiff_t{width} + a];
+    add_product<width>(N.diagonal + i * std::ptrdiff_t{width * width}, x + i * std::ptrdiff_t{width}, sum);
+    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k) {
+      const double* M = N.blocks + k * std::ptrdiff_t{width * width};
+      const std::ptrdiff_t j = N.before[k] * std::ptrdiff_t{width};
+      add_product<width>(M, x + j, sum);
+      subtract_transposed<width>(M, minus_x, y + j);
+    }
+    for (int a = 0; a < width; ++a) y[i * std::ptrdiff_t{width} + a] += sum[a];
+  }
+}
+
+template <int width>
+MESHGRAFT_WIDEST_REGISTERS void sweep_rows_forward(const BlockRows<width> N, Index begin, Index end,
+                                                   const Four* r, Four* z, Four* s) {
+  for (Index i = begin; i < end; ++i) {
+    const std::ptrdiff_t own = i * std::ptrdiff_t{width};
+    Four left[width] = {}, solved[width] = {};
+    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
+      add_product<width>(N.blocks + k * std::ptrdiff_t{width * width}, z + N.before[k] * std::ptrdiff_t{width},
+                         left);
+    for (int a = 0; a < width; ++a) left[a] = r[own + a] - left[a];
+    add_product<width>(N.diagonal_inverse + i * std::ptrdiff_t{width * width}, left, solved);
+    for (int a = 0; a < width; ++a) z[own + a] = solved[a];
+    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
+      subtract_transposed<width>(N.blocks + k * std::ptrdiff_t{width * width}, solved,
+                                 s + N.before[k] * std::ptrdiff_t{width});
+  }
+}
+
+template <int width>
+MESHGRAFT_WIDEST_REGISTERS void sweep_rows_backward(const BlockRows<width> N, Index begin, Index end,
+                                                    const Four* e, Four* s, Four* z) {
+  for (Index i = end; i-- > begin;) {
+    const std::ptrdiff_t own = i * std::ptrdiff_t{width};
+    Four product[width] = {}, change[width];
+    add_product<width>(N.diagonal + i * std::ptrdiff_t{width * width}, e + own, product);
+    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
+      add_product<width>(N.blocks + k * std::ptrdiff_t{width * width}, e + N.before[k] * std::ptrdiff_t{width},
+                         product);
+    for (int a = 0; a < width; ++a) {
+      product[a] = s[own + a] - product[a];
+      change[a] = e[own + a];
+    }
+    add_product<width>(N.diagonal_inverse + i * std::ptrdiff_t{width * width}, product, change);
+    for (int a = 0; a < width; ++a) z[own + a] += change[a];
+    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
+      subtract_transposed<width>(N.blocks + k * std::ptrdiff_t{width * width}, change,
+                                 s + N.before[k] * std::ptrdiff_t{width});
+  }
+}
+
+void set_zero(FourColumns& x, Eigen::Index rows, const Context& context) {
+  x.resize(rows, columns);
+  parallel_blocks(
+      static_cast<std::size_t>(rows),
+      [&](std::size_t begin, std::size_t end) {
+        std::fill(x.data() + begin * columns, x.data() + end * columns, 0.0);
+      },
+      context, 65536);
+}
+
+const Four* rows_of(const FourColumns& x) { return reinterpret_cast<const Four*>(x.data()); }
+Four* rows_of(FourColumns& x) { return reinterpret_cast<Four*>(x.data()); }
+
+template <int width>
+class BlockMatrixOf final : public BlockMatrix {
+ public:
+  using Block = Eigen::Matrix<double, width, width, Eigen::RowMajor>;
+
+  explicit BlockMatrixOf(const NodeOrder& order) : order_(order) {}
+
+  void set_values(const NormalMatrix& lower, const Context& context) override {
+    const std::vector<int>& row = order_.nodes.row;
+    blocks_.assign(order_.before.values.size() * block_size, 0.0);
+    diagonal_.assign(static_cast<std::size_t>(order_.nodes.count) * block_size, 0.0);
+    parallel_blocks(
+        static_cast<std::size_t>(lower.cols()),
+        [&](std::size_t begin, std::size_t end) {
+          for (auto column = static_cast<Eigen::Index>(begin); column < static_cast<Eigen::Index>(end);
+               ++column) {
+            Place place(*this, row[column]);
+            for (NormalMatrix::InnerIterator entry(lower, column); entry; ++entry)
+              place.set(row[entry.row()], entry.value());
+          }
+        },
+        context, 2048);
+    for (std::size_t r = 0; r < order_.nodes.unknown.size(); ++r)
+      if (order_.nodes.unknown[r] < 0) diagonal_[r / width * block_size + r % width * (width + 1)] = 1;
+    invert_diagonal(lower.rows());
+  }
+
+  void multiply(const FourColumns& x, FourColumns& y, const Context& context) const override {
+    set_zero(y, x.rows(), context);
+    for (const int parity : {0, 1})
+      for_each_strip(parity, context, [&](Index begin, Index end) {
+        multiply_rows<width>(rows(), begin, end, rows_of(x), rows_of(y));
+      });
+  }
+
+  void sweep_forward(const FourColumns& r, FourColumns& z, FourColumns& s,
+                     const Context& context) const override {
+    z.resize(r.rows(), columns);
+    set_zero(s, r.rows(), context);
+    for (const int parity : {0, 1})
+      for_each_strip(parity, context, [&](Index begin, Index end) {
+        sweep_rows_forward<width>(rows(), begin, end, rows_of(r), rows_of(z), rows_of(s));
+      });
+  }
+
+  void sweep_backward(const FourColumns& e, FourColumns& s, FourColumns& z,
+                      const Context& context) const override {
+    for (const int parity : {1, 0})
+      for_each_strip(parity, context, [&](Index begin, Index end) {
+        sweep_rows_backward<width>(rows(), begin, end, rows_of(e), rows_of(s), rows_of(z));
+      });
+  }
+
+  std::int64_t bytes() const override {
+    return static_cast<std::int64_t>((blocks_.size() + diagonal_.size() + diagonal_inverse_.size()) *
+                                         sizeof(double) +
+                                     order_.before.values.size() * sizeof(Index));
+  }
+
+  const double* diagonal_block(Index node) const override { return &diagonal_[node * block_size]; }
+  const double* blocks_before(Index node) const override {
+    return blocks_.data() + static_cast<std::size_t>(order_.before.offsets[node]) * block_size;
+  }
+
+ private:
+  static constexpr std::size_t block_size = width * width;
+
+  BlockRows<width> rows() const {
+    return {order_.before.offsets.data(), order_.before.values.data(), blocks_.data(), diagonal_.data(),
+            diagonal_inverse_.data()};
+  }
+
+  template <class Body>
+  void for_each_strip(int parity, const Context& context, const Body& body) const {
+    const std::vector<Index>& begin = order_.strips.begin;
+    const Index count = (order_.strips.size() + 1 - parity) / 2;
+    parallel_blocks(
+        static_cast<std::size_t>(count),
+        [&](std::size_t first, std::size_t last) {
+          for (std::size_t k = first; k < last; ++k) body(begin[2 * k + parity], begin[2 * k + parity + 1]);
+        },
+        context, 1);
+  }
+
+  /// Where the entries of one column go: each into the block of its two nodes, the one or the other way round.
+  class Place {
+   public:
+    Place(BlockMatrixOf& matrix, int column) : matrix_(matrix), node_(column / width), at_(column % width) {}
+
+    void set(int row, double value) {
+      const Index node = row / width;
+      const int at = row % width;
+      if (node != other_) look_up(node);
+      if (node == node_)
+        block_[at_ * width + at] = block_[at * width + at_] = value;
+      else
+        block_[transposed_ ? at_ * width + at : at * width + at_] = value;
+    }
+
+   private:
+    void look_up(Index node) {
+      other_ = node;
+      if (node == node_) {
+        block_ = &matrix_.diagonal_[node * block_size];
+        return;
+      }
+      const std::size_t direct = matrix_.find(node, node_);
+      transposed_ = direct == none;
+      block_ = &matrix_.blocks_[(transposed_ ? matrix_.find(node_, node) : direct) * block_size];
+    }
+
+    BlockMatrixOf& matrix_;
+    const Index node_;
+    const int at_;
+    Index other_ = -1;
+    bool transposed_ = false;
+    double* block_ = nullptr;
+  };
+
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+  std::size_t find(Index node, Index other) const {
+    const auto before = order_.before[node];
+    const auto at = std::lower_bound(before.begin(), before.end(), other);
+    if (at == before.end() || *at != other) return none;
+    return static_cast<std::size_t>(order_.before.offsets[node] + (at - before.begin()));
+  }
+
+  void invert_diagonal(Eigen::Index unknowns) {
+    diagonal_inverse_.resize(diagonal_.size());
+    for (Index node = 0; node < order_.nodes.count; ++node) {
+      const Block block = Eigen::Map<const Block>(&diagonal_[node * block_size]);
+      const Eigen::LLT<Block> cholesky(block);
+      if (cholesky.info() != Eigen::Success)
+        throw Error(ErrorCode::unsolvable,
+                    fmt::format("the normal equations are not positive definite (at unknown {} of {})",
+                                order_.nodes.unknown[static_cast<std::size_t>(node) * width], unknowns),
+                    "", "Add a constraint, or choose another treatment of degenerate vertices");
+      Eigen::Map<Block> inverse(&diagonal_inverse_[node * block_size]);
+      inverse = block.inverse();
+    }
+  }
+
+  const NodeOrder& order_;
+  std::vector<double> blocks_, diagonal_, diagonal_inverse_;
+};
+
+}  // namespace
+
+std::unique_ptr<BlockMatrix> make_block_matrix(const NodeOrder& order) {
+  if (order.nodes.width == 1) return std::make_unique<BlockMatrixOf<1>>(order);
+  return std::make_unique<BlockMatrixOf<2>>(order);
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,333 @@
+#include "coarse_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <Eigen/Eigenvalues>
+
+#include <meshgraft/core/parallel.h>
+
+namespace meshgraft {
+
+namespace {
+
+/// Edges from the middle of an aggregate to its rim. Entries of the matrix reach some four edges of a mesh: two
+/// give a coarse matrix with a twentieth of the unknowns, whose factor costs less than the sweeps that three
+/// would add.
+int radius_for(const NodeOrder& order) {
+  constexpr Index most_for_two = 3'000'000;
+  if (!order.has_graph) return 1;
+  return order.nodes.count > most_for_two ? 3 : 2;
+}
+
+}  // namespace
+
+CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order_(order) {
+  const int radius = radius_for(order);
+  const Aggregates aggregates = aggregate(order.neighbours, order.nodes.shared, radius, context);
+  blending_ = blend(order.neighbours, aggregates, 2 * radius, context);
+  count_ = first_shared_ = aggregates.count;
+  choose_bases(aggregates);
+  add_shared_unknowns();
+
+  members_.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
+  for (const Index a : blending_.aggregates.values) ++members_.offsets[a + 1];
+  std::partial_sum(members_.offsets.begin(), members_.offsets.end(), members_.offsets.begin());
+  members_.values.resize(blending_.weight.size());
+  member_weight_.resize(blending_.weight.size());
+  std::vector<Index> end(members_.offsets.begin(), members_.offsets.end() - 1);
+  for (Index node = 0; node < order.nodes.count; ++node)
+    for (Index k = blending_.aggregates.offsets[node]; k < blending_.aggregates.offsets[node + 1]; ++k) {
+      const Index at = end[blending_.aggregates.values[k]]++;
+      members_.values[at] = node;
+      member_weight_[at] = blending_.weight[k];
+    }
+}
+
+/// Principal axes about the centroid, each scaled to length one over the aggregate's rows.
+void CoarseSpace::choose_bases(const Aggregates& aggregates) {
+  constexpr double flat = 1e-10;  // smallest/largest squared extent of what still counts as three-dimensional
+  const Nodes& nodes = order_.nodes;
+  const auto count = static_cast<std::size_t>(aggregates.count);
+  std::vector<double> rows(count, 0.0);
+  std::vector<Eigen::Vector3d> centre(count, Eigen::Vector3d::Zero());
+  std::vector<Eigen::Matrix3d> moments(count, Eigen::Matrix3d::Zero());
+  const auto for_each_row = [&](auto body) {
+    for (std::size_t row = 0; row < nodes.unknown.size(); ++row) {
+      const Index a = aggregates.of_node[row / static_cast<std::size_t>(nodes.width)];
+      if (a >= 0 && nodes.unknown[row] >= 0)
+        body(a, Eigen::Vector3d(nodes.positions.row(static_cast<Eigen::Index>(row)).transpose()));
+    }
+  };
+  for_each_row([&](Index a, const Eigen::Vector3d& p) {
+    rows[a] += 1;
+    centre[a] += p;
+  });
+  for (std::size_t a = 0; a < count; ++a) centre[a] /= rows[a];
+  for_each_row(
+      [&](Index a, const Eigen::Vector3d& p) { moments[a] += (p - centre[a]) * (p - centre[a]).transpose(); });
+  basis_.assign(count, Basis::Zero());
+  for (std::size_t a = 0; a < count; ++a) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(moments[a]);
+    const double largest = axes.eigenvalues()[2];
+    for (int k = 0; k < 3; ++k) {
+      const double extent = axes.eigenvalues()[k];
+      if (!(extent > flat * largest)) continue;
+      const Eigen::Vector3d axis = axes.eigenvectors().col(k) / std::sqrt(extent);
+      basis_[a].col(k) << axis, -axis.dot(centre[a]);
+    }
+    basis_[a](3, 3) = 1 / std::sqrt(rows[a]);
+  }
+}
+
+void CoarseSpace::add_shared_unknowns() {
+  const Nodes& nodes = order_.nodes;
+  column_.assign(static_cast<std::size_t>(nodes.count), 0);
+  if (std::find(nodes.shared.begin(), nodes.shared.end(), 1) == nodes.shared.end()) return;
+  Blending with_shared;
+  Index shared = 0;
+  for (Index node = 0; node < nodes.count; ++node) {
+    if (is_shared(node)) {
+      column_[node] = static_cast<std::uint8_t>(shared % 4);
+      with_shared.aggregates.values.push_back(first_shared_ + shared++ / 4);
+      with_shared.weight.push_back(1);
+    }
+    for (Index k = blending_.aggregates.offsets[node]; k < blending_.aggregates.offsets[node + 1]; ++k) {
+      with_shared.aggregates.values.push_back(blending_.aggregates.values[k]);
+      with_shared.weight.push_back(blending_.weight[k]);
+    }
+    with_shared.aggregates.offsets.push_back(static_cast<Index>(with_shared.weight.size()));
+  }
+  blending_ = std::move(with_shared);
+  count_ = first_shared_ + (shared + 3) / 4;
+  basis_.resize(static_cast<std::size_t>(count_), Basis::Identity());
+}
+
+/// Adds what rows of L + ½D contribute to Pᵀ N P = C + Cᵀ, C = Pᵀ (L + ½D) P, to blocks (a, b) with a ≥ b.
+template <int width>
+void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, BlockLists& sums) const {
+  using Rows = Eigen::Matrix<double, width, 4>;
+  using MatrixBlock = Eigen::Matrix<double, width, width, Eigen::RowMajor>;
+  const Nodes& nodes = order_.nodes;
+  std::vector<Index> reached, place(static_cast<std::size_t>(count_), -1);
+  std::vector<Rows> product;  // of this row of L + ½D with (p − p_i, 1) w: one entry per aggregate reached
+  // Functions of a node's rows, about an origin near by so that nothing cancels.
+  const auto functions = [&](Index node, const Eigen::RowVector3d& origin) {
+    Rows f = Rows::Zero();
+    for (int k = 0; k < width; ++k) {
+      const Eigen::Index row = Eigen::Index{width} * node + k;
+      if (is_shared(node) && k == 0)
+        f(k, column_[node]) = 1;
+      else if (nodes.unknown[row] >= 0)
+        f.row(k) << nodes.positions.row(row) - origin, 1.0;
+    }
+    return f;
+  };
+  // (p, 1) of a basis is (p − origin, 1) times this.
+  const auto basis_about = [&](Index a, const Eigen::RowVector3d& origin) {
+    Basis moved = basis_[a];
+    if (a < first_shared_) moved.row(3) += origin * basis_[a].template topRows<3>();
+    return moved;
+  };
+  for (Index i = begin; i < end; ++i) {
+    const Eigen::RowVector3d origin = nodes.positions.row(Eigen::Index{width} * i);
+    const auto add = [&](Index j, const MatrixBlock& block) {
+      const Rows of_functions = block * functions(j, origin);
+      for (Index k = blending_.aggregates.offsets[j]; k < blending_.aggregates.offsets[j + 1]; ++k) {
+        const Index b = blending_.aggregates.values[k];
+        if (place[b] < 0) {
+          place[b] = static_cast<Index>(reached.size());
+          reached.push_back(b);
+          product.push_back(Rows::Zero());
+        }
+        product[place[b]] += blending_.weight[k] * of_functions;
+      }
+    };
+    add(i, 0.5 * Eigen::Map<const MatrixBlock>(matrix.diagonal_block(i)));
+    const double* block = matrix.blocks_before(i);
+    for (const Index j : order_.before[i]) {
+      add(j, Eigen::Map<const MatrixBlock>(block));
+      block += width * width;
+    }
+    for (std::size_t k = 0; k < reached.size(); ++k)
+      product[k] = (product[k] * basis_about(reached[k], origin)).eval();
+
+    const Rows own = functions(i, origin);
+    for (Index k = blending_.aggregates.offsets[i]; k < blending_.aggregates.offsets[i + 1]; ++k) {
+      const Index a = blending_.aggregates.values[k];
+      const Rows of_a = blending_.weight[k] * own * basis_about(a, origin);
+      for (std::size_t l = 0; l < reached.size(); ++l) {
+        const Index b = reached[l];
+        Block sum = of_a.transpose() * product[l];
+        if (a == b) sum += sum.transpose().eval();
+        if (a < b) sum.transposeInPlace();
+        std::vector<BlockEntry>& row = sums[std::max(a, b)];
+        const Index column = std::min(a, b);
+        auto entry = std::find_if(row.begin(), row.end(), [&](const auto& e) { return e.column == column; });
+        if (entry == row.end())
+          row.push_back({column, sum});
+        else
+          entry->block += sum;
+      }
+    }
+    for (const Index b : reached) place[b] = -1;
+    reached.clear();
+    product.clear();
+  }
+}
+
+NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Context& context) const {
+  // Parts of the nodes, each with its own sums, so that their order does not depend on the threads.
+  constexpr Index most_parts = 64;
+  const Index nodes = order_.nodes.count,
+              part_size = std::max<Index>(2048, (nodes + most_parts - 1) / most_parts);
+  const auto parts = static_cast<std::size_t>((nodes + part_size - 1) / part_size);
+  std::vector<BlockLists> sums(parts);
+  parallel_blocks(
+      parts,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t part = begin; part < end; ++part) {
+          sums[part].resize(static_cast<std::size_t>(count_));
+          const Index first = static_cast<Index>(part) * part_size, last = std::min(nodes, first + part_size);
+          if (order_.nodes.width == 1)
+            add_rows<1>(matrix, first, last, sums[part]);
+          else
+            add_rows<2>(matrix, first, last, sums[part]);
+        }
+      },
+      context, 1);
+
+  BlockLists rows(static_cast<std::size_t>(count_));
+  std::vector<std::int64_t> entries(static_cast<std::size_t>(count_), 0);  // of each column of blocks
+  for (Index a = 0; a < count_; ++a) {
+    std::vector<BlockEntry>& row = rows[a];
+    for (BlockLists& of_part : sums) {
+      row.insert(row.end(), of_part[a].begin(), of_part[a].end());
+      of_part[a] = {};
+    }
+    std::stable_sort(row.begin(), row.end(), [](const auto& x, const auto& y) { return x.column < y.column; });
+    std::size_t kept = 0;
+    for (std::size_t k = 1; k < row.size(); ++k) {
+      if (row[k].column == row[kept].column)
+        row[kept].block += row[k].block;
+      else
+        row[++kept] = row[k];
+    }
+    row.resize(std::min(row.size(), kept + 1));
+    for (const BlockEntry& entry : row) ++entries[entry.column];
+  }
+
+  NormalMatrix coarse(unknowns(), unknowns());
+  std::int64_t* offsets = coarse.outerIndexPtr();
+  offsets[0] = 0;
+  for (Index b = 0; b < count_; ++b)
+    for (int k = 0; k < 4; ++k) offsets[4 * b + k + 1] = offsets[4 * b + k] + 4 * entries[b] - k;
+  coarse.resizeNonZeros(offsets[unknowns()]);
+  std::vector<std::int64_t> end(offsets, offsets + unknowns());
+  for (Index a = 0; a < count_; ++a)
+    for (const auto& [b, block] : rows[a])
+      for (int column = 0; column < 4; ++column)
+        for (int row = a == b ? column : 0; row < 4; ++row) {
+          const std::int64_t at = end[4 * b + column]++;
+          coarse.innerIndexPtr()[at] = 4 * std::int64_t{a} + row;
+          // Where an aggregate is flat, a coarse unknown stands for nothing and couples nothing.
+          const bool idle = a == b && row == column && !(block(row, row) > 0);
+          coarse.valuePtr()[at] = idle ? 1.0 : block(row, column);
+        }
+  return coarse;
+}
+
+Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index columns,
+                                              const Context& context) const {
+  const Nodes& nodes = order_.nodes;
+  Eigen::MatrixXd restricted(unknowns(), columns);
+  parallel_blocks(
+      static_cast<std::size_t>(count_),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto a = static_cast<Index>(begin); a < static_cast<Index>(end); ++a) {
+          Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+          for (Index k = members_.offsets[a]; k < members_.offsets[a + 1]; ++k) {
+            const Index node = members_.values[k];
+            const Eigen::Index first = Eigen::Index{nodes.width} * node;
+            if (is_shared(node)) {
+              sum.row(column_[node]) += s.row(first);
+              continue;
+            }
+            for (Eigen::Index row = first; row < first + nodes.width; ++row) {
+              const Eigen::RowVector4d value = member_weight_[k] * s.row(row);
+              for (int c = 0; c < 3; ++c) sum.row(c) += nodes.positions(row, c) * value;
+              sum.row(3) += value;
+            }
+          }
+          restricted.middleRows<4>(4 * Eigen::Index{a}) = (basis_[a].transpose() * sum).leftCols(columns);
+        }
+      },
+      context, 256);
+  return restricted;
+}
+
+void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Context& context) const {
+  const Nodes& nodes = order_.nodes;
+  const Eigen::Index columns = y.cols();
+  std::vector<Eigen::Matrix4d> functions(static_cast<std::size_t>(count_), Eigen::Matrix4d::Zero());
+  for (Index a = 0; a < count_; ++a)
+    functions[a].leftCols(columns) = basis_[a] * y.middleRows<4>(4 * Eigen::Index{a});
+  x.resize(static_cast<Eigen::Index>(nodes.unknown.size()), 4);
+  parallel_blocks(
+      static_cast<std::size_t>(nodes.count),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto node = static_cast<Index>(begin); node < static_cast<Index>(end); ++node) {
+          Eigen::Matrix4d blended = Eigen::Matrix4d::Zero();
+          for (Index k = blending_.aggregates.offsets[node]; k < blending_.aggregates.offsets[node + 1]; ++k)
+            blended += blending_.weight[k] * functions[blending_.aggregates.values[k]];
+          const Eigen::Index first = Eigen::Index{nodes.width} * node;
+          for (Eigen::Index row = first; row < first + nodes.width; ++row) {
+            if (nodes.unknown[row] < 0)
+              x.row(row).setZero();
+            else if (is_shared(node))
+              x.row(row) = blended.row(column_[node]);
+            else
+              x.row(row) = nodes.positions.row(row) * blended.topRows<3>() + blended.row(3);
+          }
+        }
+      },
+      context, 2048);
+}
+
+CouplingGraph CoarseSpace::coupling_graph(const IndexLists& coarse_neighbours) const {
+  CouplingGraph graph;
+  graph.group.resize(static_cast<std::size_t>(unknowns()), -1);
+  for (Index u = 0; u < 4 * first_shared_; ++u) graph.group[u] = u / 4;
+  graph.neighbours = &coarse_neighbours;
+  return graph;
+}
+
+IndexLists CoarseSpace::coarse_neighbours() const {
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index node = 0; node < order_.nodes.count; ++node) {
+    const auto of_node = blending_.aggregates[node];
+    for (const Index a : of_node)
+      for (const Index b : of_node)
+        if (a != b) pairs.emplace_back(a, b);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  IndexLists lists;
+  lists.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
+  for (const auto& [a, b] : pairs) {
+    ++lists.offsets[a + 1];
+    lists.values.push_back(b);
+  }
+  std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
+  return lists;
+}
+
+std::int64_t CoarseSpace::bytes() const {
+  return static_cast<std::int64_t>((blending_.weight.size() + member_weight_.size()) *
+                                       (sizeof(double) + sizeof(Index)) +
+                                   basis_.size() * sizeof(Basis));
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,287 @@
+#include "nodes.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <meshgraft/core/parallel.h>
+
+namespace meshgraft {
+
+namespace {
+
+/// Marks that are all taken back at once.
+class Marks {
+ public:
+  explicit Marks(Index count) : marked_in_(static_cast<std::size_t>(count), 0) {}
+  void clear() { ++round_; }
+  /// False if it was marked already.
+  bool mark(Index i) { return std::exchange(marked_in_[i], round_) != round_; }
+
+ private:
+  std::vector<std::uint32_t> marked_in_;
+  std::uint32_t round_ = 1;
+};
+
+/// Lists that `fill(i, out)` appends to, for every i, in parallel; `make_scratch` gives each thread its own.
+template <class MakeScratch, class Fill>
+IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Context& context) {
+  constexpr Index block_size = 2048;
+  const auto blocks = static_cast<std::size_t>((count + block_size - 1) / block_size);
+  std::vector<std::vector<Index>> values(blocks);
+  IndexLists lists;
+  lists.offsets.assign(static_cast<std::size_t>(count) + 1, 0);
+  tbb::enumerable_thread_specific<decltype(make_scratch())> scratch(make_scratch);
+  parallel_blocks(
+      blocks,
+      [&](std::size_t begin, std::size_t end) {
+        auto& own = scratch.local();
+        for (std::size_t block = begin; block < end; ++block) {
+          const auto first = static_cast<Index>(block) * block_size;
+          for (Index i = first; i < std::min(count, first + block_size); ++i) {
+            const std::size_t before = values[block].size();
+            fill(i, values[block], own);
+            lists.offsets[i + 1] = static_cast<Index>(values[block].size() - before);
+          }
+        }
+      },
+      context, 1);
+  std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
+  lists.values.reserve(static_cast<std::size_t>(lists.offsets.back()));
+  for (auto& block : values) {
+    lists.values.insert(lists.values.end(), block.begin(), block.end());
+    block = {};
+  }
+  return lists;
+}
+
+/// Lists in which j has i wherever i has j.
+IndexLists symmetric(const IndexLists& half) {
+  IndexLists whole;
+  whole.offsets.assign(half.offsets.size(), 0);
+  for (Index i = 0; i < half.size(); ++i)
+    for (const Index j : half[i]) {
+      ++whole.offsets[i + 1];
+      ++whole.offsets[j + 1];
+    }
+  std::partial_sum(whole.offsets.begin(), whole.offsets.end(), whole.offsets.begin());
+  whole.values.resize(2 * half.values.size());
+  std::vector<Index> end(whole.offsets.begin(), whole.offsets.end() - 1);
+  for (Index i = 0; i < half.size(); ++i)
+    for (const Index j : half[i]) {
+      whole.values[end[i]++] = j;
+      whole.values[end[j]++] = i;
+    }
+  return whole;
+}
+
+Nodes gather(Index unknowns, const CouplingGraph& graph) {
+  const auto group_of = [&](Index u) { return graph.group.empty() ? u : graph.group[u]; };
+  Index groups = 0;
+  for (Index u = 0; u < unknowns; ++u) groups = std::max(groups, group_of(u) + 1);
+  std::vector<std::uint8_t> members(static_cast<std::size_t>(groups), 0);
+  Nodes nodes;
+  for (Index u = 0; u < unknowns; ++u)
+    if (const Index group = group_of(u); group >= 0 && ++members[group] > 1) nodes.width = 2;
+
+  std::vector<int> open(static_cast<std::size_t>(groups), -1);  // the next row of each group's last node
+  nodes.row.resize(static_cast<std::size_t>(unknowns));
+  for (Index u = 0; u < unknowns; ++u) {
+    const Index group = group_of(u);
+    if (group >= 0 && open[group] >= 0 && open[group] % nodes.width != 0) {
+      nodes.row[u] = open[group]++;
+      continue;
+    }
+    nodes.row[u] = nodes.width * nodes.count++;
+    nodes.shared.push_back(group < 0);
+    if (group >= 0) open[group] = nodes.row[u] + 1;
+  }
+  return nodes;
+}
+
+/// Nodes that entries of the matrix couple, possibly named twice.
+IndexLists matrix_neighbours(const NormalMatrix& lower, const Nodes& nodes, const Context& context) {
+  std::vector<std::vector<int>> unknowns(static_cast<std::size_t>(nodes.width));
+  for (auto& of_place : unknowns) of_place.assign(static_cast<std::size_t>(nodes.count), -1);
+  for (std::size_t u = 0; u < nodes.row.size(); ++u)
+    unknowns[nodes.row[u] % nodes.width][nodes.row[u] / nodes.width] = static_cast<int>(u);
+  const IndexLists half = make_lists(
+      nodes.count, [&] { return Marks(nodes.count); },
+      [&](Index node, std::vector<Index>& out, Marks& marks) {
+        marks.clear();
+        marks.mark(node);
+        for (const auto& of_place : unknowns) {
+          if (of_place[node] < 0) continue;
+          for (NormalMatrix::InnerIterator entry(lower, of_place[node]); entry; ++entry)
+            if (const Index other = nodes.row[entry.row()] / nodes.width; marks.mark(other))
+              out.push_back(other);
+        }
+      },
+      context);
+  return symmetric(half);
+}
+
+/// Breadth-first layers, component after component: entries couple nodes of one layer or of two next to each
+/// other.
+struct Layers {
+  std::vector<Index> order;     ///< nodes
+  std::vector<Index> begin{0};  ///< of each layer in `order`, and the end
+};
+
+Layers layers_from(const std::vector<Index>& starts, const IndexLists& neighbours) {
+  Layers layers;
+  layers.order.reserve(static_cast<std::size_t>(neighbours.size()));
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(neighbours.size()), 0);
+  for (const Index start : starts) {
+    if (std::exchange(seen[start], 1)) continue;
+    layers.order.push_back(start);
+    while (layers.begin.back() < static_cast<Index>(layers.order.size())) {
+      const auto end = static_cast<Index>(layers.order.size());
+      for (Index k = layers.begin.back(); k < end; ++k)
+        for (const Index other : neighbours[layers.order[k]])
+          if (!std::exchange(seen[other], 1)) layers.order.push_back(other);
+      layers.begin.push_back(end);
+    }
+  }
+  return layers;
+}
+
+/// From a node far out in each component: layers are many and small.
+Layers long_layers(const IndexLists& neighbours) {
+  std::vector<Index> starts(static_cast<std::size_t>(neighbours.size()));
+  std::iota(starts.begin(), starts.end(), 0);
+  const Layers first = layers_from(starts, neighbours);
+  return layers_from({first.order.rbegin(), first.order.rend()}, neighbours);
+}
+
+/// Strips of about the same number of nodes. Of two layers at least, so that the odd strips on both sides of an
+/// even one do not meet in it.
+Strips make_strips(const Layers& layers) {
+  constexpr Index most_strips = 64, fewest_nodes = 256, fewest_layers = 2;
+  const auto count = static_cast<Index>(layers.order.size());
+  const Index enough = std::max(fewest_nodes, (count + most_strips - 1) / most_strips);
+  Strips strips;
+  Index layers_in = 0;
+  for (std::size_t k = 1; k < layers.begin.size(); ++k) {
+    ++layers_in;
+    if (layers_in < fewest_layers || layers.begin[k] - strips.begin.back() < enough) continue;
+    strips.begin.push_back(layers.begin[k]);
+    layers_in = 0;
+  }
+  if (strips.begin.back() == count) return strips;
+  if (strips.size() > 0)
+    strips.begin.back() = count;
+  else
+    strips.begin.push_back(count);
+  return strips;
+}
+
+void renumber(Nodes& nodes, const std::vector<Index>& number, const CouplingGraph& graph) {
+  const auto rows = static_cast<std::size_t>(nodes.count) * static_cast<std::size_t>(nodes.width);
+  std::vector<std::uint8_t> shared(nodes.shared.size());
+  for (std::size_t k = 0; k < number.size(); ++k) shared[number[k]] = nodes.shared[k];
+  nodes.shared = std::move(shared);
+  nodes.unknown.assign(rows, -1);
+  for (std::size_t u = 0; u < nodes.row.size(); ++u) {
+    const int row = nodes.row[u];
+    nodes.row[u] = nodes.width * number[row / nodes.width] + row % nodes.width;
+    nodes.unknown[nodes.row[u]] = static_cast<int>(u);
+  }
+  nodes.positions = Points::Zero(static_cast<Eigen::Index>(rows), 3);
+  if (graph.positions.rows() == 0) return;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t first = row - row % static_cast<std::size_t>(nodes.width);
+    const int unknown = nodes.unknown[nodes.unknown[row] < 0 ? first : row];
+    nodes.positions.row(static_cast<Eigen::Index>(row)) = graph.positions.row(unknown);
+  }
+}
+
+/// For each node in its new number, those of `neighbours` (old numbers) that `wanted` takes; ascending, once
+/// each.
+template <class Wanted>
+IndexLists renumbered(const IndexLists& neighbours, const std::vector<Index>& order,
+                      const std::vector<Index>& number, Wanted wanted, const Context& context) {
+  return make_lists(
+      static_cast<Index>(order.size()), [] { return 0; },
+      [&](Index node, std::vector<Index>& out, int&) {
+        const auto start = static_cast<std::ptrdiff_t>(out.size());
+        for (const Index other : neighbours[order[node]])
+          if (wanted(node, number[other])) out.push_back(number[other]);
+        std::sort(out.begin() + start, out.end());
+        out.erase(std::unique(out.begin() + start, out.end()), out.end());
+      },
+      context);
+}
+
+/// Nodes whose groups are the same or neighbours in the graph.
+IndexLists graph_neighbours(const Nodes& nodes, const CouplingGraph& graph, const Context& context) {
+  const Index groups = graph.neighbours->size();
+  std::vector<Index> group(static_cast<std::size_t>(nodes.count), -1);
+  IndexLists members;
+  members.offsets.assign(static_cast<std::size_t>(groups) + 1, 0);
+  for (Index node = 0; node < nodes.count; ++node) {
+    group[node] = graph.group[nodes.unknown[static_cast<std::size_t>(node) * nodes.width]];
+    if (group[node] >= 0) ++members.offsets[group[node] + 1];
+  }
+  std::partial_sum(members.offsets.begin(), members.offsets.end(), members.offsets.begin());
+  members.values.resize(static_cast<std::size_t>(members.offsets.back()));
+  std::vector<Index> end(members.offsets.begin(), members.offsets.end() - 1);
+  for (Index node = 0; node < nodes.count; ++node)
+    if (group[node] >= 0) members.values[end[group[node]]++] = node;
+  return make_lists(
+      nodes.count, [] { return 0; },
+      [&](Index node, std::vector<Index>& out, int&) {
+        if (group[node] < 0) return;
+        for (const Index other : members[group[node]])
+          if (other != node) out.push_back(other);
+        for (const Index beside : (*graph.neighbours)[group[node]])
+          out.insert(out.end(), members[beside].begin(), members[beside].end());
+      },
+      context);
+}
+
+/// Without a graph, an unknown that is coupled with very many others counts as one that has no group: what is
+/// near it is near everything.
+void share_hubs(const IndexLists& coupled, Nodes& nodes) {
+  constexpr std::size_t few = 64, times_the_mean = 8;
+  const std::size_t mean = coupled.values.size() / static_cast<std::size_t>(std::max<Index>(1, nodes.count));
+  for (Index node = 0; node < nodes.count; ++node)
+    if (coupled[node].size() > few + times_the_mean * mean) nodes.shared[node] = 1;
+}
+
+}  // namespace
+
+NodeOrder order_nodes(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) {
+  NodeOrder result;
+  Nodes& nodes = result.nodes;
+  nodes = gather(static_cast<Index>(lower.rows()), graph);
+  const IndexLists coupled = matrix_neighbours(lower, nodes, context);
+  if (graph.neighbours == nullptr) share_hubs(coupled, nodes);
+  const Layers layers = long_layers(coupled);
+  result.strips = make_strips(layers);
+  std::vector<Index> number(layers.order.size());
+  for (std::size_t k = 0; k < layers.order.size(); ++k) number[layers.order[k]] = static_cast<Index>(k);
+  renumber(nodes, number, graph);
+
+  std::vector<std::uint8_t> odd(static_cast<std::size_t>(nodes.count), 0);
+  for (Index strip = 1; strip < result.strips.size(); strip += 2)
+    std::fill(odd.begin() + result.strips.begin[strip], odd.begin() + result.strips.begin[strip + 1],
+              std::uint8_t{1});
+  const auto meets_first = [&](Index node, Index other) {
+    return odd[other] != odd[node] ? odd[other] < odd[node] : other < node;
+  };
+  result.before = renumbered(coupled, layers.order, number, meets_first, context);
+  result.has_graph = graph.neighbours != nullptr;
+  if (result.has_graph) {
+    result.neighbours = graph_neighbours(nodes, graph, context);
+  } else {
+    result.neighbours = renumbered(
+        coupled, layers.order, number,
+        [&](Index node, Index other) { return !nodes.shared[node] && !nodes.shared[other]; }, context);
+  }
+  return result;
+}
+
+}  // namespace meshgraft
