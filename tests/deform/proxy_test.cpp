@@ -131,8 +131,8 @@ TEST(Proxy, DetailIsNeitherCrinkledNorCutOffAtRims) {
                                            {.self_intersections = false});
     const Quality moved = measure_quality(mesh.positions, reference, mesh.triangles, proxy.free_vertices(),
                                           {.self_intersections = false});
-    // Beside what the edit itself changes of the angles; a proxy that knew nothing of rims is off by 1.8 to 3
-    // times.
+    // Beside what the edit itself changes of the angles. Without passing over at rims the sphere and the sheet
+    // are off there by 1.8 and 2.9 times as much.
     EXPECT_LT(beside.dihedral_p99_deg, 2 * moved.dihedral_p99_deg);
     EXPECT_LT(beside.rim_jump_max_deg, 1.1 * moved.rim_jump_max_deg);
   }
