@@ -153,7 +153,7 @@ void run(const Settings& settings) {
         "direct: set-up {:.0f} ms, frame {:.0f} ms, solver {:.0f} MiB, dihedral change p99 {:.2f}, peak {:.0f} "
         "MiB\n",
         1e3 * set_up, 1e3 * frame, static_cast<double>(deformer.summary().solver.peak_memory_bytes) / 1048576,
-        dihedral, peak_mib());
+        quality.dihedral_p99_deg, peak_mib());
   }
   fmt::print("| asked | proxy | decimate | skin | set-up | frame | entries |{} peak MiB |\n",
              direct ? " max error % | RMS % | dihedral p99 | max | rim max |" : "");

@@ -121,19 +121,20 @@ TEST(Proxy, ApproachesTheDirectSolve) {
 }
 
 TEST(Proxy, DetailIsNeitherCrinkledNorCutOffAtRims) {
-  for (const TestMesh& mesh : {irregular_grid(90, 70), bar(12, 80), tube(60, 80)}) {
+  for (const TestMesh& mesh : {bumpy_sphere(5), irregular_grid(100, 80), tube(80, 100)}) {
     SCOPED_TRACE(mesh.name);
     const Scene scene = make_scene(mesh);
     const Points reference = directly(scene);
-    const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), mesh.size() / 10);
+    const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), mesh.size() / 40);
     const Points result = proxy.evaluate(std::vector{pose_of(head_move(scene))});
     const Quality beside = measure_quality(reference, result, mesh.triangles, proxy.free_vertices(),
                                            {.self_intersections = false});
     const Quality moved = measure_quality(mesh.positions, reference, mesh.triangles, proxy.free_vertices(),
                                           {.self_intersections = false});
-    // Angles differ by no more than about what the edit itself changes them.
-    EXPECT_LT(beside.dihedral_p99_deg, 1.5 * moved.dihedral_p99_deg);
-    EXPECT_LT(beside.rim_jump_max_deg, 1.2 * moved.rim_jump_max_deg);
+    // Beside what the edit itself changes of the angles. Without passing over at rims the sphere and the sheet
+    // are off there by 1.8 and 2.9 times as much.
+    EXPECT_LT(beside.dihedral_p99_deg, 2 * moved.dihedral_p99_deg);
+    EXPECT_LT(beside.rim_jump_max_deg, 1.1 * moved.rim_jump_max_deg);
   }
 }
 
