@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/memory.h>
+#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
 #include "../core/stopwatch.h"
@@ -52,6 +54,7 @@ struct Deformer::Impl {
   std::unique_ptr<ConstrainedSystem> system;
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
 
+  void choose_backend(const VertexStates& states);
   void build(const Points& rest, const Triangles& triangles, const VertexStates& states,
              std::span<const Anchor> anchors, std::span<const Feature> features, const DeformerOptions& options,
              const Context& context);
@@ -59,11 +62,25 @@ struct Deformer::Impl {
                 Columns* solved_maps, const Context& context) const;
 };
 
+/// Takes iterations where the region is very large, and refuses what would not fit the memory.
+void Deformer::Impl::choose_backend(const VertexStates& states) {
+  const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
+  const std::uint64_t memory = available_memory();
+  const SolvePath path = choose_path(free, options, memory);
+  if (path == SolvePath::proxy)
+    throw Error(ErrorCode::memory,
+                fmt::format("a solve for {} free vertices does not fit the {} MB of memory there are", free,
+                            memory / 1'000'000),
+                "", "Choose a smaller region, or solve a proxy of it");
+  if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
+}
+
 void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
                            std::span<const Anchor> anchors, std::span<const Feature> features,
                            const DeformerOptions& chosen, const Context& context) {
   options = chosen;
   validate(options);
+  choose_backend(states);
   system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
                                                context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;

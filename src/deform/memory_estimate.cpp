@@ -30,4 +30,36 @@ std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& option
   return std::llround((noise ? 255 : 635) * n_log_n);
 }
 
+namespace {
+
+/// Of the whole set-up and a solve, from what was measured at a million vertices.
+double iterative_memory(Index free_vertices, const DeformerOptions& options) {
+  return (options.operators.degenerate == DegenerateTreatment::ft05_noise ? 4000.0 : 6600.0) * free_vertices;
+}
+
+}  // namespace
+
+SolvePath choose_path(Index free_vertices, const DeformerOptions& options, std::uint64_t memory) {
+  constexpr Index most_for_direct = 1'000'000;
+  const double available = static_cast<double>(memory);
+  const bool direct_fits = 2.0 * static_cast<double>(estimated_memory(free_vertices, options)) <= available,
+             iterative_fits = iterative_memory(free_vertices, options) <= available;
+  switch (options.backend) {
+    case SolverBackend::automatic:
+      if (direct_fits && free_vertices < most_for_direct) return SolvePath::direct;
+      return iterative_fits ? SolvePath::iterative : SolvePath::proxy;
+    case SolverBackend::iterative: return iterative_fits ? SolvePath::iterative : SolvePath::proxy;
+    default: return direct_fits ? SolvePath::direct : SolvePath::proxy;
+  }
+}
+
+Index proxy_vertices_for(const DeformerOptions& options, std::uint64_t memory) {
+  constexpr Index fewest = 2000, most = 64'000;
+  Index vertices = most;
+  while (vertices > fewest &&
+         2.0 * static_cast<double>(estimated_memory(vertices, options)) > static_cast<double>(memory) / 4)
+    vertices /= 2;
+  return std::max(vertices, fewest);
+}
+
 }  // namespace meshgraft

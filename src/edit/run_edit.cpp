@@ -10,7 +10,9 @@
 
 #include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/memory.h>
 #include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/edit/resolve_deform.h>
@@ -176,10 +178,28 @@ Solution solve_by(const Options& deformer_options, const DeformProblem& problem,
   return solution;
 }
 
+// Those of the region that are not fixed.
+Index most_free_vertices(const DeformProblem& problem) {
+  const Region& region = problem.deform.region;
+  const Eigen::Index all = region.whole || region.vertices.empty()
+                               ? problem.rest.rows()
+                               : static_cast<Eigen::Index>(region.vertices.size());
+  return static_cast<Index>(std::max<Eigen::Index>(0, all - static_cast<Eigen::Index>(region.fixed.size())));
+}
+
 Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
                StepReport& report, const Context& context) {
-  if (settings.proxy == 0) return solve_by(settings.deformer, problem, options, report, context);
-  return solve_by(ProxyOptions{settings.deformer, settings.proxy}, problem, options, report, context);
+  Index proxy = settings.proxy;
+  const std::uint64_t memory = options.memory.value_or(available_memory());
+  const Index free = most_free_vertices(problem);
+  if (proxy == 0 && choose_path(free, settings.deformer, memory) == SolvePath::proxy) {
+    proxy = proxy_vertices_for(settings.deformer, memory);
+    report.notes.push_back(fmt::format(
+        "a solve for {} free vertices does not fit the {} MB of memory there are: it was made on a proxy", free,
+        memory / 1'000'000));
+  }
+  if (proxy == 0) return solve_by(settings.deformer, problem, options, report, context);
+  return solve_by(ProxyOptions{settings.deformer, proxy}, problem, options, report, context);
 }
 
 std::vector<std::string> notes_of(const StepReport& report) {
@@ -283,7 +303,8 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
   report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
-  report.notes = notes_of(report);
+  const std::vector<std::string> notes = notes_of(report);
+  report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   if (!weld.empty()) report.notes.push_back(weld_note(weld));
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();

@@ -194,6 +194,17 @@ TEST_F(RunEdit, SolvesAProxyAndSaysSo) {
   EXPECT_LT((all.mesh.positions - exact.mesh.positions).rowwise().norm().maxCoeff(), 1e-10);
 }
 
+TEST_F(RunEdit, TakesAProxyWhereTheMemoryIsTooSmall) {
+  RunOptions small, large;
+  small.memory = 1'000'000;
+  large.memory = std::uint64_t{1} << 40;
+  const EditResult result = run_edit(edit(step()), small);
+  EXPECT_TRUE(result.report.steps.front().proxy.has_value());
+  ASSERT_FALSE(result.report.steps.front().notes.empty());
+  EXPECT_NE(result.report.steps.front().notes.front().find("memory"), std::string::npos);
+  EXPECT_FALSE(run_edit(edit(step()), large).report.steps.front().proxy.has_value());
+}
+
 TEST_F(RunEdit, TargetsPerVertexDoWhatAHandleDoes) {
   const EditResult by_handle = run_edit(edit(step()));
   std::string targets, transforms;

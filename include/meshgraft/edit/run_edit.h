@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,9 @@ struct SettingsOverrides {
 struct RunOptions {
   SettingsOverrides overrides;
   bool estimate_condition = true;  ///< costs a few solves
+  /// Bytes that a solve may take; a region that needs more is solved on a decimated proxy, and a note says so.
+  /// Absent: what the machine and the process's limits allow.
+  std::optional<std::uint64_t> memory{};
   /// A merge whose result intersects itself where it did not before fails, Error(unsolvable), instead of a
   /// note.
   bool strict = false;
