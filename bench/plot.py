@@ -75,7 +75,7 @@ def log_log_plot(title, x_label, y_label, curves):
 def stacked_bars(title, unit, bars):
     """`bars`: [(name, [(part, value), …]), …], all with the same parts."""
     total = max(sum(value for _, value in parts) for _, parts in bars)
-    left, right, top = 210, 30, 84
+    left, right, top = 225, 30, 84
     width, height = WIDTH - left - right, min(56, (HEIGHT - top - 30) / len(bars))
     out = [text(WIDTH / 2, 26, title, size=16)]
     x = left

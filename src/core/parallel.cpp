@@ -175,13 +175,17 @@ void TaskForest::visit_up(const std::function<void(int)>& visit, const Context& 
     return;
   }
   ForkJoin events;
-  const CallerScope caller(events);
   std::vector<char> visited(slot_.size(), 0);
   const std::function<void(int)> climb = [&](int root) {
+    await(events.fork);
     int first = first_[root];
     if (slot_[root] >= 0) {
       tbb::task_group group;
-      for (const int child : children_[slot_[root]]) group.run([&climb, child] { climb(child); });
+      for (const int child : children_[slot_[root]])
+        group.run([&, child] {
+          await(events.fork);
+          climb(child);
+        });
       group.wait();
       for (const int child : children_[slot_[root]]) await(visited[child]);
       first = root;
@@ -193,9 +197,14 @@ void TaskForest::visit_up(const std::function<void(int)>& visit, const Context& 
     }
     signal(visited[root]);
   };
+  const CallerScope caller(events);
   in_arena(context, [&] {
     tbb::task_group group;
-    for (const int root : roots_) group.run([&climb, root] { climb(root); });
+    for (const int root : roots_)
+      group.run([&, root] {
+        await(events.fork);
+        climb(root);
+      });
     group.wait();
   });
 }
@@ -209,9 +218,9 @@ void TaskForest::visit_down(const std::function<void(int)>& visit, const Context
     return;
   }
   ForkJoin events;
-  const CallerScope caller(events);
   std::vector<char> visited(slot_.size(), 0);
   const std::function<void(int, char&)> descend = [&](int root, char& above) {
+    await(events.fork);
     const bool alone = slot_[root] >= 0;
     {
       await(above);
@@ -225,12 +234,20 @@ void TaskForest::visit_down(const std::function<void(int)>& visit, const Context
     if (!alone) return;
     tbb::task_group group;
     for (const int child : children_[slot_[root]])
-      group.run([&, child, root] { descend(child, visited[root]); });
+      group.run([&, child, root] {
+        await(events.fork);
+        descend(child, visited[root]);
+      });
     group.wait();
   };
+  const CallerScope caller(events);
   in_arena(context, [&] {
     tbb::task_group group;
-    for (const int root : roots_) group.run([&, root] { descend(root, events.fork); });
+    for (const int root : roots_)
+      group.run([&, root] {
+        await(events.fork);
+        descend(root, events.fork);
+      });
     group.wait();
   });
 }

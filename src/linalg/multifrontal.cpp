@@ -62,7 +62,14 @@ class UpdateStore {
     auto fitting = free_.lower_bound(size);
     if (fitting != free_.end() && fitting->first > 2 * size + 10'000) fitting = free_.end();
     if (fitting == free_.end()) {
+      // In the place of the largest one that is too small: sizes grow up the tree.
+      if (auto smaller = free_.lower_bound(size); smaller != free_.begin()) {
+        --smaller;
+        total_ -= smaller->first;
+        free_.erase(smaller);
+      }
       total_ += size;
+      peak_ = std::max(peak_, total_);
       return {std::unique_ptr<double[]>(new double[static_cast<std::size_t>(size)]), size};
     }
     Block block{std::move(fitting->second), fitting->first};
@@ -76,12 +83,12 @@ class UpdateStore {
     free_.emplace(block.size, std::move(block.values));
   }
 
-  std::int64_t size() const { return total_; }
+  std::int64_t peak() const { return peak_; }
 
  private:
   std::mutex mutex_;
   std::multimap<std::int64_t, std::unique_ptr<double[]>> free_;
-  std::int64_t total_ = 0;
+  std::int64_t total_ = 0, peak_ = 0;
 };
 
 }  // namespace
@@ -176,7 +183,7 @@ void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& con
                        static_cast<double>(eliminated) / static_cast<double>(pattern_.order.size()));
       },
       context);
-  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + store.size()) +
+  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + store.peak()) +
                 static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(pattern_.rows.size());
 }
 

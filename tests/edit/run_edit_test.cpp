@@ -196,7 +196,7 @@ TEST_F(RunEdit, SolvesAProxyAndSaysSo) {
 
 TEST_F(RunEdit, TakesAProxyWhereTheMemoryIsTooSmall) {
   RunOptions small, large;
-  small.memory = 1'000'000;
+  small.memory = 10'000;
   large.memory = std::uint64_t{1} << 40;
   const EditResult result = run_edit(edit(step()), small);
   EXPECT_TRUE(result.report.steps.front().proxy.has_value());
