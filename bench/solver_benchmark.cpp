@@ -1,7 +1,8 @@
 // Times of set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints, and of
 // merging:
 //
-//   meshgraft_bench [--eigen_max_vertices=20000] [Google Benchmark's own flags]
+//   meshgraft_bench [--eigen_max_vertices=20000] [--iterative_max_vertices=100000] [Google Benchmark's own
+//   flags]
 //
 // One iteration is one edit from nothing. Its stages are counters in seconds, so that the medians over
 // repetitions are each stage's own; the benchmark's time is their sum.
@@ -32,6 +33,7 @@ namespace meshgraft::bench {
 namespace {
 
 constexpr std::array<Index, 7> sizes{2'000, 5'000, 10'000, 20'000, 50'000, 100'000, 250'000};
+constexpr std::array<Index, 1> very_large_sizes{1'000'000};  // of the iterative solver alone
 constexpr unsigned cgal_iterations = 10;
 
 using Merges = BySize<BenchMerge, make_head_on_bust>;
@@ -133,19 +135,32 @@ void run_merge(benchmark::State& state, const BenchMerge& merge, const MergeOpti
   state.counters["source_vertices"] = merge.source.vertex_count();
 }
 
-void register_deformer(Edits& edits, Index eigen_max_vertices) {
+/// Up to which size each backend is timed.
+struct MaxVertices {
+  Index eigen = 20'000, iterative = 100'000;
+};
+
+void register_deformer(Edits& edits, const MaxVertices& most) {
   for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
-    for (const auto& [backend, backend_name] :
-         {std::pair{SolverBackend::cholmod, "cholmod"}, std::pair{SolverBackend::eigen, "eigen"}}) {
-      for (const Index size : sizes) {
-        if (!is_available(backend) || (backend == SolverBackend::eigen && size > eigen_max_vertices)) continue;
-        DeformerOptions options;
-        options.method = DeformMethod::ft05;
-        options.operators.degenerate = treatment;
-        options.backend = backend;
-        add("meshgraft/" + std::string(to_string(treatment)) + "/" + backend_name + "/" + std::to_string(size),
-            [&edits, size, options](benchmark::State& state) { run_deformer(state, edits[size], options); });
-      }
+    const auto add_size = [&](SolverBackend backend, const std::string& name, Index size) {
+      DeformerOptions options;
+      options.method = DeformMethod::ft05;
+      options.operators.degenerate = treatment;
+      options.backend = backend;
+      add("meshgraft/" + std::string(to_string(treatment)) + "/" + name + "/" + std::to_string(size),
+          [&edits, size, options](benchmark::State& state) { run_deformer(state, edits[size], options); });
+    };
+    for (const Index size : sizes) {
+      if (is_available(SolverBackend::cholmod)) add_size(SolverBackend::cholmod, "cholmod", size);
+    }
+    for (const Index size : sizes) {
+      if (size <= most.eigen) add_size(SolverBackend::eigen, "eigen", size);
+    }
+    for (const Index size : sizes) {
+      if (size <= most.iterative) add_size(SolverBackend::iterative, "iterative", size);
+    }
+    for (const Index size : very_large_sizes) {
+      if (size <= most.iterative) add_size(SolverBackend::iterative, "iterative", size);
     }
   }
 }
@@ -202,10 +217,8 @@ void register_merge(Merges& merges) {
   }
 }
 
-// Takes our own flag out of the arguments; the rest is Google Benchmark's.
-Index take_eigen_max_vertices(int& argc, char** argv) {
-  constexpr std::string_view flag = "--eigen_max_vertices=";
-  Index value = 20'000;
+// Takes a flag of our own out of the arguments; the rest is Google Benchmark's.
+Index take_number(std::string_view flag, Index value, int& argc, char** argv) {
   char** const end = std::remove_if(argv + 1, argv + argc, [&](const char* argument) {
     if (!std::string_view(argument).starts_with(flag)) return false;
     value = static_cast<Index>(std::strtol(argument + flag.size(), nullptr, 10));
@@ -222,9 +235,11 @@ int main(int argc, char** argv) {
   meshgraft::cli::restart_with_better_blas_kernels(argv);
   meshgraft::bench::Edits edits;
   meshgraft::bench::Merges merges;
-  const meshgraft::Index eigen_max_vertices = meshgraft::bench::take_eigen_max_vertices(argc, argv);
+  meshgraft::bench::MaxVertices most;
+  most.eigen = meshgraft::bench::take_number("--eigen_max_vertices=", most.eigen, argc, argv);
+  most.iterative = meshgraft::bench::take_number("--iterative_max_vertices=", most.iterative, argc, argv);
   meshgraft::bench::register_machine();
-  meshgraft::bench::register_deformer(edits, eigen_max_vertices);
+  meshgraft::bench::register_deformer(edits, most);
   meshgraft::bench::register_corotational(edits);
   meshgraft::bench::register_frames(edits);
   meshgraft::bench::register_orderings(edits);

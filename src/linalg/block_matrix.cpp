@@ -24,11 +24,13 @@ namespace {
 constexpr int columns = 4;
 
 /// What a sweep reads of the matrix.
-template <int width>
-struct BlockRows {
-  const Index* offsets;
-  const Index* before;
+struct Rows {
+  const Index* block_offsets;
+  const Index* block_nodes;
   const double* blocks;
+  const Index* entry_offsets;
+  const Index* entry_nodes;
+  const double* entries;
   const double* diagonal;
   const double* diagonal_inverse;
 };
@@ -56,60 +58,68 @@ template <int width>
   }
 }
 
+/// y += L x in the rows of node i.
 template <int width>
-MESHGRAFT_WIDEST_REGISTERS void multiply_rows(const BlockRows<width> N, Index begin, Index end, const Four* x,
-                                              Four* y) {
+[[gnu::always_inline]] inline void gather(const Rows& N, Index i, const Four* x, Four* y) {
+  for (Index k = N.block_offsets[i]; k < N.block_offsets[i + 1]; ++k)
+    add_product<width>(N.blocks + k * std::ptrdiff_t{width * width},
+                       x + N.block_nodes[k] * std::ptrdiff_t{width}, y);
+  for (Index k = N.entry_offsets[i]; k < N.entry_offsets[i + 1]; ++k)
+    y[0] += N.entries[k] * x[N.entry_nodes[k] * std::ptrdiff_t{width}];
+}
+
+/// y -= Lᵀ x for the x of node i alone.
+template <int width>
+[[gnu::always_inline]] inline void scatter(const Rows& N, Index i, const Four* x, Four* y) {
+  for (Index k = N.block_offsets[i]; k < N.block_offsets[i + 1]; ++k)
+    subtract_transposed<width>(N.blocks + k * std::ptrdiff_t{width * width}, x,
+                               y + N.block_nodes[k] * std::ptrdiff_t{width});
+  for (Index k = N.entry_offsets[i]; k < N.entry_offsets[i + 1]; ++k)
+    y[N.entry_nodes[k] * std::ptrdiff_t{width}] -= N.entries[k] * x[0];
+}
+
+template <int width>
+MESHGRAFT_WIDEST_REGISTERS void multiply_rows(const Rows N, Index begin, Index end, const Four* x, Four* y) {
   for (Index i = begin; i < end; ++i) {
+    const std::ptrdiff_t own = i * std::ptrdiff_t{width};
     Four sum[width] = {}, minus_x[width];
-    for (int a = 0; a < width; ++a) minus_x[a] = -x[i * std::ptrdiff_t{width} + a];
-    add_product<width>(N.diagonal + i * std::ptrdiff_t{width * width}, x + i * std::ptrdiff_t{width}, sum);
-    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k) {
-      const double* M = N.blocks + k * std::ptrdiff_t{width * width};
-      const std::ptrdiff_t j = N.before[k] * std::ptrdiff_t{width};
-      add_product<width>(M, x + j, sum);
-      subtract_transposed<width>(M, minus_x, y + j);
-    }
-    for (int a = 0; a < width; ++a) y[i * std::ptrdiff_t{width} + a] += sum[a];
+    for (int a = 0; a < width; ++a) minus_x[a] = -x[own + a];
+    add_product<width>(N.diagonal + own * width, x + own, sum);
+    gather<width>(N, i, x, sum);
+    scatter<width>(N, i, minus_x, y);
+    for (int a = 0; a < width; ++a) y[own + a] += sum[a];
   }
 }
 
 template <int width>
-MESHGRAFT_WIDEST_REGISTERS void sweep_rows_forward(const BlockRows<width> N, Index begin, Index end,
-                                                   const Four* r, Four* z, Four* s) {
+MESHGRAFT_WIDEST_REGISTERS void sweep_rows_forward(const Rows N, Index begin, Index end, const Four* r, Four* z,
+                                                   Four* s) {
   for (Index i = begin; i < end; ++i) {
     const std::ptrdiff_t own = i * std::ptrdiff_t{width};
     Four left[width] = {}, solved[width] = {};
-    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
-      add_product<width>(N.blocks + k * std::ptrdiff_t{width * width}, z + N.before[k] * std::ptrdiff_t{width},
-                         left);
+    gather<width>(N, i, z, left);
     for (int a = 0; a < width; ++a) left[a] = r[own + a] - left[a];
-    add_product<width>(N.diagonal_inverse + i * std::ptrdiff_t{width * width}, left, solved);
+    add_product<width>(N.diagonal_inverse + own * width, left, solved);
     for (int a = 0; a < width; ++a) z[own + a] = solved[a];
-    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
-      subtract_transposed<width>(N.blocks + k * std::ptrdiff_t{width * width}, solved,
-                                 s + N.before[k] * std::ptrdiff_t{width});
+    scatter<width>(N, i, solved, s);
   }
 }
 
 template <int width>
-MESHGRAFT_WIDEST_REGISTERS void sweep_rows_backward(const BlockRows<width> N, Index begin, Index end,
-                                                    const Four* e, Four* s, Four* z) {
+MESHGRAFT_WIDEST_REGISTERS void sweep_rows_backward(const Rows N, Index begin, Index end, const Four* e,
+                                                    Four* s, Four* z) {
   for (Index i = end; i-- > begin;) {
     const std::ptrdiff_t own = i * std::ptrdiff_t{width};
     Four product[width] = {}, change[width];
-    add_product<width>(N.diagonal + i * std::ptrdiff_t{width * width}, e + own, product);
-    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
-      add_product<width>(N.blocks + k * std::ptrdiff_t{width * width}, e + N.before[k] * std::ptrdiff_t{width},
-                         product);
+    add_product<width>(N.diagonal + own * width, e + own, product);
+    gather<width>(N, i, e, product);
     for (int a = 0; a < width; ++a) {
       product[a] = s[own + a] - product[a];
       change[a] = e[own + a];
     }
-    add_product<width>(N.diagonal_inverse + i * std::ptrdiff_t{width * width}, product, change);
+    add_product<width>(N.diagonal_inverse + own * width, product, change);
     for (int a = 0; a < width; ++a) z[own + a] += change[a];
-    for (Index k = N.offsets[i]; k < N.offsets[i + 1]; ++k)
-      subtract_transposed<width>(N.blocks + k * std::ptrdiff_t{width * width}, change,
-                                 s + N.before[k] * std::ptrdiff_t{width});
+    scatter<width>(N, i, change, s);
   }
 }
 
@@ -135,7 +145,8 @@ class BlockMatrixOf final : public BlockMatrix {
 
   void set_values(const NormalMatrix& lower, const Context& context) override {
     const std::vector<int>& row = order_.nodes.row;
-    blocks_.assign(order_.before.values.size() * block_size, 0.0);
+    blocks_.assign(order_.before_by_block.values.size() * block_size, 0.0);
+    entries_.assign(order_.before_by_entry.values.size(), 0.0);
     diagonal_.assign(static_cast<std::size_t>(order_.nodes.count) * block_size, 0.0);
     parallel_blocks(
         static_cast<std::size_t>(lower.cols()),
@@ -180,22 +191,26 @@ class BlockMatrixOf final : public BlockMatrix {
   }
 
   std::int64_t bytes() const override {
-    return static_cast<std::int64_t>((blocks_.size() + diagonal_.size() + diagonal_inverse_.size()) *
-                                         sizeof(double) +
-                                     order_.before.values.size() * sizeof(Index));
+    const std::size_t numbers = blocks_.size() + entries_.size() + diagonal_.size() + diagonal_inverse_.size();
+    const std::size_t indices = order_.before_by_block.values.size() + order_.before_by_entry.values.size();
+    return static_cast<std::int64_t>(numbers * sizeof(double) + indices * sizeof(Index));
   }
 
   const double* diagonal_block(Index node) const override { return &diagonal_[node * block_size]; }
   const double* blocks_before(Index node) const override {
-    return blocks_.data() + static_cast<std::size_t>(order_.before.offsets[node]) * block_size;
+    return blocks_.data() + static_cast<std::size_t>(order_.before_by_block.offsets[node]) * block_size;
+  }
+  const double* entries_before(Index node) const override {
+    return entries_.data() + order_.before_by_entry.offsets[node];
   }
 
  private:
   static constexpr std::size_t block_size = width * width;
 
-  BlockRows<width> rows() const {
-    return {order_.before.offsets.data(), order_.before.values.data(), blocks_.data(), diagonal_.data(),
-            diagonal_inverse_.data()};
+  Rows rows() const {
+    const IndexLists &by_block = order_.before_by_block, &by_entry = order_.before_by_entry;
+    return {by_block.offsets.data(), by_block.values.data(), blocks_.data(),   by_entry.offsets.data(),
+            by_entry.values.data(),  entries_.data(),        diagonal_.data(), diagonal_inverse_.data()};
   }
 
   template <class Body>
@@ -210,31 +225,48 @@ class BlockMatrixOf final : public BlockMatrix {
         context, 1);
   }
 
-  /// Where the entries of one column go: each into the block of its two nodes, the one or the other way round.
+  /// Where the entries of one column go: each to the coupling of its two nodes, the one or the other way round.
   class Place {
    public:
     Place(BlockMatrixOf& matrix, int column) : matrix_(matrix), node_(column / width), at_(column % width) {}
 
     void set(int row, double value) {
-      const Index node = row / width;
       const int at = row % width;
-      if (node != other_) look_up(node);
-      if (node == node_)
+      if (row / width != other_) look_up(row / width);
+      if (other_ == node_)
         block_[at_ * width + at] = block_[at * width + at_] = value;
+      else if (entry_ != nullptr)
+        *entry_ = value;
       else
         block_[transposed_ ? at_ * width + at : at * width + at_] = value;
     }
 
    private:
     void look_up(Index node) {
+      const NodeOrder& order = matrix_.order_;
       other_ = node;
+      entry_ = nullptr;
+      transposed_ = false;
       if (node == node_) {
         block_ = &matrix_.diagonal_[node * block_size];
-        return;
+      } else if (std::size_t k = find(order.before_by_block, node, node_); k != none) {
+        block_ = &matrix_.blocks_[k * block_size];
+      } else if (k = find(order.before_by_block, node_, node); k != none) {
+        block_ = &matrix_.blocks_[k * block_size];
+        transposed_ = true;
+      } else {
+        k = find(order.before_by_entry, node, node_);
+        if (k == none) k = find(order.before_by_entry, node_, node);
+        entry_ = &matrix_.entries_[k];
       }
-      const std::size_t direct = matrix_.find(node, node_);
-      transposed_ = direct == none;
-      block_ = &matrix_.blocks_[(transposed_ ? matrix_.find(node_, node) : direct) * block_size];
+    }
+
+    static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    static std::size_t find(const IndexLists& lists, Index node, Index other) {
+      const auto list = lists[node];
+      const auto at = std::lower_bound(list.begin(), list.end(), other);
+      if (at == list.end() || *at != other) return none;
+      return static_cast<std::size_t>(lists.offsets[node] + (at - list.begin()));
     }
 
     BlockMatrixOf& matrix_;
@@ -242,16 +274,8 @@ class BlockMatrixOf final : public BlockMatrix {
     const int at_;
     Index other_ = -1;
     bool transposed_ = false;
-    double* block_ = nullptr;
+    double *block_ = nullptr, *entry_ = nullptr;
   };
-
-  static constexpr std::size_t none = static_cast<std::size_t>(-1);
-  std::size_t find(Index node, Index other) const {
-    const auto before = order_.before[node];
-    const auto at = std::lower_bound(before.begin(), before.end(), other);
-    if (at == before.end() || *at != other) return none;
-    return static_cast<std::size_t>(order_.before.offsets[node] + (at - before.begin()));
-  }
 
   void invert_diagonal(Eigen::Index unknowns) {
     diagonal_inverse_.resize(diagonal_.size());
@@ -269,7 +293,7 @@ class BlockMatrixOf final : public BlockMatrix {
   }
 
   const NodeOrder& order_;
-  std::vector<double> blocks_, diagonal_, diagonal_inverse_;
+  std::vector<double> blocks_, entries_, diagonal_, diagonal_inverse_;
 };
 
 }  // namespace

@@ -37,9 +37,11 @@ class BlockMatrix {
 
   virtual std::int64_t bytes() const = 0;
 
-  // For coarse matrices: the blocks of a row, width×width, row by row.
+  // For coarse matrices: what a node has in D and, beside its lists of nodes before it, in L. Blocks are
+  // width×width, row by row.
   virtual const double* diagonal_block(Index node) const = 0;
   virtual const double* blocks_before(Index node) const = 0;
+  virtual const double* entries_before(Index node) const = 0;
 };
 
 /// `order` must outlive the matrix.

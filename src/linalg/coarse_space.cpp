@@ -147,9 +147,15 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
     };
     add(i, 0.5 * Eigen::Map<const MatrixBlock>(matrix.diagonal_block(i)));
     const double* block = matrix.blocks_before(i);
-    for (const Index j : order_.before[i]) {
+    for (const Index j : order_.before_by_block[i]) {
       add(j, Eigen::Map<const MatrixBlock>(block));
       block += width * width;
+    }
+    const double* entry = matrix.entries_before(i);
+    MatrixBlock first_rows = MatrixBlock::Zero();
+    for (const Index j : order_.before_by_entry[i]) {
+      first_rows(0, 0) = *entry++;
+      add(j, first_rows);
     }
     for (std::size_t k = 0; k < reached.size(); ++k)
       product[k] = (product[k] * basis_about(reached[k], origin)).eval();
@@ -165,11 +171,11 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
         if (a < b) sum.transposeInPlace();
         std::vector<BlockEntry>& row = sums[std::max(a, b)];
         const Index column = std::min(a, b);
-        auto entry = std::find_if(row.begin(), row.end(), [&](const auto& e) { return e.column == column; });
-        if (entry == row.end())
+        const auto at = std::find_if(row.begin(), row.end(), [&](const auto& e) { return e.column == column; });
+        if (at == row.end())
           row.push_back({column, sum});
         else
-          entry->block += sum;
+          at->block += sum;
       }
     }
     for (const Index b : reached) place[b] = -1;

@@ -12,16 +12,19 @@ namespace meshgraft {
 
 namespace {
 
-/// Marks that are all taken back at once.
-class Marks {
+/// Places of some nodes, all taken back at once.
+class Places {
  public:
-  explicit Marks(Index count) : marked_in_(static_cast<std::size_t>(count), 0) {}
+  explicit Places(Index count) : set_in_(static_cast<std::size_t>(count), 0), place_(set_in_.size(), 0) {}
   void clear() { ++round_; }
-  /// False if it was marked already.
-  bool mark(Index i) { return std::exchange(marked_in_[i], round_) != round_; }
+  std::size_t find_or_set(Index node, std::size_t place) {
+    if (std::exchange(set_in_[node], round_) != round_) place_[node] = place;
+    return place_[node];
+  }
 
  private:
-  std::vector<std::uint32_t> marked_in_;
+  std::vector<std::uint32_t> set_in_;
+  std::vector<std::size_t> place_;
   std::uint32_t round_ = 1;
 };
 
@@ -57,22 +60,29 @@ IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Co
   return lists;
 }
 
-/// Lists in which j has i wherever i has j.
+/// A neighbour in the matrix, as a number: twice the node, and one more where entries of other than both nodes'
+/// first rows couple them.
+using Coupling = Index;
+Coupling coupling(Index node, bool by_block) { return 2 * node + (by_block ? 1 : 0); }
+Index node_of(Coupling coupling) { return coupling / 2; }
+bool by_block(Coupling coupling) { return coupling % 2 != 0; }
+
+/// Couplings in which j has i wherever i has j.
 IndexLists symmetric(const IndexLists& half) {
   IndexLists whole;
   whole.offsets.assign(half.offsets.size(), 0);
   for (Index i = 0; i < half.size(); ++i)
-    for (const Index j : half[i]) {
+    for (const Coupling other : half[i]) {
       ++whole.offsets[i + 1];
-      ++whole.offsets[j + 1];
+      ++whole.offsets[node_of(other) + 1];
     }
   std::partial_sum(whole.offsets.begin(), whole.offsets.end(), whole.offsets.begin());
   whole.values.resize(2 * half.values.size());
   std::vector<Index> end(whole.offsets.begin(), whole.offsets.end() - 1);
   for (Index i = 0; i < half.size(); ++i)
-    for (const Index j : half[i]) {
-      whole.values[end[i]++] = j;
-      whole.values[end[j]++] = i;
+    for (const Coupling other : half[i]) {
+      whole.values[end[i]++] = other;
+      whole.values[end[node_of(other)]++] = coupling(i, by_block(other));
     }
   return whole;
 }
@@ -101,22 +111,28 @@ Nodes gather(Index unknowns, const CouplingGraph& graph) {
   return nodes;
 }
 
-/// Nodes that entries of the matrix couple, possibly named twice.
-IndexLists matrix_neighbours(const NormalMatrix& lower, const Nodes& nodes, const Context& context) {
+/// Couplings by the matrix's entries; two nodes may be coupled twice.
+IndexLists matrix_couplings(const NormalMatrix& lower, const Nodes& nodes, const Context& context) {
   std::vector<std::vector<int>> unknowns(static_cast<std::size_t>(nodes.width));
   for (auto& of_place : unknowns) of_place.assign(static_cast<std::size_t>(nodes.count), -1);
   for (std::size_t u = 0; u < nodes.row.size(); ++u)
     unknowns[nodes.row[u] % nodes.width][nodes.row[u] / nodes.width] = static_cast<int>(u);
   const IndexLists half = make_lists(
-      nodes.count, [&] { return Marks(nodes.count); },
-      [&](Index node, std::vector<Index>& out, Marks& marks) {
-        marks.clear();
-        marks.mark(node);
-        for (const auto& of_place : unknowns) {
-          if (of_place[node] < 0) continue;
-          for (NormalMatrix::InnerIterator entry(lower, of_place[node]); entry; ++entry)
-            if (const Index other = nodes.row[entry.row()] / nodes.width; marks.mark(other))
-              out.push_back(other);
+      nodes.count, [&] { return Places(nodes.count); },
+      [&](Index node, std::vector<Index>& out, Places& places) {
+        places.clear();
+        for (int at = 0; at < nodes.width; ++at) {
+          if (unknowns[at][node] < 0) continue;
+          for (NormalMatrix::InnerIterator entry(lower, unknowns[at][node]); entry; ++entry) {
+            const int row = nodes.row[entry.row()];
+            const Index other = row / nodes.width;
+            const bool block = at != 0 || row % nodes.width != 0;
+            if (other == node) continue;
+            if (const std::size_t place = places.find_or_set(other, out.size()); place == out.size())
+              out.push_back(coupling(other, block));
+            else if (block)
+              out[place] = coupling(other, true);
+          }
         }
       },
       context);
@@ -130,18 +146,18 @@ struct Layers {
   std::vector<Index> begin{0};  ///< of each layer in `order`, and the end
 };
 
-Layers layers_from(const std::vector<Index>& starts, const IndexLists& neighbours) {
+Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings) {
   Layers layers;
-  layers.order.reserve(static_cast<std::size_t>(neighbours.size()));
-  std::vector<std::uint8_t> seen(static_cast<std::size_t>(neighbours.size()), 0);
+  layers.order.reserve(static_cast<std::size_t>(couplings.size()));
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(couplings.size()), 0);
   for (const Index start : starts) {
     if (std::exchange(seen[start], 1)) continue;
     layers.order.push_back(start);
     while (layers.begin.back() < static_cast<Index>(layers.order.size())) {
       const auto end = static_cast<Index>(layers.order.size());
       for (Index k = layers.begin.back(); k < end; ++k)
-        for (const Index other : neighbours[layers.order[k]])
-          if (!std::exchange(seen[other], 1)) layers.order.push_back(other);
+        for (const Coupling other : couplings[layers.order[k]])
+          if (!std::exchange(seen[node_of(other)], 1)) layers.order.push_back(node_of(other));
       layers.begin.push_back(end);
     }
   }
@@ -149,11 +165,11 @@ Layers layers_from(const std::vector<Index>& starts, const IndexLists& neighbour
 }
 
 /// From a node far out in each component: layers are many and small.
-Layers long_layers(const IndexLists& neighbours) {
-  std::vector<Index> starts(static_cast<std::size_t>(neighbours.size()));
+Layers long_layers(const IndexLists& couplings) {
+  std::vector<Index> starts(static_cast<std::size_t>(couplings.size()));
   std::iota(starts.begin(), starts.end(), 0);
-  const Layers first = layers_from(starts, neighbours);
-  return layers_from({first.order.rbegin(), first.order.rend()}, neighbours);
+  const Layers first = layers_from(starts, couplings);
+  return layers_from({first.order.rbegin(), first.order.rend()}, couplings);
 }
 
 /// Strips of about the same number of nodes. Of two layers at least, so that the odd strips on both sides of an
@@ -198,19 +214,36 @@ void renumber(Nodes& nodes, const std::vector<Index>& number, const CouplingGrap
   }
 }
 
-/// For each node in its new number, those of `neighbours` (old numbers) that `wanted` takes; ascending, once
+/// For each node in its new number, those couplings that `wanted` takes, in new numbers too; ascending, once
 /// each.
 template <class Wanted>
-IndexLists renumbered(const IndexLists& neighbours, const std::vector<Index>& order,
+IndexLists renumbered(const IndexLists& couplings, const std::vector<Index>& order,
                       const std::vector<Index>& number, Wanted wanted, const Context& context) {
   return make_lists(
       static_cast<Index>(order.size()), [] { return 0; },
       [&](Index node, std::vector<Index>& out, int&) {
         const auto start = static_cast<std::ptrdiff_t>(out.size());
-        for (const Index other : neighbours[order[node]])
-          if (wanted(node, number[other])) out.push_back(number[other]);
+        for (const Coupling other : couplings[order[node]])
+          if (const Index new_number = number[node_of(other)]; wanted(node, new_number))
+            out.push_back(coupling(new_number, by_block(other)));
         std::sort(out.begin() + start, out.end());
-        out.erase(std::unique(out.begin() + start, out.end()), out.end());
+        // Of two couplings with one node, the later one is by block if any is.
+        auto end = out.begin() + start;
+        for (auto it = end; it != out.end(); ++it)
+          if (it + 1 == out.end() || node_of(*it) != node_of(it[1])) *end++ = *it;
+        out.erase(end, out.end());
+      },
+      context);
+}
+
+/// The nodes of those couplings that `wanted` takes.
+template <class Wanted>
+IndexLists nodes_of(const IndexLists& couplings, Wanted wanted, const Context& context) {
+  return make_lists(
+      couplings.size(), [] { return 0; },
+      [&](Index node, std::vector<Index>& out, int&) {
+        for (const Coupling other : couplings[node])
+          if (wanted(node, other)) out.push_back(node_of(other));
       },
       context);
 }
@@ -257,7 +290,7 @@ NodeOrder order_nodes(const NormalMatrix& lower, const CouplingGraph& graph, con
   NodeOrder result;
   Nodes& nodes = result.nodes;
   nodes = gather(static_cast<Index>(lower.rows()), graph);
-  const IndexLists coupled = matrix_neighbours(lower, nodes, context);
+  const IndexLists coupled = matrix_couplings(lower, nodes, context);
   if (graph.neighbours == nullptr) share_hubs(coupled, nodes);
   const Layers layers = long_layers(coupled);
   result.strips = make_strips(layers);
@@ -272,14 +305,19 @@ NodeOrder order_nodes(const NormalMatrix& lower, const CouplingGraph& graph, con
   const auto meets_first = [&](Index node, Index other) {
     return odd[other] != odd[node] ? odd[other] < odd[node] : other < node;
   };
-  result.before = renumbered(coupled, layers.order, number, meets_first, context);
+  const IndexLists before = renumbered(coupled, layers.order, number, meets_first, context);
+  result.before_by_block = nodes_of(before, [](Index, Coupling other) { return by_block(other); }, context);
+  result.before_by_entry = nodes_of(before, [](Index, Coupling other) { return !by_block(other); }, context);
   result.has_graph = graph.neighbours != nullptr;
   if (result.has_graph) {
     result.neighbours = graph_neighbours(nodes, graph, context);
   } else {
-    result.neighbours = renumbered(
-        coupled, layers.order, number,
-        [&](Index node, Index other) { return !nodes.shared[node] && !nodes.shared[other]; }, context);
+    const auto both_unshared = [&](Index node, Index other) {
+      return !nodes.shared[node] && !nodes.shared[other];
+    };
+    result.neighbours = nodes_of(
+        renumbered(coupled, layers.order, number, both_unshared, context), [](Index, Coupling) { return true; },
+        context);
   }
   return result;
 }

@@ -33,7 +33,10 @@ struct Strips {
 struct NodeOrder {
   Nodes nodes;
   Strips strips;
-  IndexLists before;      ///< of each node, those coupled with it that a forward sweep meets first; ascending
+  // Of each node, those coupled with it that a forward sweep meets first; ascending. Far ones often have one
+  // entry in common, that of both nodes' first rows.
+  IndexLists before_by_block;
+  IndexLists before_by_entry;
   IndexLists neighbours;  ///< in the coupling graph, or where there is none in the matrix; none of shared nodes
   bool has_graph = false;
 };

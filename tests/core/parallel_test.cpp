@@ -195,12 +195,16 @@ TEST(RunAbandonable, StopsWaitingWhileTheWorkGoesOn) {
   std::stop_source stop;
   const Context context{.threads = 0, .progress = {}, .stop_token = stop.get_token()};
   struct Shared {
-    std::promise<void> may_end, ended;
+    std::promise<void> started, may_end, ended;
   };
   const auto shared = std::make_shared<Shared>();
-  std::jthread other([&] { stop.request_stop(); });
+  std::jthread other([&, shared] {
+    shared->started.get_future().wait();
+    stop.request_stop();
+  });
   EXPECT_THROW(run_abandonable(
                    [shared] {
+                     shared->started.set_value();
                      shared->may_end.get_future().wait();
                      shared->ended.set_value();
                    },
