@@ -180,11 +180,11 @@ void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Di
   // Maps are taken divided by the largest number, so that single precision has room for any scale.
   std::vector<double> frames;
   double largest = 1;
-  for (const HandlePose& pose : poses)
-    for (const double number : handle_frame(pose, centre_, scale_).reshaped<Eigen::RowMajor>()) {
-      frames.push_back(number);
-      largest = std::max(largest, std::abs(number));
-    }
+  for (const HandlePose& pose : poses) {
+    const auto frame = handle_frame(pose, centre_, scale_);
+    largest = std::max(largest, frame.cwiseAbs().maxCoeff());
+    for (const double number : frame.reshaped<Eigen::RowMajor>()) frames.push_back(number);
+  }
   const bool at_rest = std::all_of(frames.begin(), frames.end(), [](double number) { return number == 0; });
   std::vector<float> map_frames;
   for (double& number : frames) {
