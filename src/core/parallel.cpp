@@ -81,6 +81,14 @@ void in_arena(const Context& context, const Work& work) {
   arena.execute(work);
 }
 
+// Runs `work` of each number as a task of its own, in the arena of the thread, and waits for all.
+void run_all(const std::vector<int>& numbers, const std::function<void(int)>& work) {
+  if (numbers.empty()) return;
+  tbb::task_group group;
+  for (const int number : numbers) group.run([&work, number] { work(number); });
+  group.wait();
+}
+
 }  // namespace
 
 // More threads than cores gain nothing, and TBB complains of them on stderr.
@@ -141,28 +149,31 @@ void run_abandonable(std::function<void()> work, const Context& context) {
 }
 
 TaskForest::TaskForest(std::span<const int> parent, std::span<const double> work)
-    : size_(static_cast<int>(parent.size())), first_(parent.size()), slot_(parent.size(), -1) {
+    : size_(static_cast<int>(parent.size())) {
   std::vector<double> below(work.begin(), work.end());
   double total = 0;
-  for (int node = 0; node < size_; ++node) first_[node] = node;
   for (int node = 0; node < size_; ++node) {
     total += work[node];
-    if (const int above = parent[node]; above >= 0) {
-      below[above] += below[node];
-      first_[above] = std::min(first_[above], first_[node]);
-    }
+    if (parent[node] >= 0) below[parent[node]] += below[node];
   }
   constexpr double shares = 64;  // enough for a few threads to finish at about the same time
-  for (int node = 0; node < size_; ++node) {
-    if (below[node] <= total / shares) continue;
-    slot_[node] = static_cast<int>(children_.size());
-    children_.emplace_back();
-  }
-  for (int node = 0; node < size_; ++node) {
-    if (parent[node] < 0)
-      roots_.push_back(node);
-    else if (const int slot = slot_[parent[node]]; slot >= 0)
-      children_[slot].push_back(node);
+  const auto heavy = [&](int node) { return below[node] > total / shares; };
+  std::vector<int> heavy_children(parent.size(), 0);
+  for (int node = 0; node < size_; ++node)
+    if (parent[node] >= 0 && heavy(node)) ++heavy_children[parent[node]];
+
+  std::vector<int> task(parent.size());
+  for (int node = size_ - 1; node >= 0; --node) {
+    const int above = parent[node];
+    const bool continues = above >= 0 && (!heavy(above) || (heavy(node) && heavy_children[above] == 1));
+    if (continues) {
+      task[node] = task[above];
+    } else {
+      task[node] = static_cast<int>(tasks_.size());
+      tasks_.emplace_back();
+      (above < 0 ? roots_ : tasks_[task[above]].below).push_back(task[node]);
+    }
+    tasks_[task[node]].nodes.push_back(node);
   }
 }
 
@@ -175,38 +186,21 @@ void TaskForest::visit_up(const std::function<void(int)>& visit, const Context& 
     return;
   }
   ForkJoin events;
-  std::vector<char> visited(slot_.size(), 0);
-  const std::function<void(int)> climb = [&](int root) {
+  std::vector<char> visited(tasks_.size(), 0);
+  const std::function<void(int)> climb = [&](int number) {
     await(events.fork);
-    int first = first_[root];
-    if (slot_[root] >= 0) {
-      tbb::task_group group;
-      for (const int child : children_[slot_[root]])
-        group.run([&, child] {
-          await(events.fork);
-          climb(child);
-        });
-      group.wait();
-      for (const int child : children_[slot_[root]]) await(visited[child]);
-      first = root;
-    }
+    const Task& task = tasks_[number];
+    run_all(task.below, climb);
+    for (const int below : task.below) await(visited[below]);
     const BodyScope scope(events);
-    for (int node = first; node <= root; ++node) {
+    for (auto node = task.nodes.rbegin(); node != task.nodes.rend(); ++node) {
       context.throw_if_stopped();
-      visit(node);
+      visit(*node);
     }
-    signal(visited[root]);
+    signal(visited[number]);
   };
   const CallerScope caller(events);
-  in_arena(context, [&] {
-    tbb::task_group group;
-    for (const int root : roots_)
-      group.run([&, root] {
-        await(events.fork);
-        climb(root);
-      });
-    group.wait();
-  });
+  in_arena(context, [&] { run_all(roots_, climb); });
 }
 
 void TaskForest::visit_down(const std::function<void(int)>& visit, const Context& context) const {
@@ -218,38 +212,22 @@ void TaskForest::visit_down(const std::function<void(int)>& visit, const Context
     return;
   }
   ForkJoin events;
-  std::vector<char> visited(slot_.size(), 0);
-  const std::function<void(int, char&)> descend = [&](int root, char& above) {
-    await(events.fork);
-    const bool alone = slot_[root] >= 0;
+  std::vector<char> visited(tasks_.size(), 0);
+  const std::function<void(int, char&)> descend = [&](int number, char& above) {
+    await(above);
+    const Task& task = tasks_[number];
     {
-      await(above);
       const BodyScope scope(events);
-      for (int node = root; node >= (alone ? root : first_[root]); --node) {
+      for (const int node : task.nodes) {
         context.throw_if_stopped();
         visit(node);
       }
-      signal(visited[root]);
+      signal(visited[number]);
     }
-    if (!alone) return;
-    tbb::task_group group;
-    for (const int child : children_[slot_[root]])
-      group.run([&, child, root] {
-        await(events.fork);
-        descend(child, visited[root]);
-      });
-    group.wait();
+    run_all(task.below, [&](int below) { descend(below, visited[number]); });
   };
   const CallerScope caller(events);
-  in_arena(context, [&] {
-    tbb::task_group group;
-    for (const int root : roots_)
-      group.run([&, root] {
-        await(events.fork);
-        descend(root, events.fork);
-      });
-    group.wait();
-  });
+  in_arena(context, [&] { run_all(roots_, [&](int root) { descend(root, events.fork); }); });
 }
 
 }  // namespace meshgraft

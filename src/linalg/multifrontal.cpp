@@ -45,10 +45,6 @@ std::vector<double> work(const SupernodalPattern& pattern) {
   return operations;
 }
 
-}  // namespace
-
-namespace {
-
 /// Memory for update matrices, used again where it can be: pages that were never touched are dear.
 class UpdateStore {
  public:
@@ -124,66 +120,86 @@ MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
   }
 }
 
+/// What one factorisation works with.
+struct MultifrontalFactor::Elimination {
+  LowerEntries entries;
+  UpdateStore store;
+  std::vector<UpdateStore::Block> updates;  ///< of supernodes whose parent has not taken them yet
+};
+
+/// The supernode's columns of the matrix; `row_at` tells the front's row of a place.
+void MultifrontalFactor::gather_panel(const Front& f, const LowerEntries& entries,
+                                      const std::vector<int>& row_at) const {
+  std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
+  for (int c = 0; c < f.columns; ++c)
+    for (std::int64_t e = entries.begin[f.first + c]; e < entries.begin[f.first + c + 1]; ++e)
+      f.panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] = entries.value[e];
+}
+
+/// Adds the columns of the children's updates that fall into columns [from, to) of the front to `target`, which
+/// holds the front's rows and columns from `shift` on, `stride` rows a column.
+void MultifrontalFactor::add_updates(int node, int from, int to, const std::vector<int>& row_at,
+                                     const Elimination& elimination, double* target, int shift,
+                                     int stride) const {
+  std::vector<int> rows;
+  for (const int child : children_[node]) {
+    const Front g = front(child);
+    const double* update = elimination.updates[child].values.get();
+    const int below = g.below();
+    rows.resize(static_cast<std::size_t>(below));
+    for (int r = 0; r < below; ++r) rows[r] = row_at[g.places[g.columns + r]];
+    const auto begin = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), from) - rows.begin()),
+               end = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), to) - rows.begin());
+    for (int c = begin; c < end; ++c) {
+      double* out = target + static_cast<std::int64_t>(rows[c] - shift) * stride - shift;
+      const double* in = update + static_cast<std::int64_t>(c) * below;
+      for (int r = c; r < below; ++r) out[rows[r]] += in[r];
+    }
+  }
+}
+
+/// Children's updates that fall into the panel are added before it is factorised, the others once the front's
+/// own update is formed.
+void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Elimination& elimination,
+                                   const Context& context) const {
+  const Front f = front(node);
+  for (int r = 0; r < f.rows; ++r) row_at[f.places[r]] = r;
+  gather_panel(f, elimination.entries, row_at);
+  add_updates(node, 0, f.columns, row_at, elimination, f.panel, 0, f.rows);
+  const int good = factorise_panel(f.panel, f.rows, f.columns, context);
+  if (good < f.columns)
+    throw Error(ErrorCode::unsolvable,
+                fmt::format("the normal equations are not positive definite (at step {} of {})", f.first + good,
+                            pattern_.order.size()),
+                "", "Add a constraint, or choose another treatment of degenerate vertices");
+  if (f.below() > 0) {
+    UpdateStore::Block& update = elimination.updates[node];
+    update = elimination.store.take(f.update_size());
+    form_update(f.panel, f.rows, f.columns, update.values.get(), context);
+    add_updates(node, f.columns, f.rows, row_at, elimination, update.values.get(), f.columns, f.below());
+  }
+  for (const int child : children_[node]) elimination.store.give_back(std::move(elimination.updates[child]));
+}
+
 void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
   const SingleThreadedBlas single_threaded;
-  const LowerEntries entries = permute(lower, place_, true, context);
+  Elimination elimination{.entries = permute(lower, place_, true, context), .store = {}, .updates = {}};
+  elimination.updates.resize(parent_.size());
   values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
-  UpdateStore store;
-  std::vector<UpdateStore::Block> updates(parent_.size());
+  const auto unknowns = static_cast<double>(pattern_.order.size());
   std::atomic<std::int64_t> eliminated = 0;
   tbb::enumerable_thread_specific<std::vector<int>> row_maps(
       [&] { return std::vector<int>(pattern_.order.size()); });
   const auto caller = std::this_thread::get_id();
-
   forest_.visit_up(
       [&](int node) {
-        const Front f = front(node);
-        std::vector<int>& row_at = row_maps.local();
-        for (int r = 0; r < f.rows; ++r) row_at[f.places[r]] = r;
-        std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
-        for (int c = 0; c < f.columns; ++c)
-          for (std::int64_t e = entries.begin[f.first + c]; e < entries.begin[f.first + c + 1]; ++e)
-            f.panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] = entries.value[e];
-
-        // Children's updates: what falls into the panel now, the rest once the front's own is formed.
-        const auto add_updates = [&](int from, int to, double* target, int shift, int stride) {
-          std::vector<int> rows;
-          for (const int child : children_[node]) {
-            const Front g = front(child);
-            const double* update = updates[child].values.get();
-            const int below = g.below();
-            rows.resize(static_cast<std::size_t>(below));
-            for (int r = 0; r < below; ++r) rows[r] = row_at[g.places[g.columns + r]];
-            const auto begin =
-                           static_cast<int>(std::lower_bound(rows.begin(), rows.end(), from) - rows.begin()),
-                       end = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), to) - rows.begin());
-            for (int c = begin; c < end; ++c) {
-              double* out = target + static_cast<std::int64_t>(rows[c] - shift) * stride - shift;
-              const double* in = update + static_cast<std::int64_t>(c) * below;
-              for (int r = c; r < below; ++r) out[rows[r]] += in[r];
-            }
-          }
-        };
-        add_updates(0, f.columns, f.panel, 0, f.rows);
-        const int good = factorise_panel(f.panel, f.rows, f.columns, context);
-        if (good < f.columns)
-          throw Error(ErrorCode::unsolvable,
-                      fmt::format("the normal equations are not positive definite (at step {} of {})",
-                                  f.first + good, pattern_.order.size()),
-                      "", "Add a constraint, or choose another treatment of degenerate vertices");
-        if (f.below() > 0) {
-          updates[node] = store.take(f.update_size());
-          form_update(f.panel, f.rows, f.columns, updates[node].values.get(), context);
-          add_updates(f.columns, f.rows, updates[node].values.get(), f.columns, f.below());
-        }
-        for (const int child : children_[node]) store.give_back(std::move(updates[child]));
-        eliminated += f.columns;
+        eliminate(node, row_maps.local(), elimination, context);
+        eliminated += front(node).columns;
         if (std::this_thread::get_id() == caller)
-          context.step("factorise",
-                       static_cast<double>(eliminated) / static_cast<double>(pattern_.order.size()));
+          context.step("factorise", static_cast<double>(eliminated) / unknowns);
       },
       context);
-  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + store.peak()) +
+  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + elimination.store.peak()) +
                 static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(pattern_.rows.size());
 }
 

@@ -31,7 +31,12 @@ class MultifrontalFactor {
 
  private:
   struct Front;
+  struct Elimination;
   Front front(int node) const;
+  void gather_panel(const Front& f, const LowerEntries& entries, const std::vector<int>& row_at) const;
+  void add_updates(int node, int from, int to, const std::vector<int>& row_at, const Elimination& elimination,
+                   double* target, int shift, int stride) const;
+  void eliminate(int node, std::vector<int>& row_at, Elimination& elimination, const Context& context) const;
   void substitute(Eigen::MatrixXd& x, const Context& context) const;
 
   SupernodalPattern pattern_;

@@ -87,11 +87,11 @@ TEST(Context, ReportsStagesAndThenStops) {
   EXPECT_EQ(fractions.at(1), 0.5);
 }
 
-// Forests in postorder: a path, a star, many roots, a full binary tree, and one at random.
+// Forests in postorder: a path, a star, many roots, a full binary tree, one at random, and a caterpillar.
 std::vector<std::vector<int>> forests() {
   std::vector<std::vector<int>> all{{}, {-1}};
   std::vector<int> path, star, roots(300, -1), binary, random;
-  for (int node = 0; node < 300; ++node) path.push_back(node < 299 ? node + 1 : -1);
+  for (int node = 0; node < 200'000; ++node) path.push_back(node < 199'999 ? node + 1 : -1);
   for (int node = 0; node < 300; ++node) star.push_back(node < 299 ? 299 : -1);
   const std::function<int(int)> grow = [&](int levels) {
     const int left = levels > 0 ? grow(levels - 1) : -1, right = levels > 0 ? grow(levels - 1) : -1;
@@ -112,7 +112,13 @@ std::vector<std::vector<int>> forests() {
     }
     open.push_back(node);
   }
-  for (auto* forest : {&path, &star, &roots, &binary, &random}) all.push_back(*forest);
+  // As deep as it is large, with a leaf beside each node of a path.
+  std::vector<int> caterpillar;
+  for (int node = 0; node < 200'000; node += 2) {
+    caterpillar.push_back(node + 1);
+    caterpillar.push_back(node + 3 < 200'000 ? node + 3 : -1);
+  }
+  for (auto* forest : {&path, &star, &roots, &binary, &random, &caterpillar}) all.push_back(*forest);
   return all;
 }
 

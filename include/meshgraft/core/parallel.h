@@ -40,11 +40,15 @@ class TaskForest {
   void visit_down(const std::function<void(int)>& visit, const Context& context = {}) const;
 
  private:
+  /// Nodes that one thread visits in a row: a small subtree, or a path of nodes with much work below them, and
+  /// what hangs beside it as tasks of their own. Tasks are nested no deeper than the work branches.
+  struct Task {
+    std::vector<int> nodes;  ///< parents before children
+    std::vector<int> below;
+  };
   int size_ = 0;
-  std::vector<int> first_;                  ///< of each node's subtree
-  std::vector<std::vector<int>> children_;  ///< of nodes that are visited on their own
-  std::vector<int> slot_;                   ///< place in `children_`; -1 where the subtree is visited as one
-  std::vector<int> roots_;
+  std::vector<Task> tasks_;
+  std::vector<int> roots_;  ///< tasks
 };
 
 }  // namespace meshgraft
