@@ -84,6 +84,19 @@ void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
       throw Error(ErrorCode::input, "it is not finite", fmt::format("pose {}", h));
 }
 
+void validate(const LiveOptions& options) {
+  const auto require = [](bool good, const std::string& what, const char* field) {
+    if (!good) throw Error(ErrorCode::input, what, field);
+  };
+  require_usable(options.deformer);
+  validate(options.deformer.operators);
+  validate(options.reduced);
+  require(options.proxy_vertices >= 1, fmt::format("{} vertices are none", options.proxy_vertices),
+          "proxy_vertices");
+  require(options.settle_seconds >= 0 && options.settle_seconds <= 3600,
+          fmt::format("{} is not between 0 and 3600", options.settle_seconds), "settle_seconds");
+}
+
 /// Largest distance between two frames, × the exact one's largest displacement; absent where nothing moves.
 std::optional<double> relative_error(const Points& positions, const Points& exact, const Points& rest) {
   const double moved = (exact - rest).rowwise().squaredNorm().maxCoeff();
@@ -218,8 +231,8 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
                 fmt::format("normals has {} rows for {} vertices", options.normals.rows(), n));
   ConstraintList constrained;
   const VertexStates states = states_of_handles(rest, triangles, region, constrained);
-  meshgraft::require_usable(options.deformer);
-  for (std::size_t a = 0; a < region.anchors.size(); ++a) meshgraft::require_usable(region.anchors[a], a, n);
+  validate(options);
+  for (std::size_t a = 0; a < region.anchors.size(); ++a) require_usable(region.anchors[a], a, n);
   const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
   path = choose_path(free, options.deformer, available_memory());
   wants_proxy = path == SolvePath::proxy || free >= options.proxy_from;

@@ -364,6 +364,15 @@ TEST(LiveDeformer, TheConstructorThrowsWhatIsWrongAtFirstSight) {
   wrong[3].anchors.push_back({.vertex = 1, .weight = -1});
   for (const Region& region : wrong) same_error(region);
   same_error(held_foot(scene), {.stiffness = -1});
+  same_error(held_foot(scene), {.operators = {.apex_height_rel = -1}});
+  std::vector<LiveOptions> odd(3);
+  odd[0].reduced.centres = 0;
+  odd[1].proxy_vertices = 0;
+  odd[2].settle_seconds = std::nan("");
+  for (const LiveOptions& options : odd) {
+    Recorder recorder;
+    EXPECT_EQ(error_of([&] { make_live(scene, held_foot(scene), recorder, options); }).first, ErrorCode::input);
+  }
   EXPECT_EQ(
       error_of([&] { LiveDeformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), {}); }).first,
       ErrorCode::usage);

@@ -56,7 +56,7 @@ struct LiveOptions {
   Index proxy_from = 10'000;
   Index proxy_vertices = 2000;
   /// How long the handles have to rest before the exact evaluation starts.
-  double settle_seconds = 0.1;
+  double settle_seconds = 0.1;  ///< 0 … 3600
 };
 
 /// What of the set-up is there.
