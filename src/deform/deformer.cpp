@@ -18,22 +18,6 @@
 
 namespace meshgraft {
 
-namespace {
-
-void validate(const DeformerOptions& options) {
-  const auto require = [](bool good, const std::string& what, const char* field) {
-    if (!good) throw Error(ErrorCode::input, what, field);
-  };
-  require(options.stiffness >= 0 && options.stiffness <= 1e6,
-          fmt::format("{} is not between 0 and 1e6", options.stiffness), "stiffness");
-  require(options.iterations >= 0 && options.iterations <= 1000,
-          fmt::format("{} is not between 0 and 1000", options.iterations), "iterations");
-  require(options.smoothing_length_rel >= 0 && options.smoothing_length_rel <= 10,
-          fmt::format("{} is not between 0 and 10", options.smoothing_length_rel), "smoothing_length_rel");
-}
-
-}  // namespace
-
 std::string_view to_string(DeformMethod value) {
   switch (value) {
     case DeformMethod::ft05: return "ft05";
@@ -79,7 +63,7 @@ void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const
                            std::span<const Anchor> anchors, std::span<const Feature> features,
                            const DeformerOptions& chosen, const Context& context) {
   options = chosen;
-  validate(options);
+  require_usable(options);
   choose_backend(states);
   system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
                                                context);
@@ -110,19 +94,12 @@ Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region&
                    const DeformerOptions& options, const Context& context)
     : Deformer() {
   const auto n = static_cast<Index>(rest.rows());
-  require_triangles(rest, triangles);
-  require_disjoint(region, n);
-  VertexStates states = states_of_region(n, region.whole, region.vertices, region.fixed);
   Impl& d = *impl_;
   d.handles = region.handles;
-  for (const Handle& handle : region.handles) {
-    for (Index v : handle.vertices)
-      d.constrained.add(v, handle.constrain_position, handle.constrain_transform, states);
-  }
+  const VertexStates states = states_of_handles(rest, triangles, region, d.constrained);
   const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
                                      [](const Handle& handle) { return handle.shape == HandleShape::curve; });
   if (has_curve) d.normals = vertex_normals(rest, triangles, vertex_triangles(n, triangles, context), context);
-  add_features(region.features, states);
   d.summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
   d.build(rest, triangles, states, region.anchors, region.features, options, context);

@@ -17,15 +17,6 @@ namespace meshgraft {
 
 namespace {
 
-void validate(const ReducedFramesOptions& options) {
-  const auto require = [](Index value, Index most, const char* field) {
-    if (value < 1 || value > most)
-      throw Error(ErrorCode::input, fmt::format("{} is not between 1 and {}", value, most), field);
-  };
-  require(options.centres, 1024, "centres");
-  require(options.samples_per_centre, 64, "samples_per_centre");
-}
-
 /// The rows of the vertices that are free.
 Columns free_rows(const ConstrainedSystem& system, const Columns& displacements) {
   Columns rows(static_cast<Eigen::Index>(system.free_vertices().size()), displacements.cols());
@@ -35,6 +26,15 @@ Columns free_rows(const ConstrainedSystem& system, const Columns& displacements)
 }
 
 }  // namespace
+
+void validate(const ReducedFramesOptions& options) {
+  const auto require = [](Index value, Index most, const char* field) {
+    if (value < 1 || value > most)
+      throw Error(ErrorCode::input, fmt::format("{} is not between 1 and {}", value, most), field);
+  };
+  require(options.centres, 1024, "centres");
+  require(options.samples_per_centre, 64, "samples_per_centre");
+}
 
 struct ReducedFrames::Impl {
   std::vector<Handle> handles;

@@ -123,6 +123,31 @@ void ConstraintList::require_matching(std::span<const VertexConstraint> constrai
   }
 }
 
+VertexStates states_of_handles(const Points& rest, const Triangles& triangles, const Region& region,
+                               ConstraintList& constrained) {
+  const auto n = static_cast<Index>(rest.rows());
+  require_triangles(rest, triangles);
+  require_disjoint(region, n);
+  VertexStates states = states_of_region(n, region.whole, region.vertices, region.fixed);
+  for (const Handle& handle : region.handles)
+    for (const Index v : handle.vertices)
+      constrained.add(v, handle.constrain_position, handle.constrain_transform, states);
+  add_features(region.features, states);
+  return states;
+}
+
+void require_usable(const DeformerOptions& options) {
+  const auto require = [](bool good, const std::string& what, const char* field) {
+    if (!good) throw Error(ErrorCode::input, what, field);
+  };
+  require(options.stiffness >= 0 && options.stiffness <= 1e6,
+          fmt::format("{} is not between 0 and 1e6", options.stiffness), "stiffness");
+  require(options.iterations >= 0 && options.iterations <= 1000,
+          fmt::format("{} is not between 0 and 1000", options.iterations), "iterations");
+  require(options.smoothing_length_rel >= 0 && options.smoothing_length_rel <= 10,
+          fmt::format("{} is not between 0 and 10", options.smoothing_length_rel), "smoothing_length_rel");
+}
+
 void require_usable(const VertexConstraint& constraint) {
   if (constraint.rotation &&
       !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))

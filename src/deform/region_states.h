@@ -34,6 +34,13 @@ struct ConstraintList {
   void require_matching(std::span<const VertexConstraint> constraints) const;
 };
 
+/// What is known of which vertex of the region, and in `constrained` what its handles give. Throws Error(input)
+/// for what is wrong with triangles, region, handles or features.
+VertexStates states_of_handles(const Points& rest, const Triangles& triangles, const Region& region,
+                               ConstraintList& constrained);
+
+/// Throws Error(input), naming the field, for an option of the method that is out of range.
+void require_usable(const DeformerOptions& options);
 /// Throws Error(input) where a value of the constraint is not finite or so large that squares are not.
 void require_usable(const VertexConstraint& constraint);
 /// The same for the anchor of that number on a mesh of `count` vertices.

@@ -19,6 +19,9 @@ struct ReducedFramesOptions {
   Index samples_per_centre = 4;
 };
 
+/// Throws Error(input), naming the field, for a value out of range.
+void validate(const ReducedFramesOptions& options);
+
 /// Frames of the methods `corotational` and `rotation_aware` in real time, a little off (docs/methods.md has by
 /// how much): for dragging; let the exact `Deformer::evaluate` follow when the drag ends.
 ///

@@ -1,0 +1,527 @@
+#include <meshgraft/deform/live_deformer.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/memory.h>
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/deform/memory_estimate.h>
+#include <meshgraft/deform/proxy.h>
+
+#include "../core/stopwatch.h"
+#include "region_states.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Memory for positions that comes back when the last owner of a frame lets go of it: to touch as much afresh
+/// takes as long as a linear frame.
+class PositionPool : public std::enable_shared_from_this<PositionPool> {
+ public:
+  explicit PositionPool(Eigen::Index rows) : rows_(rows) { spares_.reserve(most_spares); }
+
+  std::shared_ptr<Points> take() {
+    std::unique_ptr<Points> positions = spare();
+    if (!positions) positions = std::make_unique<Points>(rows_, 3);
+    return {positions.release(),
+            [pool = shared_from_this()](Points* back) { pool->give_back(std::unique_ptr<Points>(back)); }};
+  }
+
+ private:
+  static constexpr std::size_t most_spares = 3;
+
+  std::unique_ptr<Points> spare() {
+    const std::lock_guard lock(mutex_);
+    if (spares_.empty()) return nullptr;
+    std::unique_ptr<Points> positions = std::move(spares_.back());
+    spares_.pop_back();
+    return positions;
+  }
+  void give_back(std::unique_ptr<Points> positions) {
+    const std::lock_guard lock(mutex_);
+    if (spares_.size() < most_spares) spares_.push_back(std::move(positions));
+  }
+
+  Eigen::Index rows_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Points>> spares_;
+};
+
+/// The exception that is being handled.
+Error current_error() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return error;
+  } catch (const std::bad_alloc&) {
+    return {ErrorCode::memory, "there is not enough memory", "", "Choose a smaller region"};
+  } catch (const std::exception& error) {
+    return {ErrorCode::internal, error.what()};
+  }
+}
+
+void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
+  if (poses.size() != handles)
+    throw Error(ErrorCode::usage, fmt::format("{} poses were given for {} handles", poses.size(), handles));
+  for (std::size_t h = 0; h < poses.size(); ++h)
+    if (!poses[h].transform.matrix().allFinite() || (poses[h].curve && !poses[h].curve->allFinite()))
+      throw Error(ErrorCode::input, "it is not finite", fmt::format("pose {}", h));
+}
+
+void validate(const LiveOptions& options) {
+  const auto require = [](bool good, const std::string& what, const char* field) {
+    if (!good) throw Error(ErrorCode::input, what, field);
+  };
+  require_usable(options.deformer);
+  validate(options.deformer.operators);
+  validate(options.reduced);
+  require(options.proxy_vertices >= 1, fmt::format("{} vertices are none", options.proxy_vertices),
+          "proxy_vertices");
+  require(options.settle_seconds >= 0 && options.settle_seconds <= 3600,
+          fmt::format("{} is not between 0 and 3600", options.settle_seconds), "settle_seconds");
+}
+
+/// Largest distance between two frames, × the exact one's largest displacement; absent where nothing moves.
+std::optional<double> relative_error(const Points& positions, const Points& exact, const Points& rest) {
+  const double moved = (exact - rest).rowwise().squaredNorm().maxCoeff();
+  if (!(moved > 0)) return std::nullopt;
+  return std::sqrt((positions - exact).rowwise().squaredNorm().maxCoeff() / moved);
+}
+
+}  // namespace
+
+std::string_view to_string(FrameQuality value) {
+  switch (value) {
+    case FrameQuality::proxy: return "proxy";
+    case FrameQuality::reduced: return "reduced";
+    case FrameQuality::linear: return "linear";
+    case FrameQuality::exact: return "exact";
+  }
+  return "";
+}
+
+std::string_view to_string(LiveStage value) {
+  switch (value) {
+    case LiveStage::starting: return "starting";
+    case LiveStage::preview: return "preview";
+    case LiveStage::exact: return "exact";
+    case LiveStage::ready: return "ready";
+    case LiveStage::proxy_only: return "proxy-only";
+    case LiveStage::failed: return "failed";
+    case LiveStage::closed: return "closed";
+  }
+  return "";
+}
+
+struct LiveDeformer::Impl {
+  Impl(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks, const LiveOptions& options,
+       const Context& context);
+  ~Impl();
+  void start();
+  void close();
+
+  // A way to find a pose's positions.
+  struct Answer {
+    FrameQuality quality = FrameQuality::exact;
+    std::function<void(std::span<const HandlePose>, Points&, const Context&)> evaluate;
+  };
+  struct Job {
+    std::int64_t pose = 0;
+    std::vector<HandlePose> poses;
+    Answer answer;
+    Context context;
+  };
+
+  // The set-up, on its thread.
+  void build();
+  Context behind(std::string prefix = {});
+  void let_exact_pass();
+  void make_proxy();
+  void make_deformer();
+  void make_quick_frames();
+  void enter(LiveStage next);
+  void give_up(const Error& error);
+
+  // Frames, on theirs.
+  void show();
+  std::optional<Job> next_job();
+  std::optional<Answer> quickest() const;
+  Job take(Answer answer);
+  void run(const Job& job);
+  void deliver(const Job& job, const LiveFrame& frame);
+  void refuse(const Job& job, const Error& error);
+
+  Points rest;
+  Triangles triangles;
+  Region region;
+  const LiveCallbacks callbacks;
+  const LiveOptions options;
+  const Context context;
+  const std::size_t handles;
+  const bool has_curve;
+  SolvePath path = SolvePath::direct;
+  bool wants_proxy = false;
+  const std::shared_ptr<PositionPool> pool;
+  std::stop_source stop;
+
+  mutable std::mutex mutex;
+  mutable std::condition_variable changed;
+  // Guarded by the mutex from here on.
+  LiveStage stage = LiveStage::starting;
+  bool closed = false;
+  std::shared_ptr<const ProxyDeformer> proxy;
+  std::shared_ptr<const Deformer> deformer;
+  std::shared_ptr<const HandleBasis> basis;
+  std::shared_ptr<const ReducedFrames> reduced;
+  std::optional<Error> failure;  ///< of the exact set-up
+  bool failure_told = false;
+  std::thread::id frames_thread;
+  // The newest pose.
+  std::int64_t newest = 0;
+  std::vector<HandlePose> poses;
+  Clock::time_point settled_at;
+  std::optional<FrameQuality> tried;  ///< the best so far
+  bool shown = false;                 ///< it had a frame
+  bool refined = false;               ///< it had its exact one
+  std::optional<Error> refused;       ///< why it has none
+  bool exact_runs = false;
+  std::stop_source refinement;  ///< of the exact evaluation that a newer pose makes needless
+  std::int64_t superseded = 0;
+
+  // The frames' thread's own.
+  LiveFrame last_quick;
+  std::array<std::optional<double>, 3> measured;  ///< errors of the qualities below `exact`
+
+  std::thread builder, painter;
+  std::optional<std::stop_callback<std::function<void()>>> outer_stop;
+};
+
+LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, LiveCallbacks calls,
+                         const LiveOptions& chosen, const Context& how)
+    : rest(std::move(rest_positions)),
+      triangles(std::move(mesh)),
+      region(std::move(what)),
+      callbacks(std::move(calls)),
+      options(chosen),
+      context(how),
+      handles(region.handles.size()),
+      has_curve(std::any_of(region.handles.begin(), region.handles.end(),
+                            [](const Handle& handle) { return handle.shape == HandleShape::curve; })),
+      pool(std::make_shared<PositionPool>(rest.rows())) {
+  const auto n = static_cast<Index>(rest.rows());
+  if (!callbacks.frame) throw Error(ErrorCode::usage, "there is no callback for frames");
+  if (options.normals.rows() != 0 && options.normals.rows() != n)
+    throw Error(ErrorCode::usage,
+                fmt::format("normals has {} rows for {} vertices", options.normals.rows(), n));
+  ConstraintList constrained;
+  const VertexStates states = states_of_handles(rest, triangles, region, constrained);
+  validate(options);
+  for (std::size_t a = 0; a < region.anchors.size(); ++a) require_usable(region.anchors[a], a, n);
+  const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
+  path = choose_path(free, options.deformer, available_memory());
+  wants_proxy = path == SolvePath::proxy || free >= options.proxy_from;
+}
+
+void LiveDeformer::Impl::start() {
+  builder = std::thread([this] { build(); });
+  painter = std::thread([this] { show(); });
+  outer_stop.emplace(context.stop_token, [this] { close(); });
+}
+
+LiveDeformer::Impl::~Impl() {
+  outer_stop.reset();
+  close();
+  if (painter.joinable()) painter.join();
+  if (builder.joinable()) builder.join();
+}
+
+void LiveDeformer::Impl::close() {
+  const std::lock_guard lock(mutex);
+  closed = true;
+  stage = LiveStage::closed;
+  stop.request_stop();
+  refinement.request_stop();
+  changed.notify_all();
+}
+
+/// One thing after the other, each in use as soon as it is there.
+void LiveDeformer::Impl::build() {
+  try {
+    if (wants_proxy) make_proxy();
+    make_deformer();
+    make_quick_frames();
+  } catch (...) {
+    give_up(current_error());
+  }
+}
+
+/// Of what is made on the set-up's thread.
+Context LiveDeformer::Impl::behind(std::string prefix) {
+  const auto progress = [this, prefix = std::move(prefix)](std::string_view step, double fraction) {
+    let_exact_pass();
+    if (context.progress) context.progress(fmt::format("{}{}", prefix, step), fraction);
+  };
+  return {context.threads, progress, stop.get_token()};
+}
+
+/// An exact evaluation takes half the time with all cores to itself. One that a newer pose ends has cost the
+/// set-up enough: then it goes on for a while, whatever comes.
+void LiveDeformer::Impl::let_exact_pass() {
+  std::unique_lock lock(mutex);
+  const std::int64_t first = newest;
+  changed.wait(lock, [&] {
+    const bool due = deformer && newest > 0 && !refined && !refused && Clock::now() >= settled_at;
+    return closed || !(exact_runs || due) || newest != first;
+  });
+}
+
+/// Where no proxy can be made, the exact set-up goes on without, or finds what is wrong with the region.
+void LiveDeformer::Impl::make_proxy() {
+  std::shared_ptr<const ProxyDeformer> made;
+  try {
+    made = std::make_shared<const ProxyDeformer>(
+        rest, triangles, region, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy: "));
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::unsolvable) return;
+    throw;
+  }
+  {
+    const std::lock_guard lock(mutex);
+    proxy = std::move(made);
+  }
+  enter(LiveStage::preview);
+}
+
+void LiveDeformer::Impl::make_deformer() {
+  auto made = std::make_shared<const Deformer>(rest, triangles, region, options.deformer, behind());
+  {
+    const std::lock_guard lock(mutex);
+    deformer = std::move(made);
+  }
+  enter(LiveStage::exact);
+}
+
+/// They take the proxy's place, except for poses that they refuse.
+void LiveDeformer::Impl::make_quick_frames() {
+  const Context making = behind();
+  std::shared_ptr<const HandleBasis> linear;
+  std::shared_ptr<const ReducedFrames> near;
+  try {
+    if (options.deformer.method == DeformMethod::ft05)
+      linear = std::make_shared<const HandleBasis>(*deformer, options.normals, making);
+    else if (path == SolvePath::direct)  // hundreds of columns take iterations too long
+      near = std::make_shared<const ReducedFrames>(*deformer, options.reduced, making);
+  } catch (...) {  // whatever it is, the deformer answers
+    if (current_error().code() == ErrorCode::cancelled) throw;
+  }
+  std::shared_ptr<const ProxyDeformer> needless;  // outlives the lock
+  {
+    const std::lock_guard lock(mutex);
+    basis = std::move(linear);
+    reduced = std::move(near);
+    if ((basis || reduced) && !has_curve) needless = std::move(proxy);
+  }
+  enter(LiveStage::ready);
+}
+
+void LiveDeformer::Impl::enter(LiveStage next) {
+  const std::lock_guard lock(mutex);
+  if (!closed) stage = next;
+  changed.notify_all();
+}
+
+/// Without memory the proxy stays; without a solution nothing does.
+void LiveDeformer::Impl::give_up(const Error& error) {
+  const std::lock_guard lock(mutex);
+  if (closed || error.code() == ErrorCode::cancelled) return;
+  failure = error;
+  if (error.code() == ErrorCode::memory && proxy) {
+    stage = LiveStage::proxy_only;
+  } else {
+    stage = LiveStage::failed;
+    proxy.reset();
+  }
+  changed.notify_all();
+}
+
+void LiveDeformer::Impl::show() {
+  while (const std::optional<Job> job = next_job()) run(*job);
+}
+
+/// What to do next: the newest pose by the best of the quick ways; once it rests, exactly.
+std::optional<LiveDeformer::Impl::Job> LiveDeformer::Impl::next_job() {
+  std::unique_lock lock(mutex);
+  frames_thread = std::this_thread::get_id();
+  while (!closed) {
+    if (failure && !failure_told) {
+      failure_told = true;
+      const Error error = *failure;
+      lock.unlock();
+      if (callbacks.failed) callbacks.failed(0, error);
+      lock.lock();
+      continue;
+    }
+    if (newest > 0 && !refused) {
+      std::optional<Answer> answer = quickest();
+      if (answer && (!tried || *tried < answer->quality)) return take(std::move(*answer));
+      if (deformer && (!tried || *tried < FrameQuality::exact)) {
+        if (!tried || Clock::now() >= settled_at)
+          return take({FrameQuality::exact, [exact = deformer](auto given, Points& out, const Context& how) {
+                         exact->evaluate(given, out, how);
+                       }});
+        changed.wait_until(lock, settled_at);
+        continue;
+      }
+    }
+    changed.wait(lock);
+  }
+  return std::nullopt;
+}
+
+std::optional<LiveDeformer::Impl::Answer> LiveDeformer::Impl::quickest() const {
+  const bool redrawn =
+      std::any_of(poses.begin(), poses.end(), [](const HandlePose& pose) { return pose.curve.has_value(); });
+  if (basis && !redrawn)
+    return Answer{FrameQuality::linear, [linear = basis](auto given, Points& out, const Context& how) {
+                    linear->frame(given, out, nullptr, how);
+                  }};
+  if (reduced && !redrawn)
+    return Answer{FrameQuality::reduced, [near = reduced](auto given, Points& out, const Context& how) {
+                    near->frame(given, out, how);
+                  }};
+  if (proxy)
+    return Answer{FrameQuality::proxy, [coarse = proxy](auto given, Points& out, const Context& how) {
+                    coarse->evaluate(given, out, how);
+                  }};
+  return std::nullopt;
+}
+
+/// An exact evaluation that only refines may be stopped by a newer pose; the first frame of a pose is finished,
+/// or nothing would be seen while handles move. A quick frame shares the cores with the set-up best by keeping
+/// to one: its loops are short, and would wait for threads that are busy.
+LiveDeformer::Impl::Job LiveDeformer::Impl::take(Answer answer) {
+  tried = answer.quality;
+  exact_runs = answer.quality == FrameQuality::exact;
+  const bool refines = exact_runs && shown;
+  if (refines) refinement = std::stop_source();
+  const bool alone = exact_runs || stage == LiveStage::ready || stage == LiveStage::proxy_only;
+  const Context how{alone ? context.threads : 1, {}, refines ? refinement.get_token() : stop.get_token()};
+  return {newest, poses, std::move(answer), how};
+}
+
+void LiveDeformer::Impl::run(const Job& job) {
+  const Stopwatch watch;
+  try {
+    const std::shared_ptr<Points> positions = pool->take();
+    job.answer.evaluate(job.poses, *positions, job.context);
+    deliver(job, {job.pose, positions, job.answer.quality, watch.seconds()});
+  } catch (...) {
+    refuse(job, current_error());
+  }
+  const std::lock_guard lock(mutex);
+  exact_runs = false;
+  changed.notify_all();
+}
+
+void LiveDeformer::Impl::deliver(const Job& job, const LiveFrame& computed) {
+  LiveFrame frame = computed;
+  const bool exact = frame.quality == FrameQuality::exact;
+  frame.error_rel = exact ? 0.0 : measured[static_cast<std::size_t>(frame.quality)];
+  callbacks.frame(frame);
+  if (exact && last_quick.pose == frame.pose)
+    if (const auto error = relative_error(*last_quick.positions, *frame.positions, rest))
+      measured[static_cast<std::size_t>(last_quick.quality)] = error;
+  last_quick = exact ? LiveFrame() : std::move(frame);
+  const std::lock_guard lock(mutex);
+  if (job.pose != newest) return;
+  shown = true;
+  refined = exact;
+  changed.notify_all();
+}
+
+/// A pose that one way cannot do, the others cannot either.
+void LiveDeformer::Impl::refuse(const Job& job, const Error& error) {
+  if (error.code() == ErrorCode::cancelled) return;
+  {
+    const std::lock_guard lock(mutex);
+    if (closed) return;
+    if (job.pose == newest) refused = error;
+    changed.notify_all();
+  }
+  if (callbacks.failed) callbacks.failed(job.pose, error);
+}
+
+LiveDeformer::LiveDeformer(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks,
+                           const LiveOptions& options, const Context& context)
+    : impl_(std::make_unique<Impl>(std::move(rest), std::move(triangles), std::move(region),
+                                   std::move(callbacks), options, context)) {
+  impl_->start();
+}
+
+LiveDeformer::~LiveDeformer() = default;
+
+std::int64_t LiveDeformer::drag(std::span<const HandlePose> poses) {
+  Impl& d = *impl_;
+  require_usable(poses, d.handles);
+  const auto settle = std::chrono::duration<double>(d.options.settle_seconds);
+  std::vector<HandlePose> copy(poses.begin(), poses.end());
+  const std::lock_guard lock(d.mutex);
+  if (d.closed) return 0;
+  if (d.newest > 0 && !d.tried) ++d.superseded;
+  d.poses.swap(copy);
+  d.settled_at = Clock::now() + std::chrono::duration_cast<Clock::duration>(settle);
+  d.tried.reset();
+  d.shown = d.refined = false;
+  d.refused.reset();
+  d.refinement.request_stop();
+  d.changed.notify_all();
+  return ++d.newest;
+}
+
+void LiveDeformer::wait_until_exact() const {
+  const Impl& d = *impl_;
+  std::unique_lock lock(d.mutex);
+  if (std::this_thread::get_id() == d.frames_thread)
+    throw Error(ErrorCode::usage, "a callback for frames cannot wait for the next one");
+  d.changed.wait(lock, [&] {
+    return d.closed || d.failure || d.refused || (d.newest > 0 ? d.refined : d.deformer != nullptr);
+  });
+  if (d.closed) throw Error(ErrorCode::cancelled, "the live deformer was closed");
+  if (d.failure) throw Error(*d.failure);
+  if (d.refused) throw Error(*d.refused);
+}
+
+LiveStage LiveDeformer::stage() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->stage;
+}
+
+std::int64_t LiveDeformer::superseded() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->superseded;
+}
+
+std::shared_ptr<const HandleBasis> LiveDeformer::basis() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->basis;
+}
+
+void LiveDeformer::close() { impl_->close(); }
+
+}  // namespace meshgraft
