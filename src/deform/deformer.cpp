@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -46,6 +48,7 @@ std::string_view to_string(DeformMethod value) {
 /// Handles and checks of the caller's input; the problem itself is the system's.
 struct Deformer::Impl {
   DeformerOptions options;
+  SolverBackend wanted_backend = SolverBackend::automatic;  ///< before one was chosen
   std::vector<Handle> handles;
   bool per_vertex = false;  ///< constraints per vertex instead of handles
   Points normals;           ///< of the rest mesh, n×3; only where a handle is a curve
@@ -55,8 +58,8 @@ struct Deformer::Impl {
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
 
   void choose_backend(const VertexStates& states);
-  void build(const Points& rest, const Triangles& triangles, const VertexStates& states,
-             std::span<const Anchor> anchors, std::span<const Feature> features, const DeformerOptions& options,
+  void build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states, std::span<const Anchor> anchors,
+             std::span<const Feature> features, const DeformerOptions& chosen, const Impl* other,
              const Context& context);
   void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
                 Columns* solved_maps, const Context& context) const;
@@ -75,17 +78,19 @@ void Deformer::Impl::choose_backend(const VertexStates& states) {
   if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
 }
 
-void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
+void Deformer::Impl::build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
                            std::span<const Anchor> anchors, std::span<const Feature> features,
-                           const DeformerOptions& chosen, const Context& context) {
+                           const DeformerOptions& chosen, const Impl* other, const Context& context) {
   options = chosen;
+  wanted_backend = chosen.backend;
   validate(options);
   choose_backend(states);
-  system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
-                                               context);
+  system = std::make_unique<ConstrainedSystem>(std::move(mesh), states, anchors, features, options, summary,
+                                               other != nullptr ? other->system.get() : nullptr, context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
   const Stopwatch watch;
-  rotations = std::make_unique<RotationField>(*system, options, context);
+  rotations = std::make_unique<RotationField>(*system, options,
+                                              summary.reused ? other->rotations.get() : nullptr, context);
   summary.factorise_seconds += watch.seconds();
 }
 
@@ -109,11 +114,24 @@ Deformer::~Deformer() = default;
 Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region& region,
                    const DeformerOptions& options, const Context& context)
     : Deformer() {
-  const auto n = static_cast<Index>(rest.rows());
   require_triangles(rest, triangles);
+  *this = of_region(std::make_shared<const RestMesh>(rest, triangles), region, options, nullptr, context);
+}
+
+Deformer Deformer::with_region(const Region& region, const Context& context) const {
+  DeformerOptions options = impl_->options;
+  options.backend = impl_->wanted_backend;
+  return of_region(impl_->system->mesh(), region, options, this, context);
+}
+
+Deformer Deformer::of_region(std::shared_ptr<const RestMesh> mesh, const Region& region,
+                             const DeformerOptions& options, const Deformer* other, const Context& context) {
+  const Points& rest = mesh->points;
+  const auto n = static_cast<Index>(rest.rows());
   require_disjoint(region, n);
   VertexStates states = states_of_region(n, region.whole, region.vertices, region.fixed);
-  Impl& d = *impl_;
+  Deformer deformer;
+  Impl& d = *deformer.impl_;
   d.handles = region.handles;
   for (const Handle& handle : region.handles) {
     for (Index v : handle.vertices)
@@ -121,11 +139,14 @@ Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region&
   }
   const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
                                      [](const Handle& handle) { return handle.shape == HandleShape::curve; });
-  if (has_curve) d.normals = vertex_normals(rest, triangles, vertex_triangles(n, triangles, context), context);
+  if (has_curve)
+    d.normals = vertex_normals(rest, mesh->triangles, vertex_triangles(n, mesh->triangles, context), context);
   add_features(region.features, states);
   d.summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(rest, triangles, states, region.anchors, region.features, options, context);
+  d.build(std::move(mesh), states, region.anchors, region.features, options,
+          other != nullptr ? other->impl_.get() : nullptr, context);
+  return deformer;
 }
 
 Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangles,
@@ -142,7 +163,8 @@ Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangl
   d.constrained.add(constraints, states);
   add_features(features, states);
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(rest, triangles, states, anchors, features, options, context);
+  d.build(std::make_shared<const RestMesh>(rest, triangles), states, anchors, features, options, nullptr,
+          context);
   return deformer;
 }
 
