@@ -19,6 +19,7 @@ from plot import log_log_plot, stacked_bars
 BEGIN = "<!-- tables: begin (made by bench/report.py) -->"
 END = "<!-- tables: end -->"
 STAGES = ["assemble", "analyse", "factorise"]
+REGION_PARTS = ["prepare", "normal", "analyse", "factorise"]
 MERGE_STAGES = ["match", "assemble", "factorise", "solve", "seam"]
 
 
@@ -93,6 +94,17 @@ def frame_table(runs):
                 f"{numbers['peak_bytes'] / 1e6:,.0f}",
             ])
     return table(["frames", "variant", "vertices", "set-up", "basis", "frame", "error", "MB"], rows)
+
+
+def region_table(runs):
+    rows = []
+    for (_, method, _), by_size in runs.items():
+        for numbers in by_size.values():
+            for way, prefix in (("from nothing", "fresh_"), ("shared", "")):
+                parts = [numbers[prefix + part] for part in REGION_PARTS]
+                rows.append([method, f"{numbers['vertices']:,.0f}", way]
+                            + [milliseconds(part) for part in parts] + [milliseconds(sum(parts))])
+    return table(["method", "vertices", "set-up", "prepare", "AᵀA", "analyse", "factorise", "total"], rows)
 
 
 def ordering_table(runs):
@@ -181,6 +193,9 @@ def make_report(data):
     frames = {key: sizes for key, sizes in medians.items() if key[0] == "frames"}
     if frames:
         parts += ["### frames", frame_table(frames)]
+    regions = {key: sizes for key, sizes in medians.items() if key[0] == "region"}
+    if regions:
+        parts += ["### adding a handle", region_table(regions)]
     orderings = {key: sizes for key, sizes in medians.items() if key[0] == "ordering"}
     if orderings:
         parts += ["### orderings", ordering_table(orderings)]

@@ -28,6 +28,7 @@
 #include "cgal_deformation.h"
 #include "frame_benchmark.h"
 #include "machine_benchmark.h"
+#include "region_benchmark.h"
 
 namespace meshgraft::bench {
 namespace {
@@ -242,6 +243,7 @@ int main(int argc, char** argv) {
   meshgraft::bench::register_deformer(edits, most);
   meshgraft::bench::register_corotational(edits);
   meshgraft::bench::register_frames(edits);
+  meshgraft::bench::register_regions(edits);
   meshgraft::bench::register_orderings(edits);
   meshgraft::bench::register_cgal(edits);
   meshgraft::bench::register_merge(merges);

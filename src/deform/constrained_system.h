@@ -2,31 +2,19 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/linalg/sparse.h>
 
 #include "patch.h"
+#include "patch_operator.h"
+#include "region_states.h"
 #include "solvability.h"
 
 namespace meshgraft {
-
-/// What is known of each vertex of the whole mesh before the solve.
-struct VertexStates {
-  std::vector<std::uint8_t> position, transform;
-  std::vector<Index> feature;  ///< its number, or -1
-
-  VertexStates(Index count, bool known)
-      : position(static_cast<std::size_t>(count), known),
-        transform(static_cast<std::size_t>(count), known),
-        feature(static_cast<std::size_t>(count), -1) {}
-};
-
-/// Throws Error(input) at `place` unless 0 ≤ vertex < count.
-void require_vertex(Index vertex, Index count, const std::string& place);
 
 /// Maps F_v per vertex of the patch on the right-hand side, less I: rows 3v … 3v+2 are (F_v − I)ᵀ. A field
 /// without rows stands for I everywhere.
@@ -50,10 +38,12 @@ struct MapField {
 /// Rows of stiffness and anchors stand below those of E_L.
 class ConstrainedSystem {
  public:
-  /// Fills the free and degenerate counts, the seconds and the solver's facts of `summary`.
-  ConstrainedSystem(const Points& rest, const Triangles& triangles, const VertexStates& states,
+  /// Fills the free and degenerate counts, the seconds and the solver's facts of `summary`. Shares what it can
+  /// with `other`, if there is one: a system on the same mesh with the same options of the operator.
+  ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
                     std::span<const Anchor> anchors, std::span<const Feature> features,
-                    const DeformerOptions& options, DeformerSummary& summary, const Context& context);
+                    const DeformerOptions& options, DeformerSummary& summary, const ConstrainedSystem* other,
+                    const Context& context);
 
   /// Known displacements of nodes and known maps less I, from constraints.
   struct Known {
@@ -113,8 +103,13 @@ class ConstrainedSystem {
   NormalMatrix normal_matrix(const Context& context) const;
   double condition_estimate(const Context& context) const;
 
-  const Points& rest() const { return rest_; }
-  const Patch& patch() const { return patch_; }
+  const std::shared_ptr<const RestMesh>& mesh() const { return cut_->mesh; }
+  const Points& rest() const { return cut_->mesh->points; }
+  const Patch& patch() const { return cut_->patch; }
+  // The part of the patch around what is unknown: the faces, and the rings, empty for vertices that no face is
+  // at.
+  const Triangles& triangles() const { return part_ ? part_->triangles : patch().triangles; }
+  const IndexLists& rings() const { return part_ ? part_->rings : operators_->rows().rings(); }
   const KnownParts& known() const { return known_; }
   const std::vector<Feature>& features() const { return features_; }
   const std::vector<Index>& free_vertices() const { return free_; }
@@ -122,14 +117,15 @@ class ConstrainedSystem {
   int residual_corrections() const { return residual_corrections_; }
   /// How the patch's rings were cut, for other systems over them.
   const std::shared_ptr<GraphCuts>& cuts() const { return cuts_; }
-  const AffineOperator* operators() const { return operators_.get(); }  ///< null where nothing is free
+  /// Null where nothing is free. Of a shared operator, `H` has rows for maps that are known here.
+  const AffineOperator* operators() const { return operators_ ? &operators_->rows() : nullptr; }
 
  private:
   // Steps of the set-up.
-  void cut_patch(const Triangles& triangles, const VertexStates& states, int laplacian_order,
-                 const Context& context);
-  void take_anchors(std::span<const Anchor> all_anchors, const VertexStates& states);
-  void build_operators(const OperatorOptions& options, const Context& context);
+  bool share(const ConstrainedSystem& other, const VertexStates& states, std::span<const Anchor> all_anchors,
+             const Context& context);
+  void find_known(const VertexStates& states, std::span<const Anchor> all_anchors);
+  void build_operator(const OperatorOptions& options, const Context& context);
   void build_system(Density density, double stiffness, const Context& context);
   double free_area() const;
   SparseRows stiffness_rows(Density density, double stiffness);
@@ -158,9 +154,13 @@ class ConstrainedSystem {
              const Context& context) const;
   double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
 
-  Points rest_;
   std::vector<Index> free_;  ///< global indices, ascending
-  Patch patch_;
+  // Perhaps shared with other systems.
+  std::shared_ptr<const CutPatch> cut_;
+  std::shared_ptr<const PatchOperator> operators_;
+  std::optional<PatchPart> part_;         ///< of a shared patch that is larger than need be
+  std::optional<SparseRows> fewer_maps_;  ///< H where that of the operator has more
+  const SparseRows& H() const { return fewer_maps_ ? *fewer_maps_ : operators_->rows().H(); }
   KnownParts known_;
   double region_size_ = 1;  ///< √ of the area of the faces that touch a free vertex
   /// Edges with rows of stiffness.
@@ -172,8 +172,7 @@ class ConstrainedSystem {
   SparseRows bar_rows_;                 ///< rows × nodes
   std::vector<Anchor> anchors_;         ///< on vertices whose position is unknown
   std::vector<double> anchor_weights_;  ///< of their rows
-  std::unique_ptr<AffineOperator> operators_;
-  SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_, P_transposed_;
+  SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
   std::unique_ptr<LinearSolver> solver_;
   std::shared_ptr<GraphCuts> cuts_ = std::make_shared<GraphCuts>();  ///< of the patch's rings
   double normal_one_norm_ = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -30,6 +32,7 @@ std::string_view to_string(DeformMethod value) {
 /// Handles and checks of the caller's input; the problem itself is the system's.
 struct Deformer::Impl {
   DeformerOptions options;
+  SolverBackend wanted_backend = SolverBackend::automatic;  ///< before one was chosen
   std::vector<Handle> handles;
   bool per_vertex = false;  ///< constraints per vertex instead of handles
   Points normals;           ///< of the rest mesh, n×3; only where a handle is a curve
@@ -39,8 +42,8 @@ struct Deformer::Impl {
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
 
   void choose_backend(const VertexStates& states);
-  void build(const Points& rest, const Triangles& triangles, const VertexStates& states,
-             std::span<const Anchor> anchors, std::span<const Feature> features, const DeformerOptions& options,
+  void build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states, std::span<const Anchor> anchors,
+             std::span<const Feature> features, const DeformerOptions& chosen, const Impl* other,
              const Context& context);
   void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
                 Columns* solved_maps, const Context& context) const;
@@ -59,17 +62,19 @@ void Deformer::Impl::choose_backend(const VertexStates& states) {
   if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
 }
 
-void Deformer::Impl::build(const Points& rest, const Triangles& triangles, const VertexStates& states,
+void Deformer::Impl::build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
                            std::span<const Anchor> anchors, std::span<const Feature> features,
-                           const DeformerOptions& chosen, const Context& context) {
+                           const DeformerOptions& chosen, const Impl* other, const Context& context) {
   options = chosen;
   require_usable(options);
+  wanted_backend = chosen.backend;
   choose_backend(states);
-  system = std::make_unique<ConstrainedSystem>(rest, triangles, states, anchors, features, options, summary,
-                                               context);
+  system = std::make_unique<ConstrainedSystem>(std::move(mesh), states, anchors, features, options, summary,
+                                               other != nullptr ? other->system.get() : nullptr, context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
   const Stopwatch watch;
-  rotations = std::make_unique<RotationField>(*system, options, context);
+  rotations = std::make_unique<RotationField>(*system, options,
+                                              summary.reused ? other->rotations.get() : nullptr, context);
   summary.factorise_seconds += watch.seconds();
 }
 
@@ -93,16 +98,32 @@ Deformer::~Deformer() = default;
 Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region& region,
                    const DeformerOptions& options, const Context& context)
     : Deformer() {
-  const auto n = static_cast<Index>(rest.rows());
-  Impl& d = *impl_;
+  *this = of_region(std::make_shared<const RestMesh>(rest, triangles), region, options, nullptr, context);
+}
+
+Deformer Deformer::with_region(const Region& region, const Context& context) const {
+  DeformerOptions options = impl_->options;
+  options.backend = impl_->wanted_backend;
+  return of_region(impl_->system->mesh(), region, options, this, context);
+}
+
+Deformer Deformer::of_region(std::shared_ptr<const RestMesh> mesh, const Region& region,
+                             const DeformerOptions& options, const Deformer* other, const Context& context) {
+  const auto n = static_cast<Index>(mesh->points.rows());
+  Deformer deformer;
+  Impl& d = *deformer.impl_;
   d.handles = region.handles;
-  const VertexStates states = states_of_handles(rest, triangles, region, d.constrained);
+  const VertexStates states = states_of_handles(mesh->points, mesh->triangles, region, d.constrained);
   const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
                                      [](const Handle& handle) { return handle.shape == HandleShape::curve; });
-  if (has_curve) d.normals = vertex_normals(rest, triangles, vertex_triangles(n, triangles, context), context);
+  if (has_curve)
+    d.normals =
+        vertex_normals(mesh->points, mesh->triangles, vertex_triangles(n, mesh->triangles, context), context);
   d.summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(rest, triangles, states, region.anchors, region.features, options, context);
+  d.build(std::move(mesh), states, region.anchors, region.features, options,
+          other != nullptr ? other->impl_.get() : nullptr, context);
+  return deformer;
 }
 
 Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangles,
@@ -119,7 +140,8 @@ Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangl
   d.constrained.add(constraints, states);
   add_features(features, states);
   d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(rest, triangles, states, anchors, features, options, context);
+  d.build(std::make_shared<const RestMesh>(rest, triangles), states, anchors, features, options, nullptr,
+          context);
   return deformer;
 }
 

@@ -187,7 +187,8 @@ Patch make_patch(const Points& points, const Triangles& triangles, const IndexLi
             patch.triangles(static_cast<Eigen::Index>(f), corner) = patch.local(triangles(faces[f], corner));
       },
       context, 4096);
-  if (any_wound_against(patch.size(), patch.triangles, context)) wind_alike(patch.triangles);
+  patch.rewound = any_wound_against(patch.size(), patch.triangles, context);
+  if (patch.rewound) wind_alike(patch.triangles);
   return patch;
 }
 

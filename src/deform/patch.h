@@ -17,7 +17,8 @@ struct Patch {
   Points points;                ///< (p − centre) / scale
   Triangles triangles;          ///< local indices; wound alike where that can be done
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-  double scale = 1;  ///< a power of two, so scaling rounds nothing
+  double scale = 1;      ///< a power of two, so scaling rounds nothing
+  bool rewound = false;  ///< some triangles were turned over
 
   Index size() const { return static_cast<Index>(vertices.size()); }
   /// Local index of a global vertex, or -1.

@@ -51,7 +51,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
 
 void ReducedField::choose_samples(Index centres, Index samples) {
   const Patch& patch = system_->patch();
-  const IndexLists& rings = system_->operators()->rings();
+  const IndexLists& rings = system_->rings();
   const std::vector<std::uint8_t>& given = system_->known().transform;
   std::vector<std::uint8_t> open(given.size());
   for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
@@ -82,6 +82,7 @@ void ReducedField::choose_samples(Index centres, Index samples) {
 void ReducedField::spread_logs(const Context& context) {
   const Patch& patch = system_->patch();
   const KnownParts& known = system_->known();
+  const IndexLists& rings = system_->rings();
   const SurfaceFields& fields = rotations_->fields();
   given_ = Columns::Zero(patch.size(), static_cast<Eigen::Index>(handle_count_));
   given_areas_.assign(handle_count_, 0.0);
@@ -89,12 +90,11 @@ void ReducedField::spread_logs(const Context& context) {
   for (std::size_t h = 0; h < handle_count_; ++h)
     for (const Index vertex : handles_[h].vertices) {
       const Index v = patch.local(vertex);
-      if (v < 0 || !handles_[h].constrain_transform) continue;
+      if (v < 0 || rings[v].empty() || !handles_[h].constrain_transform) continue;
       gives_maps_[h] = 1;
       given_areas_[h] += fields.areas()[v];
       given_(v, static_cast<Eigen::Index>(h)) = 1;
     }
-  const IndexLists& rings = system_->operators()->rings();
   for (Index v = 0; v < patch.size(); ++v)
     from_rest_ = from_rest_ || (known.transform[v] && given_.row(v).isZero(0) && !rings[v].empty());
   blend_weights_ = fields.spread(given_, context);
@@ -111,8 +111,8 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
     values(centres_[static_cast<std::size_t>(k)], k) = 1;
     held[centres_[static_cast<std::size_t>(k)]] = 1;
   }
-  const SurfaceFields around_centres(patch.points, patch.triangles, system_->operators()->rings(),
-                                     system_->cuts(), held, -1, backend, context);
+  const SurfaceFields around_centres(patch.points, system_->triangles(), system_->rings(), system_->cuts(),
+                                     held, rotations_->fields().bending(), -1, backend, context);
   const Columns weights = around_centres.spread(values, context);
   centre_weights_ = weights.leftCols(centre_count);
   given_weights_ = weights.rightCols(given_.cols());

@@ -11,6 +11,12 @@
 
 namespace meshgraft {
 
+void require_vertex(Index vertex, Index count, const std::string& place) {
+  if (vertex < 0 || vertex >= count)
+    throw Error(ErrorCode::input, fmt::format("vertex {} does not exist; the mesh has {}", vertex, count),
+                place);
+}
+
 void require_triangles(const Points& rest, const Triangles& triangles) {
   const auto n = static_cast<Index>(rest.rows());
   for (Index t = 0; t < triangles.rows(); ++t)

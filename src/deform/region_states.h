@@ -1,12 +1,27 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <meshgraft/deform/deformer.h>
 
-#include "constrained_system.h"
-
 namespace meshgraft {
+
+/// What is known of each vertex of the whole mesh before the solve.
+struct VertexStates {
+  std::vector<std::uint8_t> position, transform;
+  std::vector<Index> feature;  ///< its number, or -1
+
+  VertexStates(Index count, bool known)
+      : position(static_cast<std::size_t>(count), known),
+        transform(static_cast<std::size_t>(count), known),
+        feature(static_cast<std::size_t>(count), -1) {}
+};
+
+/// Throws Error(input) at `place` unless 0 ≤ vertex < count.
+void require_vertex(Index vertex, Index count, const std::string& place);
 
 /// Throws Error(input) where a corner of a triangle is no row of `rest`.
 void require_triangles(const Points& rest, const Triangles& triangles);

@@ -42,17 +42,30 @@ std::vector<std::uint8_t> known_maps(const KnownParts& known) {
 
 }  // namespace
 
+/// Of the whole patch, so that other parts of it can have it too.
+std::shared_ptr<const BendingMatrix> RotationField::bending_matrix(const ConstrainedSystem& system,
+                                                                   const RotationField* other,
+                                                                   const Context& context) {
+  if (other != nullptr) return other->fields_.bending();
+  return std::make_shared<const BendingMatrix>(system.patch().points, system.patch().triangles,
+                                               system.operators()->rings(), context);
+}
+
 RotationField::RotationField(const ConstrainedSystem& system, const DeformerOptions& options,
-                             const Context& context)
+                             const RotationField* other, const Context& context)
     : system_(system),
+      has_features_(!system.features().empty()),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
-      fields_(system.patch().points, system.patch().triangles, system.operators()->rings(), system.cuts(),
-              known_maps(system.known()), iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend,
-              context) {
+      fields_(system.patch().points, system.triangles(), system.rings(), system.cuts(),
+              known_maps(system.known()), bending_matrix(system, other, context),
+              iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend, context) {
+  if (other != nullptr) {
+    normals_ = other->normals_;
+    return;
+  }
   const Patch& patch = system.patch();
-  has_features_ = !system.features().empty();
-  normals_ = vertex_normals(patch.points, patch.triangles,
-                            vertex_triangles(patch.size(), patch.triangles, context), context);
+  const IndexLists faces_at = vertex_triangles(patch.size(), patch.triangles, context);
+  normals_ = std::make_shared<const Points>(vertex_normals(patch.points, patch.triangles, faces_at, context));
 }
 
 RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints,
@@ -84,7 +97,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
   const Patch& patch = system_.patch();
   const Index n = patch.size();
   const KnownParts& known = system_.known();
-  const IndexLists& rings = system_.operators()->rings();
+  const IndexLists& rings = system_.rings();
 
   // Turns count from rest where something stays there, or where they are given with all their turns. Else
   // (a part that is carried away as a whole) from the mean turn: its pose at rest then does not matter.
@@ -99,7 +112,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const VertexConstraint& constraint : constraints) {
     const Index v = patch.local(constraint.vertex);
-    if (v < 0 || !constraint.transform) continue;
+    if (v < 0 || rings[v].empty() || !constraint.transform) continue;
     given.push_back({v, &constraint, {}});
     if (!polar_decompose(*constraint.transform, given.back().parts)) return false;
     constrained[v] = 1;
@@ -299,7 +312,7 @@ Columns RotationField::surface_deviation(const Columns& maps, const Blend& blend
   Columns deviation(current.rows(), 3);
   for_each_vertex(static_cast<Index>(current.rows()), context, [&](Index v) {
     const Eigen::Matrix3d map = maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d normal = apex[v] < 0 ? Eigen::Vector3d(normals_.row(v)) : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d normal = apex[v] < 0 ? Eigen::Vector3d(normals().row(v)) : Eigen::Vector3d::Zero();
     deviation.row(v) =
         surface_turn(map, {blended.rotation[v], blended.stretch[v]}, normal, current.row(v)).transpose();
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,8 +15,9 @@ namespace meshgraft {
 /// side of a `ConstrainedSystem`, so that large turns do not shrink the surface. The matrix stays the same.
 class RotationField {
  public:
-  /// `system` must outlive it.
-  RotationField(const ConstrainedSystem& system, const DeformerOptions& options, const Context& context);
+  /// `system` must outlive it. `other` is of a system that `system` shares its patch with, or none.
+  RotationField(const ConstrainedSystem& system, const DeformerOptions& options, const RotationField* other,
+                const Context& context);
 
   struct Result {
     ConstrainedSystem::Problem problem;  ///< the field, and what the last step solved for
@@ -26,10 +28,13 @@ class RotationField {
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
 
   const SurfaceFields& fields() const { return fields_; }
-  const Points& normals() const { return normals_; }  ///< of the patch at rest
-  int iterations() const { return iterations_; }      ///< co-rotational steps at the most
+  const Points& normals() const { return *normals_; }  ///< of the patch at rest
+  int iterations() const { return iterations_; }       ///< co-rotational steps at the most
 
  private:
+  static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,
+                                                             const RotationField* other,
+                                                             const Context& context);
   /// What the constraints alone say of each vertex: F = rotation · stretch.
   struct Blend {
     std::vector<Eigen::Matrix3d> rotation, stretch;
@@ -55,7 +60,7 @@ class RotationField {
   bool has_features_ = false;
   int iterations_ = 0;
   SurfaceFields fields_;
-  Points normals_;  ///< of the patch at rest
+  std::shared_ptr<const Points> normals_;  ///< of the patch at rest
 };
 
 }  // namespace meshgraft

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <meshgraft/operators/laplacian.h>
 
@@ -12,13 +13,30 @@ namespace {
 /// Of an iterative backend; positions follow the fields' errors.
 constexpr double solver_tolerance = 1e-7;
 
-SparseRows diagonal(const std::vector<double>& values, double factor = 1) {
+SparseRows diagonal(const std::vector<double>& values) {
   const auto n = static_cast<Eigen::Index>(values.size());
   SparseRows matrix(n, n);
   matrix.reserve(std::vector<int>(values.size(), 1));
-  for (Eigen::Index i = 0; i < n; ++i) matrix.insertBackUncompressed(i, i) = factor * values[i];
+  for (Eigen::Index i = 0; i < n; ++i) matrix.insertBackUncompressed(i, i) = values[i];
   matrix.makeCompressed();
   return matrix;
+}
+
+/// A millionth of the mean area of the vertices with a ring.
+double smallest_area_of(const std::vector<double>& areas, const IndexLists& rings) {
+  double total = 0;
+  Index count = 0;
+  for (Index v = 0; v < rings.size(); ++v) {
+    total += areas[v];
+    count += !rings[v].empty();
+  }
+  return total > 0 ? 1e-6 * total / static_cast<double>(count) : 1.0;
+}
+
+/// Those of vertices with a ring are no smaller afterwards.
+void bound_areas(double smallest, const IndexLists& rings, std::vector<double>& areas) {
+  for (Index v = 0; v < rings.size(); ++v)
+    if (!rings[v].empty()) areas[v] = std::max(areas[v], smallest);
 }
 
 /// Rows `rows` of a matrix.
@@ -38,13 +56,35 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows)
 NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown) {
   std::vector<Index> place(static_cast<std::size_t>(rows.cols()), -1);
   for (std::size_t k = 0; k < unknown.size(); ++k) place[unknown[k]] = static_cast<Index>(k);
-  std::vector<Eigen::Triplet<double, std::int64_t>> entries;
-  for (Eigen::Index k = 0; k < rows.rows(); ++k)
-    for (SparseRows::InnerIterator it(rows, k); it; ++it)
-      if (place[it.col()] >= 0 && place[it.col()] <= k) entries.emplace_back(k, place[it.col()], it.value());
+  const auto for_each_entry = [&](const auto& body) {
+    for (Eigen::Index k = 0; k < rows.rows(); ++k)
+      for (SparseRows::InnerIterator it(rows, k); it; ++it)
+        if (const Index column = place[it.col()]; column >= 0 && column <= k) body(k, column, it.value());
+  };
   NormalMatrix lower(rows.rows(), rows.rows());
-  lower.setFromTriplets(entries.begin(), entries.end());
+  std::int64_t* const begin = lower.outerIndexPtr();
+  for_each_entry([&](Eigen::Index, Index column, double) { ++begin[column + 1]; });
+  for (Eigen::Index column = 0; column < lower.cols(); ++column) begin[column + 1] += begin[column];
+  lower.resizeNonZeros(begin[lower.cols()]);
+  std::vector<std::int64_t> next(begin, begin + lower.cols());
+  for_each_entry([&](Eigen::Index row, Index column, double value) {
+    const std::int64_t entry = next[column]++;
+    lower.innerIndexPtr()[entry] = row;
+    lower.valuePtr()[entry] = value;
+  });
   return lower;
+}
+
+/// Rows `free` of M + W B, where M and W are diagonal.
+SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<double>& weights,
+                          const SparseRows& bending, const std::vector<Index>& free) {
+  SparseRows rows = select_rows(bending, free);
+  for (std::size_t k = 0; k < free.size(); ++k)
+    for (SparseRows::InnerIterator it(rows, static_cast<Eigen::Index>(k)); it; ++it) {
+      it.valueRef() *= weights[free[k]];
+      if (it.col() == free[k]) it.valueRef() += areas[free[k]];
+    }
+  return rows;
 }
 
 /// Factorises the square part of `rows`, those of the graph's groups: each unknown is a vertex.
@@ -59,21 +99,30 @@ std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const CouplingGr
 
 }  // namespace
 
+BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                             const Context& context)
+    : areas(vertex_areas(points, triangles)), smallest_area(smallest_area_of(areas, rings)) {
+  bound_areas(smallest_area, rings, areas);
+  std::vector<double> inverse_areas;
+  for (const double area : areas) inverse_areas.push_back(area > 0 ? 1 / area : 0);
+  const SparseRows K = dirichlet_matrix(points, triangles, rings, context);
+  matrix = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
+}
+
 SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
                              const std::shared_ptr<GraphCuts>& cuts, std::span<const std::uint8_t> given,
-                             double smoothing_length_rel, SolverBackend backend, const Context& context)
-    : areas_(vertex_areas(points, triangles)) {
+                             std::shared_ptr<const BendingMatrix> bending_matrix, double smoothing_length_rel,
+                             SolverBackend backend, const Context& context)
+    : bending_(std::move(bending_matrix)), areas_(vertex_areas(points, triangles)) {
   find_components(rings, given);
   if (free_.empty()) return;
 
-  double total = 0;
-  for (const double area : areas_) total += area;
-  const double smallest = total > 0 ? 1e-6 * total / static_cast<double>(areas_.size()) : 1.0;
-  std::vector<double> inverse_areas;
-  for (double& area : areas_) inverse_areas.push_back(1 / (area = std::max(area, smallest)));
-
-  const SparseRows K = dirichlet_matrix(points, triangles, rings, context);
-  const SparseRows bending = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
+  const double smallest = smallest_area_of(areas_, rings);
+  const std::shared_ptr<const BendingMatrix> used =
+      bounds_alike(rings, smallest) ? bending_
+                                    : std::make_shared<const BendingMatrix>(points, triangles, rings, context);
+  bound_areas(smallest, rings, areas_);
+  const SparseRows& bending = used->matrix;
   if (!held_.empty()) {
     spread_rows_ = select_rows(bending, held_);
     spread_solver_ =
@@ -85,9 +134,17 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   std::vector<double> vertex_weights;
   for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
-  const SparseRows smoothing =
-      select_rows(diagonal(areas_) + multiply(diagonal(vertex_weights), bending, context), free_);
+  const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_);
   smooth_solver_ = factorise(smoothing, {free_, &rings, cuts, points(free_, Eigen::all)}, backend, context);
+}
+
+/// Whether areas that may not be less than `smallest` are those of the bending matrix.
+bool SurfaceFields::bounds_alike(const IndexLists& rings, double smallest) const {
+  if (smallest == bending_->smallest_area) return true;
+  const double larger = std::max(smallest, bending_->smallest_area);
+  for (Index v = 0; v < rings.size(); ++v)
+    if (!rings[v].empty() && areas_[v] < larger) return false;
+  return true;
 }
 
 void SurfaceFields::find_components(const IndexLists& rings, std::span<const std::uint8_t> given) {

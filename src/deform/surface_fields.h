@@ -13,6 +13,16 @@
 
 namespace meshgraft {
 
+/// ∫ |Δf|² over a surface as a matrix K M⁻¹ K, wherever fields are given.
+struct BendingMatrix {
+  std::vector<double> areas;  ///< of the vertices, none of a face smaller than `smallest_area`
+  double smallest_area = 0;
+  SparseRows matrix;
+
+  BendingMatrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
+                const Context& context);
+};
+
 /// Scalar fields on a surface, given at some vertices: spread from there as smoothly as can be, or made smooth
 /// elsewhere. Both minimise integrals over the surface (K the Dirichlet matrix, M the vertex areas), so that
 /// the answer does not depend on how finely the surface is triangulated.
@@ -20,10 +30,12 @@ class SurfaceFields {
  public:
   /// `given` flags per vertex; the smoothing length ℓ is relative to the width of the surface between the
   /// places where values are given. Negative: `smooth` will not be called. `cuts` of the rings are used, or
-  /// filled.
+  /// filled. `bending` is of this surface, or of one that it is a part of: then rows within two edges of what
+  /// lies outside are not used.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
                 const std::shared_ptr<GraphCuts>& cuts, std::span<const std::uint8_t> given,
-                double smoothing_length_rel, SolverBackend backend, const Context& context = {});
+                std::shared_ptr<const BendingMatrix> bending, double smoothing_length_rel,
+                SolverBackend backend, const Context& context = {});
 
   /// Fields (n×k) with the rows of `values` where they are given and least ∫ |Δf|² elsewhere. On components
   /// where nothing is given, all of `values` as they are.
@@ -37,12 +49,15 @@ class SurfaceFields {
   /// Connected components: of each vertex (-1 for isolated ones), and whether a value is given in it.
   const std::vector<Index>& component() const { return component_; }
   const std::vector<std::uint8_t>& component_holds() const { return holds_; }
+  const std::shared_ptr<const BendingMatrix>& bending() const { return bending_; }
 
  private:
+  bool bounds_alike(const IndexLists& rings, double smallest) const;
   void find_components(const IndexLists& rings, std::span<const std::uint8_t> given);
   std::vector<double> free_widths(const Context& context) const;
   static void add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields);
 
+  std::shared_ptr<const BendingMatrix> bending_;
   std::vector<double> areas_;
   std::vector<Index> component_;
   std::vector<std::uint8_t> holds_;

@@ -24,22 +24,17 @@ std::vector<std::uint8_t> flags_or_all(const std::vector<std::uint8_t>& flags, I
   return flags.empty() ? std::vector<std::uint8_t>(static_cast<std::size_t>(count), 1) : flags;
 }
 
-double mean_of_positive(const std::vector<double>& values) {
-  double sum = 0;
-  Index count = 0;
-  for (double value : values) {
-    if (value > 0) sum += value, ++count;
-  }
-  return count > 0 ? sum / count : 1.0;
-}
-
 /// ℓ̄/ℓ, bounded: extreme ratios would drown all other rows in rounding.
+constexpr double largest_density_scale = 1e3;
 double density_scale(double length_ratio) {
-  constexpr double largest = 1e3;
-  return std::clamp(length_ratio, 1 / largest, largest);
+  return std::clamp(length_ratio, 1 / largest_density_scale, largest_density_scale);
 }
 
 }  // namespace
+
+bool AffineOperator::is_scaled_by_density(double length_ratio) {
+  return density_scale(length_ratio) == length_ratio;
+}
 
 std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
                                                    const IndexLists& vertex_triangles, const IndexLists& rings,

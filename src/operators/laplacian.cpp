@@ -120,4 +120,12 @@ std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& ri
   return lengths;
 }
 
+double mean_of_positive(std::span<const double> lengths) {
+  double sum = 0;
+  Index count = 0;
+  for (const double length : lengths)
+    if (length > 0) sum += length, ++count;
+  return count > 0 ? sum / count : 1.0;
+}
+
 }  // namespace meshgraft

@@ -61,6 +61,9 @@ Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Index vertex, const Points
   return solver;
 }
 
+/// A normal has unit length, or none where the faces around the vertex cancel.
+bool has_direction(const Points& normals, Index vertex) { return normals.row(vertex).squaredNorm() >= 0.5; }
+
 /// The stencil of vertex i, widened by whole rings until it spans space.
 struct Stencil {
   std::vector<Index> nodes;
@@ -119,12 +122,13 @@ StencilNodes make_stencil_nodes(const Points& points, const Points& normals, con
           if (!choices.fitted[i] || rings[i].empty()) continue;
           const auto eigen = spread(i, points, rings[i]);
           nodes.flat[i] = eigen.eigenvalues()[0] < options.flatness * eigen.eigenvalues()[2];
-          if (directions.row(i).squaredNorm() < 0.5)
-            directions.row(i) = eigen.eigenvectors().col(0).transpose();
+          if (!has_direction(normals, i)) directions.row(i) = eigen.eigenvectors().col(0).transpose();
         }
       },
       context);
 
+  for (Index i = 0; i < n; ++i)
+    if (choices.fitted[i] && !rings[i].empty() && !has_direction(normals, i)) nodes.without_normal.push_back(i);
   const std::vector<double> edge_lengths = mean_edge_lengths(points, rings);
   const bool with_apexes = options.degenerate != DegenerateTreatment::ft05_noise;
   Index node_count = n;

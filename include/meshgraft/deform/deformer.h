@@ -22,6 +22,7 @@ class HandleBasis;
 class ProxyDeformer;
 class ReducedFrames;
 class RotationField;
+struct RestMesh;
 
 /// What moves, what stays and what is held of a mesh.
 struct Region {
@@ -65,6 +66,7 @@ struct DeformerSummary {
   Index fixed_vertices = 0;  ///< of the region
   Index handle_vertices = 0;
   Index degenerate_vertices = 0;  ///< free vertices with a flat or near-flat neighbourhood
+  bool reused = false;  ///< patch, operator and cuts are those of another set-up (`Deformer::with_region`)
   double assemble_seconds = 0;
   double analyse_seconds = 0;
   double factorise_seconds = 0;  ///< with the scalar systems that spread rotations
@@ -100,6 +102,14 @@ class Deformer {
                                    std::span<const Anchor> anchors, std::span<const Feature> features,
                                    const DeformerOptions& options = {}, const Context& context = {});
 
+  /// A Deformer of the same mesh and options for another region: the same as one that is made from nothing, to
+  /// 1e-10 of the box. Where what is unknown then is unknown here too (another handle, more that is fixed; a
+  /// handle that an earlier call added goes again), and no less than about half of it, the two share patch,
+  /// operator and the cuts that order the elimination, and only the matrix is assembled and factorised anew;
+  /// else nothing is shared. `summary().reused` tells. Neither depends on the other later. Throws what the
+  /// constructor throws.
+  Deformer with_region(const Region& region, const Context& context = {}) const;
+
   Deformer(Deformer&&) noexcept;
   Deformer& operator=(Deformer&&) noexcept;
   ~Deformer();
@@ -130,7 +140,7 @@ class Deformer {
   double condition_estimate(const Context& context = {}) const;
 
   /// The operator over the patch that the solve is made on (scaled to unit size; `patch_vertices` names its
-  /// vertices): D, h, H, Δ, P, A. For study.
+  /// vertices): D, h, H, Δ, P, A. Where it is shared, it has rows of maps that are known here too. For study.
   const AffineOperator& affine_operator() const;
   std::span<const Index> patch_vertices() const;
   /// AᵀA over the unknowns, lower triangle; assembled anew at each call.
@@ -153,6 +163,8 @@ class Deformer {
   const RotationField* rotation_field() const;
 
   Deformer();
+  static Deformer of_region(std::shared_ptr<const RestMesh> mesh, const Region& region,
+                            const DeformerOptions& options, const Deformer* other, const Context& context);
   /// `evaluate`, and the local map of each vertex of the mesh less I; zero where nothing tells it.
   Points evaluate_with_maps(std::span<const VertexConstraint> constraints,
                             std::vector<Eigen::Matrix3d>& map_changes, const Context& context,

@@ -58,6 +58,9 @@ class AffineOperator {
   const std::vector<double>& edge_lengths() const { return edge_lengths_; }  ///< ℓ_i, n
   double mean_edge_length() const { return mean_edge_length_; }              ///< ℓ̄
 
+  /// Whether rows at a place with ℓ̄/ℓ of this are scaled by just that, not by a bound.
+  static bool is_scaled_by_density(double length_ratio);
+
   /// PᵀP, which couples the maps of pairs.
   SparseRows coupling(const Context& context = {}) const;
 

@@ -29,4 +29,7 @@ std::vector<double> vertex_areas(const Points& points, const Triangles& triangle
 /// Mean length of the edges at each vertex (n), model units; 0 where there are none.
 std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& rings);
 
+/// Mean of those that are not 0; 1 where all are.
+double mean_of_positive(std::span<const double> lengths);
+
 }  // namespace meshgraft

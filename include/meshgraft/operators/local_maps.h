@@ -16,11 +16,12 @@ namespace meshgraft {
 
 /// The nodes that local maps are fitted to: the mesh's vertices, then one apex for each vertex that has one.
 struct StencilNodes {
-  Points positions;                ///< rest positions, (n + apexes)×3; flat vertices moved off their plane
-                                   ///< under `ft05_noise`
-  std::vector<Index> apex;         ///< n, the node of vertex i's apex, or -1
-  std::vector<Index> moved;        ///< vertices that `ft05_noise` moved, ascending
-  std::vector<std::uint8_t> flat;  ///< n, 1 where the ring's P Pᵀ is (nearly) singular
+  Points positions;                   ///< rest positions, (n + apexes)×3; flat vertices moved off their plane
+                                      ///< under `ft05_noise`
+  std::vector<Index> apex;            ///< n, the node of vertex i's apex, or -1
+  std::vector<Index> moved;           ///< vertices that `ft05_noise` moved, ascending
+  std::vector<std::uint8_t> flat;     ///< n, 1 where the ring's P Pᵀ is (nearly) singular
+  std::vector<Index> without_normal;  ///< fitted vertices whose faces give no direction, ascending
 };
 
 /// What `make_stencil_nodes` may do with each vertex.

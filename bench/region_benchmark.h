@@ -1,0 +1,10 @@
+#pragma once
+
+#include "bench_run.h"
+
+namespace meshgraft::bench {
+
+/// A second handle on the edit's sheet: a set-up from nothing beside `Deformer::with_region`.
+void register_regions(Edits& edits);
+
+}  // namespace meshgraft::bench

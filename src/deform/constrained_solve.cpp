@@ -1,0 +1,344 @@
+// Of a `ConstrainedSystem` that is set up: right-hand sides, solutions, and what they tell.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+
+#include "constrained_system.h"
+#include "rotations.h"
+
+namespace meshgraft {
+
+ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexConstraint> constraints) const {
+  Known values{Columns::Zero(operators_->rows().nodes().positions.rows(), 3),
+               Columns::Zero(3 * patch().size(), 3)};
+  for (const VertexConstraint& constraint : constraints) {
+    const Index v = patch().local(constraint.vertex);
+    if (v < 0) continue;
+    if (constraint.position)
+      values.x.row(v) = (constraint.position->transpose() - rest().row(constraint.vertex)) / patch().scale;
+    if (constraint.transform)
+      values.m.middleRows<3>(3 * v) = (*constraint.transform - Eigen::Matrix3d::Identity()).transpose();
+  }
+  return values;
+}
+
+ConstrainedSystem::Known ConstrainedSystem::no_values(Eigen::Index columns) const {
+  return {Columns::Zero(operators_->rows().nodes().positions.rows(), columns),
+          Columns::Zero(3 * patch().size(), columns)};
+}
+
+Eigen::Index ConstrainedSystem::row_count() const {
+  return solver_ ? A_L_.rows() + operators_->rows().P().rows() : 0;
+}
+
+namespace {
+
+/// What E_R draws the maps' free part to.
+Columns wanted_maps(const Columns& known, const MapField& field) {
+  return field.smoothness.rows() == 0 ? Columns(-known) : Columns(field.smoothness - known);
+}
+
+}  // namespace
+
+/// The part of b that is linear in values and field; anchors draw to rest.
+ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
+                                                           const Context& context) const {
+  const Columns m = multiply(H(), values.x, context) + values.m;
+  return {laplacian_rows(values, m, field, context),
+          multiply(operators_->rows().P(), wanted_maps(m, field), context)};
+}
+
+/// The rows of E_L, of stiffness and of anchors; `m` are the maps of what is known.
+Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m, const MapField& field,
+                                          const Context& context) const {
+  const AffineOperator& op = operators_->rows();
+  const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
+  const auto bar_count = static_cast<Eigen::Index>(bars_.size());
+  Columns rows(A_L_.rows(), m.cols());
+  rows.topRows(laplacian.rows()) = laplacian;
+  if (bar_count > 0) {
+    auto bars = rows.middleRows(laplacian.rows(), bar_count);
+    bars = -multiply(bar_rows_, values.x, context);
+    if (field.stretch.rows() > 0) add_stretch(field.stretch, bars);
+  }
+  for (std::size_t a = 0; a < anchors_.size(); ++a) {
+    const Index v = patch().local(anchors_[a].vertex);
+    const Eigen::RowVector3d back = patch().points.row(v) - op.nodes().positions.row(v);
+    rows.row(laplacian.rows() + bar_count + static_cast<Eigen::Index>(a)) =
+        -anchor_weights_[a] * (back * m.middleRows<3>(3 * v));
+  }
+  return rows;
+}
+
+void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const {
+  const Points& points = operators_->rows().nodes().positions;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    const auto [i, j] = bars_[b].ends;
+    const Eigen::RowVector3d d = bars_[b].weight * (points.row(i) - points.row(j));
+    bars.row(static_cast<Eigen::Index>(b)) +=
+        d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
+  }
+}
+
+/// Where anchors draw to, the last rows beside E_L's.
+void ConstrainedSystem::add_targets(Rows& rows) const {
+  const auto first = rows.laplacian.rows() - static_cast<Eigen::Index>(anchors_.size());
+  for (std::size_t a = 0; a < anchors_.size(); ++a) {
+    if (!anchors_[a].target) continue;
+    const Eigen::RowVector3d move = anchors_[a].target->transpose() - rest().row(anchors_[a].vertex);
+    rows.laplacian.row(first + static_cast<Eigen::Index>(a)) += anchor_weights_[a] * (move / patch().scale);
+  }
+}
+
+Columns ConstrainedSystem::apply_transposed(const Rows& rows, const Context& context) const {
+  return multiply(A_L_transposed_, rows.laplacian, context) +
+         multiply(G_transposed_, multiply(operators_->P_transposed(), rows.smoothness, context), context);
+}
+
+ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const Columns& y,
+                                                         const Context& context) const {
+  return {rhs.laplacian - multiply(A_L_, y, context),
+          rhs.smoothness - multiply(operators_->rows().P(), multiply(G_, y, context), context)};
+}
+
+/// y = (AᵀA)⁻¹ Aᵀ b, then corrections with the residual of the rectangular system. An iterative solver has to
+/// be as accurate only as all of them together are to be.
+Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const {
+  // Of the box, errors are some ten times as large as these (docs/performance.md).
+  const double tolerance = steps.corrections > 0 ? 1e-8 : 1e-6;
+  SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
+  const auto back_substitute = [&](const Rows& rows) {
+    return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), options, context));
+  };
+  Eigen::MatrixXd guess;
+  if (steps.guess != nullptr && steps.guess->rows() == E_.cols()) {
+    guess = *steps.guess;
+    options.guess = &guess;
+  }
+  Columns y = back_substitute(rhs);
+  options.guess = nullptr;
+  for (int correction = 0; correction < steps.corrections; ++correction)
+    y += back_substitute(residual_rows(rhs, y, context));
+  impose_similarities(y);
+  return y;
+}
+
+Columns ConstrainedSystem::solve(const Known& values, const MapField& field, const SolveSteps& steps,
+                                 const Context& context) const {
+  Rows rhs = right_hand_side(values, field, context);
+  add_targets(rhs);
+  return solve(rhs, steps, context);
+}
+
+Columns ConstrainedSystem::respond(const Known& values, const MapField& field, int corrections,
+                                   const Context& context) const {
+  return solve(right_hand_side(values, field, context), {.corrections = corrections}, context);
+}
+
+Columns ConstrainedSystem::respond(const Known& values, const MapField& field, const SparseRows& coupling,
+                                   const Context& context) const {
+  const Columns m = multiply(H(), values.x, context) + values.m;
+  Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
+  rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field), context), context);
+  return solver_->solve(Eigen::MatrixXd(rhs), context);
+}
+
+SparseRows ConstrainedSystem::coupling(const Context& context) const {
+  return operators_->rows().coupling(context);
+}
+
+SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, const Context& context) const {
+  const Index n = patch().size();
+  SparseRows along(3 * n, n);
+  std::vector<Eigen::Triplet<double>> of_maps, of_bars;
+  for (Index v = 0; v < n; ++v) of_maps.emplace_back(3 * v + axis, v, 1.0);
+  along.setFromTriplets(of_maps.begin(), of_maps.end());
+  const SparseRows smoothness = multiply(G_transposed_, multiply(coupling, along, context), context);
+  if (bars_.empty()) return smoothness;
+  const Points& points = operators_->rows().nodes().positions;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    const auto [i, j] = bars_[b].ends;
+    const double half = bars_[b].weight * (points(i, axis) - points(j, axis)) / 2;
+    of_bars.emplace_back(static_cast<int>(b), i, half);
+    of_bars.emplace_back(static_cast<int>(b), j, half);
+  }
+  SparseRows stretch(static_cast<Eigen::Index>(bars_.size()), n);
+  stretch.setFromTriplets(of_bars.begin(), of_bars.end());
+  const SparseRows bars_transposed = transpose(multiply(bar_rows_, E_, context), context);
+  return smoothness + multiply(bars_transposed, stretch, context);
+}
+
+Columns ConstrainedSystem::back_substitute(const Columns& rhs, const Context& context) const {
+  return solver_->solve(Eigen::MatrixXd(rhs), context);
+}
+
+SparseRows ConstrainedSystem::displacement_rows() const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    for (SparseRows::InnerIterator it(E_, patch().local(free_[k])); it; ++it)
+      entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value());
+  const StencilNodes& nodes = operators_->rows().nodes();
+  for (const Index v : nodes.moved) {  // as in `displacements`
+    const Eigen::RowVector3d back = patch().points.row(v) - nodes.positions.row(v);
+    const auto k = std::lower_bound(free_.begin(), free_.end(), patch().vertices[v]) - free_.begin();
+    for (int axis = 0; axis < 3; ++axis)
+      for (SparseRows::InnerIterator it(G_, 3 * v + axis); it; ++it)
+        entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), back[axis] * it.value());
+  }
+  SparseRows rows(static_cast<Eigen::Index>(free_.size()), E_.cols());
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
+}
+
+Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Context& context) const {
+  return multiply(G_, y, context) + multiply(H(), values.x, context) + values.m;
+}
+
+Columns ConstrainedSystem::displacements(const Columns& y, const Known& values, const Context& context) const {
+  Columns x = multiply(E_, y, context) + values.x;
+  const StencilNodes& nodes = operators_->rows().nodes();
+  if (!nodes.moved.empty()) {
+    // FT05 equation 8: x = M (p − p') + x' for vertices that were moved off their plane.
+    const Columns m = maps(y, values, context);
+    for (Index v : nodes.moved) {
+      const Eigen::RowVector3d back = patch().points.row(v) - nodes.positions.row(v);
+      x.row(v) += back * m.middleRows<3>(3 * v);
+    }
+  }
+  x.conservativeResize(patch().size(), Eigen::NoChange);
+  return x;
+}
+
+void ConstrainedSystem::place(const Columns& y, const Known& values,
+                              std::span<const VertexConstraint> constraints, Points& out,
+                              const Context& context) const {
+  out = rest();
+  if (y.rows() > 0) {
+    const Columns x = displacements(y, values, context);
+    place_features(y, out);
+    for (Index v = 0; v < patch().size(); ++v) {
+      if (known_.position[v]) continue;
+      const Index global = patch().vertices[v];
+      out.row(global) = rest().row(global) + patch().scale * x.row(v);
+      if (!out.row(global).allFinite())
+        throw Error(ErrorCode::unsolvable, fmt::format("the solution is not finite at vertex {}", global), "",
+                    "Move the handles by less, or repair the surface there");
+    }
+  }
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.position) out.row(constraint.vertex) = constraint.position->transpose();
+}
+
+Columns ConstrainedSystem::feature_rows(std::size_t feature, const Columns& y) const {
+  if (feature_column_[feature] < 0) return Columns::Zero(4, y.cols());
+  return y.middleRows<4>(feature_column_[feature]);
+}
+
+/// All vertices of the features that something reaches.
+void ConstrainedSystem::place_features(const Columns& y, Points& out) const {
+  for (std::size_t f = 0; f < features_.size(); ++f) {
+    if (feature_column_[f] < 0) continue;
+    const auto map = y.middleRows<4>(feature_column_[f]);  // less I
+    for (const Index v : features_[f].vertices) {
+      const Eigen::RowVector3d p = (rest().row(v) - patch().centre) / patch().scale;
+      out.row(v) = rest().row(v) + patch().scale * (p * map.topRows<3>() + map.row(3));
+    }
+  }
+}
+
+/// max ‖M_c(x) − W_c‖ over the constrained transforms next to something free.
+double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstraint> constraints,
+                                                  const Points& positions) const {
+  Points local(patch().size(), 3);
+  for (Index v = 0; v < patch().size(); ++v)
+    local.row(v) = (positions.row(patch().vertices[v]) - patch().centre) / patch().scale;
+  std::vector<Eigen::Matrix3d> given(static_cast<std::size_t>(patch().size()), Eigen::Matrix3d::Identity());
+  for (const VertexConstraint& constraint : constraints)
+    if (const Index v = patch().local(constraint.vertex); v >= 0 && constraint.transform)
+      given[v] = *constraint.transform;
+  double largest = 0;
+  const IndexLists& rings = this->rings();
+  for (Index v = 0; v < patch().size(); ++v) {
+    const bool beside_free =
+        std::any_of(rings[v].begin(), rings[v].end(), [&](Index w) { return !known_.position[w]; });
+    if (!known_.transform[v] || (!beside_free && known_.position[v])) continue;
+    const double deviation = local_map_deviation(v, patch().points, local, given[v], rings[v]).norm();
+    largest = std::max(largest, deviation);
+  }
+  return largest;
+}
+
+void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, const Problem& problem,
+                                 Points& out, EvaluationReport* report, Columns* solved_maps,
+                                 const Context& context) const {
+  if (solved_maps != nullptr) solved_maps->resize(0, 3);
+  if (!solver_) {
+    place(Columns(0, 3), {}, constraints, out, context);
+    return;
+  }
+  const Known values = known_values(constraints);
+  Rows rhs = right_hand_side(values, problem.field, context);
+  add_targets(rhs);
+  const Columns y = solve(rhs, {.corrections = residual_corrections_, .guess = &problem.guess}, context);
+  place(y, values, constraints, out, context);
+  if (solved_maps != nullptr) *solved_maps = maps(y, values, context);
+  if (report == nullptr) return;
+  // Columns of similarities have a gradient: what keeps them similar.
+  const auto of_single_vertices = [&](const Rows& rows) {
+    return apply_transposed(rows, context).topRows(shared_begin_).norm();
+  };
+  const double scale = of_single_vertices(rhs);
+  report->residual = scale > 0 ? of_single_vertices(residual_rows(rhs, y, context)) / scale : 0.0;
+  report->max_transform_deviation = max_transform_deviation(constraints, out);
+  report->solver_iterations = solver_->statistics().iterations;
+  report->inverted_maps = count_inverted(maps(y, values, context));
+}
+
+/// Free vertices whose local map turns inside out.
+Index ConstrainedSystem::count_inverted(const Columns& maps) const {
+  Index count = 0;
+  for (Index v = 0; v < patch().size(); ++v) {
+    if (known_.transform[v]) continue;
+    const Eigen::Matrix3d map = maps.middleRows<3>(3 * v) + Eigen::Matrix3d::Identity();
+    count += map.determinant() <= 0;
+  }
+  return count;
+}
+
+/// Takes each similarity's affine map to the similarity that costs least, and the other unknowns along. With K
+/// the cost of a change of (T, t), and t at its best, that is the least tr (sRᵀ − Tᵀ)ᵀ K̄ (sRᵀ − Tᵀ): a
+/// Procrustes problem. Exact for one feature; several together settle in the co-rotational steps.
+void ConstrainedSystem::impose_similarities(Columns& y) const {
+  if (similarities_.empty()) return;
+  const Eigen::Index count = similarity_stiffness_.rows();
+  Columns change(count, 3);
+  for (std::size_t f = 0; f < similarities_.size(); ++f) {
+    const auto first = static_cast<Eigen::Index>(4 * f);
+    const Feature& feature = features_[similarities_[f]];
+    const Eigen::Matrix4d K = similarity_stiffness_.block<4, 4>(first, first);
+    const Eigen::Vector3d drift = K.block<3, 1>(0, 3) / K(3, 3);  // what a change of T costs in t
+    const Eigen::Matrix3d K_bar = K.topLeftCorner<3, 3>() - drift * K.block<1, 3>(3, 0);
+    const Eigen::Matrix3d T_transposed =
+        y.middleRows<3>(feature_column_[similarities_[f]]) + Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d moments = K_bar * T_transposed;
+    const Eigen::Matrix3d R = nearest_rotation(moments.transpose());
+    const double scale = feature.scale.value_or((R * moments).trace() / K_bar.trace());
+    const Eigen::Matrix3d difference = scale * R.transpose() - T_transposed;
+    change.middleRows<3>(first) = difference;
+    change.row(first + 3) = -drift.transpose() * difference;
+  }
+  y += similarity_response_ * (similarity_stiffness_ * change);
+}
+
+std::vector<Eigen::Matrix3d> ConstrainedSystem::feature_maps(const Columns& y) const {
+  std::vector<Eigen::Matrix3d> maps(features_.size(), Eigen::Matrix3d::Identity());
+  for (std::size_t f = 0; f < features_.size(); ++f)
+    if (feature_column_[f] >= 0) maps[f] += y.middleRows<3>(feature_column_[f]).transpose();
+  return maps;
+}
+
+}  // namespace meshgraft
