@@ -5,7 +5,7 @@ from xml.sax.saxutils import escape
 
 WIDTH, HEIGHT = 640, 420
 LEFT, RIGHT, TOP, BOTTOM = 80, 180, 48, 56
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"]  # Okabe and Ito's, told apart by everyone
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]  # Okabe and Ito's, told apart by everyone
 UNITS = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"))
 
 
@@ -21,9 +21,9 @@ def text(x, y, content, anchor="middle", size=13, extra=""):
             f"{escape(content)}</text>")
 
 
-def page(parts):
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif">\n'
-            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>\n' + "\n".join(parts) + "\n</svg>\n")
+def page(parts, height=HEIGHT):
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" font-family="sans-serif">\n'
+            f'<rect width="{WIDTH}" height="{height}" fill="white"/>\n' + "\n".join(parts) + "\n</svg>\n")
 
 
 def decades(values):
@@ -75,8 +75,8 @@ def log_log_plot(title, x_label, y_label, curves):
 def stacked_bars(title, unit, bars):
     """`bars`: [(name, [(part, value), …]), …], all with the same parts."""
     total = max(sum(value for _, value in parts) for _, parts in bars)
-    left, right, top = 225, 30, 84
-    width, height = WIDTH - left - right, min(56, (HEIGHT - top - 30) / len(bars))
+    left, right, top, height = 225, 30, 84, 56
+    width = WIDTH - left - right
     out = [text(WIDTH / 2, 26, title, size=16)]
     x = left
     for colour, (part, _) in zip(COLOURS, bars[0][1]):
@@ -90,8 +90,9 @@ def stacked_bars(title, unit, bars):
             length = width * value / total
             out.append(f'<rect x="{x:.1f}" y="{y + 6:.1f}" width="{length:.1f}" height="{height - 12:.1f}" '
                        f'fill="{colour}"/>')
-            if length > 40:
+            if length > 28:
                 out.append(text(x + length / 2, y + height / 2 + 4, f"{value:.1f}", extra='fill="white"'))
             x += length
-    out.append(text(left + width / 2, top + len(bars) * height + 20, unit))
-    return page(out)
+    bottom = top + len(bars) * height
+    out.append(text(left + width / 2, bottom + 20, unit))
+    return page(out, bottom + 36)

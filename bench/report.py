@@ -57,7 +57,7 @@ def milliseconds(seconds):
 
 def ratio(ours, theirs):
     value = ours / theirs
-    return f"{value:.1f}×" if value >= 1 else f"{value:.2f}×"
+    return f"{value:.2f}×" if value < 10 else f"{value:.1f}×"
 
 
 def set_up(numbers):
@@ -226,11 +226,18 @@ def draw_plots(data, folder):
     def all_of_set_up(n):
         return n["construct"] + n["preprocess"] if "construct" in n else set_up(n)
 
+    frames = {
+        "frame of the default": ("frames", "reduced", "corotational"),
+        "linear frame": ("frames", "linear-1", "apex"),
+    }
+    frame_curves = {name: [(n["vertices"], n["frame"]) for _, n in sorted(medians[key].items())]
+                    for name, key in frames.items() if key in medians}
+
     folder.mkdir(parents=True, exist_ok=True)
     plots = {
         "set_up": log_log_plot("Set-up", "vertices", "seconds", curve(all_of_set_up)),
         "evaluate": log_log_plot("One new pose (CGAL: 10 iterations)", "vertices", "seconds",
-                                 curve(lambda n: n.get("evaluate", n.get("deform")))),
+                                 curve(lambda n: n.get("evaluate", n.get("deform"))) | frame_curves),
         "memory": log_log_plot("Memory beside the mesh", "vertices", "bytes", curve(lambda n: n["peak_bytes"])),
     }
     bars = []
