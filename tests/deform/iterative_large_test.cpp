@@ -39,7 +39,7 @@ TEST_P(IterativeLarge, FindsWhatDirectSolversFind) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, IterativeLarge, testing::Values(20000, 100000),
+INSTANTIATE_TEST_SUITE_P(Sizes, IterativeLarge, testing::Values(20000, 50000),
                          [](const auto& size) { return std::to_string(size.param); });
 
 }  // namespace
