@@ -1,13 +1,19 @@
 #include "frame_benchmark.h"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include <meshgraft/deform/handle_basis.h>
+#include <meshgraft/deform/live_deformer.h>
 #include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/reduced_frames.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
+
+#include "../src/core/stopwatch.h"
 
 namespace meshgraft::bench {
 
@@ -119,6 +125,32 @@ void run_proxy(benchmark::State& state, const BenchEdit& edit) {
   count(state, edit, set_up, memory.bytes(), 0);
 }
 
+/// A region that is dragged at once: one pose right after construction, and another once all is made.
+void run_live(benchmark::State& state, const BenchEdit& edit, DeformMethod method) {
+  const ManyHandles one = with_handles(edit, 1);
+  LiveOptions options;
+  options.deformer.method = method;
+  for ([[maybe_unused]] auto iteration : state) {
+    const Stopwatch watch;
+    std::atomic<double> first = 0, quick = 0;  // set on the frames' thread
+    const auto on_frame = [&](const LiveFrame& frame) {
+      if (first == 0) first = watch.seconds();
+      if (frame.quality != FrameQuality::exact) quick = frame.seconds;
+    };
+    LiveDeformer live(edit.positions, edit.triangles, one.region, {on_frame, {}}, options);
+    live.drag(one.poses);
+    live.wait_until_exact();
+    const double exact = watch.seconds();
+    while (live.stage() != LiveStage::ready) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const double made = watch.seconds();
+    live.drag(one.poses);
+    live.wait_until_exact();
+    report(state, {{"first", first}, {"exact", exact - first}, {"made", made - exact}, {"quick", quick}});
+  }
+  average(state);
+  state.counters["vertices"] = static_cast<double>(edit.positions.rows());
+}
+
 }  // namespace
 
 void register_frames(Edits& edits) {
@@ -142,6 +174,9 @@ void register_frames(Edits& edits) {
   for (const Index size : {50'000, 250'000, 1'000'000})
     add("frames/proxy/corotational/" + std::to_string(size),
         [&edits, size](benchmark::State& state) { run_proxy(state, edits[size]); });
+  for (const auto method : {DeformMethod::corotational, DeformMethod::ft05})
+    add("live/" + std::string(to_string(method)) + "/at-once/250000",
+        [&edits, method](benchmark::State& state) { run_live(state, edits[250'000], method); });
 }
 
 }  // namespace meshgraft::bench

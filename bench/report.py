@@ -72,7 +72,7 @@ def stage_table(by_size, dgemm):
             [f"{numbers['vertices']:,.0f}", f"{numbers['unknowns']:,.0f}", f"{numbers['factor_nonzeros'] / 1e6:.2f} M"]
             + [milliseconds(numbers[stage]) for stage in STAGES]
             + [milliseconds(set_up(numbers)), milliseconds(numbers["evaluate"])]
-            + [f"{rate / 1e9:.0f}" + (f" ({100 * rate / dgemm:.0f} %)" if dgemm else "")]
+            + [(f"{rate / 1e9:.0f}" + (f" ({100 * rate / dgemm:.0f} %)" if dgemm else "")) if rate else "–"]
             + [f"{numbers['peak_bytes'] / 1e6:,.0f}"]
         )
     header = ["vertices", "unknowns", "factor non-zeros"] + STAGES + ["set-up", "evaluate", "GFlop/s", "MB"]
@@ -94,6 +94,16 @@ def frame_table(runs):
                 f"{numbers['peak_bytes'] / 1e6:,.0f}",
             ])
     return table(["frames", "variant", "vertices", "set-up", "basis", "frame", "error", "MB"], rows)
+
+
+def live_table(runs):
+    rows = []
+    for (_, method, _), by_size in runs.items():
+        for numbers in by_size.values():
+            exact = numbers["first"] + numbers["exact"]
+            rows.append([method, f"{numbers['vertices']:,.0f}"] + [milliseconds(seconds) for seconds in (
+                numbers["first"], exact, exact + numbers["made"], numbers["quick"])])
+    return table(["method", "vertices", "first frame", "exact", "all made", "a frame then"], rows)
 
 
 def region_table(runs):
@@ -193,6 +203,9 @@ def make_report(data):
     frames = {key: sizes for key, sizes in medians.items() if key[0] == "frames"}
     if frames:
         parts += ["### frames", frame_table(frames)]
+    live = {key: sizes for key, sizes in medians.items() if key[0] == "live"}
+    if live:
+        parts += ["### dragging at once", live_table(live)]
     regions = {key: sizes for key, sizes in medians.items() if key[0] == "region"}
     if regions:
         parts += ["### adding a handle", region_table(regions)]
