@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <random>
@@ -7,7 +8,7 @@
 
 #include <gtest/gtest.h>
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // GCC installs no header of it
 #else
 #include <malloc.h>
 #endif
