@@ -117,6 +117,8 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return fail("not enough memory. Close other programs, or take a smaller mesh.", ErrorCode::memory);
   } catch (const std::exception& error) {
+    if (std::string_view(error.what()).starts_with("pthread_create"))  // of oneTBB
+      return fail("no threads could be started. Give the program more memory.", ErrorCode::memory);
     return fail(fmt::format("{} (a defect of meshgraft; please report it)", error.what()), ErrorCode::internal);
   }
 }

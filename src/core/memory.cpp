@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <string>
 
 namespace meshgraft {
 
@@ -15,6 +16,31 @@ std::uint64_t physical_memory() {
   return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size);
 }
 
+std::uint64_t control_group_limit(const std::filesystem::path& membership,
+                                  const std::filesystem::path& groups) {
+  std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();
+  // Without a limit version 2 says "max", version 1 a huge number.
+  const auto look_upwards = [&](const std::filesystem::path& root, std::filesystem::path group,
+                                const char* file) {
+    for (group = group.relative_path();; group = group.parent_path()) {
+      std::uint64_t bytes = 0;
+      if (std::ifstream(root / group / file) >> bytes && bytes > 0) limit = std::min(limit, bytes);
+      if (group.empty()) return;
+    }
+  };
+  // Lines "number:controllers:/path"; version 2 has one with neither number nor controllers.
+  std::ifstream lines(membership);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t second = line.find(':', line.find(':') + 1);
+    if (second == std::string::npos) continue;
+    const std::string group = line.substr(second + 1);
+    if (line.starts_with("0::")) look_upwards(groups, group, "memory.max");
+    if (line.substr(0, second).ends_with(":memory"))
+      look_upwards(groups / "memory", group, "memory.limit_in_bytes");
+  }
+  return limit;
+}
+
 std::uint64_t available_memory() {
   std::uint64_t available = physical_memory();
   for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
@@ -22,12 +48,7 @@ std::uint64_t available_memory() {
     if (::getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
       available = std::min(available, static_cast<std::uint64_t>(limit.rlim_cur));
   }
-  // Control groups, version 2 and 1; without a limit the first says "max", the second a huge number.
-  for (const char* path : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
-    std::uint64_t bytes = 0;
-    if (std::ifstream(path) >> bytes && bytes > 0) available = std::min(available, bytes);
-  }
-  return available;
+  return std::min(available, control_group_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
 }
 
 }  // namespace meshgraft

@@ -1,5 +1,7 @@
 #include "handle_frame.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
@@ -29,6 +31,16 @@ ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std:
   return values;
 }
 
+void require_usable(const HandlePose& pose, const std::string& place) {
+  constexpr double largest = 1e100;  // squares and volumes stay finite
+  if (!(pose.transform.affine().array().abs() < largest).all())
+    throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", place);
+  if (pose.rotation && !(std::isfinite(pose.rotation->angle()) && pose.rotation->axis().allFinite()))
+    throw Error(ErrorCode::input, "its rotation is not finite", place);
+  if (pose.curve && !(pose.curve->array().abs() < largest).all())
+    throw Error(ErrorCode::input, "its curve is not finite, or larger than 1e100", place);
+}
+
 void require_affine_poses(std::span<const Handle> handles, std::span<const HandlePose> poses) {
   if (poses.size() != handles.size())
     throw Error(ErrorCode::usage,
@@ -38,9 +50,7 @@ void require_affine_poses(std::span<const Handle> handles, std::span<const Handl
     if (poses[h].curve)
       throw Error(ErrorCode::input, "its curve is redrawn, which is not one affine map", place,
                   "Evaluate the deformer for this pose");
-    constexpr double largest = 1e100;  // squares and volumes stay finite
-    if (!(poses[h].transform.affine().array().abs() < largest).all())
-      throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", place);
+    require_usable(poses[h], place);
   }
 }
 

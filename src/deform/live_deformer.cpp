@@ -22,6 +22,7 @@
 #include <meshgraft/deform/proxy.h>
 
 #include "../core/stopwatch.h"
+#include "handle_frame.h"
 #include "region_states.h"
 
 namespace meshgraft {
@@ -79,9 +80,7 @@ Error current_error() {
 void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
   if (poses.size() != handles)
     throw Error(ErrorCode::usage, fmt::format("{} poses were given for {} handles", poses.size(), handles));
-  for (std::size_t h = 0; h < poses.size(); ++h)
-    if (!poses[h].transform.matrix().allFinite() || (poses[h].curve && !poses[h].curve->allFinite()))
-      throw Error(ErrorCode::input, "it is not finite", fmt::format("pose {}", h));
+  for (std::size_t h = 0; h < poses.size(); ++h) require_usable(poses[h], fmt::format("pose {}", h));
 }
 
 void validate(const LiveOptions& options) {
@@ -99,6 +98,7 @@ void validate(const LiveOptions& options) {
 
 /// Largest distance between two frames, × the exact one's largest displacement; absent where nothing moves.
 std::optional<double> relative_error(const Points& positions, const Points& exact, const Points& rest) {
+  if (rest.rows() == 0) return std::nullopt;
   const double moved = (exact - rest).rowwise().squaredNorm().maxCoeff();
   if (!(moved > 0)) return std::nullopt;
   return std::sqrt((positions - exact).rowwise().squaredNorm().maxCoeff() / moved);
@@ -191,7 +191,7 @@ struct LiveDeformer::Impl {
   std::shared_ptr<const ReducedFrames> reduced;
   std::optional<Error> failure;  ///< of the exact set-up
   bool failure_told = false;
-  std::thread::id frames_thread;
+  std::thread::id setup_thread, frames_thread;
   // The newest pose.
   std::int64_t newest = 0;
   std::vector<HandlePose> poses;
@@ -262,6 +262,10 @@ void LiveDeformer::Impl::close() {
 
 /// One thing after the other, each in use as soon as it is there.
 void LiveDeformer::Impl::build() {
+  {
+    const std::lock_guard lock(mutex);
+    setup_thread = std::this_thread::get_id();
+  }
   try {
     if (wants_proxy) make_proxy();
     make_deformer();
@@ -298,8 +302,8 @@ void LiveDeformer::Impl::make_proxy() {
     made = std::make_shared<const ProxyDeformer>(
         rest, triangles, region, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy: "));
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::unsolvable) return;
-    throw;
+    if (error.code() == ErrorCode::cancelled) throw;
+    return;
   }
   {
     const std::lock_guard lock(mutex);
@@ -349,7 +353,7 @@ void LiveDeformer::Impl::enter(LiveStage next) {
 /// Without memory the proxy stays; without a solution nothing does.
 void LiveDeformer::Impl::give_up(const Error& error) {
   const std::lock_guard lock(mutex);
-  if (closed || error.code() == ErrorCode::cancelled) return;
+  if (closed) return;
   failure = error;
   if (error.code() == ErrorCode::memory && proxy) {
     stage = LiveStage::proxy_only;
@@ -457,7 +461,7 @@ void LiveDeformer::Impl::deliver(const Job& job, const LiveFrame& computed) {
 
 /// A pose that one way cannot do, the others cannot either.
 void LiveDeformer::Impl::refuse(const Job& job, const Error& error) {
-  if (error.code() == ErrorCode::cancelled) return;
+  if (error.code() == ErrorCode::cancelled && job.context.stop_token.stop_requested()) return;
   {
     const std::lock_guard lock(mutex);
     if (closed) return;
@@ -497,8 +501,9 @@ std::int64_t LiveDeformer::drag(std::span<const HandlePose> poses) {
 void LiveDeformer::wait_until_exact() const {
   const Impl& d = *impl_;
   std::unique_lock lock(d.mutex);
-  if (std::this_thread::get_id() == d.frames_thread)
-    throw Error(ErrorCode::usage, "a callback for frames cannot wait for the next one");
+  const auto self = std::this_thread::get_id();
+  if (self == d.frames_thread || self == d.setup_thread)
+    throw Error(ErrorCode::usage, "a callback cannot wait for the thread that called it");
   d.changed.wait(lock, [&] {
     return d.closed || d.failure || d.refused || (d.newest > 0 ? d.refined : d.deformer != nullptr);
   });

@@ -26,6 +26,7 @@ std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& option
   if (free_vertices == 0) return 0;
   const double n = free_vertices, n_log_n = n * std::log2(std::max(n, 2.0));
   const bool noise = options.operators.degenerate == DegenerateTreatment::ft05_noise;
+  if (options.backend == SolverBackend::iterative) return std::llround((noise ? 1150 : 1450) * n);
   if (by_eigen(options.backend)) return std::llround((noise ? 230 : 600) * std::pow(n / 1000, 0.2) * n_log_n);
   return std::llround((noise ? 280 : 800) * n_log_n);
 }

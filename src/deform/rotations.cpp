@@ -68,10 +68,10 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
 }
 
 bool polar_decompose(const Eigen::Matrix3d& map, PolarParts& parts) {
-  constexpr double flattest = 1e-6;
+  constexpr double flattest = 1e-6, smallest = 1e-90;  // beneath, volumes are no numbers any more
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(map, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& sigma = svd.singularValues();
-  if (!(sigma[2] > flattest * sigma[0]) || map.determinant() < 0) return false;
+  if (!(sigma[2] > flattest * sigma[0]) || !(sigma[2] > smallest) || map.determinant() < 0) return false;
   parts.rotation = svd.matrixU() * svd.matrixV().transpose();
   parts.stretch = svd.matrixV() * sigma.asDiagonal() * svd.matrixV().transpose();
   return true;

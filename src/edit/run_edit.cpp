@@ -178,20 +178,27 @@ Solution solve_by(const Options& deformer_options, const DeformProblem& problem,
   return solution;
 }
 
-// Those of the region that are not fixed.
-Index most_free_vertices(const DeformProblem& problem) {
+// Those of the region whose position nothing tells.
+Index count_free_vertices(const DeformProblem& problem) {
   const Region& region = problem.deform.region;
-  const Eigen::Index all = region.whole || region.vertices.empty()
-                               ? problem.rest.rows()
-                               : static_cast<Eigen::Index>(region.vertices.size());
-  return static_cast<Index>(std::max<Eigen::Index>(0, all - static_cast<Eigen::Index>(region.fixed.size())));
+  const bool whole = region.whole || region.vertices.empty();
+  std::vector<std::uint8_t> free(static_cast<std::size_t>(problem.rest.rows()), whole);
+  if (!whole)
+    for (const Index v : region.vertices) free[v] = 1;
+  for (const Index v : region.fixed) free[v] = 0;
+  for (const Handle& handle : region.handles)
+    if (handle.constrain_position)
+      for (const Index v : handle.vertices) free[v] = 0;
+  for (const VertexConstraint& constraint : problem.deform.constraints)
+    if (constraint.position) free[constraint.vertex] = 0;
+  return static_cast<Index>(std::count(free.begin(), free.end(), 1));
 }
 
 Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
                StepReport& report, const Context& context) {
   Index proxy = settings.proxy;
   const std::uint64_t memory = options.memory.value_or(available_memory());
-  const Index free = most_free_vertices(problem);
+  const Index free = count_free_vertices(problem);
   if (proxy == 0 && choose_path(free, settings.deformer, memory) == SolvePath::proxy) {
     proxy = proxy_vertices_for(settings.deformer, memory);
     report.notes.push_back(fmt::format(

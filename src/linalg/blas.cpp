@@ -1,7 +1,16 @@
 #include <meshgraft/linalg/blas.h>
 
+#include <sys/mman.h>
+
+#include <cstddef>
 #include <mutex>
 #include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
 
 #include "blas_threads.h"
 
@@ -10,6 +19,9 @@ extern "C" {
 char* openblas_get_corename(void);
 int openblas_get_num_threads(void);
 void openblas_set_num_threads(int count);
+// Not of its documented interface: absent in some builds.
+__attribute__((weak)) void* blas_memory_alloc(int unused);
+__attribute__((weak)) void blas_memory_free(void* buffer);
 }
 #endif
 
@@ -36,6 +48,8 @@ struct Users {
   std::mutex mutex;
   int count = 0;
   int threads_before = 1;
+  int calling = 0;  ///< threads that may call at the same time
+  int buffers = 0;  ///< mapped, and kept by OpenBLAS
 };
 
 Users& users() {
@@ -43,10 +57,31 @@ Users& users() {
   return instance;
 }
 
+/// Has OpenBLAS map buffers for so many threads, if there is room for them.
+void map_buffers(int threads) {
+  const int missing = threads - users().buffers;
+  if (missing <= 0 || blas_memory_alloc == nullptr) return;
+  constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // and some room for aligning it
+  const std::size_t bytes = static_cast<std::size_t>(missing) * buffer_bytes;
+  void* const room =
+      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED)
+    throw Error(ErrorCode::memory,
+                fmt::format("there is no room for {} MB of buffers of OpenBLAS", bytes >> 20), "",
+                "Give the program more memory, or fewer threads");
+  munmap(room, bytes);
+  std::vector<void*> buffers;
+  for (int thread = 0; thread < threads; ++thread) buffers.push_back(blas_memory_alloc(0));
+  for (void* const buffer : buffers) blas_memory_free(buffer);
+  users().buffers = threads;
+}
+
 }  // namespace
 
-SingleThreadedBlas::SingleThreadedBlas() {
+SingleThreadedBlas::SingleThreadedBlas(const Context& context) : threads_(worker_threads(context)) {
   const std::lock_guard lock(users().mutex);
+  map_buffers(users().calling + threads_);
+  users().calling += threads_;
   if (users().count++ > 0) return;
   users().threads_before = openblas_get_num_threads();
   openblas_set_num_threads(1);
@@ -54,12 +89,13 @@ SingleThreadedBlas::SingleThreadedBlas() {
 
 SingleThreadedBlas::~SingleThreadedBlas() {
   const std::lock_guard lock(users().mutex);
+  users().calling -= threads_;
   if (--users().count == 0) openblas_set_num_threads(users().threads_before);
 }
 
 #else
 
-SingleThreadedBlas::SingleThreadedBlas() = default;
+SingleThreadedBlas::SingleThreadedBlas(const Context&) {}
 SingleThreadedBlas::~SingleThreadedBlas() = default;
 
 #endif

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <meshgraft/core/context.h>
+
 namespace meshgraft {
 
 /// Keeps OpenBLAS on one thread for as long as one of these lives: on several it sums in another order, and
@@ -7,10 +9,15 @@ namespace meshgraft {
 /// whole process only, so the last one out puts it back.
 class SingleThreadedBlas {
  public:
-  SingleThreadedBlas();
+  /// Of a caller that calls BLAS on as many threads as the context has. OpenBLAS maps a buffer of 128 MB for
+  /// each, and where it cannot, tries for ever: throws Error(memory) instead.
+  explicit SingleThreadedBlas(const Context& context);
   SingleThreadedBlas(const SingleThreadedBlas&) = delete;
   SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
   ~SingleThreadedBlas();
+
+ private:
+  int threads_ = 0;
 };
 
 }  // namespace meshgraft

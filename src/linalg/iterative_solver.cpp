@@ -101,7 +101,7 @@ class IterativeSolver final : public LinearSolver {
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
                         const Context& context) const override {
-    const SingleThreadedBlas single_threaded;  // once, not in every solve on the coarse grid
+    const SingleThreadedBlas single_threaded(context);  // once, not in every solve on the coarse grid
     Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
     int iterations = 0;
     for (Eigen::Index first = 0; first < rhs.cols(); first += 4) {
@@ -135,7 +135,7 @@ class IterativeSolver final : public LinearSolver {
                     const Context& context) const {
     matrix_->sweep_forward(r, z, work.s, context);
     const Eigen::MatrixXd coarse = coarse_space_->restrict_columns(work.s, columns, context);
-    coarse_space_->prolong(coarse_solver_->solve(coarse), work.e, context);
+    coarse_space_->prolong(coarse_solver_->solve(coarse, context), work.e, context);
     matrix_->sweep_backward(work.e, work.s, z, context);
   }
 

@@ -182,7 +182,7 @@ void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Eliminati
 }
 
 void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreadedBlas single_threaded(context);
   Elimination elimination{.entries = permute(lower, place_, true, context), .store = {}, .updates = {}};
   elimination.updates.resize(parent_.size());
   values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
@@ -204,7 +204,7 @@ void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& con
 }
 
 Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Context& context) const {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreadedBlas single_threaded(context);
   constexpr Eigen::Index widest = 32;
   Eigen::MatrixXd result(rhs.rows(), rhs.cols());
   for (Eigen::Index begin = 0; begin < rhs.cols(); begin += widest) {

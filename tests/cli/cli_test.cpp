@@ -74,9 +74,9 @@ class CommandLine : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
 
-  Outcome run(const std::string& arguments) const {
-    const std::string command =
-        "cd '" + folder_.string() + "' && '" MESHGRAFT_PROGRAM "' " + arguments + " > .out 2> .err < /dev/null";
+  Outcome run(const std::string& arguments, const std::string& before = "") const {
+    const std::string command = "cd '" + folder_.string() + "' && " + before + "'" MESHGRAFT_PROGRAM "' " +
+                                arguments + " > .out 2> .err < /dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(folder_ / ".out"),
             read_text(folder_ / ".err")};
@@ -94,6 +94,24 @@ class CommandLine : public ::testing::Test {
 
   std::filesystem::path folder_;
 };
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map more than any limit here
+TEST_F(CommandLine, TooLittleMemoryEndsInGoodTime) {
+  write("bar.json",
+        R"({"format": "meshgraft-edit", "version": 2, "inputs": {"bar": {"sample": "bar", "resolution": 100}},
+      "steps": [{"kind": "deform", "mesh": "bar", "settings": {"method": "ft05"},
+        "fixed": {"half_space": {"point": [0, 0, 0.4], "normal": [0, 0, -1]}},
+        "handles": [{"name": "end", "select": {"half_space": {"point": [0, 0, 3.6], "normal": [0, 0, 1]}},
+                     "pose": {"translate": [0, 0, 0.2]}}]}]})");
+  ASSERT_EQ(run("deform bar.json -o out.ply").status, 0);
+  for (const int megabytes : {100, 200, 300, 450, 600, 800, 2000}) {
+    const Outcome outcome =
+        run("deform bar.json -o out.ply", "ulimit -v " + std::to_string(1000 * megabytes) + " && timeout 60 ");
+    EXPECT_TRUE(outcome.status == 0 || outcome.status == 6)
+        << megabytes << " MB: status " << outcome.status << ", " << outcome.err;
+  }
+}
+#endif
 
 TEST_F(CommandLine, AnEditCanBecomeAMorphTarget) {
   const Outcome outcome = run("deform edit.json -o out.gltf --as-morph-target wave");

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <new>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -540,6 +542,64 @@ TEST(LiveDeformer, CallbacksMayDrag) {
 }
 
 /// A region that fits no memory is refused by the deformer, and by this one once the proxy is there.
+TEST(LiveDeformer, WorksWhereOnlyAProxyFails) {
+  // The proxy is cut from farther around than the solve reaches.
+  Scene scene = make_scene(grid(60, 60));
+  Region region;
+  const Eigen::RowVector3d middle = scene.mesh.positions.colwise().mean();
+  Index farthest = 0;
+  for (Index v = 0; v < scene.mesh.size(); ++v) {
+    const auto from_middle = [&](Index u) { return (scene.mesh.positions.row(u) - middle).norm(); };
+    if (from_middle(v) > from_middle(farthest)) farthest = v;
+    if (from_middle(v) < 0.2 * scene.mesh.box_diagonal()) region.vertices.push_back(v);
+  }
+  region.handles.push_back({.name = "top", .vertices = {region.vertices[region.vertices.size() / 2]}});
+  scene.mesh.positions.row(farthest).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const LiveOptions options = quick_options(DeformMethod::ft05);
+  const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, region, options.deformer);
+  Recorder recorder;
+  LiveDeformer live = make_live(scene, region, recorder, options);
+  live.drag(std::vector{HandlePose{}});
+  live.wait_until_exact();
+  EXPECT_TRUE(same_bytes(*recorder.frames().back().positions, deformer.evaluate(std::vector{HandlePose{}})));
+}
+
+TEST(LiveDeformer, TakesAMeshWithoutVertices) {
+  Recorder recorder;
+  LiveDeformer live(Points(0, 3), Triangles(0, 3), {.whole = true}, recorder.callbacks(),
+                    quick_options(DeformMethod::corotational));
+  live.drag({});
+  live.wait_until_exact();
+  EXPECT_EQ(recorder.frames().back().positions->rows(), 0);
+}
+
+TEST(LiveDeformer, RefusesPosesThatAreNoNumbers) {
+  const Scene scene = make_scene(bumpy_sphere(3));
+  Recorder recorder;
+  LiveDeformer live = make_live(scene, held_foot(scene), recorder, quick_options(DeformMethod::ft05));
+  std::vector<HandlePose> wrong(3);
+  wrong[0].rotation = Eigen::AngleAxisd(std::numeric_limits<double>::quiet_NaN(), Eigen::Vector3d::UnitZ());
+  wrong[1].transform.translation().setConstant(1e101);
+  wrong[2].transform.linear()(0, 1) = std::numeric_limits<double>::infinity();
+  for (const HandlePose& pose : wrong)
+    EXPECT_EQ(error_of([&] { live.drag(std::vector{pose}); }).first, ErrorCode::input);
+}
+
+TEST(LiveDeformer, ProgressMayFailOrAskWithoutAHang) {
+  const Scene scene = make_scene(bumpy_sphere(3));
+  const auto outcome = [&](const ProgressCallback& progress) {
+    Recorder recorder;
+    LiveDeformer live(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), recorder.callbacks(),
+                      quick_options(DeformMethod::ft05),
+                      {.threads = 0, .progress = progress, .stop_token = {}});
+    live.drag(std::vector{HandlePose{}});
+    return error_of([&] { live.wait_until_exact(); }).first;
+  };
+  EXPECT_EQ(outcome([](std::string_view, double) { throw Error(ErrorCode::cancelled, "by the callback"); }),
+            ErrorCode::cancelled);
+  EXPECT_EQ(outcome([](std::string_view, double) { throw std::runtime_error("broken"); }), ErrorCode::internal);
+}
+
 TEST(LiveDeformer, TheProxyStaysWhereTheRestDoesNotFit) {
   const Scene scene = make_scene(bumpy_sphere(3));
   LiveOptions options = quick_options(DeformMethod::corotational);

@@ -1,3 +1,4 @@
+#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/edit/run_edit.h>
 
 #include <cmath>
@@ -203,6 +204,22 @@ TEST_F(RunEdit, TakesAProxyWhereTheMemoryIsTooSmall) {
   ASSERT_FALSE(result.report.steps.front().notes.empty());
   EXPECT_NE(result.report.steps.front().notes.front().find("memory"), std::string::npos);
   EXPECT_FALSE(run_edit(edit(step()), large).report.steps.front().proxy.has_value());
+}
+
+TEST_F(RunEdit, OnlyWhatIsFreeHasToFitTheMemory) {
+  // The handle takes the whole sheet but a strip.
+  const std::string most_of_it = R"({"kind": "deform", "mesh": "sheet",
+      "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+      "handles": [{"name": "most", "select": {"half_space": {"point": [0, 3.5, 0], "normal": [0, 1, 0]}},
+                   "pose": {"translate": [0, 0, 1]}}]})";
+  const EditResult unlimited = run_edit(edit(most_of_it));
+  const auto needed = 2 * static_cast<std::uint64_t>(
+                              estimated_memory(unlimited.report.steps.front().counts.free, DeformerOptions{}));
+  RunOptions enough, less;
+  enough.memory = needed;
+  less.memory = needed / 2;
+  EXPECT_FALSE(run_edit(edit(most_of_it), enough).report.steps.front().proxy.has_value());
+  EXPECT_TRUE(run_edit(edit(most_of_it), less).report.steps.front().proxy.has_value());
 }
 
 TEST_F(RunEdit, TargetsPerVertexDoWhatAHandleDoes) {

@@ -7,7 +7,7 @@
 namespace meshgraft {
 
 /// Called on the calling thread with the running stage's name and the fraction of that stage that is done
-/// (0 … 1; negative where it cannot be told).
+/// (0 … 1; negative where it cannot be told). What it throws ends the call.
 using ProgressCallback = std::function<void(std::string_view stage, double fraction)>;
 
 /// How a long call should run: passed as the last argument everywhere, never kept in a global. The result

@@ -34,7 +34,7 @@ struct LiveFrame {
   FrameQuality quality = FrameQuality::exact;
   double seconds = 0;  ///< that it took to compute
   /// Largest distance from the exact positions, × largest displacement: 0 for `exact`; for the others what was
-  /// measured on the last pose that had a frame of this quality before its exact one, absent before the first.
+  /// measured on the last pose whose best frame but the exact one had this quality, absent before the first.
   std::optional<double> error_rel{};
 };
 

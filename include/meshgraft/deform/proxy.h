@@ -37,8 +37,9 @@ struct ProxySummary {
 /// constraints follow.
 class ProxyDeformer {
  public:
-  /// As `Deformer`'s. Throws what that throws, with the mesh's own vertex numbers; and Error(unsolvable) where
-  /// the region could be solved but no proxy of that size.
+  /// As `Deformer`'s. Throws what that throws, with the mesh's own vertex numbers, and looks at more of the
+  /// surroundings, where there may be a coordinate that is not finite; Error(unsolvable) where the region could
+  /// be solved but no proxy of that size.
   ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
                 const ProxyOptions& options = {}, const Context& context = {});
 
