@@ -104,7 +104,7 @@ TEST_F(CommandLine, TooLittleMemoryEndsInGoodTime) {
         "handles": [{"name": "end", "select": {"half_space": {"point": [0, 0, 3.6], "normal": [0, 0, 1]}},
                      "pose": {"translate": [0, 0, 0.2]}}]}]})");
   ASSERT_EQ(run("deform bar.json -o out.ply").status, 0);
-  for (const int megabytes : {100, 200, 300, 450, 600, 800, 2000}) {
+  for (const int megabytes : {200, 250, 300, 450, 600, 800, 2000}) {
     const Outcome outcome =
         run("deform bar.json -o out.ply", "ulimit -v " + std::to_string(1000 * megabytes) + " && timeout 60 ");
     EXPECT_TRUE(outcome.status == 0 || outcome.status == 6)

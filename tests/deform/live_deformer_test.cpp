@@ -391,9 +391,9 @@ TEST(LiveDeformer, APoseThatCannotBeEvaluatedIsToldOnce) {
   const Scene scene = make_scene(bumpy_sphere(3));
   Recorder recorder;
   LiveDeformer live = make_live(scene, held_foot(scene), recorder, quick_options(DeformMethod::ft05));
-  HandlePose huge;
-  huge.transform.translation().x() = 1e200;
-  live.drag(std::vector{huge});
+  HandlePose redrawn;  // of a handle that is no curve
+  redrawn.curve = Points::Zero(2, 3);
+  live.drag(std::vector{redrawn});
   const auto told = error_of([&] { live.wait_until_exact(); });
   recorder.wait_for_failure();
   live.drag(part_of_move(scene, 1));
