@@ -69,7 +69,7 @@ TEST(Cancellation, ACancelledSetUpLeavesNothingBehind) {
   const Context counting{
       .threads = 2, .progress = [&](std::string_view, double) { ++steps; }, .stop_token = {}};
   const Points expected = set_up(counting).evaluate(poses);
-  ASSERT_GT(steps, 10);
+  ASSERT_GT(steps, 3);
   cancelled_at(steps / 2, set_up);
   const int threads = thread_count();
   const std::int64_t before = allocated_bytes();
@@ -79,7 +79,7 @@ TEST(Cancellation, ACancelledSetUpLeavesNothingBehind) {
     wait_for_threads(threads);
     EXPECT_LT(allocated_bytes(), before + slack) << "step " << last << " of " << steps;
   }
-  EXPECT_GT(cancelled, 6);
+  EXPECT_GE(cancelled, 3);
   EXPECT_EQ(set_up({.threads = 2, .progress = {}, .stop_token = {}}).evaluate(poses), expected);
 }
 
