@@ -92,8 +92,14 @@ void in_arena(const Context& context, const Work& work) {
 // Runs `work` of each number as a task of its own, in the arena of the thread, and waits for all.
 void run_all(const std::vector<int>& numbers, const std::function<void(int)>& work) {
   if (numbers.empty()) return;
+  char fork = 0;
+  signal(fork);
   tbb::task_group group;
-  for (const int number : numbers) group.run([&work, number] { work(number); });
+  for (const int number : numbers)
+    group.run([&fork, &work, number] {
+      await(fork);
+      work(number);
+    });
   group.wait();
 }
 
@@ -196,7 +202,6 @@ void TaskForest::visit_up(const std::function<void(int)>& visit, const Context& 
   ForkJoin events;
   std::vector<char> visited(tasks_.size(), 0);
   const std::function<void(int)> climb = [&](int number) {
-    await(events.fork);
     const Task& task = tasks_[number];
     run_all(task.below, climb);
     for (const int below : task.below) await(visited[below]);
