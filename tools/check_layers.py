@@ -24,6 +24,7 @@ USES = {
     "baselines": {"core", "mesh", "linalg", "operators", "deform"},
     "merge": {"core", "mesh", "linalg", "operators", "deform"},
     "edit": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
+    "server": {"core"},
     "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "edit"},
 }
 USES["editor"] = USES["python"] = USES["cli"]
