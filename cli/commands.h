@@ -25,6 +25,7 @@ void add_compare(CLI::App& program, Action& action);
 void add_cut(CLI::App& program, Action& action);
 void add_merge(CLI::App& program, Action& action);
 void add_sample(CLI::App& program, Action& action);
+void add_edit(CLI::App& program, Action& action);    ///< only where the editor was built
 void add_render(CLI::App& program, Action& action);  ///< only where the renderer was built
 void add_completion(CLI::App& program, Action& action);
 void add_man(CLI::App& program, Action& action);

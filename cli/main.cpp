@@ -38,6 +38,9 @@ void add_commands(CLI::App& program, cli::Action& action) {
   cli::add_cut(program, action);
   cli::add_merge(program, action);
   cli::add_sample(program, action);
+#ifdef MESHGRAFT_HAS_EDITOR
+  cli::add_edit(program, action);
+#endif
 #ifdef MESHGRAFT_HAS_RENDER
   cli::add_render(program, action);
 #endif

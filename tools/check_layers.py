@@ -24,9 +24,12 @@ USES = {
     "baselines": {"core", "mesh", "linalg", "operators", "deform"},
     "merge": {"core", "mesh", "linalg", "operators", "deform"},
     "edit": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
+    "server": {"core"},
     "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "edit"},
 }
-USES["editor"] = USES["python"] = USES["cli"]
+USES["python"] = USES["cli"]
+USES["editor"] = USES["cli"] | {"server"}
+USES["cli"] = USES["cli"] | {"editor"}
 
 # Headers, and folders of them, that only one source file may include (of a folder, one of each layer): they stand
 # behind one of our own interfaces.

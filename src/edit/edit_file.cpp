@@ -64,6 +64,14 @@ EditInput parse_input(const std::string& name, const Value& value) {
   return input;
 }
 
+std::string parse_colour(const Value& value) {
+  const std::string& colour = value.string();
+  if (colour.size() != 7 || colour[0] != '#' ||
+      colour.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
+    value.fail("expected a colour, '#rrggbb'");
+  return colour;
+}
+
 // Calls `visit` with every selection below and including `selection`.
 void for_each_selection(const SelectionSpec& selection,
                         const std::function<void(const SelectionSpec&)>& visit) {
@@ -196,8 +204,8 @@ void require_names(const EditFile& edit) {
 }
 
 EditFile parse_version_2(const Value& root) {
-  const Object fields(
-      root, {"$schema", "format", "version", "name", "about", "inputs", "selections", "steps", "output"});
+  const Object fields(root, {"$schema", "format", "version", "name", "about", "inputs", "selections", "colours",
+                             "steps", "output"});
   EditFile edit;
   fields.optional("$schema", [](const Value& v) { v.string(); });
   fields.optional("name", [&](const Value& v) { edit.name = v.string(); });
@@ -214,6 +222,15 @@ EditFile parse_version_2(const Value& root) {
       if (name.empty()) selections.fail("a selection needs a name");
       if (name == "all") selections.member(name).fail("'all' already means every vertex");
       edit.selections.push_back({name, parse_selection(selections.member(name))});
+    }
+  });
+  fields.optional("colours", [&](const Value& colours) {
+    if (!colours.is_object()) colours.fail("expected an object of colours");
+    for (const auto& [name, colour] : colours.raw().items()) {
+      const auto named = std::find_if(edit.selections.begin(), edit.selections.end(),
+                                      [&](const NamedSelection& one) { return one.name == name; });
+      if (named == edit.selections.end()) colours.member(name).fail("there is no selection of this name");
+      named->colour = parse_colour(colours.member(name));
     }
   });
   const Value steps = fields.required("steps");

@@ -83,6 +83,8 @@ HandleMotion parse_motion(const Object& fields) {
   return motion;
 }
 
+}  // namespace
+
 PoseSpec parse_pose(const Value& value, HandleShape shape) {
   const Object fields(value, {"matrix", "def", "curve", "translate", "rotate", "scale", "pivot"});
   for (const std::string_view alone : {"matrix", "def", "curve"})
@@ -97,6 +99,8 @@ PoseSpec parse_pose(const Value& value, HandleShape shape) {
   }
   return {parse_motion(fields)};
 }
+
+namespace {
 
 HandleShape parse_shape(const Value& value) {
   using enum HandleShape;

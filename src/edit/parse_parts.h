@@ -21,6 +21,9 @@ inline constexpr int max_rings = 1'000'000;
 
 SelectionSpec parse_selection(const json::Value& value);
 
+/// A handle's pose; a course of its own only for a curve.
+PoseSpec parse_pose(const json::Value& value, HandleShape shape);
+
 inline void read_count(const json::Object& fields, std::string_view key, std::optional<Index>& count) {
   fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
 }

@@ -260,24 +260,13 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.settings.proxy = options.overrides.proxy.value_or(report.settings.proxy);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
-  const Finding* torn = scene.triage.find("duplicate-vertex");
-  const bool welds = torn != nullptr && report.settings.weld && !scene.is_cut;
-  const Weld weld = welds ? weld_at(scene.mesh, torn->indices) : Weld();
-  Mesh whole = weld.empty() ? Mesh() : welded(scene.mesh, weld);
-  Mesh& mesh = weld.empty() ? scene.mesh : whole;
-
   context.step("select");
-  DeformProblem problem;
-  {
-    const SelectionContext selections(mesh, weld);
-    problem.deform = resolve_deform(edit, step, selections, place, scene.produced);
-    report.seconds.select = watch.lap();
-    require_usable_within_reach(scene, problem.deform.region, selections, reach_rings(report.settings));
-  }
-  problem.rest = mesh.positions;
-  problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
+  DeformSetup setup = set_up_deform(edit, step, place, scene, report.settings);
+  DeformProblem& problem = setup.problem;
+  const Weld& weld = setup.weld;
+  Mesh& mesh = weld.empty() ? scene.mesh : setup.welded;
   const Triangles triangles = problem.triangles;
-  report.seconds.triage = watch.lap();
+  report.seconds.select = watch.lap();
 
   report.counts.vertices = scene.mesh.vertex_count();
   report.counts.faces = scene.mesh.face_count();
@@ -316,17 +305,6 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();
   return report;
-}
-
-StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& place,
-                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
-  if (std::holds_alternative<MergeStep>(edit_step.action))
-    return run_merge(edit, edit_step, place, scenes, options, context);
-  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, place, scenes, context);
-  const auto& step = std::get<DeformStep>(edit_step.action);
-  const std::string& output = outcome_of(edit_step);
-  if (output != step.mesh) scenes.insert_or_assign(output, scenes.at(step.mesh));
-  return run_deform(edit, step, place, scenes.at(output), options, context);
 }
 
 void add_seconds(StageSeconds& sum, const StageSeconds& part) {
@@ -414,6 +392,35 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
   operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
   options.backend = overrides.backend.value_or(options.backend);
   return options;
+}
+
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& place,
+                          const Scene& scene, const DeformSettings& settings) {
+  DeformSetup setup;
+  const Finding* torn = scene.triage.find("duplicate-vertex");
+  const bool welds = torn != nullptr && settings.weld && !scene.is_cut;
+  if (welds) setup.weld = weld_at(scene.mesh, torn->indices);
+  if (!setup.weld.empty()) setup.welded = welded(scene.mesh, setup.weld);
+  const Mesh& mesh = setup.weld.empty() ? scene.mesh : setup.welded;
+  {
+    const SelectionContext selections(mesh, setup.weld);
+    setup.problem.deform = resolve_deform(edit, step, selections, place, scene.produced);
+    require_usable_within_reach(scene, setup.problem.deform.region, selections, reach_rings(settings));
+  }
+  setup.problem.rest = mesh.positions;
+  setup.problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
+  return setup;
+}
+
+StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
+  if (std::holds_alternative<MergeStep>(edit_step.action))
+    return run_merge(edit, edit_step, place, scenes, options, context);
+  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, place, scenes, context);
+  const auto& step = std::get<DeformStep>(edit_step.action);
+  const std::string& output = outcome_of(edit_step);
+  if (output != step.mesh) scenes.insert_or_assign(output, scenes.at(step.mesh));
+  return run_deform(edit, step, place, scenes.at(output), options, context);
 }
 
 Scene make_scene(Mesh mesh, std::string label, const Context& context) {

@@ -12,6 +12,9 @@
 #include <meshgraft/edit/run_edit.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/weld.h>
+
+#include "refine_boundary.h"
 
 namespace meshgraft {
 
@@ -42,10 +45,24 @@ Scene make_scene(Mesh mesh, std::string label, const Context& context);
 /// What `map` leaves of the vertices in `from`, into `to`.
 void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to);
 
+/// A deform step on its scene, ready to be solved.
+struct DeformSetup {
+  Weld weld;              ///< empty: the problem is on the scene's mesh
+  Mesh welded;            ///< else the mesh that it is on
+  DeformProblem problem;  ///< before its boundary is refined
+};
+
+/// `settings` are those in force. Throws what `resolve_deform` throws, and Error(input) for defects within
+/// reach.
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& place,
+                          const Scene& scene, const DeformSettings& settings);
+
 /// A step's options with those of the command line in their place.
 DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
 
 /// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
+StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& place,
+                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,

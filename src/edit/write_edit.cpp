@@ -346,6 +346,8 @@ std::string write_edit(const EditFile& edit) {
   if (!edit.selections.empty()) json["selections"] = Json::object();
   for (const NamedSelection& named : edit.selections)
     json["selections"][named.name] = selection_json(named.selection);
+  for (const NamedSelection& named : edit.selections)
+    if (!named.colour.empty()) json["colours"][named.name] = named.colour;
   json["steps"] = Json::array();
   for (const EditStep& step : edit.steps)
     json["steps"].push_back(

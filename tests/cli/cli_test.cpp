@@ -320,6 +320,27 @@ TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
   }
 }
 
+#ifdef MESHGRAFT_HAS_EDITOR
+TEST_F(CommandLine, EditServesUntilCtrlC) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (chdir(folder_.c_str()) != 0 || !std::freopen(".out", "w", stdout)) _exit(99);
+    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "edit", "--no-browser", "--folder", ".", "sheet.obj", nullptr);
+    _exit(99);
+  }
+  for (int waits = 0; waits < 1000 && read_text(folder_ / ".out").empty(); ++waits)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(read_text(folder_ / ".out").find("http://127.0.0.1:"), 0u);
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(run("edit missing.ply --no-browser").status, 5);
+}
+#endif
+
 TEST_F(CommandLine, CompareTellsMethodsApart) {
   const Outcome table = run("compare edit.json --methods ft05,arap-2007");
   ASSERT_EQ(table.status, 0) << table.err;

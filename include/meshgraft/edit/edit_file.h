@@ -77,6 +77,7 @@ struct SelectionSpec {
 struct NamedSelection {
   std::string name;
   SelectionSpec selection;
+  std::string colour{};  ///< to draw it in, "#rrggbb"; empty: none
 };
 
 /// A mesh that an edit starts from: a file or a built-in sample.

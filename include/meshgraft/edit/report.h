@@ -19,8 +19,8 @@ namespace meshgraft {
 /// Wall-clock seconds per stage.
 struct StageSeconds {
   double read = 0;
-  double triage = 0;    ///< with triangulation
-  double select = 0;    ///< resolving selections and poses, boundary refinement
+  double triage = 0;    ///< with triangulation, of merges and cuts
+  double select = 0;    ///< resolving selections and poses, triangulation, boundary refinement
   double match = 0;     ///< of loops
   double assemble = 0;  ///< all of the set-up but the next two
   double analyse = 0;

@@ -1,0 +1,85 @@
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "choices.h"
+#include "commands.h"
+#include "editor/editor.h"
+
+namespace meshgraft::cli {
+
+namespace {
+
+struct EditArguments {
+  editor::EditorOptions options;
+  int port = 0;
+  bool no_browser = false;
+};
+
+// Whether there is a browser is nobody's error: the address is printed.
+void open_browser(const std::string& url) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  std::string program = "xdg-open", argument = url;
+  char* const words[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), &actions, nullptr, words, environ) == 0) waitpid(child, nullptr, 0);
+  posix_spawn_file_actions_destroy(&actions);
+}
+
+void run_edit(const EditArguments& arguments, const Context& context) {
+  editor::EditorOptions options = arguments.options;
+  options.port = static_cast<std::uint16_t>(arguments.port);
+  if (options.address != "127.0.0.1")
+    fmt::print(stderr,
+               "meshgraft: warning: {} may be reached from other machines, without encryption. Whoever has the "
+               "address below may read and write in the folders of the editor.\n",
+               options.address);
+  const auto started = [&](const std::string& url) {
+    fmt::print("{}\n", url);
+    std::fflush(stdout);
+    if (!arguments.no_browser) open_browser(url);
+  };
+  editor::run_editor(options, started, context.stop_token);
+}
+
+}  // namespace
+
+void add_edit(CLI::App& program, Action& action) {
+  const auto arguments = std::make_shared<EditArguments>();
+  CLI::App* command =
+      program.add_subcommand("edit", "Start the editor's engine, for a browser on this machine");
+  command
+      ->add_option("models", arguments->options.models,
+                   "Models and edit files to offer; their folders may be used")
+      ->type_name("MODEL");
+  command->add_option("--port", arguments->port, "The port to listen to; 0: one that is free")
+      ->type_name("N")
+      ->check(whole_number_from(0, 65535));
+  command
+      ->add_option("--folder", arguments->options.folders, "A folder that may be read and written; repeatable")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--address", arguments->options.address,
+                   "The address to listen to; another one than 127.0.0.1 may be reached from other machines")
+      ->type_name("A");
+  command->add_flag("--no-browser", arguments->no_browser, "Print the address, and open no browser");
+  command->footer("Example:\n  meshgraft edit octopus.ply");
+  command->callback([arguments, &action] {
+    action = [arguments](const Context& context) { run_edit(*arguments, context); };
+  });
+}
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,49 @@
+#include "binary_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+namespace meshgraft::editor {
+
+static_assert(std::endian::native == std::endian::little, "frames are little-endian as they stand in memory");
+
+void BinaryFrame::add(std::string_view name, std::span<const float> values) {
+  add(name, "float32", std::as_bytes(values), values.size());
+}
+
+void BinaryFrame::add(std::string_view name, std::span<const Index> values) {
+  add(name, "uint32", std::as_bytes(values), values.size());
+}
+
+void BinaryFrame::add(std::string_view name, std::string_view type, std::span<const std::byte> bytes,
+                      std::size_t length) {
+  header_["arrays"].push_back({{"name", name}, {"type", type}, {"length", length}});
+  arrays_.insert(arrays_.end(), bytes.begin(), bytes.end());
+}
+
+std::vector<std::byte> BinaryFrame::bytes() const {
+  std::string json = header_.dump();
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::array<char, 12> start{'M', 'G', 'F', '1'};
+  const std::array<std::uint32_t, 2> numbers{static_cast<std::uint32_t>(kind_),
+                                             static_cast<std::uint32_t>(json.size())};
+  std::memcpy(start.data() + 4, numbers.data(), sizeof numbers);
+  std::vector<std::byte> all(start.size() + json.size() + arrays_.size());
+  std::memcpy(all.data(), start.data(), start.size());
+  std::memcpy(all.data() + start.size(), json.data(), json.size());
+  std::copy(arrays_.begin(), arrays_.end(),
+            all.begin() + static_cast<std::ptrdiff_t>(start.size() + json.size()));
+  return all;
+}
+
+std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points) {
+  std::vector<float> values;
+  values.reserve(static_cast<std::size_t>(points.size()));
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    for (int k = 0; k < 3; ++k) values.push_back(static_cast<float>(points(i, k) - offset(k)));
+  return values;
+}
+
+}  // namespace meshgraft::editor

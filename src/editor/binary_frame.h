@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/mesh/mesh.h>
+
+#include "protocol.h"
+
+namespace meshgraft::editor {
+
+/// Numbers for the page. In bytes, all little-endian:
+///   "MGF1", kind (uint32), length of the JSON (uint32, a multiple of 4), the JSON, padded with blanks,
+///   then the arrays that its field `arrays` lists as {name, type, length}, one after another.
+class BinaryFrame {
+ public:
+  enum class Kind : std::uint32_t { mesh = 1, frame = 2, weights = 3, selection = 4, roles = 5 };
+
+  BinaryFrame(Kind kind, Json header) : kind_(kind), header_(std::move(header)) {
+    header_["arrays"] = Json::array();
+  }
+
+  void add(std::string_view name, std::span<const float> values);
+  void add(std::string_view name, std::span<const Index> values);  ///< as uint32: none is negative
+
+  std::vector<std::byte> bytes() const;
+
+ private:
+  void add(std::string_view name, std::string_view type, std::span<const std::byte> bytes, std::size_t length);
+
+  Kind kind_;
+  Json header_;
+  std::vector<std::byte> arrays_;
+};
+
+/// Positions relative to `offset` in single precision, 3 numbers a point.
+std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points);
+
+}  // namespace meshgraft::editor

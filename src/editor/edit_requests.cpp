@@ -1,0 +1,262 @@
+// The requests that concern the document and what is shown of it.
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+#include "edit/parse_parts.h"
+#include "mesh_frames.h"
+#include "selecting.h"
+#include "session.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+std::vector<Index> vertices_of(const json::Value& value, const StepBase& base) {
+  std::vector<Index> vertices = value.vertices();
+  for (const Index v : vertices)
+    if (v >= base.mesh().vertex_count())
+      value.fail(fmt::format("vertex {} does not exist; the mesh has {}", v, base.mesh().vertex_count()));
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+template <class Operation>
+std::vector<Index> combined(Operation&& operation, const std::vector<Index>& a, const std::vector<Index>& b) {
+  std::vector<Index> out;
+  operation(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
+  return out;
+}
+
+constexpr auto unite = [](auto... arguments) { std::set_union(arguments...); };
+constexpr auto take_away = [](auto... arguments) { std::set_difference(arguments...); };
+constexpr auto intersect = [](auto... arguments) { std::set_intersection(arguments...); };
+
+// All vertices but these.
+std::vector<Index> inverted(const std::vector<Index>& selection, Index count) {
+  std::vector<Index> all(static_cast<std::size_t>(count));
+  for (Index v = 0; v < count; ++v) all[static_cast<std::size_t>(v)] = v;
+  return combined(take_away, all, selection);
+}
+
+// Grown by rings, or shrunk: what is left outside then grows.
+std::vector<Index> grown(const std::vector<Index>& selection, int rings, const StepBase& base) {
+  const IndexLists& neighbours = base.selections->rings;
+  if (rings >= 0) return grow_rings(selection, rings, neighbours);
+  const Index count = base.mesh().vertex_count();
+  return inverted(grow_rings(inverted(selection, count), -rings, neighbours), count);
+}
+
+// Far enough to bend softly: a part of the model, and more than the handle itself.
+double default_reach(const std::vector<Index>& vertices, const StepBase& base) {
+  const Points& points = base.mesh().positions;
+  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+  for (const Index v : vertices) centre += points.row(v) / static_cast<double>(vertices.size());
+  double radius = 0;
+  for (const Index v : vertices) radius = std::max(radius, (points.row(v) - centre).norm());
+  return std::max(0.15 * base.diagonal, 2 * radius);
+}
+
+std::vector<Index> held_already(const LiveView& view) {
+  std::vector<Index> held;
+  for (const ShownHandle& shown : view.handles())
+    held.insert(held.end(), shown.handle.vertices.begin(), shown.handle.vertices.end());
+  std::sort(held.begin(), held.end());
+  return held;
+}
+
+Json indices(const std::vector<Index>& vertices) { return {{"indices", vertices}}; }
+
+}  // namespace
+
+// The field `select` as an edit file has it, or what the page has selected.
+Json Worker::selection_or(const json::Object& fields) {
+  if (fields.has("select")) return fields.required("select").raw();
+  const std::vector<Index>& selection = open_one().selection;
+  if (selection.empty()) throw Error(ErrorCode::usage, "nothing is selected", "select");
+  return indices(selection);
+}
+
+Json Worker::select(const json::Value& message, const Context&) {
+  enum class How { set, add, remove, intersect, invert, grow };
+  const json::Object fields(message, {"id", "do", "how", "what", "rings"});
+  Workspace& workspace = open_one();
+  const StepBase& base = workspace.view().base();
+  std::vector<Index>& selection = workspace.selection;
+  const How how = fields.required("how").choice<How>({{"set", How::set},
+                                                      {"add", How::add},
+                                                      {"remove", How::remove},
+                                                      {"intersect", How::intersect},
+                                                      {"invert", How::invert},
+                                                      {"grow", How::grow}});
+  std::vector<Index> named;
+  if (how != How::invert && how != How::grow)
+    named = select_vertices(fields.required("what"), workspace.document(), base, shared_.folders);
+  switch (how) {
+    case How::set: selection = std::move(named); break;
+    case How::add: selection = combined(unite, selection, named); break;
+    case How::remove: selection = combined(take_away, selection, named); break;
+    case How::intersect: selection = combined(intersect, selection, named); break;
+    case How::invert: selection = inverted(selection, base.mesh().vertex_count()); break;
+    case How::grow:
+      selection = grown(selection, static_cast<int>(fields.required("rings").integer_in(-1000, 1000)), base);
+      break;
+  }
+  outbox_.send(selection_frame(base, selection), "selection");
+  return {{"selected", selection.size()}};
+}
+
+Json Worker::group(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "name", "select", "colour", "remove"});
+  const std::string name = fields.required("name").name();
+  bool removes = false;
+  std::string colour;
+  fields.optional("remove", [&](const json::Value& v) { removes = v.boolean(); });
+  fields.optional("colour", [&](const json::Value& v) { colour = v.name(); });
+  Json document = open_one().document().json;
+  if (removes)
+    remove_group(document, name);
+  else
+    set_group(document, name, selection_or(fields), colour);
+  return change(removes ? "remove group" : "group", document, context);
+}
+
+Json Worker::paint_handle(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "vertices", "reach", "name"});
+  Workspace& workspace = open_one();
+  const StepBase& base = workspace.view().base();
+  const std::vector<Index> vertices =
+      combined(take_away, vertices_of(fields.required("vertices"), base), held_already(workspace.view()));
+  if (vertices.empty()) message.fail("all of these vertices are handles already", "Paint others.");
+  NewHandle handle;
+  handle.shape = vertices.size() == 1 ? "vertex" : "region";
+  handle.select = indices(vertices);
+  handle.reach = default_reach(vertices, base);
+  fields.optional("reach", [&](const json::Value& v) { handle.reach = v.positive_number(); });
+  fields.optional("name", [&](const json::Value& v) { handle.name = v.name(); });
+  Json document = workspace.document().json;
+  const std::string name = add_handle(document, handle);
+  return change("paint handle", document, context, {{"name", name}, {"reach", *handle.reach}});
+}
+
+Json Worker::reach(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "handle", "reach"});
+  Json document = open_one().document().json;
+  set_reach(document, fields.required("handle").name(), fields.required("reach").positive_number());
+  return change("reach", document, context);
+}
+
+Json Worker::region(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "select"});
+  Json document = open_one().document().json;
+  step_of(document)["region"] = selection_or(fields);
+  return change("region", document, context);
+}
+
+Json Worker::fixed(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "select", "rim"});
+  Json document = open_one().document().json;
+  bool is_rim = false;
+  fields.optional("rim", [&](const json::Value& v) { is_rim = v.boolean(); });
+  if (is_rim)
+    step_of(document).erase("fixed");
+  else
+    step_of(document)["fixed"] = selection_or(fields);
+  return change("fixed", document, context);
+}
+
+Json Worker::handle(const json::Value& message, const Context& context) {
+  enum class What { add, remove, rename };
+  const json::Object fields(
+      message, {"id", "do", "what", "name", "to", "shape", "closed", "constrain", "select", "reach"});
+  const What what = fields.required("what").choice<What>(
+      {{"add", What::add}, {"remove", What::remove}, {"rename", What::rename}});
+  Json document = open_one().document().json;
+  if (what == What::remove) {
+    remove_handle(document, fields.required("name").name());
+    return change("remove handle", document, context);
+  }
+  if (what == What::rename) {
+    rename_handle(document, fields.required("name").name(), fields.required("to").name());
+    return change("rename handle", document, context);
+  }
+  NewHandle added;
+  added.shape = "region";
+  added.select = selection_or(fields);
+  fields.optional("name", [&](const json::Value& v) { added.name = v.name(); });
+  fields.optional("shape", [&](const json::Value& v) { added.shape = v.name(); });
+  fields.optional("closed", [&](const json::Value& v) { added.closed = v.boolean(); });
+  fields.optional("constrain", [&](const json::Value& v) { added.constrain = v.name(); });
+  fields.optional("reach", [&](const json::Value& v) { added.reach = v.positive_number(); });
+  const std::string name = add_handle(document, added);
+  return change("add handle", document, context, {{"name", name}});
+}
+
+Json Worker::drag(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do", "poses"});
+  LiveView& view = open_one().view();
+  const json::Value given = fields.required("poses");
+  if (!given.is_object()) given.fail("expected a pose for each name of a handle");
+  std::map<std::string, PoseSpec> poses;
+  for (const auto& [name, pose] : given.raw().items())
+    poses[name] = parse_pose(given.member(name), view.shape_of(name));
+  return {{"pose", view.drag(poses)}};
+}
+
+Json Worker::pose(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "poses"});
+  const json::Value given = fields.required("poses");
+  if (!given.is_object()) given.fail("expected a pose for each name of a handle");
+  Json document = open_one().document().json;
+  for (const auto& [name, pose] : given.raw().items()) set_pose(document, name, pose);
+  return change("pose", document, context);
+}
+
+Json Worker::settings(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "settings", "anchors"});
+  Json document = open_one().document().json;
+  fields.optional("settings", [&](const json::Value& v) {
+    if (!v.is_object()) v.fail("expected an object");
+    change_settings(document, v.raw());
+  });
+  fields.optional("anchors", [&](const json::Value& v) { step_of(document)["anchors"] = v.raw(); });
+  return change("settings", document, context);
+}
+
+Json Worker::accept(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do"});
+  Json document = open_one().document().json;
+  accept_step(document, open_one().document().edit);
+  return change("accept", document, context);
+}
+
+Json Worker::undo(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do"});
+  open_one().undo(context);
+  return shown();
+}
+
+Json Worker::redo(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do"});
+  open_one().redo(context);
+  return shown();
+}
+
+Json Worker::reset(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do"});
+  open_one().reset(context);
+  return shown();
+}
+
+Json Worker::state(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do"});
+  return open_one().summary();
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,72 @@
+#include "editor.h"
+
+#include <cstdlib>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "page.h"
+#include "server/server.h"
+#include "session.h"
+
+namespace meshgraft::editor {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Where uploads go; gone with the program.
+class UploadFolder {
+ public:
+  UploadFolder() {
+    std::string pattern = (fs::temp_directory_path() / "meshgraft-uploads-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr)
+      throw Error(ErrorCode::io, "a folder for uploads cannot be made", pattern);
+    path_ = fs::canonical(pattern);
+  }
+  ~UploadFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  UploadFolder(const UploadFolder&) = delete;
+  UploadFolder& operator=(const UploadFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads) {
+  std::vector<fs::path> folders, models;
+  for (const fs::path& model : options.models) {
+    if (!fs::is_regular_file(model)) throw Error(ErrorCode::io, "there is no such file", model.string());
+    models.push_back(fs::absolute(model).lexically_normal());
+    folders.push_back(models.back().parent_path());
+  }
+  folders.insert(folders.end(), options.folders.begin(), options.folders.end());
+  folders.push_back(uploads);
+  return {Folders(folders), std::move(models), uploads};
+}
+
+}  // namespace
+
+void run_editor(const EditorOptions& options, const std::function<void(const std::string&)>& started,
+                std::stop_token stop) {
+  const UploadFolder uploads;
+  const Shared shared = shared_by_sessions(options, uploads.path());
+  Retirement retirement;
+  ServerOptions server_options;
+  server_options.address = options.address;
+  server_options.port = options.port;
+  server_options.upload_folder = uploads.path();
+  Server server(server_options, page_files(), [&](std::shared_ptr<Channel> channel) {
+    return std::make_unique<Session>(std::move(channel), shared, retirement);
+  });
+  if (started) started(server.url());
+  server.run(std::move(stop));
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,237 @@
+// The requests that concern files.
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "edit/sha256.h"
+#include "session.h"
+
+namespace meshgraft::editor {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t most_entries = 10'000;  // of a folder's list
+
+bool is_mesh(const fs::path& path) {
+  try {
+    require_mesh_format(path);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+bool is_edit(const fs::path& path) {
+  if (path.extension() != ".json") return false;
+  std::string start(1024, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start.find("meshgraft-edit") != std::string::npos;
+}
+
+Document model_document(const fs::path& file) {
+  const std::string name = file.stem().empty() ? "model" : file.stem().string();
+  return make_document(
+      new_edit(name, {{"file", file.filename().string()}, {"sha256", sha256(read_file(file))}}),
+      file.parent_path());
+}
+
+Document sample_document(const std::string& name, int resolution, const fs::path& folder) {
+  Json input = {{"sample", name}};
+  if (resolution != 0) input["resolution"] = resolution;
+  return make_document(new_edit(name, input), folder);
+}
+
+void require_no_input(const fs::path& file, const Document& document) {
+  for (const fs::path& input : referenced_files(document.edit))
+    for (const fs::path& behind : files_behind(input))
+      if (fs::weakly_canonical(behind) == file)
+        throw Error(ErrorCode::usage, "this is an input of the edit", file.string(), "Choose another name.");
+}
+
+// What was uploaded lasts no longer than the program: the edit gets a copy beside it.
+Document with_kept_uploads(Document document, const fs::path& uploads, const fs::path& folder) {
+  if (uploads.empty()) return document;
+  Json json = document.json;
+  for (const EditInput& input : document.edit.inputs) {
+    const fs::path file = document.edit.base_folder / input.file;
+    if (input.file.empty() || file.parent_path() != uploads || folder == uploads) continue;
+    fs::copy_file(file, folder / file.filename(), fs::copy_options::skip_existing);
+    json["inputs"][input.name]["file"] =
+        fs::relative(folder / file.filename(), document.edit.base_folder).string();
+  }
+  return make_document(json, document.edit.base_folder);
+}
+
+Json written_json(const WriteResult& written) {
+  Json files = Json::array();
+  for (const fs::path& file : written.files) files.push_back(file.string());
+  return {{"files", files}, {"notes", written.notes}};
+}
+
+struct MeshToWrite {
+  fs::path file;
+  std::optional<std::string> morph_target{};
+};
+
+Json write_outcome(const Document& document, const MeshToWrite& what, const Context& context) {
+  const EditFile edit = saved_form(document, document.edit.base_folder);
+  const bool same_faces = std::all_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
+    return std::holds_alternative<DeformStep>(step.action);
+  });
+  if (what.morph_target && !same_faces)
+    throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot", "export.as");
+  const EditResult result = run_edit(edit, {.estimate_condition = false}, context);
+  WriteOptions options;
+  if (what.morph_target) options.morph_target = MorphTarget{*what.morph_target, result.rest};
+  return written_json(write_mesh(result.mesh, what.file, options, context));
+}
+
+}  // namespace
+
+void Worker::show(std::unique_ptr<Workspace> workspace) {
+  workspace_ = std::move(workspace);  // the one before lets go of its journal
+  workspace_->keep_journal();
+  tell_state();
+  if (const auto offer = workspace_->offer()) outbox_.tell("offer-restore", *offer);
+}
+
+Json Worker::open(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "path", "sample", "resolution", "upload"});
+  const int ways = int{fields.has("path")} + int{fields.has("sample")} + int{fields.has("upload")};
+  if (ways != 1) message.fail("expected one of the fields 'path', 'sample' and 'upload'");
+  Document document;
+  Workspace::Source source;
+  if (fields.has("sample")) {
+    const std::string name = fields.required("sample").name();
+    int resolution = 0;
+    fields.optional("resolution",
+                    [&](const json::Value& v) { resolution = static_cast<int>(v.integer_in(4, 4096)); });
+    const bool has_folder =
+        !shared_.folders.roots().empty() && shared_.folders.roots().front() != shared_.upload_folder;
+    const fs::path folder = has_folder ? shared_.folders.roots().front() : fs::path();
+    source.name = name;
+    if (has_folder) source.journal = folder / fmt::format("sample-{}-{}", name, resolution);
+    document = sample_document(name, resolution, folder);
+  } else {
+    const bool is_upload = fields.has("upload");
+    const fs::path asked = is_upload
+                               ? shared_.upload_folder / fs::path(fields.required("upload").name()).filename()
+                               : fs::path(fields.required("path").name());
+    const fs::path file = shared_.folders.inside(asked);
+    const bool edit = !is_upload && file.extension() == ".json";
+    source = {file.filename().string(), file, edit ? file : fs::path()};
+    document = edit ? parse_document(read_file(file), file.parent_path())
+                    : model_document(shared_.folders.mesh_to_read(file));
+  }
+  show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, outbox_, context));
+  return {{"name", workspace_->source().name}};
+}
+
+Json Worker::list(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do", "folder"});
+  Json folders = Json::array(), files = Json::array();
+  if (!fields.has("folder")) {
+    for (const fs::path& root : shared_.folders.roots())
+      if (root != shared_.upload_folder) folders.push_back(root.string());
+    return {{"folder", nullptr}, {"folders", folders}, {"files", files}};
+  }
+  const fs::path folder = shared_.folders.inside(fields.required("folder").name());
+  std::vector<fs::directory_entry> entries;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entries.size() < most_entries && !entry.path().filename().string().starts_with("."))
+      entries.push_back(entry);
+  std::sort(entries.begin(), entries.end());
+  for (const auto& entry : entries) {
+    std::error_code ignored;
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory(ignored))
+      folders.push_back(name);
+    else if (entry.is_regular_file(ignored) && (is_mesh(entry.path()) || is_edit(entry.path())))
+      files.push_back({{"name", name},
+                       {"kind", is_mesh(entry.path()) ? "model" : "edit"},
+                       {"bytes", entry.file_size(ignored)}});
+  }
+  return {{"folder", folder.string()}, {"folders", folders}, {"files", files}};
+}
+
+Json Worker::restore(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do"});
+  open_one().restore(context);
+  return shown();
+}
+
+Json Worker::discard(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do"});
+  return {{"aside", open_one().decline().string()}};
+}
+
+// The file of the field `name`, which may be written; empty where it is not asked for.
+std::filesystem::path Worker::output(const json::Object& fields, std::string_view name, bool overwrite) {
+  if (!fields.has(name)) return {};
+  const std::string asked = fields.required(name).name();
+  const fs::path file = name == "edit" ? shared_.folders.inside(asked) : shared_.folders.mesh_to_write(asked);
+  if (name == "edit" && file.extension() != ".json")
+    fields.required(name).fail("edit files have names that end in .json");
+  if (!shared_.upload_folder.empty() && file.parent_path() == shared_.upload_folder)
+    throw Error(ErrorCode::usage, "there is no folder to write to", asked,
+                "Start the editor with a model or with --folder.");
+  if (fs::exists(file) && !overwrite && file != open_one().source().edit)
+    throw Error(ErrorCode::io, "the file exists", file.string(), "Choose another name, or replace it.");
+  require_no_input(file, open_one().document());
+  return file;
+}
+
+void Worker::save_edit(const fs::path& file) {
+  const fs::path folder = file.parent_path();
+  const Document kept = with_kept_uploads(open_one().document(), shared_.upload_folder, folder);
+  write_file_atomically(file, write_edit(saved_form(kept, folder)));
+  open_one().mark_saved(file);
+  tell_state();
+}
+
+Json Worker::save(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "edit", "mesh", "overwrite"});
+  bool overwrite = false;
+  fields.optional("overwrite", [&](const json::Value& v) { overwrite = v.boolean(); });
+  const fs::path mesh = output(fields, "mesh", overwrite);
+  fs::path edit = output(fields, "edit", overwrite);
+  if (edit.empty() && mesh.empty()) edit = open_one().source().edit;
+  if (edit.empty() && mesh.empty()) message.fail("the edit has no file yet", "Give 'edit' or 'mesh'.");
+
+  Json result = {{"files", Json::array()}, {"notes", Json::array()}};
+  if (!mesh.empty()) result = write_outcome(open_one().document(), {mesh}, context);
+  if (!edit.empty()) {
+    save_edit(edit);
+    result["files"].push_back(edit.string());
+  }
+  return result;
+}
+
+Json Worker::export_mesh(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "path", "as", "name", "overwrite"});
+  bool is_morph_target = false, overwrite = false;
+  fields.optional("as", [&](const json::Value& v) {
+    is_morph_target = v.choice<bool>({{"mesh", false}, {"morph-target", true}});
+  });
+  fields.optional("overwrite", [&](const json::Value& v) { overwrite = v.boolean(); });
+  fields.required("path");
+  MeshToWrite what{output(fields, "path", overwrite)};
+  if (is_morph_target) {
+    what.morph_target = fields.has("name") ? fields.required("name").name() : "edit";
+    require_morph_targets(what.file);
+  }
+  return write_outcome(open_one().document(), what, context);
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,80 @@
+#include "folders.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+namespace meshgraft::editor {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_below(const fs::path& path, const fs::path& root) {
+  return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
+}
+
+// A .glb by another name refers to files all the same, and is read for what it is.
+void require_honest_name(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".glb" || extension == ".gltf" || extension == ".GLB" || extension == ".GLTF") return;
+  std::array<char, 4> start{};
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  if (std::string_view(start.data(), start.size()) == "glTF")
+    throw Error(ErrorCode::input, "the file is glTF by another name", path.string(),
+                "Give it a name that ends in .glb.");
+}
+
+}  // namespace
+
+Folders::Folders(const std::vector<fs::path>& folders) {
+  for (const fs::path& folder : folders) {
+    std::error_code failed;
+    const fs::path root = fs::canonical(folder, failed);
+    if (failed || !fs::is_directory(root))
+      throw Error(ErrorCode::io, "there is no such folder", folder.string());
+    if (std::find(roots_.begin(), roots_.end(), root) == roots_.end()) roots_.push_back(root);
+  }
+}
+
+fs::path Folders::inside(const fs::path& path) const {
+  const std::string remedy = "Start the editor with --folder to open it.";
+  if (path.native().find('\0') != std::string::npos)
+    throw Error(ErrorCode::input, "a path has no zero bytes", path.filename().string());
+  const fs::path given = path.is_absolute() || roots_.empty() ? path : roots_.front() / path;
+  std::error_code failed;
+  const fs::path leads = fs::weakly_canonical(follow_links(given), failed);
+  if (!failed && leads.is_absolute())
+    for (const fs::path& root : roots_)
+      if (is_below(leads, root)) return leads;
+  throw Error(ErrorCode::input, "lies outside the folders that may be used", path.string(), remedy);
+}
+
+fs::path Folders::mesh_to_read(const fs::path& path) const {
+  const fs::path file = inside(path);
+  if (!fs::is_regular_file(file)) throw Error(ErrorCode::io, "there is no such file", path.string());
+  require_mesh_format(file);
+  require_honest_name(file);
+  for (const fs::path& behind : files_behind(file)) inside(behind);
+  return file;
+}
+
+fs::path Folders::mesh_to_write(const fs::path& path) const {
+  const fs::path file = inside(path);
+  require_mesh_format(file);
+  for (const char* companion : {".mtl", ".bin"}) inside(fs::path(file).replace_extension(companion));
+  return file;
+}
+
+void Folders::require_inside(const EditFile& edit) const {
+  for (const EditInput& input : edit.inputs)
+    if (!input.file.empty()) mesh_to_read(edit.base_folder / input.file);
+  for (const fs::path& file : referenced_files(edit)) inside(file);
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/deform/live_deformer.h>
+
+#include "protocol.h"
+#include "step_base.h"
+
+namespace meshgraft::editor {
+
+/// A handle as the page draws it.
+struct ShownHandle {
+  Handle handle;
+  Eigen::Vector3d centre, pivot;
+  std::vector<Index> rim;  ///< its vertices that have a neighbour outside
+};
+
+/// Shows what the step that is worked on makes of the mesh, while it is dragged and after: sends the mesh, who
+/// is what, and frames. Used on one thread.
+class LiveView {
+ public:
+  explicit LiveView(Outbox outbox) : outbox_(std::move(outbox)) {}
+
+  /// A document that can be shown. What is found to be wrong with it is thrown before anything changes.
+  struct Plan {
+    std::shared_ptr<const StepBase> base;
+    Json key;                          ///< all that matters but the poses
+    std::optional<DeformSetup> setup;  ///< absent: the step is not ready, or as it was but for the poses
+    std::vector<HandlePose> poses;
+    bool ready = false;
+  };
+  Plan plan(const Document& document, std::shared_ptr<const StepBase> base) const;
+
+  /// `context` is for a step that cannot be dragged, which is run as it is; throws what that throws.
+  void show(const Document& document, Plan plan, const Context& context);
+
+  /// Returns the pose's number, 0 where nothing can be dragged. Other handles are where the document has them.
+  std::int64_t drag(const std::map<std::string, PoseSpec>& poses);
+  HandleShape shape_of(const std::string& handle) const;
+
+  /// Tells what has become of the set-up; `settled` once nothing more will.
+  void poll();
+  bool settled() const;
+
+  const StepBase& base() const { return *base_; }
+  std::int64_t last_pose() const { return last_pose_; }
+  const std::vector<ShownHandle>& handles() const { return handles_; }
+  Json counts() const;
+
+ private:
+  void show_rest();
+  void set_up(const DeformStep& step, DeformSetup setup);
+  void run_exactly(const Document& document, const Context& context);
+  HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
+  std::vector<HandlePose> poses_of(const DeformStep& step) const;
+  void drag_to(const std::vector<HandlePose>& poses);
+
+  Outbox outbox_;
+  std::shared_ptr<const StepBase> base_;
+  Json key_;
+  int shown_mesh_ = 0;
+  Region region_;
+  std::shared_ptr<const std::vector<Index>> moving_;
+  std::vector<ShownHandle> handles_;
+  std::vector<HandlePose> poses_;  ///< of the document
+  std::optional<LiveStage> told_;
+  bool basis_sent_ = false;
+  std::int64_t last_pose_ = 0;
+  std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
+};
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,110 @@
+#include "mesh_frames.h"
+
+#include <cstdint>
+#include <numeric>
+#include <string>
+
+#include <meshgraft/mesh/normals.h>
+
+#include "binary_frame.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+Json header_of(const StepBase& base) {
+  const Eigen::RowVector3d& o = base.offset;
+  return {{"mesh", base.id}, {"offset", {o.x(), o.y(), o.z()}}, {"scale", 1.0}};
+}
+
+std::vector<float> to_floats(const std::vector<double>& values, double unit) {
+  std::vector<float> floats;
+  floats.reserve(values.size());
+  for (const double value : values) floats.push_back(static_cast<float>(value / unit));
+  return floats;
+}
+
+template <class Matrix>
+std::span<const float> numbers_of(const Matrix& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
+
+}  // namespace
+
+std::vector<std::byte> mesh_frame(const StepBase& base) {
+  const Mesh& mesh = base.mesh();
+  Json header = header_of(base);
+  header["vertices"] = mesh.vertex_count();
+  header["faces"] = mesh.face_count();
+  BinaryFrame frame(BinaryFrame::Kind::mesh, std::move(header));
+  frame.add("positions", relative_to(base.offset, mesh.positions));
+  frame.add("triangles",
+            std::span<const Index>(base.triangles.data(), static_cast<std::size_t>(base.triangles.size())));
+  frame.add("normals", relative_to(Eigen::RowVector3d::Zero(), vertex_normals(mesh)));
+  if (const Attribute* uv = mesh.find_attribute(Domain::vertex, "uv"); uv != nullptr && uv->components == 2)
+    frame.add("uv", to_floats(uv->values, 1));
+  if (const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
+      colour != nullptr && colour->components == 3)
+    frame.add("colours", to_floats(colour->values, colour->type == ScalarType::uint8 ? 255 : 1));
+  return frame.bytes();
+}
+
+std::vector<Index> moving_vertices(const StepBase& base, const Region& region) {
+  std::vector<std::uint8_t> moves(static_cast<std::size_t>(base.mesh().vertex_count()), region.whole ? 1 : 0);
+  for (const Index v : region.vertices) moves[static_cast<std::size_t>(v)] = 1;
+  for (const Index v : region.fixed) moves[static_cast<std::size_t>(v)] = 0;
+  std::vector<Index> moving;
+  for (Index v = 0; v < base.mesh().vertex_count(); ++v)
+    if (moves[static_cast<std::size_t>(base.weld.of(v))] != 0) moving.push_back(v);
+  return moving;
+}
+
+std::vector<std::byte> position_frame(const StepBase& base, const std::vector<Index>& moving,
+                                      const LiveFrame& frame) {
+  const Points& positions = *frame.positions;
+  const bool all = 4 * moving.size() > 3 * static_cast<std::size_t>(positions.rows());
+  Json header = header_of(base);
+  header["pose"] = frame.pose;
+  header["quality"] = to_string(frame.quality);
+  header["seconds"] = frame.seconds;
+  if (frame.error_rel) header["error_rel"] = *frame.error_rel;
+  const auto count = all ? positions.rows() : static_cast<Eigen::Index>(moving.size());
+  Points sent(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i)
+    sent.row(i) =
+        positions.row(base.weld.of(all ? static_cast<Index>(i) : moving[static_cast<std::size_t>(i)]));
+  BinaryFrame bytes(BinaryFrame::Kind::frame, std::move(header));
+  bytes.add("positions", relative_to(base.offset, sent));
+  if (!all) bytes.add("vertices", moving);
+  return bytes.bytes();
+}
+
+std::vector<std::byte> weights_frame(const StepBase& base, const HandleBasis& basis) {
+  const HandleBuffers buffers = basis.buffers();
+  const Eigen::RowVector3d& c = buffers.centre;
+  Json header = {{"mesh", base.id}, {"offset", {c.x(), c.y(), c.z()}}, {"scale", buffers.scale}};
+  header["width"] = buffers.blocks.cols();
+  BinaryFrame frame(BinaryFrame::Kind::weights, std::move(header));
+  frame.add("vertices", buffers.vertices);
+  frame.add("positions", numbers_of(buffers.positions));
+  frame.add("normals", numbers_of(buffers.normals));
+  frame.add("maps", numbers_of(buffers.maps));
+  frame.add("blocks", numbers_of(buffers.blocks));
+  return frame.bytes();
+}
+
+std::vector<std::byte> selection_frame(const StepBase& base, const std::vector<Index>& selection) {
+  BinaryFrame frame(BinaryFrame::Kind::selection, {{"mesh", base.id}});
+  frame.add("vertices", selection);
+  return frame.bytes();
+}
+
+std::vector<std::byte> roles_frame(const StepBase& base, const Region& region) {
+  BinaryFrame frame(BinaryFrame::Kind::roles, {{"mesh", base.id}, {"whole", region.whole}});
+  frame.add("region", region.vertices);
+  frame.add("fixed", region.fixed);
+  for (const Handle& handle : region.handles) frame.add("handle: " + handle.name, handle.vertices);
+  return frame.bytes();
+}
+
+}  // namespace meshgraft::editor

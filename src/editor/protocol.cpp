@@ -1,0 +1,74 @@
+#include "protocol.h"
+
+#include <filesystem>
+#include <new>
+#include <utility>
+
+#include <meshgraft/edit/edit_file.h>
+
+#include "edit/json_value.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+// Names of files may be no UTF-8.
+std::string text_of(const Json& message) {
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Request parse_request(std::string_view text, Json& id) {
+  Request request;
+  request.message = json::parse(text, "message", edit_file_depth_limit);
+  const std::string document = "message";
+  const json::Value root(request.message, document);
+  if (!root.is_object()) root.fail("expected an object");
+  const Json given = request.message.value("id", Json());
+  if (!given.is_number_integer() && !given.is_string()) root.fail("the field 'id' is a whole number or a word");
+  id = request.id = given;
+  if (!request.message.contains("do")) root.fail("the field 'do' is missing");
+  request.what = root.member("do").name();
+  return request;
+}
+
+void Outbox::reply(const Json& id, Json result) const {
+  channel_->send_text(text_of({{"re", id}, {"result", std::move(result)}}));
+}
+
+void Outbox::refuse(const Json& id, const Error& error) const {
+  channel_->send_text(text_of({{"re", id}, {"error", error_json(error)}}));
+}
+
+void Outbox::tell(std::string_view event, Json fields, std::string_view slot) const {
+  fields["event"] = event;
+  channel_->send_text(text_of(fields), slot);
+}
+
+void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
+  channel_->send_bytes(std::make_shared<const std::vector<std::byte>>(std::move(frame)), slot);
+}
+
+Json error_json(const Error& error) {
+  return {{"code", to_string(error.code())},
+          {"problem", error.problem()},
+          {"place", error.place()},
+          {"remedy", error.remedy()}};
+}
+
+Error current_error() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return error;
+  } catch (const std::bad_alloc&) {
+    return {ErrorCode::memory, "not enough memory", {}, "Close other programs, or take a smaller mesh."};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {ErrorCode::io, error.code().message(), error.path1().string()};
+  } catch (const std::exception& error) {
+    return {ErrorCode::internal, error.what(), {}, "This is a defect of meshgraft; please report it."};
+  }
+}
+
+}  // namespace meshgraft::editor

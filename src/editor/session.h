@@ -1,0 +1,112 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "edit/json_value.h"
+#include "folders.h"
+#include "protocol.h"
+#include "request_queue.h"
+#include "workspace.h"
+
+namespace meshgraft::editor {
+
+/// What all sessions have in common.
+struct Shared {
+  Folders folders;
+  std::vector<std::filesystem::path> models;  ///< to offer to the page
+  std::filesystem::path upload_folder;        ///< empty: there are no uploads
+};
+
+/// Works on one page's requests (protocol.schema.json) on a thread of its own.
+class Worker {
+ public:
+  Worker(std::shared_ptr<Channel> channel, const Shared& shared);
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// Queues a message, and answers one that is malformed.
+  void receive(std::string_view text);
+
+ private:
+  using Answer = Json (Worker::*)(const json::Value&, const Context&);
+  static Answer answer_to(const std::string& what);
+
+  void queue(Request request);
+  void work(const std::stop_token& stop);
+  void perform(const RequestQueue::Work& work);
+  Context context_of(const RequestQueue::Work& work) const;
+  Workspace& open_one();
+  void show(std::unique_ptr<Workspace> workspace);
+  void tell_state();
+  std::filesystem::path output(const json::Object& fields, std::string_view name, bool overwrite);
+  void save_edit(const std::filesystem::path& file);
+  Json selection_or(const json::Object& fields);
+  Json change(const std::string& label, const Json& document, const Context& context,
+              Json result = Json::object());
+  Json shown(Json result = Json::object());  ///< with the pose whose frames show what was done
+
+  // One for each request.
+  Json open(const json::Value& message, const Context& context);
+  Json list(const json::Value& message, const Context& context);
+  Json restore(const json::Value& message, const Context& context);
+  Json discard(const json::Value& message, const Context& context);
+  Json select(const json::Value& message, const Context& context);
+  Json group(const json::Value& message, const Context& context);
+  Json paint_handle(const json::Value& message, const Context& context);
+  Json reach(const json::Value& message, const Context& context);
+  Json region(const json::Value& message, const Context& context);
+  Json fixed(const json::Value& message, const Context& context);
+  Json handle(const json::Value& message, const Context& context);
+  Json drag(const json::Value& message, const Context& context);
+  Json pose(const json::Value& message, const Context& context);
+  Json settings(const json::Value& message, const Context& context);
+  Json accept(const json::Value& message, const Context& context);
+  Json undo(const json::Value& message, const Context& context);
+  Json redo(const json::Value& message, const Context& context);
+  Json reset(const json::Value& message, const Context& context);
+  Json save(const json::Value& message, const Context& context);
+  Json export_mesh(const json::Value& message, const Context& context);
+  Json state(const json::Value& message, const Context& context);
+
+  const Shared& shared_;
+  Outbox outbox_;
+  RequestQueue queue_;
+  std::unique_ptr<Workspace> workspace_;
+  std::jthread thread_;
+};
+
+/// Ends workers away from the server's thread, which has other pages to serve.
+class Retirement {
+ public:
+  void take(std::unique_ptr<Worker> worker);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::future<void>> ending_;
+};
+
+/// A page's session.
+class Session : public PageSession {
+ public:
+  Session(std::shared_ptr<Channel> channel, const Shared& shared, Retirement& retirement)
+      : retirement_(retirement), worker_(std::make_unique<Worker>(std::move(channel), shared)) {}
+  ~Session() override { retirement_.take(std::move(worker_)); }
+  void receive(std::string_view text) override { worker_->receive(text); }
+
+ private:
+  Retirement& retirement_;
+  std::unique_ptr<Worker> worker_;
+};
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+
+#include "document_actions.h"
+#include "folders.h"
+#include "history.h"
+#include "journal.h"
+#include "live_view.h"
+#include "protocol.h"
+
+namespace meshgraft::editor {
+
+/// What a page has open: a document with its history and journal, and what is shown of it. Used on one thread.
+class Workspace {
+ public:
+  struct Source {
+    std::string name;               ///< what the page calls it
+    std::filesystem::path journal;  ///< the path that the journal is named after; empty: there is none
+    std::filesystem::path edit;     ///< the edit file that it came from; empty: none
+  };
+
+  /// Opens a document and shows it. Throws what running the steps before the last throws.
+  Workspace(Document document, Source source, const Folders& folders, Outbox outbox, const Context& context);
+
+  /// From now on changes go to a journal. No other workspace of the session has one then.
+  void keep_journal();
+
+  /// Makes `changed` the document, or leaves all as it was and throws what is wrong with it.
+  void change(const std::string& label, const Json& changed, const Context& context);
+  void undo(const Context& context);
+  void redo(const Context& context);
+  void reset(const Context& context);
+
+  /// What an earlier session left, if there is any that was not yet taken or declined.
+  std::optional<Json> offer() const;
+  void restore(const Context& context);
+  /// Returns where it was put.
+  std::filesystem::path decline();
+
+  void mark_saved(const std::filesystem::path& edit);
+
+  const Document& document() const { return document_; }
+  const History& history() const { return history_; }
+  LiveView& view() { return view_; }
+  const LiveView& view() const { return view_; }
+  const Source& source() const { return source_; }
+
+  std::vector<Index> selection;  ///< that the page has, ascending
+
+  /// What a page needs to know of it (the event `state`).
+  Json summary() const;
+
+ private:
+  Document checked(Document document) const;
+  void show(Document next, const Context& context);
+  template <class Step>
+  void write(Step&& step);
+
+  Source source_;
+  const Folders& folders_;
+  Outbox outbox_;
+  StepBases bases_;
+  LiveView view_;
+  Document document_;
+  History history_;
+  std::string saved_;                 ///< the document's bytes as they were saved last
+  std::unique_ptr<Journal> journal_;  ///< last: another session may have it while the rest ends
+};
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,87 @@
+#include "access.h"
+
+#include <algorithm>
+#include <random>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft {
+
+namespace {
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::string decode(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      decoded += text[i] == '+' ? ' ' : text[i];
+      continue;
+    }
+    const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1,
+              low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+    if (high < 0 || low < 0) throw Error(ErrorCode::input, "a percent sign stands before what is no number");
+    decoded += static_cast<char>(16 * high + low);
+    i += 2;
+  }
+  return decoded;
+}
+
+}  // namespace
+
+std::string random_token() {
+  std::random_device source;
+  std::string token;
+  for (int part = 0; part < 4; ++part) token += fmt::format("{:08x}", source());
+  return token;
+}
+
+std::string Target::field(const std::string& name) const {
+  const auto found = fields.find(name);
+  return found == fields.end() ? std::string() : found->second;
+}
+
+Target parse_target(std::string_view target) {
+  if (!target.starts_with('/')) throw Error(ErrorCode::input, "the target does not begin with a slash");
+  const std::size_t question = std::min(target.find('?'), target.size());
+  Target parsed{decode(target.substr(0, question)), {}};
+  std::string_view query = target.substr(std::min(question + 1, target.size()));
+  while (!query.empty()) {
+    const std::string_view field = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(field.size() + 1, query.size()));
+    const std::size_t equals = std::min(field.find('='), field.size());
+    parsed.fields[decode(field.substr(0, equals))] = decode(field.substr(std::min(equals + 1, field.size())));
+  }
+  return parsed;
+}
+
+Access::Access(std::string token, std::string_view address, std::uint16_t port) : token_(std::move(token)) {
+  hosts_.push_back(fmt::format("{}:{}", address, port));
+  if (address == "127.0.0.1") hosts_.push_back(fmt::format("localhost:{}", port));
+}
+
+bool Access::allows_host(std::string_view host) const {
+  return std::find(hosts_.begin(), hosts_.end(), host) != hosts_.end();
+}
+
+bool Access::allows_origin(std::string_view origin) const {
+  constexpr std::string_view scheme = "http://";
+  return origin.starts_with(scheme) && allows_host(origin.substr(scheme.size()));
+}
+
+bool Access::allows_token(std::string_view token) const {
+  if (token.size() != token_.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < token.size(); ++i)
+    difference |= static_cast<unsigned char>(token[i]) ^ static_cast<unsigned char>(token_[i]);
+  return difference == 0;
+}
+
+}  // namespace meshgraft

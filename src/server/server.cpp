@@ -1,0 +1,401 @@
+#include "server.h"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <limits>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <meshgraft/core/error.h>
+
+#include "access.h"
+
+namespace meshgraft {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+namespace websocket = boost::beast::websocket;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+using Socket = websocket::stream<beast::tcp_stream>;
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
+
+constexpr std::size_t header_limit = 16 * 1024;
+constexpr std::chrono::seconds patience(30);  // with a request that does not go on
+
+/// Nothing but the page's own files and this server; `blob:` and `data:` are pictures that the page makes.
+constexpr const char* content_policy =
+    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' "
+    "blob:; "
+    "frame-ancestors 'none'";
+
+Response respond(const Request& request, http::status status, std::string_view content_type,
+                 std::string_view body) {
+  Response response(status, request.version());
+  response.set(http::field::content_type, beast::string_view(content_type.data(), content_type.size()));
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Content-Security-Policy", content_policy);
+  response.keep_alive(request.keep_alive());
+  response.body().assign(body);
+  response.prepare_payload();
+  if (request.method() == http::verb::head) response.body().clear();
+  return response;
+}
+
+Response refuse(const Request& request, http::status status, std::string_view why) {
+  Response response = respond(request, status, "text/plain; charset=utf-8", fmt::format("{}\n", why));
+  response.keep_alive(false);
+  return response;
+}
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+/// What waits to be sent to one tab. It outlives the connection, and then takes nothing more.
+class Mailbox : public Channel {
+ public:
+  struct Message {
+    std::variant<std::string, std::shared_ptr<const std::vector<std::byte>>> content;
+    std::string slot;
+  };
+
+  /// `wake` is called, on any thread, when there is a message where there was none.
+  explicit Mailbox(std::function<void()> wake) : wake_(std::move(wake)) {}
+
+  void send_text(std::string text, std::string_view slot) override {
+    put({std::move(text), std::string(slot)});
+  }
+  void send_bytes(std::shared_ptr<const std::vector<std::byte>> bytes, std::string_view slot) override {
+    put({std::move(bytes), std::string(slot)});
+  }
+
+  std::optional<Message> take() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return std::nullopt;
+    Message message = std::move(waiting_.front());
+    waiting_.pop_front();
+    return message;
+  }
+
+  void close() {
+    const std::lock_guard lock(mutex_);
+    wake_ = nullptr;
+    waiting_.clear();
+  }
+
+ private:
+  void put(Message message) {
+    const std::lock_guard lock(mutex_);
+    if (!wake_) return;
+    if (!message.slot.empty())
+      std::erase_if(waiting_, [&](const Message& old) { return old.slot == message.slot; });
+    waiting_.push_back(std::move(message));
+    wake_();
+  }
+
+  std::mutex mutex_;
+  std::function<void()> wake_;
+  std::deque<Message> waiting_;
+};
+
+/// One tab's socket. Used on the server's thread alone.
+class Connection {
+ public:
+  Connection(asio::io_context& io, beast::tcp_stream stream)
+      : socket_(std::move(stream)), wake_(io, asio::steady_timer::time_point::max()) {}
+  ~Connection() { mailbox_->close(); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  static std::shared_ptr<Connection> make(asio::io_context& io, beast::tcp_stream stream) {
+    auto connection = std::make_shared<Connection>(io, std::move(stream));
+    connection->mailbox_ = std::make_shared<Mailbox>([&io, weak = std::weak_ptr(connection)] {
+      asio::post(io, [weak] {
+        if (const auto awake = weak.lock()) awake->wake_.cancel();
+      });
+    });
+    return connection;
+  }
+
+  Socket& socket() { return socket_; }
+  const std::shared_ptr<Mailbox>& mailbox() const { return mailbox_; }
+
+  /// Writes what comes into the mailbox until the socket closes.
+  asio::awaitable<void> write() {
+    error_code failed;
+    while (!closed_) {
+      const std::optional<Mailbox::Message> message = mailbox_->take();
+      if (!message) {
+        error_code woken;
+        co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+        continue;
+      }
+      const auto* text = std::get_if<std::string>(&message->content);
+      const auto* bytes = std::get_if<std::shared_ptr<const std::vector<std::byte>>>(&message->content);
+      const asio::const_buffer content = text != nullptr ? asio::buffer(*text) : asio::buffer(**bytes);
+      socket_.text(text != nullptr);
+      co_await socket_.async_write(content, asio::redirect_error(asio::use_awaitable, failed));
+      if (failed) close();
+    }
+  }
+
+  /// Ends it without waiting for the other side.
+  void close() {
+    if (std::exchange(closed_, true)) return;
+    mailbox_->close();
+    wake_.cancel();
+    beast::get_lowest_layer(socket_).close();
+  }
+
+ private:
+  Socket socket_;
+  asio::steady_timer wake_;
+  std::shared_ptr<Mailbox> mailbox_;
+  bool closed_ = false;
+};
+
+/// Keeps the connection while it writes.
+asio::awaitable<void> write_of(std::shared_ptr<Connection> connection) { co_await connection->write(); }
+
+}  // namespace
+
+struct Server::Impl {
+  ServerOptions options;
+  std::span<const PageFile> page;
+  MakeSession make_session;
+  // One thread runs it: nothing here is shared.
+  asio::io_context io{1};
+  tcp::acceptor acceptor{io};
+  std::string token = random_token();
+  std::unique_ptr<Access> access;
+  std::list<std::weak_ptr<Connection>> pages;
+
+  void take_address();
+  asio::awaitable<void> accept();
+  asio::awaitable<void> serve(beast::tcp_stream stream);
+  asio::awaitable<void> talk(beast::tcp_stream stream, const Request& request);
+  asio::awaitable<Response> receive_file(beast::tcp_stream& stream, beast::flat_buffer& buffer,
+                                         http::request_parser<http::empty_body>& head, const Target& target);
+  std::filesystem::path new_upload(std::string_view name) const;
+  Response find_file(const Request& request, const Target& target) const;
+  Response open_session_refusal(const Request& request, const Target& target) const;
+};
+
+void Server::Impl::take_address() {
+  error_code failed;
+  const auto address = asio::ip::make_address(options.address, failed);
+  const tcp::endpoint endpoint(address, options.port);
+  if (!failed) acceptor.open(endpoint.protocol(), failed);
+  if (!failed && options.port != 0) acceptor.set_option(tcp::acceptor::reuse_address(true), failed);
+  if (!failed) acceptor.bind(endpoint, failed);
+  if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
+  if (failed)
+    throw Error(ErrorCode::io, fmt::format("the address cannot be taken: {}", failed.message()),
+                fmt::format("{}:{}", options.address, options.port),
+                "Choose another port, or 0 for a free one");
+  access = std::make_unique<Access>(token, options.address, acceptor.local_endpoint().port());
+}
+
+asio::awaitable<void> Server::Impl::accept() {
+  while (acceptor.is_open()) {
+    error_code failed;
+    tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, failed));
+    if (failed) continue;
+    socket.set_option(tcp::no_delay(true), failed);
+    asio::co_spawn(io, serve(beast::tcp_stream(std::move(socket))), asio::detached);
+  }
+}
+
+Response Server::Impl::find_file(const Request& request, const Target& target) const {
+  if (request.method() != http::verb::get && request.method() != http::verb::head)
+    return refuse(request, http::status::method_not_allowed, "only GET is answered here");
+  const bool is_front = target.path == "/";
+  if (is_front && !access->allows_token(target.field("token")))
+    return refuse(request, http::status::forbidden,
+                  "This address lacks its token. Open the whole address that meshgraft printed.");
+  const std::string path = is_front ? "/index.html" : target.path;
+  const auto file = std::find_if(page.begin(), page.end(), [&](const PageFile& f) { return f.path == path; });
+  if (file == page.end()) return refuse(request, http::status::not_found, "There is no such file.");
+  return respond(request, http::status::ok, file->content_type, file->bytes);
+}
+
+/// A new file in the folder of uploads, whatever the page calls it; readers go by the extension.
+std::filesystem::path Server::Impl::new_upload(std::string_view name) const {
+  const std::filesystem::path given = std::filesystem::path(name).filename();
+  std::string stem, extension = given.extension().string().substr(0, 16);
+  for (const char c : given.stem().string().substr(0, 64))
+    stem += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+  std::erase_if(extension, [](char c) { return c != '.' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  return options.upload_folder /
+         fmt::format("{}-{}{}", stem.empty() ? "model" : stem, random_token(), extension);
+}
+
+asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, beast::flat_buffer& buffer,
+                                                     http::request_parser<http::empty_body>& head,
+                                                     const Target& target) {
+  const Request request = head.get();
+  if (options.upload_folder.empty())
+    co_return refuse(request, http::status::not_found, "Files are not taken here.");
+  const auto too_large = [&] {
+    return refuse(request, http::status::payload_too_large,
+                  fmt::format("Files of more than {} MB are not taken: open them from the folder they are in.",
+                              options.upload_limit / 1'000'000));
+  };
+  if (head.content_length() && *head.content_length() > options.upload_limit) co_return too_large();
+
+  const std::filesystem::path path = new_upload(target.field("name"));
+  http::request_parser<http::file_body> parser(std::move(head));
+  parser.body_limit(options.upload_limit);
+  error_code failed;
+  parser.get().body().open(path.c_str(), beast::file_mode::write_new, failed);
+  while (!failed && !parser.is_done()) {
+    stream.expires_after(patience);
+    co_await http::async_read_some(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));
+  }
+  parser.get().body().close();
+  if (!failed)
+    co_return respond(request, http::status::ok, "text/plain; charset=utf-8", path.filename().string());
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  if (failed == http::error::body_limit) co_return too_large();
+  co_return refuse(request, http::status::insufficient_storage,
+                   fmt::format("The file could not be kept: {}.", failed.message()));
+}
+
+/// Why a request for a session is refused; status ok if it is not.
+Response Server::Impl::open_session_refusal(const Request& request, const Target& target) const {
+  if (!access->allows_origin(view(request[http::field::origin])))
+    return refuse(request, http::status::forbidden, "The page is not from this server.");
+  if (!access->allows_token(target.field("token")))
+    return refuse(request, http::status::forbidden,
+                  "The token is wrong. Open the address that meshgraft printed.");
+  return respond(request, http::status::ok, "text/plain", "");
+}
+
+asio::awaitable<void> Server::Impl::talk(beast::tcp_stream stream, const Request& request) {
+  stream.expires_never();
+  const auto connection = Connection::make(io, std::move(stream));
+  Socket& socket = connection->socket();
+  socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+  socket.read_message_max(options.message_limit);
+  error_code failed;
+  co_await socket.async_accept(request, asio::redirect_error(asio::use_awaitable, failed));
+  if (failed) co_return;
+  pages.push_back(connection);
+  asio::co_spawn(io, write_of(connection), asio::detached);
+  const std::unique_ptr<PageSession> session = make_session(connection->mailbox());
+  beast::flat_buffer buffer;
+  while (!failed) {
+    co_await socket.async_read(buffer, asio::redirect_error(asio::use_awaitable, failed));
+    if (failed) break;
+    const auto bytes = buffer.cdata();
+    if (socket.got_text()) session->receive({static_cast<const char*>(bytes.data()), bytes.size()});
+    buffer.consume(buffer.size());
+  }
+  connection->close();
+  pages.remove_if([&](const auto& one) { return one.lock() == connection; });
+}
+
+asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
+  beast::flat_buffer buffer(header_limit + 64 * 1024);
+  error_code failed;
+  bool goes_on = true;
+  while (goes_on) {
+    http::request_parser<http::empty_body> parser;
+    parser.header_limit(header_limit);
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // who takes the body sets its own
+    stream.expires_after(patience);
+    co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));
+    if (failed == http::error::end_of_stream || failed == beast::error::timeout) break;
+    const Request request = parser.get();
+    Response response;
+    try {
+      if (failed) {
+        response = refuse(request, http::status::bad_request,
+                          fmt::format("The request is malformed: {}.", failed.message()));
+      } else if (!access->allows_host(view(request[http::field::host]))) {
+        response = refuse(request, http::status::forbidden, "This server does not go by that name.");
+      } else {
+        const Target target = parse_target(view(request.target()));
+        if (target.path == "/session" && websocket::is_upgrade(request)) {
+          response = open_session_refusal(request, target);
+          if (response.result() == http::status::ok && pages.size() >= options.page_limit)
+            response = refuse(request, http::status::service_unavailable, "Too many pages are open.");
+          if (response.result() == http::status::ok) {
+            co_await talk(std::move(stream), request);
+            co_return;
+          }
+        } else if (target.path == "/upload" && request.method() == http::verb::post) {
+          response = open_session_refusal(request, target);
+          if (response.result() == http::status::ok)
+            response = co_await receive_file(stream, buffer, parser, target);
+        } else {
+          response = find_file(request, target);
+        }
+      }
+    } catch (const Error& error) {
+      response = refuse(request, http::status::bad_request, error.what());
+    }
+    goes_on = response.keep_alive();
+    stream.expires_after(patience);
+    co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, failed));
+    if (failed) break;
+  }
+  error_code ignored;
+  stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
+}
+
+Server::Server(ServerOptions options, std::span<const PageFile> page, MakeSession make_session)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->options = std::move(options);
+  impl_->page = page;
+  impl_->make_session = std::move(make_session);
+  impl_->take_address();
+}
+
+Server::~Server() = default;
+
+std::string Server::url() const {
+  return fmt::format("http://{}:{}/?token={}", impl_->options.address, port(), impl_->token);
+}
+
+std::uint16_t Server::port() const { return impl_->acceptor.local_endpoint().port(); }
+
+void Server::run(std::stop_token stop) {
+  asio::co_spawn(impl_->io, impl_->accept(), asio::detached);
+  const std::stop_callback on_stop(stop, [this] {
+    asio::post(impl_->io, [this] {
+      error_code ignored;
+      impl_->acceptor.close(ignored);
+      for (const auto& one : impl_->pages)
+        if (const auto connection = one.lock()) connection->close();
+      impl_->io.stop();
+    });
+  });
+  impl_->io.run();
+}
+
+}  // namespace meshgraft

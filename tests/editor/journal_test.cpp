@@ -1,0 +1,124 @@
+// A journal tells every change whose line is whole, wherever it was cut.
+#include "editor/journal.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "editor/document_actions.h"
+#include "io/temporary_folder.h"
+
+namespace meshgraft::test {
+namespace {
+
+namespace fs = std::filesystem;
+using editor::Document;
+using editor::Journal;
+using editor::Json;
+
+Document first_document() { return editor::make_document(editor::new_edit("bar", {{"sample", "bar"}}), {}); }
+
+Document with_handle(const Document& document, const std::string& name, int vertex) {
+  Json json = document.json;
+  editor::add_handle(
+      json, {.name = name, .shape = "vertex", .select = {{"indices", {vertex}}}, .reach = 0.1 * vertex});
+  return editor::make_document(json, {});
+}
+
+/// A journal's bytes, and the document after each of its lines.
+struct Recorded {
+  std::string text;
+  std::vector<std::string> documents;
+};
+
+Recorded record() {
+  const TemporaryFolder folder;
+  Recorded recorded;
+  Document one = first_document(), two = with_handle(one, "a", 1), three = with_handle(two, "b", 2);
+  {
+    Journal journal(folder / "bar.ply");
+    journal.add("first", one.text, two.text);
+    journal.add("second", two.text, three.text);
+    journal.undo();
+    journal.redo();
+    journal.add("third", three.text, one.text);
+    recorded.documents = {one.text, two.text, three.text, two.text, three.text, one.text};
+    recorded.text = read_file(folder / "bar.ply.meshgraft-session");
+  }
+  return recorded;
+}
+
+TEST(Journal, TellsEveryWholeLineWhereverItIsCut) {
+  const Recorded recorded = record();
+  std::size_t lines = 0;
+  for (std::size_t length = 0; length <= recorded.text.size(); ++length) {
+    if (length > 0 && recorded.text[length - 1] == '\n') ++lines;
+    const auto content = editor::read_journal(std::string_view(recorded.text).substr(0, length));
+    ASSERT_EQ(content.has_value(), lines > 0) << length;
+    if (lines > 0) {
+      ASSERT_EQ(content->history.current(), recorded.documents[lines - 1]) << length;
+      ASSERT_EQ(content->changes, lines - 1);
+    }
+  }
+  EXPECT_EQ(lines, recorded.documents.size());
+}
+
+TEST(Journal, EndsWhereItIsDamaged) {
+  const Recorded recorded = record();
+  const std::size_t second = recorded.text.find('\n') + 1;
+  for (std::size_t at = second; at < recorded.text.size(); at += 7) {
+    std::string damaged = recorded.text;
+    damaged[at] = '\x01';
+    const auto content = editor::read_journal(damaged);
+    ASSERT_TRUE(content);
+    EXPECT_LT(content->changes, recorded.documents.size() - 1) << at;
+  }
+}
+
+TEST(Journal, GoesOnBehindWhatWasTorn) {
+  const Recorded recorded = record();
+  const TemporaryFolder folder;
+  const fs::path file =
+      folder.file("bar.ply.meshgraft-session", recorded.text.substr(0, recorded.text.size() - 5));
+  const Document next = with_handle(first_document(), "c", 3);
+  {
+    Journal journal(folder / "bar.ply");
+    ASSERT_TRUE(journal.found());
+    EXPECT_EQ(journal.found()->changes, 4u);
+    journal.take_up();
+    journal.add("fourth", recorded.documents[4], next.text);
+  }
+  const auto content = editor::read_journal(read_file(file));
+  EXPECT_EQ(content->history.current(), next.text);
+  EXPECT_EQ(content->changes, 5u);
+}
+
+TEST(Journal, KeepsWhatIsPutAside) {
+  const Recorded recorded = record();
+  const TemporaryFolder folder;
+  folder.file("bar.ply.meshgraft-session", recorded.text);
+  Journal journal(folder / "bar.ply");
+  const fs::path aside = journal.set_aside();
+  EXPECT_EQ(read_file(aside), recorded.text);
+  journal.add("first", recorded.documents[0], recorded.documents[1]);
+  EXPECT_EQ(editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"))->changes, 1u);
+}
+
+TEST(Journal, GoesWhereAllIsSaved) {
+  const Recorded recorded = record();
+  const TemporaryFolder folder;
+  {
+    Journal journal(folder / "bar.ply");
+    journal.add("first", recorded.documents[0], recorded.documents[1]);
+    journal.mark_saved();
+  }
+  EXPECT_EQ(folder.entry_count(), 0u);
+}
+
+}  // namespace
+}  // namespace meshgraft::test

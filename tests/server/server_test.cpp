@@ -1,0 +1,422 @@
+// The server takes what its own page sends, and survives everything else.
+#include "server/server.h"
+
+#include <fcntl.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <meshgraft/core/error.h>
+
+#include "server/access.h"
+
+namespace meshgraft::test {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+namespace websocket = boost::beast::websocket;
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+
+const PageFile page[] = {{"/index.html", "text/html", "<p>the page</p>"},
+                         {"/assets/page.js", "text/javascript", "let x = 1;"}};
+
+/// Answers each message with itself, and tells what became of it.
+struct Sessions {
+  std::mutex mutex;
+  std::condition_variable changed;
+  int open = 0, made = 0;
+  std::vector<std::shared_ptr<Channel>> channels;
+
+  void wait_for_open(int count) {
+    std::unique_lock lock(mutex);
+    ASSERT_TRUE(changed.wait_for(lock, 10s, [&] { return open == count; })) << open << " are open";
+  }
+};
+
+class Echo : public PageSession {
+ public:
+  Echo(Sessions& sessions, std::shared_ptr<Channel> channel)
+      : sessions_(sessions), channel_(std::move(channel)) {
+    const std::lock_guard lock(sessions_.mutex);
+    ++sessions_.open;
+    ++sessions_.made;
+    sessions_.channels.push_back(channel_);
+    sessions_.changed.notify_all();
+  }
+  ~Echo() override {
+    const std::lock_guard lock(sessions_.mutex);
+    --sessions_.open;
+    sessions_.changed.notify_all();
+  }
+  void receive(std::string_view text) override { channel_->send_text("you said " + std::string(text)); }
+
+ private:
+  Sessions& sessions_;
+  std::shared_ptr<Channel> channel_;
+};
+
+/// A server on a thread of its own.
+class Running {
+ public:
+  explicit Running(ServerOptions options = {})
+      : server_(std::move(options), page,
+                [this](std::shared_ptr<Channel> channel) {
+                  return std::make_unique<Echo>(sessions, std::move(channel));
+                }),
+        thread_([this](std::stop_token stop) { server_.run(stop); }) {}
+
+  std::uint16_t port() const { return server_.port(); }
+  std::string host() const { return "127.0.0.1:" + std::to_string(port()); }
+  std::string token() const {
+    const std::string url = server_.url();
+    return url.substr(url.find('=') + 1);
+  }
+  void stop() {
+    thread_.request_stop();
+    thread_.join();
+  }
+
+  Sessions sessions;
+
+ private:
+  Server server_;
+  std::jthread thread_;
+};
+
+tcp::socket connect_to(asio::io_context& io, std::uint16_t port) {
+  tcp::socket socket(io);
+  socket.connect({asio::ip::make_address("127.0.0.1"), port});
+  return socket;
+}
+
+struct Answer {
+  http::status status = http::status::unknown;
+  std::string body;
+};
+
+struct Ask {
+  http::verb method = http::verb::get;
+  std::string target = "/";
+  std::string host{}, origin{}, body{};
+  bool upgrade = false;
+};
+
+Answer ask(const Running& server, const Ask& what) {
+  asio::io_context io;
+  tcp::socket socket = connect_to(io, server.port());
+  http::request<http::string_body> request(what.method, what.target, 11);
+  request.set(http::field::host, what.host.empty() ? server.host() : what.host);
+  if (!what.origin.empty()) request.set(http::field::origin, what.origin);
+  if (what.upgrade) {
+    request.set(http::field::connection, "Upgrade");
+    request.set(http::field::upgrade, "websocket");
+  }
+  request.body() = what.body;
+  request.prepare_payload();
+  beast::error_code ignored;
+  http::write(socket, request, ignored);  // an answer may come before all is sent
+  beast::flat_buffer buffer;
+  http::response_parser<http::string_body> parser;
+  if (what.method == http::verb::head) parser.skip(true);
+  beast::error_code failed;
+  http::read(socket, buffer, parser, failed);
+  EXPECT_FALSE(failed) << failed.message();
+  return {parser.get().result(), parser.get().body()};
+}
+
+/// What comes back for raw bytes, until the server closes.
+std::string send_raw(const Running& server, const std::string& bytes) {
+  asio::io_context io;
+  tcp::socket socket = connect_to(io, server.port());
+  beast::error_code ignored;
+  asio::write(socket, asio::buffer(bytes), ignored);
+  socket.shutdown(tcp::socket::shutdown_send, ignored);
+  std::string answer(4096, '\0');
+  answer.resize(asio::read(socket, asio::buffer(answer), ignored));
+  return answer;
+}
+
+/// A tab.
+class Tab {
+ public:
+  Tab(const Running& server, const std::string& token, const std::string& origin)
+      : socket_(connect_to(io_, server.port())) {
+    socket_.set_option(websocket::stream_base::decorator(
+        [origin](websocket::request_type& request) { request.set(http::field::origin, origin); }));
+    socket_.handshake(server.host(), "/session?token=" + token, failed_);
+    socket_.read_message_max(1 << 30);
+  }
+  explicit Tab(const Running& server) : Tab(server, server.token(), "http://" + server.host()) {}
+
+  bool is_open() const { return !failed_; }
+  void say(const std::string& text) { socket_.write(asio::buffer(text), failed_); }
+  /// The next message, empty where the connection ended.
+  std::string hear() {
+    beast::flat_buffer buffer;
+    socket_.read(buffer, failed_);
+    return beast::buffers_to_string(buffer.data());
+  }
+  websocket::stream<tcp::socket>& socket() { return socket_; }
+
+ private:
+  asio::io_context io_;
+  websocket::stream<tcp::socket> socket_;
+  beast::error_code failed_;
+};
+
+/// What the server says to who asks for a session.
+http::status ask_for_session(const Running& server, const std::string& token, const std::string& origin) {
+  return ask(server,
+             {.target = "/session?token=" + token, .host = {}, .origin = origin, .body = {}, .upgrade = true})
+      .status;
+}
+
+TEST(Server, ServesThePageToWhoHasItsToken) {
+  const Running server;
+  const std::string target = "/?token=" + server.token();
+  EXPECT_EQ(ask(server, {.target = target}).body, "<p>the page</p>");
+  EXPECT_EQ(ask(server, {.target = "/assets/page.js"}).body, "let x = 1;");
+  EXPECT_EQ(ask(server, {.method = http::verb::head, .target = target}).status, http::status::ok);
+  EXPECT_EQ(ask(server, {.target = target, .host = "localhost:" + std::to_string(server.port())}).status,
+            http::status::ok);
+}
+
+TEST(Server, TokensAreLongAndEachServersOwn) {
+  std::set<std::string> tokens;
+  for (int i = 0; i < 100; ++i) tokens.insert(random_token());
+  EXPECT_EQ(tokens.size(), 100u);
+  EXPECT_EQ(tokens.begin()->size(), 32u);
+}
+
+TEST(Server, RefusesWhoHasNoToken) {
+  const Running server;
+  std::string wrong = server.token();
+  wrong.back() = wrong.back() == '0' ? '1' : '0';
+  for (const std::string& target : {std::string("/"), "/?token=" + wrong, std::string("/?token="),
+                                    "/?token=" + server.token() + "0", "/?tokens=" + server.token()})
+    EXPECT_EQ(ask(server, {.target = target}).status, http::status::forbidden) << target;
+  EXPECT_EQ(ask_for_session(server, wrong, "http://" + server.host()), http::status::forbidden);
+  EXPECT_EQ(server.sessions.made, 0);
+}
+
+TEST(Server, RefusesOtherHostsAndOrigins) {
+  const Running server;
+  const std::string target = "/?token=" + server.token();
+  for (const std::string& host :
+       {std::string("evil.example"), std::string("127.0.0.1"), std::string("evil.example:80"),
+        std::string("127.0.0.1.evil.example:") + std::to_string(server.port())})
+    EXPECT_EQ(ask(server, {.target = target, .host = host}).status, http::status::forbidden) << host;
+  for (const std::string& origin :
+       {std::string("http://evil.example"), "https://" + server.host(), std::string("null"), std::string(),
+        "http://" + server.host() + ".evil.example"}) {
+    EXPECT_FALSE(Tab(server, server.token(), origin).is_open()) << origin;
+    EXPECT_EQ(ask_for_session(server, server.token(), origin), http::status::forbidden) << origin;
+  }
+  EXPECT_EQ(server.sessions.made, 0);
+}
+
+TEST(Server, KnowsNoFilesButThePages) {
+  const Running server;
+  for (const char* target : {"/etc/passwd", "/../../etc/passwd", "/assets/../index.html", "/%2e%2e/etc/passwd",
+                             "/assets/page.js%00", "/session", "//index.html"})
+    EXPECT_EQ(ask(server, {.target = target}).status, http::status::not_found) << target;
+  EXPECT_EQ(ask(server, {.method = http::verb::delete_, .target = "/index.html"}).status,
+            http::status::method_not_allowed);
+  EXPECT_EQ(ask(server, {.target = "/%zz"}).status, http::status::bad_request);
+}
+
+TEST(Server, TalksToEachTabByItself) {
+  Running server;
+  {
+    Tab first(server), second(server);
+    first.say("one");
+    second.say("two");
+    EXPECT_EQ(second.hear(), "you said two");
+    EXPECT_EQ(first.hear(), "you said one");
+    server.sessions.wait_for_open(2);
+  }
+  server.sessions.wait_for_open(0);
+}
+
+TEST(Server, SurvivesWhatIsMalformed) {
+  const Running server;
+  EXPECT_NE(send_raw(server, "no request at all\r\n\r\n").find("400"), std::string::npos);
+  EXPECT_NE(send_raw(server, "GET / HTTP/9.9\r\nHost: x\r\n\r\n").find("400"), std::string::npos);
+  EXPECT_NE(send_raw(server, "GET /" + std::string(100'000, 'a') + " HTTP/1.1\r\n\r\n").find("400"),
+            std::string::npos);
+  send_raw(server, "");
+  send_raw(server, std::string(1000, '\0'));
+  send_raw(server, "GET / HTTP/1.1\r\nHost: " + server.host());
+  EXPECT_NE(send_raw(server, "GET /session?token=" + server.token() + " HTTP/1.1\r\nHost: " + server.host() +
+                                 "\r\nOrigin: http://" + server.host() +
+                                 "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n")
+                .find("400"),
+            std::string::npos);
+  Tab tab(server);
+  tab.say("still there");
+  EXPECT_EQ(tab.hear(), "you said still there");
+}
+
+TEST(Server, EndsAConversationOfMessagesThatAreTooLarge) {
+  ServerOptions options;
+  options.message_limit = 1000;
+  Running server(options);
+  Tab tab(server);
+  tab.say(std::string(1000, 'x'));
+  EXPECT_EQ(tab.hear().size(), 1009u);
+  tab.say(std::string(1001, 'x'));
+  EXPECT_EQ(tab.hear(), "");
+  EXPECT_FALSE(tab.is_open());
+  server.sessions.wait_for_open(0);
+  EXPECT_TRUE(Tab(server).is_open());
+}
+
+TEST(Server, TakesSoManyTabsAndNoMore) {
+  ServerOptions options;
+  options.page_limit = 2;
+  Running server(options);
+  const Tab first(server);
+  {
+    const Tab second(server);
+    EXPECT_FALSE(Tab(server).is_open());
+    EXPECT_EQ(ask_for_session(server, server.token(), "http://" + server.host()),
+              http::status::service_unavailable);
+  }
+  server.sessions.wait_for_open(1);
+  EXPECT_TRUE(Tab(server).is_open());
+}
+
+TEST(Server, DropsSupersededMessages) {
+  Running server;
+  Tab tab(server);
+  tab.say("hello");
+  EXPECT_EQ(tab.hear(), "you said hello");
+  const std::shared_ptr<Channel> channel = server.sessions.channels.front();
+  // The tab does not read: what cannot be sent at once waits, the newest in each slot.
+  constexpr int frames = 200;
+  for (int frame = 0; frame < frames; ++frame)
+    channel->send_bytes(std::make_shared<std::vector<std::byte>>(1 << 20, static_cast<std::byte>(frame)),
+                        "frame");
+  channel->send_text("and done");
+  std::vector<int> heard;
+  for (std::string message = tab.hear(); message != "and done"; message = tab.hear())
+    heard.push_back(static_cast<unsigned char>(message.at(0)));
+  EXPECT_LT(heard.size(), frames / 2u);
+  EXPECT_EQ(heard.back(), frames - 1);
+  EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end()));
+}
+
+TEST(Server, StopsWithTabsOpen) {
+  Running server;
+  Tab first(server), second(server);
+  server.sessions.wait_for_open(2);
+  const std::shared_ptr<Channel> channel = server.sessions.channels.front();
+  server.stop();
+  EXPECT_EQ(first.hear(), "");
+  EXPECT_FALSE(first.is_open());
+  channel->send_text("to nobody");
+}
+
+class Uploads : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) / ("uploads-" + random_token());
+    std::filesystem::create_directory(folder_);
+    options_.upload_folder = folder_;
+    options_.upload_limit = 1 << 20;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::size_t kept() const {
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
+  }
+  static Ask upload(const Running& server, const std::string& name, std::string body) {
+    return {.method = http::verb::post,
+            .target = "/upload?token=" + server.token() + "&name=" + name,
+            .host = {},
+            .origin = "http://" + server.host(),
+            .body = std::move(body)};
+  }
+
+  std::filesystem::path folder_;
+  ServerOptions options_;
+};
+
+TEST_F(Uploads, AreKeptUnderNamesOfTheServersOwn) {
+  const Running server(options_);
+  for (const char* name :
+       {"head.ply", "..%2F..%2Fetc%2Fpasswd", "%2Ftmp%2Fx.obj", "a%20b%00.stl", "", "...."}) {
+    const Answer answer = ask(server, upload(server, name, std::string("content of ") + name));
+    ASSERT_EQ(answer.status, http::status::ok) << name << ": " << answer.body;
+    const std::filesystem::path path = folder_ / answer.body;
+    EXPECT_EQ(path.parent_path(), folder_);
+    std::ifstream file(path, std::ios::binary);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), std::string("content of ") + name);
+  }
+  EXPECT_EQ(kept(), 6u);
+  EXPECT_TRUE(ask(server, upload(server, "head.ply", "x")).body.ends_with(".ply"));
+}
+
+TEST_F(Uploads, NeedTokenAndOrigin) {
+  const Running server(options_);
+  Ask other = upload(server, "head.ply", "x");
+  other.origin = "http://evil.example";
+  EXPECT_EQ(ask(server, other).status, http::status::forbidden);
+  Ask wrong = upload(server, "head.ply", "x");
+  wrong.target = "/upload?token=0&name=head.ply";
+  EXPECT_EQ(ask(server, wrong).status, http::status::forbidden);
+  EXPECT_EQ(kept(), 0u);
+}
+
+TEST_F(Uploads, ThatAreTooLargeLeaveNothing) {
+  const Running server(options_);
+  EXPECT_EQ(ask(server, upload(server, "exact.ply", std::string(1 << 20, 'x'))).status, http::status::ok);
+  EXPECT_EQ(ask(server, upload(server, "large.ply", std::string((1 << 20) + 1, 'x'))).status,
+            http::status::payload_too_large);
+  // Two gigabytes that are only announced, and some that are not.
+  const std::string head = "POST /upload?name=x.ply&token=" + server.token() +
+                           " HTTP/1.1\r\nHost: " + server.host() + "\r\nOrigin: http://" + server.host() +
+                           "\r\n";
+  EXPECT_NE(send_raw(server, head + "Content-Length: 2147483648\r\n\r\n").find("413"), std::string::npos);
+  std::string chunks = head + "Transfer-Encoding: chunked\r\n\r\n";
+  for (int i = 0; i < 20; ++i) chunks += "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
+  EXPECT_NE(send_raw(server, chunks).find("413"), std::string::npos);
+  EXPECT_EQ(kept(), 1u);
+  // One that breaks off.
+  send_raw(server, head + "Content-Length: 1000\r\n\r\nnot so much");
+  EXPECT_EQ(kept(), 1u);
+  EXPECT_EQ(ask(server, upload(server, "next.ply", "x")).status, http::status::ok);
+}
+
+TEST(Server, AnAddressThatIsTakenIsNamed) {
+  const Running first;
+  ServerOptions options;
+  options.port = first.port();
+  try {
+    const Running second(options);
+    FAIL() << "took an address twice";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::io);
+    EXPECT_NE(std::string(error.what()).find(first.host()), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft::test
