@@ -92,13 +92,14 @@ void in_arena(const Context& context, const Work& work) {
 // Runs `work` of each number as a task of its own, in the arena of the thread, and waits for all.
 void run_all(const std::vector<int>& numbers, const std::function<void(int)>& work) {
   if (numbers.empty()) return;
-  char fork = 0;
-  signal(fork);
+  ForkJoin events;
+  const CallerScope caller(events);
   tbb::task_group group;
   for (const int number : numbers)
-    group.run([&fork, &work, number] {
-      await(fork);
+    group.run([&events, &work, number] {
+      await(events.fork);
       work(number);
+      signal(events.join);
     });
   group.wait();
 }
