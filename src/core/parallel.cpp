@@ -92,9 +92,17 @@ void in_arena(const Context& context, const Work& work) {
 // Runs `work` of each number as a task of its own, in the arena of the thread, and waits for all.
 void run_all(const std::vector<int>& numbers, const std::function<void(int)>& work) {
   if (numbers.empty()) return;
+  ForkJoin events;
   tbb::task_group group;
-  for (const int number : numbers) group.run([&work, number] { work(number); });
+  signal(events.fork);
+  for (const int number : numbers)
+    group.run([&work, &events, number] {
+      await(events.fork);
+      work(number);
+      signal(events.join);
+    });
   group.wait();
+  await(events.join);
 }
 
 }  // namespace
