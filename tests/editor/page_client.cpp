@@ -26,7 +26,7 @@ constexpr auto patience = 60s;  // beside other work, under a sanitizer
 template <class T>
 std::vector<T> take(const char*& from, std::size_t length) {
   std::vector<T> values(length);
-  std::memcpy(values.data(), from, length * sizeof(T));
+  if (length > 0) std::memcpy(values.data(), from, length * sizeof(T));
   from += length * sizeof(T);
   return values;
 }
