@@ -62,4 +62,12 @@ BenchEdit make_bump_edit(Index vertex_count) {
   return edit;
 }
 
+Region region_of(const BenchEdit& edit) {
+  Region region;
+  region.whole = true;
+  region.fixed = edit.fixed;
+  region.handles = {Handle{"disc", HandleShape::region, edit.handle}};
+  return region;
+}
+
 }  // namespace meshgraft::bench

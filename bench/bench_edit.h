@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <meshgraft/deform/deformer.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::bench {
@@ -22,5 +23,8 @@ struct BenchEdit {
 /// (jittered vertices, diagonals either way), for grids flatter orderings. About `vertex_count` vertices (the
 /// nearest square number); the same call always gives the same mesh.
 BenchEdit make_bump_edit(Index vertex_count);
+
+/// The edit's region, held as it says.
+Region region_of(const BenchEdit& edit);
 
 }  // namespace meshgraft::bench

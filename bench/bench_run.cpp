@@ -71,14 +71,6 @@ PeakMemory::PeakMemory() {
 
 std::int64_t PeakMemory::bytes() const { return status_bytes("VmHWM") - before_; }
 
-Region region_of(const BenchEdit& edit) {
-  Region region;
-  region.whole = true;
-  region.fixed = edit.fixed;
-  region.handles = {Handle{"disc", HandleShape::region, edit.handle}};
-  return region;
-}
-
 bool is_available(SolverBackend backend) {
   const auto backends = available_backends();
   return std::find(backends.begin(), backends.end(), backend) != backends.end();

@@ -55,8 +55,6 @@ class PeakMemory {
   std::int64_t before_ = 0;
 };
 
-/// The edit's region, held as it says.
-Region region_of(const BenchEdit& edit);
 bool is_available(SolverBackend backend);
 
 }  // namespace meshgraft::bench

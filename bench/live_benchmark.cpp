@@ -36,17 +36,6 @@ double now() {
 
 void sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-Region region_of(const BenchEdit& edit) {
-  Region region;
-  region.whole = true;
-  region.fixed = edit.fixed;
-  Handle handle;
-  handle.name = "handle";
-  handle.vertices = edit.handle;
-  region.handles = {handle};
-  return region;
-}
-
 /// The edit's pose, on the way from rest.
 std::vector<HandlePose> pose_of(const BenchEdit& edit, double part) {
   HandlePose pose;

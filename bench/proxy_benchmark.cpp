@@ -76,17 +76,6 @@ BenchEdit make_edit(const Settings& settings) {
   return make_bump_edit(settings.vertices);
 }
 
-Region region_of(const BenchEdit& edit) {
-  Region region;
-  region.whole = true;
-  region.fixed = edit.fixed;
-  Handle handle;
-  handle.name = "handle";
-  handle.vertices = edit.handle;
-  region.handles = {handle};
-  return region;
-}
-
 void report(const Settings& settings, const BenchEdit& edit, const std::optional<Points>& direct, Index count) {
   const Region region = region_of(edit);
   HandlePose pose;
