@@ -95,6 +95,11 @@ export class Editor {
     }
   }
 
+  /** Whether everything that was asked has been answered. */
+  isIdle(): boolean {
+    return this.working.value.size === 0;
+  }
+
   /** Opens a model, and remembers it for when the connection is lost. */
   async open(request: OpenRequest): Promise<boolean> {
     const done = await this.ask(request);
