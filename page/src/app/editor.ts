@@ -33,6 +33,7 @@ export class Editor {
 
   private readonly connection: Connection;
   private lastMessage = 0;
+  private asked = 0;
 
   constructor(
     readonly token: string,
@@ -53,13 +54,21 @@ export class Editor {
 
   /** Asks the engine; a refusal becomes a message to the person, and undefined. */
   async ask(request: PageRequest): Promise<Outcome | undefined> {
+    ++this.asked;
     try {
       return await this.connection.request(request);
     } catch (failure) {
       if (!(failure instanceof Refusal)) throw failure;
       if (failure.error.code !== "cancelled") this.tell("problem", failure.error);
       return undefined;
+    } finally {
+      --this.asked;
     }
+  }
+
+  /** Whether everything that was asked has been answered. */
+  isIdle(): boolean {
+    return this.asked === 0;
   }
 
   /** Where handles are for now: what the engine streams, and what the shader shows at once. */

@@ -1,4 +1,4 @@
-import { Color, PerspectiveCamera, Scene, WebGLRenderer } from "three";
+import { Color, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
@@ -39,6 +39,18 @@ export class Viewport {
     if (frame.kind === FrameKind.selection) surface?.setSelection(frame.indices("vertices") ?? new Uint32Array());
     if (frame.kind === FrameKind.roles) surface?.setRoles(frame);
     this.requestRender();
+  }
+
+  /** The model; absent: nothing is open. */
+  get main(): Surface | undefined {
+    return [...this.surfaces.values()][0];
+  }
+
+  /** Where a place of the world is on the page. */
+  project(point: Vector3): { x: number; y: number; behind: boolean } {
+    const box = this.renderer?.domElement.getBoundingClientRect() ?? new DOMRect();
+    const at = point.clone().project(this.camera);
+    return { x: box.x + ((at.x + 1) / 2) * box.width, y: box.y + ((1 - at.y) / 2) * box.height, behind: at.z > 1 };
   }
 
   requestRender(): void {
