@@ -73,12 +73,19 @@ export class Editor {
 
   /** Where handles are for now: what the engine streams, and what the shader shows at once. */
   drag(poses: Poses): void {
-    void this.connection.request({ do: "drag", poses }).catch(() => undefined);
+    const answered = this.viewport.posesAsked();
+    this.connection.request({ do: "drag", poses }).then(
+      (outcome) => answered("pose" in outcome ? (outcome.pose ?? 0) : 0),
+      () => answered(0),
+    );
   }
 
   /** Where handles are from now on. */
-  pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
-    return this.ask({ do: "pose", poses });
+  async pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
+    const answered = this.viewport.posesAsked();
+    const outcome = await this.ask({ do: "pose", poses });
+    answered(outcome !== undefined && "pose" in outcome ? (outcome.pose ?? 0) : 0);
+    return outcome;
   }
 
   tell(kind: Message["kind"], error: EngineError): void {
@@ -98,6 +105,7 @@ export class Editor {
           this.state.value = event;
           this.selected.value = event.selected;
         });
+        this.viewport.setDocument(event);
         break;
       case "progress":
         this.note_progress(event);
