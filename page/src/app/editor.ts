@@ -111,12 +111,19 @@ export class Editor {
 
   /** Where handles are for now: what the engine streams, and what the shader shows at once. */
   drag(poses: Poses): void {
-    void this.connection.request({ do: "drag", poses }).catch(() => undefined);
+    const answered = this.viewport.posesAsked();
+    this.connection.request({ do: "drag", poses }).then(
+      (outcome) => answered("pose" in outcome ? (outcome.pose ?? 0) : 0),
+      () => answered(0),
+    );
   }
 
   /** Where handles are from now on. */
-  pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
-    return this.ask({ do: "pose", poses });
+  async pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
+    const answered = this.viewport.posesAsked();
+    const outcome = await this.ask({ do: "pose", poses });
+    answered(outcome !== undefined && "pose" in outcome ? (outcome.pose ?? 0) : 0);
+    return outcome;
   }
 
   /** Writes the edit file; asks where, the first time. */
@@ -172,6 +179,7 @@ export class Editor {
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
         });
+        this.viewport.setDocument(event);
         break;
       case "progress":
         this.noteProgress(event);

@@ -13,4 +13,8 @@ export class ViewSettings {
   readonly before = signal(false); // the mesh as the step found it
   readonly theme = signal<"system" | "light" | "dark">("system");
   readonly unit = signal<"mm" | "cm" | "m" | "in" | "none">("mm"); // what a unit of the model is called
+  readonly up = signal<"auto" | "y" | "z">("auto"); // which axis stands upright; auto: by the kind of file
+  readonly orthographic = signal(false);
+  readonly grid = signal(true); // on the ground
+  readonly lessWhileMoving = signal(true); // fewer pixels while the view or a handle moves, where that is slow
 }

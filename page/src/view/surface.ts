@@ -1,57 +1,346 @@
-import { BufferAttribute, BufferGeometry, Mesh, MeshMatcapMaterial } from "three";
+import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, Vector3, type IUniform, type Matrix4 } from "three";
+import type { ShaderMaterial } from "three";
 import type { BinaryFrame } from "../engine/binary_frame";
-import type { Pose } from "../protocol";
+import { deformUniforms } from "./deform_shader";
+import { LinearFrames } from "./linear_frames";
+import { NormalsOfPart } from "./normals";
+import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
+import { Slices } from "./slices";
+import { surfaceMaterial, type LookUniforms } from "./surface_material";
 
 /** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
 export class Surface {
-  readonly object: Mesh;
+  /** Stands at `offset`; its children draw the surface. */
+  readonly object = new Group();
+  readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
+  readonly geometry = new BufferGeometry();
   readonly id: number;
   readonly vertexCount: number;
-  /** Where the vertices are at rest, and where they are shown, relative to `offset` (3 numbers a vertex). */
+  readonly triangles: Uint32Array;
+  /** Of the place of vertices at rest, and where they are shown, relative to `offset` (3 numbers a vertex). */
   readonly rest: Float32Array;
-  readonly positions: Float32Array;
   readonly offset: readonly [number, number, number];
-  private readonly geometry = new BufferGeometry();
+  /** Of the box at rest, in the model's units. */
+  readonly box = { min: new Vector3(), max: new Vector3(), diagonal: 1 };
+  /** 255 where a vertex is selected. */
+  readonly selection: Uint8Array;
+  region: Uint32Array = new Uint32Array();
+  fixed: Uint32Array = new Uint32Array();
+  readonly handles = new Map<string, Uint32Array>();
+  /** Counts changes of `positions`. */
+  version = 0;
+  readonly deform = deformUniforms();
+  readonly linear: LinearFrames;
+  readonly own: Record<string, IUniform>;
+  readonly slices = new Slices();
+  readonly uv: Float32Array | undefined;
+  readonly colours: Float32Array | undefined;
+  /** Called when something was changed that a picture shows. */
+  onChange: () => void = () => undefined;
 
-  constructor(frame: BinaryFrame) {
+  private shown: Float32Array;
+  private shownNormals: Float32Array;
+  private readonly restNormals: Float32Array;
+  private readonly tint: Uint8Array;
+  private selected: Uint32Array = new Uint32Array();
+  private moved: NormalsOfPart | undefined;
+  private movedList: Uint32Array | undefined; // which vertices the last frame had
+  private normalsVersion = 0;
+  private isBefore = false;
+
+  constructor(frame: BinaryFrame, look: LookUniforms) {
     this.id = frame.header.mesh;
     this.rest = frame.floats("positions") ?? new Float32Array();
-    this.positions = this.rest.slice();
+    this.shown = this.rest; // one array until something moves
     this.vertexCount = this.rest.length / 3;
     this.offset = frame.header.offset ?? [0, 0, 0];
-    this.geometry.setAttribute("position", new BufferAttribute(this.positions, 3));
-    this.geometry.setAttribute("normal", new BufferAttribute(frame.floats("normals") ?? new Float32Array(), 3));
-    this.geometry.setIndex(new BufferAttribute(frame.indices("triangles") ?? new Uint32Array(), 1));
-    this.object = new Mesh(this.geometry, new MeshMatcapMaterial({ color: 0xd8cfc4 }));
+    this.triangles = frame.indices("triangles") ?? new Uint32Array();
+    this.restNormals = frame.floats("normals") ?? new Float32Array(this.rest.length);
+    this.shownNormals = this.restNormals;
+    this.uv = frame.floats("uv");
+    this.colours = frame.floats("colours");
+    this.selection = new Uint8Array(this.vertexCount);
+    this.tint = new Uint8Array(4 * this.vertexCount);
+    this.measure();
+    this.own = {
+      checkSize: { value: this.box.diagonal / 40 },
+      heatColours: { value: null },
+      heatRange: { value: [0, 1] },
+    };
+    this.linear = new LinearFrames(this.deform, this.offset);
+    this.makeGeometry();
+    this.mesh = new Mesh(this.geometry, surfaceMaterial(look, this.deform, this.own));
+    this.mesh.frustumCulled = false;
+    if (this.uv !== undefined) this.mesh.material.defines["HAS_UV"] = 1;
+    if (this.colours !== undefined) this.mesh.material.defines["HAS_COLOURS"] = 1;
+    this.object.add(this.mesh);
     this.object.position.set(...this.offset);
+  }
+
+  /** Where vertices are shown (while handles move in the shader: what the engine sent last). */
+  get positions(): Float32Array {
+    return this.isBefore ? this.rest : this.shown;
+  }
+  get normals(): Float32Array {
+    return this.isBefore ? this.restNormals : this.shownNormals;
+  }
+  get triangleCount(): number {
+    return this.triangles.length / 3;
+  }
+
+  /** The sphere around it, in the world. */
+  sphere(): Sphere {
+    const centre = this.box.min.clone().add(this.box.max).multiplyScalar(0.5).add(this.object.position);
+    return new Sphere(centre, Math.max(1e-30, 0.5 * this.box.diagonal));
+  }
+
+  /** A vertex's place in the world, as it is shown. */
+  place(vertex: number, out = new Vector3()): Vector3 {
+    return out.fromArray(this.positions, 3 * vertex).add(this.object.position);
+  }
+
+  /** The mesh as the step found it, or as it is. */
+  setBefore(before: boolean): void {
+    if (this.isBefore === before) return;
+    this.isBefore = before;
+    this.useAttributes();
+    this.deform.linear.value = !before && this.linear.isShown;
+    ++this.version;
+    this.onChange();
   }
 
   /** Kind `frame`: positions, of all vertices or of those that it lists. */
   showFrame(frame: BinaryFrame): void {
     const sent = frame.floats("positions") ?? new Float32Array();
     const vertices = frame.indices("vertices");
-    if (vertices === undefined) this.positions.set(sent);
-    else
-      vertices.forEach((v, i) => {
-        for (let k = 0; k < 3; ++k) this.positions[3 * v + k] = sent[3 * i + k] ?? 0;
-      });
-    this.geometry.getAttribute("position").needsUpdate = true;
+    this.ownShown();
+    if (vertices === undefined) this.shown.set(sent);
+    else this.scatter(sent, vertices);
+    ++this.version;
+    if (vertices === undefined || vertices.length > 0) this.upload("position", vertices);
+    if (this.linear.giveWayTo(frame.header.pose ?? 0, frame.header.quality)) this.deform.linear.value = false;
+    this.renewNormals(vertices);
+    this.onChange();
   }
 
-  /** Kind `weights`: from now on `showPoses` moves the mesh in the vertex shader. */
-  setWeights(_frame: BinaryFrame): void {}
-
-  /** Handles' poses by name, shown at once where there are weights. Returns whether there are. */
-  showPoses(_poses: ReadonlyMap<string, Pose>): boolean {
-    return false;
+  /** Handles' maps by name, shown at once where there are weights. Returns whether there are. */
+  showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
+    if (!this.linear.show(poses)) return false;
+    this.deform.linear.value = !this.isBefore;
+    this.onChange();
+    return true;
   }
 
-  setSelection(_vertices: Uint32Array): void {}
+  /** What is selected, from now on: ascending. */
+  setSelection(vertices: Uint32Array): void {
+    for (const v of this.selected) this.selection[v] = 0;
+    for (const v of vertices) this.selection[v] = 255;
+    this.uploadSpan("selection", spanOfChange(this.selected, vertices));
+    this.selected = vertices;
+    this.onChange();
+  }
+
+  /** Shows vertices as selected, or not, until the engine tells what is: for tools, while they paint. */
+  markSelected(vertices: Uint32Array, selected: boolean): void {
+    if (vertices.length === 0) return;
+    let least = Infinity;
+    let most = 0;
+    for (const v of vertices) {
+      this.selection[v] = selected ? 255 : 0;
+      least = Math.min(least, v);
+      most = Math.max(most, v);
+    }
+    this.selected = mergedIndices(this.selected, vertices);
+    this.uploadSpan("selection", [least, most]);
+    this.onChange();
+  }
 
   /** Kind `roles`: region, fixed part and handles. */
-  setRoles(_frame: BinaryFrame): void {}
+  setRoles(frame: BinaryFrame): void {
+    this.region = frame.indices("region") ?? new Uint32Array();
+    this.fixed = frame.indices("fixed") ?? new Uint32Array();
+    this.handles.clear();
+    for (const name of frame.names())
+      if (name.startsWith("handle: ")) this.handles.set(name.slice(8), frame.indices(name) ?? new Uint32Array());
+    this.linear.forget();
+    this.deform.linear.value = false;
+    this.slices.start("tint", this.paintRoles());
+  }
 
   dispose(): void {
+    this.slices.stopAll();
+    this.linear.dispose();
     this.geometry.dispose();
+    this.mesh.material.dispose();
   }
+
+  private measure(): void {
+    const { min, max } = this.box;
+    min.setScalar(Infinity);
+    max.setScalar(-Infinity);
+    const p = this.rest;
+    for (let i = 0; i < p.length; i += 3) {
+      const x = p[i] as number;
+      const y = p[i + 1] as number;
+      const z = p[i + 2] as number;
+      if (x < min.x) min.x = x;
+      if (x > max.x) max.x = x;
+      if (y < min.y) min.y = y;
+      if (y > max.y) max.y = y;
+      if (z < min.z) min.z = z;
+      if (z > max.z) max.z = z;
+    }
+    if (!(min.x <= max.x)) {
+      min.setScalar(0);
+      max.setScalar(0);
+    }
+    this.box.diagonal = min.distanceTo(max);
+  }
+
+  private makeGeometry(): void {
+    const { geometry } = this;
+    geometry.setIndex(new BufferAttribute(this.triangles, 1));
+    geometry.setAttribute("tint", new BufferAttribute(this.tint, 4, true));
+    geometry.setAttribute("selection", new BufferAttribute(this.selection, 1, true));
+    if (this.uv !== undefined) geometry.setAttribute("uv", new BufferAttribute(this.uv, 2));
+    if (this.colours !== undefined) geometry.setAttribute("colours", new BufferAttribute(this.colours, 3));
+    this.useAttributes();
+  }
+
+  private readonly attributes = new Map<Float32Array, BufferAttribute>();
+  private attributeOf(array: Float32Array): BufferAttribute {
+    const known = this.attributes.get(array) ?? new BufferAttribute(array, 3);
+    this.attributes.set(array, known);
+    return known;
+  }
+  private useAttributes(): void {
+    this.geometry.setAttribute("position", this.attributeOf(this.positions));
+    this.geometry.setAttribute("normal", this.attributeOf(this.normals));
+  }
+
+  /** For shading and heat maps that look at the rest shape: `rest` as an attribute. */
+  needRest(): void {
+    if (this.geometry.hasAttribute("rest")) return;
+    this.geometry.setAttribute("rest", this.attributeOf(this.rest));
+    this.mesh.material.defines["HAS_REST"] = 1;
+    this.mesh.material.needsUpdate = true;
+  }
+
+  private ownShown(): void {
+    if (this.shown !== this.rest) return;
+    this.shown = this.rest.slice();
+    this.shownNormals = this.restNormals.slice();
+    this.useAttributes();
+  }
+
+  private scatter(sent: Float32Array, vertices: Uint32Array): void {
+    const { shown } = this;
+    for (let i = 0; i < vertices.length; ++i) {
+      const v = 3 * (vertices[i] as number);
+      shown[v] = sent[3 * i] as number;
+      shown[v + 1] = sent[3 * i + 1] as number;
+      shown[v + 2] = sent[3 * i + 2] as number;
+    }
+  }
+
+  /** Normals follow the positions, in slices where that takes long; a newer frame waits for its turn. */
+  private renewNormals(vertices: Uint32Array | undefined): void {
+    if (vertices?.length === 0) {
+      this.shownNormals.set(this.restNormals);
+      this.upload("normal", undefined);
+      return;
+    }
+    if (!sameList(vertices, this.movedList) || (this.moved === undefined && !this.slices.isRunning("normals"))) {
+      this.movedList = vertices;
+      this.moved = undefined;
+      this.slices.start("normals", this.followNormals());
+    } else if (!this.slices.isRunning("normals")) {
+      this.slices.start("normals", this.followNormals());
+    }
+  }
+
+  private *followNormals(): Generator<void, void> {
+    this.moved ??= yield* NormalsOfPart.find(this.triangles, this.vertexCount, this.movedList);
+    while (this.normalsVersion !== this.version) {
+      this.normalsVersion = this.version;
+      yield* this.moved.update(this.shown, this.shownNormals);
+      this.upload("normal", this.moved.vertices);
+      this.onChange();
+    }
+  }
+
+  private *paintRoles(): Generator<void, void> {
+    const { tint } = this;
+    tint.fill(0);
+    const depth = this.region.length === 0 ? undefined : yield* depthInRegion(this.rest, this.triangles, this.region);
+    this.region.forEach((v, i) => writeTint(tint, v, regionColour, 0.75 * Math.min(1, 0.12 + 1.3 * (depth?.[i] ?? 1))));
+    for (const v of this.fixed) writeTint(tint, v, fixedColour, 0.35);
+    let order = 0;
+    for (const vertices of this.handles.values()) {
+      for (const v of vertices) writeTint(tint, v, handleColour(order), 0.85);
+      ++order;
+    }
+    this.uploadSpan("tint", [0, this.vertexCount - 1]);
+    this.onChange();
+  }
+
+  private upload(name: "position" | "normal", vertices: Uint32Array | undefined): void {
+    const array = name === "position" ? this.shown : this.shownNormals;
+    const attribute = this.attributeOf(array);
+    if (vertices !== undefined)
+      for (const [first, last] of runsOf(vertices)) attribute.addUpdateRange(3 * first, 3 * (last - first + 1));
+    attribute.needsUpdate = true;
+  }
+
+  private uploadSpan(name: "selection" | "tint", span: readonly [number, number] | undefined): void {
+    if (span === undefined || span[1] < span[0]) return;
+    const attribute = this.geometry.getAttribute(name) as BufferAttribute;
+    attribute.addUpdateRange(attribute.itemSize * span[0], attribute.itemSize * (span[1] - span[0] + 1));
+    attribute.needsUpdate = true;
+  }
+}
+
+/** At most some 32 spans that cover an ascending list, joined where little lies between. */
+export function runsOf(vertices: Uint32Array): [number, number][] {
+  if (vertices.length === 0) return [];
+  const first = vertices[0] as number;
+  const last = vertices[vertices.length - 1] as number;
+  const least = Math.max(64, (last - first) / 32);
+  const runs: [number, number][] = [[first, first]];
+  for (const v of vertices) {
+    const run = runs[runs.length - 1] as [number, number];
+    if (v - run[1] <= least) run[1] = v;
+    else runs.push([v, v]);
+  }
+  return runs;
+}
+
+/** The span of what is in one of two ascending lists alone; undefined where they are the same. */
+export function spanOfChange(before: Uint32Array, after: Uint32Array): [number, number] | undefined {
+  let i = 0;
+  while (i < before.length && i < after.length && before[i] === after[i]) ++i;
+  if (i === before.length && i === after.length) return undefined;
+  let a = before.length - 1;
+  let b = after.length - 1;
+  while (a >= i && b >= i && before[a] === after[b]) {
+    --a;
+    --b;
+  }
+  const least = Math.min(before[i] ?? Infinity, after[i] ?? Infinity);
+  const most = Math.max(a >= i ? (before[a] as number) : -1, b >= i ? (after[b] as number) : -1);
+  return [least, most];
+}
+
+function sameList(a: Uint32Array | undefined, b: Uint32Array | undefined): boolean {
+  if (a === undefined || b === undefined || a.length !== b.length) return a === b;
+  for (let i = 0; i < a.length; ++i) if (a[i] !== b[i]) return false;
+  return true;
+}
+
+function mergedIndices(a: Uint32Array, b: Uint32Array): Uint32Array {
+  const all = new Uint32Array(a.length + b.length);
+  all.set(a);
+  all.set(b, a.length);
+  all.sort();
+  return all.filter((v, i) => i === 0 || v !== all[i - 1]);
 }
