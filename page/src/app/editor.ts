@@ -149,6 +149,11 @@ export class Editor {
     if (done !== undefined) this.tellFiles("Saved", done);
   }
 
+  /** Another colour for a group, and nothing else about it. */
+  recolour(name: string, colour: string): Promise<Outcome | undefined> {
+    return this.ask({ do: "group", name, colour, keep: true });
+  }
+
   cancel(id?: Id): void {
     void this.connection.request(id === undefined ? { do: "cancel" } : { do: "cancel", of: id }).catch(() => undefined);
   }

@@ -1,10 +1,11 @@
 import { OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
-import { CameraEye, type Eye, type Spot } from "../../src/tools/eye";
+import type { Eye, Spot } from "../../src/tools/eye";
 import { Gesture, type Axis, type Grip } from "../../src/tools/gesture";
 import { layOut, partAt } from "../../src/tools/gizmo_layout";
 import { NumberEntry } from "../../src/tools/number_entry";
 import { atRest, axesOf, centreOf, matrixOf, turned, type Motion, type Placement } from "../../src/tools/pose_math";
+import { CameraEye } from "./camera_eye";
 
 const box = { x: 10, y: 20, width: 1000, height: 800 } as DOMRect;
 
