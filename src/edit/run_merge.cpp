@@ -320,10 +320,7 @@ Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh&
   return align_source(mirrored, target, pairs, place + ".align") * map;
 }
 
-Mesh posed(const MergeStep& step, const Mesh& source, const Mesh& target, MergeOptions& options,
-           const std::string& place) {
-  const Eigen::Affine3d map = posing_of(step, source, target, place);
-  if (options.reach.length) *options.reach.length *= std::cbrt(std::abs(map.linear().determinant()));
+Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& place) {
   if (map.matrix() == Eigen::Matrix4d::Identity()) return source;
   return transformed(source, map, place + ".source_transform");
 }
@@ -405,6 +402,19 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 
 }  // namespace
 
+Eigen::Affine3d drop_stand(const EditFile& edit, const MergeStep& step, const std::string& place,
+                           const Scene& target_scene, const Scene& source_scene) {
+  Side source("source", edit, source_scene), target("target", edit, target_scene);
+  const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, place + ".at")];
+  try {
+    const Eigen::Affine3d posing = posing_of(step, source.usable.mesh(), target.usable.mesh(), place);
+    const Drop drop{step.at->place, step.size, step.at->spin_deg};
+    return drop_pose(target.usable.mesh(), posed(source.usable.mesh(), posing, place), loop, drop) * posing;
+  } catch (const Error& error) {
+    throw placed(error, place);
+  }
+}
+
 StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
   const auto& step = std::get<MergeStep>(edit_step.action);
@@ -434,7 +444,10 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
     source.usable.require_beyond(pair.loops.source);
     target.usable.require_beyond(pair.loops.target);
   }
-  const Mesh part = posed(step, source.usable.mesh(), target.usable.mesh(), outcome.options, place);
+  outcome.posing = posing_of(step, source.usable.mesh(), target.usable.mesh(), place);
+  if (outcome.options.reach.length)
+    *outcome.options.reach.length *= std::cbrt(std::abs(outcome.posing.linear().determinant()));
+  const Mesh part = posed(source.usable.mesh(), outcome.posing, place);
   report.seconds.select = watch.lap();
 
   MergeResult result;

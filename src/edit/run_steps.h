@@ -65,6 +65,11 @@ StepReport run_step(const EditFile& edit, const EditStep& step, const std::strin
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+/// Where the source of a merge step with `at` stands before it bends: a map of the source's own coordinates. A
+/// part of which no size is given is as large there as its loop, though the merge may make it smaller. Throws
+/// Error(input) as the step does for a place or a loop that is none.
+Eigen::Affine3d drop_stand(const EditFile& edit, const MergeStep& step, const std::string& place,
+                           const Scene& target, const Scene& source);
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
                    const Context& context);
 

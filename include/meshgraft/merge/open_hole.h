@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/merge/merge.h>
@@ -51,5 +51,12 @@ struct OpenedHole {
 /// the loop: the message names the largest size that fits.
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context = {});
+
+/// Where a part stands that is dropped, before it is bent: a similarity of the source's coordinates, in the
+/// size of `drop` (absent: its own), that lays its loop level with the surface around the place. No hole is
+/// opened, so that this follows a pointer. Throws Error(input) as `open_hole` for a place or a loop that is
+/// none.
+Eigen::Affine3d drop_pose(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
+                          const Drop& drop, const Context& context = {});
 
 }  // namespace meshgraft
