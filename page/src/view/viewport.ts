@@ -6,6 +6,7 @@ import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Navigation } from "./navigation";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
+import { inOwn, Parts } from "./parts";
 import { PickTree } from "./pick_tree";
 import type { Polygon } from "./polygon";
 import { matrixOfPose } from "./pose_matrix";
@@ -21,6 +22,10 @@ export class Viewport {
   /** Drawn on top of everything: the gizmo. */
   readonly helpers = new Group();
   readonly surfaces = new Map<number, Surface>();
+  /** Of what else is shown, for the measure of all. */
+  extraSpheres: () => Sphere[] = () => [];
+  /** What there is beside the model, to be grafted. */
+  readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   readonly navigation: Navigation;
   /** Called before each picture. */
@@ -81,13 +86,37 @@ export class Viewport {
 
   /** Shows what the engine sent. */
   show(frame: BinaryFrame): void {
-    if (frame.kind === FrameKind.mesh) this.setMesh(new Surface(frame, this.look));
-    const surface = this.surfaces.get(frame.header.mesh);
+    if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.parts.add(this.surfaceFrom(frame));
+    else if (frame.kind === FrameKind.mesh) this.setMesh(this.surfaceFrom(frame));
+    const surface = this.surfaceOf(frame.header.mesh);
+    if (frame.kind === FrameKind.selection) this.deselectOthers(surface);
     if (frame.kind === FrameKind.frame) surface?.showFrame(frame);
     if (frame.kind === FrameKind.weights && this.renderer !== undefined) surface?.setWeights(frame, this.renderer);
     if (frame.kind === FrameKind.selection) surface?.setSelection(frame.indices("vertices") ?? new Uint32Array());
     if (frame.kind === FrameKind.roles) surface?.setRoles(frame);
     this.requestRender();
+  }
+
+  /** A surface that is shown as all others are, but nowhere yet. */
+  surfaceFrom(frame: BinaryFrame): Surface {
+    const surface = new Surface(frame, this.look);
+    surface.onChange = () => this.requestRender();
+    return surface;
+  }
+
+  /** Of the model, or of a part. */
+  surfaceOf(mesh: number): Surface | undefined {
+    return this.surfaces.get(mesh) ?? this.parts.get(mesh)?.surface;
+  }
+
+  private deselectOthers(surface: Surface | undefined): void {
+    const all = [...this.surfaces.values(), ...[...this.parts.all()].map((part) => part.surface)];
+    for (const other of all) if (other !== surface) other.setSelection(new Uint32Array());
+  }
+
+  private forgetTree(surface: Surface): void {
+    this.trees.get(surface)?.dispose();
+    this.trees.delete(surface);
   }
 
   /** Where the document has the handles: for those that `showPoses` is not told of. */
@@ -123,7 +152,12 @@ export class Viewport {
     const ray = this.rayAt(clientX, clientY);
     let nearest: (Hit & { distance: number }) | undefined;
     for (const surface of this.surfaces.values()) {
+      if (!surface.object.visible) continue;
       const hit = meetSurface(surface, this.treeOf(surface), ray);
+      if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
+    }
+    for (const part of this.parts.shown()) {
+      const hit = part.meet(ray, this.treeOf(part.surface));
       if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
     }
     return nearest;
@@ -138,7 +172,10 @@ export class Viewport {
 
   /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
   verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
-    return verticesNear(hit, this.treeOf(surface), radius, through, this.eyeFor(hit.point));
+    const part = this.parts.of(surface);
+    const seen = { hit, radius, eye: this.eyeFor(hit.point) };
+    const own = part === undefined ? seen : inOwn(part, hit, radius, seen.eye);
+    return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
   }
 
   /** Of the world, for a pixel of the page at the depth of `point`. */
@@ -250,14 +287,12 @@ export class Viewport {
     const before = this.main?.box;
     for (const old of this.surfaces.values()) {
       this.scene.remove(old.object);
-      this.trees.get(old)?.dispose();
+      this.forgetTree(old);
       old.dispose();
     }
-    this.trees.clear();
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
     this.scene.add(surface.object);
-    surface.onChange = () => this.requestRender();
     surface.setBefore(this.settings.before.value);
     if (this.settings.shading.value === "texture") surface.needRest();
     this.measure();
@@ -265,8 +300,10 @@ export class Viewport {
     if (first || !similar) this.navigation.fit(this.ball, false);
   }
 
-  private measure(): void {
-    const spheres = [...this.surfaces.values()].map((surface) => surface.sphere());
+  /** Takes the measure of all that is shown: for navigation and fitting. */
+  measure(): void {
+    const all = [...this.surfaces.values()].filter((surface) => surface.object.visible).map((surface) => surface.sphere());
+    const spheres = [...all, ...this.parts.shown().map((part) => part.sphere()), ...this.extraSpheres()];
     this.ball = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
     for (const sphere of spheres.slice(1)) this.ball.union(sphere);
   }
