@@ -1,3 +1,4 @@
+import { signal } from "@preact/signals";
 import { Group, Matrix4, Ray, Sphere, Vector3, type Scene } from "three";
 import { meetSurface, type Hit } from "./picking";
 import type { PickTree } from "./pick_tree";
@@ -6,9 +7,11 @@ import type { Surface } from "./surface";
 /** A part, and where it stands: its own coordinates are mapped by `stand`, for the view alone. */
 export class Part {
   readonly group = new Group();
+  /** Lines along its loops, which may be shown where the part itself is not. */
+  readonly loops = new Group();
 
   constructor(readonly surface: Surface) {
-    this.group.matrixAutoUpdate = false;
+    for (const group of [this.group, this.loops]) group.matrixAutoUpdate = false;
     this.group.add(surface.object);
   }
 
@@ -16,9 +19,10 @@ export class Part {
     return this.group.matrix;
   }
   set stand(to: Matrix4) {
-    this.group.matrix.copy(to);
-    this.group.matrixWorldNeedsUpdate = true;
-    this.group.updateMatrixWorld(true);
+    for (const group of [this.group, this.loops]) {
+      group.matrix.copy(to);
+      group.updateMatrixWorld(true);
+    }
   }
 
   sphere(): Sphere {
@@ -38,6 +42,8 @@ export class Part {
 
 /** The meshes beside the model, by their numbers. */
 export class Parts {
+  /** Counts parts that came. */
+  readonly changed = signal(0);
   private readonly byMesh = new Map<number, Part>();
 
   constructor(
@@ -65,7 +71,8 @@ export class Parts {
     const part = new Part(surface);
     part.group.visible = false;
     this.byMesh.set(surface.id, part);
-    this.scene.add(part.group);
+    this.scene.add(part.group, part.loops);
+    ++this.changed.value;
   }
 
   /** Forgets all others. */
@@ -77,7 +84,7 @@ export class Parts {
     const part = this.byMesh.get(mesh);
     if (part === undefined) return;
     this.byMesh.delete(mesh);
-    this.scene.remove(part.group);
+    this.scene.remove(part.group, part.loops);
     this.onRemove(part.surface);
     part.surface.dispose();
   }

@@ -292,6 +292,7 @@ export class Viewport {
     }
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
+    ++this.parts.changed.value;
     this.scene.add(surface.object);
     surface.setBefore(this.settings.before.value);
     if (this.settings.shading.value === "texture") surface.needRest();
