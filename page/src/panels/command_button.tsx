@@ -38,11 +38,11 @@ export function CommandButton({ page, id, icon, label, tip, class: name }: Comma
 }
 
 /** The same with its label to read. */
-export function CommandLabelButton({ page, id, icon, kind }: CommandProps & { kind?: "plain" | "primary" | "quiet" }) {
+export function CommandLabelButton({ page, id, icon, kind, label }: CommandProps & { kind?: "plain" | "primary" | "quiet" }) {
   const command = commandOf(page, id);
   return (
     <Button
-      label={command.label}
+      label={label ?? command.label}
       icon={icon}
       tip={command.help}
       keys={keysOf(command.keys)}

@@ -55,7 +55,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
         <button type="button" class="icon-button" aria-label="One folder up" disabled={folder === null} onClick={() => onFolder(isRoot ? null : folderOf(folder))}>
           <Icon name="up" />
         </button>
-        <code>{folder ?? "Folders that the editor may use"}</code>
+        <code data-tip={folder ?? ""}>{folder === null ? "Folders that the editor may use" : shortened(folder)}</code>
       </div>
       <ul class="list browser-list" aria-label="Files">
         {(listing?.folders ?? []).map((name) => (
@@ -79,4 +79,9 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
       </ul>
     </div>
   );
+}
+
+/** The end of a path says most. */
+function shortened(path: string): string {
+  return path.length <= 44 ? path : `…${path.slice(path.indexOf("/", path.length - 44))}`;
 }

@@ -129,6 +129,7 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
       unit={unit}
       suffix={unit === "none" ? "" : unit}
       step={0.01 * diagonal}
+      digits={3}
       help="How far the surface around follows, measured along it. The pull fades to nothing there."
       onChange={(length) => void editor.ask({ do: "reach", handle: handle.name, reach: length })}
     />

@@ -1,6 +1,6 @@
 import type { Page } from "../app/page";
 import { changeLabel } from "../app/request_labels";
-import { CommandButton, menuItem } from "./command_button";
+import { CommandButton, CommandLabelButton, menuItem } from "./command_button";
 import { IconButton } from "./ui/button";
 import { Icon, Mark, type IconName } from "./ui/icon";
 import { Menu } from "./ui/menu";
@@ -40,7 +40,7 @@ export function Header({ page }: { page: Page }) {
           <CommandButton page={page} id="redo" icon="redo" tip={of("Does again: ", state.redo)} />
           <CommandButton page={page} id="before" icon="before" label="Before and after" tip="Hold to see the mesh before." />
           <span class="space" />
-          <CommandButton page={page} id="accept" icon="accept" class="labelled accept" />
+          <CommandLabelButton page={page} id="accept" icon="accept" label="Accept" />
           <span class="divider" />
           <CommandButton page={page} id="save" icon="save" />
           <CommandButton page={page} id="export" icon="export" />

@@ -14,12 +14,11 @@ const groups: readonly [CommandGroup, string][] = [
 ];
 
 const pointer: readonly [string, string][] = [
-  ["Drag beside the model", "turns the view"],
-  ["Middle drag", "turns the view, also over the model"],
-  ["Right drag, or Shift+middle drag", "shifts it"],
-  ["Wheel", "zooms towards the pointer"],
-  ["Double click", "frames what is there"],
-  ["Shift or Alt with a selection tool", "adds, takes away"],
+  ["Turn the view", "drag beside the model, or middle drag"],
+  ["Shift it", "right drag, or Shift and middle drag"],
+  ["Zoom", "wheel, towards the pointer"],
+  ["Frame", "double click"],
+  ["Select more, less", "Shift, Alt with a selection tool"],
 ];
 
 const tour: readonly [string, string][] = [
@@ -50,7 +49,7 @@ export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }
         </section>
         <section aria-label="Keys">
           <div class="keys">
-            <KeyTable title="Pointer" rows={pointer.map(([keys, label]) => ({ keys: [keys], label, help: "" }))} />
+            <PointerTable />
             {groups.map(([group, title]) => (
               <KeyTable key={group} title={title} rows={rowsOf(page.commands, group)} />
             ))}
@@ -71,6 +70,22 @@ function rowsOf(commands: readonly Command[], group: CommandGroup): Row[] {
   return commands
     .filter((command) => command.group === group && command.keys.length > 0)
     .map(({ keys, label, help }) => ({ keys: keys.map(chordLabel), label, help }));
+}
+
+function PointerTable() {
+  return (
+    <table class="key-table">
+      <caption>Pointer</caption>
+      <tbody>
+        {pointer.map(([label, how]) => (
+          <tr key={label}>
+            <th scope="row">{label}</th>
+            <td>{how}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
 }
 
 function KeyTable({ title, rows }: { title: string; rows: readonly Row[] }) {
