@@ -194,6 +194,15 @@ void set_group(Json& document, const std::string& name, const Json& selection, c
   if (!colour.empty()) document["colours"][name] = colour;
 }
 
+void set_colour(Json& document, const std::string& name, const std::string& colour) {
+  if (!document.contains("selections") || !document["selections"].contains(name))
+    throw Error(ErrorCode::input, fmt::format("there is no selection named '{}'", name), "name");
+  if (!colour.empty())
+    document["colours"][name] = colour;
+  else if (document.contains("colours"))
+    document["colours"].erase(name);
+}
+
 void remove_group(Json& document, const std::string& name) {
   if (is_used(document, name))
     throw Error(ErrorCode::input, fmt::format("the selection '{}' is in use", name), "name");

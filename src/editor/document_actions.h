@@ -43,6 +43,8 @@ void accept_step(Json& document, const EditFile& edit);
 
 /// A named selection, and the colour that it is drawn in; empty: as before.
 void set_group(Json& document, const std::string& name, const Json& selection, const std::string& colour);
+/// Another colour for it; empty: none of its own. Throws Error(input) where it does not exist.
+void set_colour(Json& document, const std::string& name, const std::string& colour);
 /// Throws Error(input) where it is in use.
 void remove_group(Json& document, const std::string& name);
 

@@ -226,6 +226,12 @@ TEST(Editor, SelectsInEveryWay) {
   page.frame(4);
   const auto third = select("set", {{"component", 2}});
   EXPECT_EQ(select("set", "third"), third);
+  select("set", {{"component", 1}});
+  page.ask({{"do", "group"}, {"name", "third"}, {"colour", "#112233"}, {"keep", true}});
+  EXPECT_EQ(page.ask({{"do", "state"}})["groups"][0]["colour"], "#112233");
+  EXPECT_EQ(select("set", "third"), third);
+  EXPECT_EQ(page.refusal({{"do", "group"}, {"name", "fourth"}, {"colour", "#112233"}, {"keep", true}})["code"],
+            "input");
   EXPECT_EQ(page.refusal({{"do", "select"}, {"how", "set"}, {"what", "fourth"}})["code"], "input");
 }
 

@@ -33,3 +33,12 @@ function write(name: string, value: unknown): void {
     // A browser that keeps nothing starts with the usual settings each time.
   }
 }
+
+/** Lets the browser remember signals by their names; only for what a person sets. */
+export function rememberSettings(settings: Readonly<Record<string, Signal<string> | Signal<boolean>>>): void {
+  for (const [name, setting] of Object.entries(settings)) {
+    const kept = setting as Signal<string | boolean>;
+    kept.value = read(`setting ${name}`, kept.value);
+    effect(() => write(`setting ${name}`, kept.value));
+  }
+}
