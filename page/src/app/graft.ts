@@ -1,10 +1,10 @@
 import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest } from "../protocol";
+import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane } from "../protocol";
 import {
   meetingOf, pairsField, readStep, withFields, withPair,
-  type GraftFields, type GraftStep, type Meeting, type Pair,
+  type DotRef, type GraftFields, type GraftStep, type Meeting, type Pair,
 } from "./graft_step";
 import { LoopCurve, twistDeg, twisted } from "./loop_curve";
 import { Throttled } from "./throttled";
@@ -33,6 +33,22 @@ export interface ShownLoop {
   readonly curve: LoopCurve;
 }
 
+/** A plane that is to cut a mesh, in that mesh's own coordinates. */
+export interface Cut {
+  readonly mesh: number;
+  readonly plane: Plane;
+}
+
+/** A curve that is being drawn to cut along: through these vertices of a mesh. */
+export interface DrawnCurve {
+  readonly mesh: number;
+  readonly vertices: readonly number[];
+  readonly closed: boolean;
+}
+
+type CutRequest = Extract<PageRequest, { do: "cut" }>;
+export type Side = "above" | "below" | "both";
+
 export interface LoopRef {
   readonly mesh: number;
   readonly loop: number;
@@ -55,6 +71,14 @@ export class Graft {
   readonly arrangement = signal<Arrangement>("result");
   readonly loops = signal<ReadonlyMap<number, readonly ShownLoop[]>>(new Map());
   readonly hovered = signal<LoopRef | null>(null);
+  /** The dot, start or match, that Delete takes away. */
+  readonly dot = signal<DotRef | null>(null);
+  readonly cutPlane = signal<Cut | null>(null);
+  readonly cutCurve = signal<DrawnCurve | null>(null);
+  /** What was cut last, while nothing came after. */
+  readonly lastCut = signal<CutRequest | null>(null);
+  /** The part that a click or a drag drops on the surface. */
+  readonly dropped = signal<string | null>(null);
   /** Clicked first, to be paired with the next. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
@@ -107,6 +131,10 @@ export class Graft {
 
   named(name: string | undefined): Thing | undefined {
     return this.things.value.find((thing) => thing.name === name);
+  }
+  /** How requests name a mesh; undefined: the model. */
+  nameOf(mesh: number): string | undefined {
+    return mesh === this.model.value?.mesh ? undefined : this.byMesh(mesh)?.name;
   }
   byMesh(mesh: number): Thing | undefined {
     return this.things.value.find((thing) => thing.mesh === mesh);
@@ -170,6 +198,34 @@ export class Graft {
   private async sendDrag(fields: GraftFields): Promise<void> {
     const done = await this.host.request({ do: "graft-drag", ...fields }).catch(() => undefined);
     if (this.dragged.value !== null && done?.transform !== undefined) this.transform.value = done.transform;
+  }
+
+  /** Cuts by the plane, or along the curve, that is shown. */
+  async cut(keep: Side): Promise<boolean> {
+    const request = this.cutRequest(keep);
+    if (request === undefined || (await this.host.ask(request)) === undefined) return false;
+    batch(() => {
+      this.lastCut.value = request;
+      this.cutPlane.value = this.cutCurve.value = null;
+      this.tool.value = "loops";
+    });
+    return true;
+  }
+  private cutRequest(keep: Side): CutRequest | undefined {
+    const { value: plane } = this.cutPlane;
+    const { value: curve } = this.cutCurve;
+    if (this.tool.value === "plane")
+      return plane === null ? undefined : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
+    const [a, b, c, ...rest] = curve?.vertices ?? [];
+    if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
+    return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };
+  }
+  /** Undoes the last cut, and keeps what it took away. */
+  async cutOtherwise(): Promise<void> {
+    const { value: last } = this.lastCut;
+    if (last === null || (await this.host.ask({ do: "undo" })) === undefined) return;
+    const other: CutRequest = { ...last, keep: last.keep === "above" ? "below" : "above" };
+    if ((await this.host.ask(other)) !== undefined) this.lastCut.value = other;
   }
 
   cancel(): Promise<Outcome | undefined> {
@@ -290,7 +346,10 @@ export class Graft {
       if (known.length < this.loops.value.size) this.loops.value = new Map(known);
       if (!meshes.has(this.hovered.value?.mesh ?? -1)) this.hovered.value = null;
       if (!meshes.has(this.picked.value?.mesh ?? -1)) this.picked.value = null;
+      if (!meshes.has(this.cutPlane.value?.mesh ?? -1)) this.cutPlane.value = null;
+      if (!meshes.has(this.cutCurve.value?.mesh ?? -1)) this.cutCurve.value = null;
       if (state.graft === null && this.dragged.value === null) this.forgetPreview();
+      if (state.undo !== "cut") this.lastCut.value = null;
       if (state.graft !== null) this.mode.value = "graft";
     });
   }

@@ -1,15 +1,24 @@
-import { effect } from "@preact/signals";
+import { effect, untracked } from "@preact/signals";
 import type { AxisView, ToolActions, ViewActions } from "../app/commands";
 import type { Editor } from "../app/editor";
+import type { GraftTool } from "../app/graft";
 import type { ToolName } from "../app/tool_settings";
 import type { Hit } from "../view/picking";
 import type { Viewport } from "../view/viewport";
 import { eyeOf, type Spot } from "./eye";
+import type { GraftView } from "../view/graft_view";
+import { CutCurveTool } from "./cut_curve_tool";
+import { DropTool } from "./drop_tool";
+import { FixedTool } from "./fixed_tool";
 import { Gizmo } from "./gizmo";
+import { LoopPairTool } from "./graft_loops";
 import { GraphStore } from "./graph_store";
 import { CurveTool, NavigateTool, PaintTool, VertexTool } from "./handle_tools";
 import { HandleControl } from "./handle_control";
 import { HandleGhost } from "./handle_ghost";
+import { FirstActive } from "./movable";
+import { PartControl } from "./part_control";
+import { CutPlaneTool, PlaneControl } from "./plane_control";
 import { Preview } from "./preview";
 import { ReachRing } from "./reach_ring";
 import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
@@ -24,6 +33,9 @@ export class ToolBox implements ToolActions, ViewActions {
   private readonly gizmo: Gizmo;
   private readonly reach: ReachRing;
   private readonly tools: Record<ToolName, Tool>;
+  private readonly graftTools: Record<GraftTool, Tool>;
+  readonly dropTool: DropTool;
+  readonly planeControl: PlaneControl;
   private tool: Tool;
   private stroke: Stroke | undefined;
   private taken: number | undefined; // the pointer that drags
@@ -33,6 +45,7 @@ export class ToolBox implements ToolActions, ViewActions {
   constructor(
     private readonly editor: Editor,
     private readonly viewport: Viewport,
+    graftView: GraftView,
   ) {
     const graphs = new GraphStore();
     this.control = new HandleControl(editor, viewport, graphs);
@@ -40,7 +53,17 @@ export class ToolBox implements ToolActions, ViewActions {
     const status = new Status(viewport.overlay);
     const preview = new Preview(viewport, graphs, 0xffa02e, 0.55);
     this.bench = { editor, viewport, eye, graphs, control: this.control, status, preview };
-    this.gizmo = new Gizmo(editor, viewport, this.control, eye, status);
+    const part = new PartControl(viewport, editor.graft);
+    this.planeControl = new PlaneControl(viewport, editor.graft, graftView);
+    this.gizmo = new Gizmo(editor, viewport, new FirstActive([this.planeControl, part, this.control]), eye, status);
+    this.dropTool = new DropTool(this.bench, graftView);
+    this.graftTools = {
+      loops: new LoopPairTool(this.bench, graftView),
+      plane: new CutPlaneTool(this.bench, this.planeControl),
+      stroke: new CutCurveTool(this.bench, graftView),
+      fixed: new FixedTool(this.bench),
+      drop: this.dropTool,
+    };
     this.reach = new ReachRing(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
     this.tools = this.makeTools();
@@ -58,7 +81,14 @@ export class ToolBox implements ToolActions, ViewActions {
     canvas.addEventListener("pointerleave", () => this.stroke === undefined && this.tool.leave());
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
-    effect(() => this.take(this.editor.tools.tool.value));
+    effect(() => {
+      const { mode, tool } = this.editor.graft;
+      const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[this.editor.tools.tool.value];
+      untracked(() => this.take(next));
+    });
+    effect(() => {
+      if (this.editor.graft.mode.value === "graft") this.editor.tools.activeHandle.value = null;
+    });
     effect(() => this.prepare());
     effect(() => {
       const { gizmoSpace, movesPivot, activeHandle, brushRadiusPx } = this.editor.tools;
@@ -69,7 +99,7 @@ export class ToolBox implements ToolActions, ViewActions {
 
   /** Keys that a gesture takes before commands: axes, numbers. */
   takeKey(event: KeyboardEvent): boolean {
-    return this.gizmo.takeKey(event);
+    return this.gizmo.takeKey(event) || this.tool.takeKey?.(event) === true;
   }
 
   escape(): void {
@@ -155,11 +185,11 @@ export class ToolBox implements ToolActions, ViewActions {
     };
   }
 
-  private take(name: ToolName): void {
+  private take(tool: Tool): void {
     this.giveUp();
-    this.tool.escape?.();
+    if (tool !== this.tool) this.tool.escape?.();
     this.tool.leave();
-    this.tool = this.tools[name];
+    this.tool = tool;
     this.viewport.canvas.style.cursor = this.tool.cursor;
   }
 
@@ -255,6 +285,11 @@ export class ToolBox implements ToolActions, ViewActions {
   }
 
   private wheel(event: WheelEvent): void {
+    if (this.tool.wheel?.(event) === true) {
+      event.preventDefault();
+      event.stopPropagation();
+      return;
+    }
     if (!event.altKey) return;
     event.preventDefault();
     event.stopPropagation();

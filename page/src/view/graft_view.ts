@@ -1,6 +1,7 @@
-import { effect } from "@preact/signals";
+import { effect, untracked } from "@preact/signals";
 import { Group, Matrix4, Vector3 } from "three";
 import type { Graft, LoopRef, Thing } from "../app/graft";
+import type { Rows4 } from "../app/graft_step";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { standBeside, type Box } from "./beside";
 import { partColour, seamColour } from "./graft_colours";
@@ -48,6 +49,11 @@ export class GraftView {
     if (surface === undefined) return undefined;
     surface.place(vertex, out);
     return stand === undefined ? out : out.applyMatrix4(stand);
+  }
+
+  /** How a mesh's own coordinates are mapped to where it is shown. */
+  standOf(mesh: number): Matrix4 {
+    return this.viewport.parts.get(mesh)?.stand ?? new Matrix4();
   }
 
   /** Whether a mesh itself is to be seen. */
@@ -184,8 +190,14 @@ export class GraftView {
     if (key === this.framed || this.graft.dragged.value !== null) return;
     const grew = this.framed !== "" || shows.size > 1;
     this.framed = key;
-    if (grew && this.viewport.main !== undefined) this.viewport.fit("all");
+    if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));
   }
+}
+
+export function rowsOfMatrix(matrix: Matrix4): Rows4 {
+  const e = matrix.clone().transpose().toArray();
+  const row = (i: 0 | 1 | 2 | 3): Rows4[0] => [e[4 * i] ?? 0, e[4 * i + 1] ?? 0, e[4 * i + 2] ?? 0, e[4 * i + 3] ?? 0];
+  return [row(0), row(1), row(2), row(3)];
 }
 
 export function matrixOfRows(rows: readonly (readonly number[])[]): Matrix4 {

@@ -309,7 +309,8 @@ export class Viewport {
     for (const sphere of spheres.slice(1)) this.ball.union(sphere);
   }
 
-  private treeOf(surface: Surface): PickTree {
+  /** What finds places of a surface. */
+  treeOf(surface: Surface): PickTree {
     const known = this.trees.get(surface) ?? new PickTree(surface);
     this.trees.set(surface, known);
     return known;
