@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
@@ -482,6 +483,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   Scene& scene = scenes.at(edit.output.empty() ? output : edit.output);
   sum_up(report);
   measure_result(report, scene, context);
+  for (const std::string& name : options.keep) result.kept.insert_or_assign(name, scenes.at(name).mesh);
   result.mesh = std::move(scene.mesh);
   result.rest = std::move(scene.rest);
   report.seconds.total = inputs.read_seconds + inputs.triage_seconds + watch.seconds();
@@ -489,6 +491,11 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
 }
 
 EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+  const std::vector<std::string> names = mesh_names(edit);
+  for (const std::string& wanted : options.keep)
+    if (std::find(names.begin(), names.end(), wanted) == names.end())
+      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", wanted), edit.place,
+                  fmt::format("It has '{}'.", fmt::join(names, "', '")));
   return run_steps(edit, load_inputs(edit, context), options, context);
 }
 

@@ -71,6 +71,12 @@ TEST(Editor, ShowsWhatTheSavedFileGives) {
     EXPECT_EQ(shown, as_shown(expected.positions, page.offset())) << settings;
     write_mesh(expected, folder / "bar_expected.ply");
     EXPECT_EQ(read_file(folder / "bar_shown.ply"), read_file(folder / "bar_expected.ply")) << settings;
+#ifdef MESHGRAFT_PROGRAM
+    const std::string run = "'" MESHGRAFT_PROGRAM "' run '" + (folder / "bar.json").string() + "' -o '" +
+                            (folder / "bar_run.ply").string() + "' > /dev/null";
+    ASSERT_EQ(std::system(run.c_str()), 0) << settings;
+    EXPECT_EQ(read_file(folder / "bar_run.ply"), read_file(folder / "bar_shown.ply")) << settings;
+#endif
   }
 }
 

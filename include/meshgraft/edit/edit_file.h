@@ -260,6 +260,9 @@ const std::string& mesh_of(const EditStep& step);
 /// The mesh that a step leaves: its `result`, or `mesh_of`.
 const std::string& outcome_of(const EditStep& step);
 
+/// Names of the meshes that an edit has at its end: its inputs, then what its steps leave, each once.
+std::vector<std::string> mesh_names(const EditFile& edit);
+
 /// Largest edit file that is read, in bytes, and its deepest nesting.
 inline constexpr std::uintmax_t edit_file_size_limit = std::uintmax_t{256} << 20;
 inline constexpr int edit_file_depth_limit = 64;
