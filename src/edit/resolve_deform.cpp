@@ -290,19 +290,10 @@ class DeformResolver {
       HandlePose pose = resolve_pose(spec.pose, handle, selections_, edit_, context_, where + ".pose");
       if (symmetry_) {
         twins_.push_back(symmetry_->twin_of(handle, where + ".select"));
-        if (!twins_.back()) note_own(i, handle, pose);
+        if (!twins_.back()) resolved_.symmetry->own.push_back(i);
       }
       hold(std::move(handle), std::move(pose), roles, where);
     }
-  }
-
-  void note_own(std::size_t i, const Handle& handle, const HandlePose& pose) {
-    resolved_.symmetry->own.push_back(i);
-    if (is_symmetric(pose, handle, context_.mesh.positions, symmetry_->reflection())) return;
-    resolved_.notes.push_back(
-        fmt::format("the handle '{}' is its own mirror image, but its pose is not: the result is as little "
-                    "symmetric as the pose",
-                    handle.name));
   }
 
   void hold_twins(Roles& roles) {
@@ -387,6 +378,18 @@ class DeformResolver {
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
                               const std::string& place, const ProducedSets& produced) {
   return DeformResolver(edit, step, context, place, produced).resolve();
+}
+
+std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+                                    std::span<const HandlePose> poses, const Points& rest) {
+  std::vector<std::string> notes;
+  for (const std::size_t h : symmetry.own)
+    if (!is_symmetric(poses[h], handles[h], rest, symmetry.reflection))
+      notes.push_back(
+          fmt::format("the handle '{}' is its own mirror image, but its pose is not: the result is as little "
+                      "symmetric as the pose",
+                      handles[h].name));
+  return notes;
 }
 
 }  // namespace meshgraft

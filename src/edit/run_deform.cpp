@@ -284,6 +284,11 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.symmetry = problem.deform.symmetry;
   for (const Handle& handle : problem.deform.region.handles) report.handles.push_back(handle.name);
   report.notes = problem.deform.notes;
+  if (report.symmetry) {
+    const ResolvedDeform& deform = problem.deform;
+    const auto notes = pose_notes(*report.symmetry, deform.region.handles, deform.poses, problem.rest);
+    report.notes.insert(report.notes.end(), notes.begin(), notes.end());
+  }
   report.counts.vertices = scene.mesh.vertex_count();
   report.counts.faces = scene.mesh.face_count();
   report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,5 +42,9 @@ struct ResolvedDeform {
 /// read.
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
                               const std::string& place, const ProducedSets& produced = {});
+
+/// Sentences about handles that are their own mirror image and whose poses are not; `poses` are one per handle.
+std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+                                    std::span<const HandlePose> poses, const Points& rest);
 
 }  // namespace meshgraft
