@@ -1,5 +1,5 @@
 import { effect } from "@preact/signals";
-import type { AxisView, ToolActions, ViewActions } from "../app/commands";
+import type { ToolActions } from "../app/commands";
 import type { Editor } from "../app/editor";
 import type { ToolName } from "../app/tool_settings";
 import type { Hit } from "../view/picking";
@@ -14,11 +14,12 @@ import { Preview } from "./preview";
 import { ReachRing } from "./reach_ring";
 import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
 import { Status } from "./status";
+import { SymmetryPlane } from "./symmetry_plane";
 import type { Bench, Pointer, Stroke, Tool } from "./tool";
 import "./tools.css";
 
 /** Gives the pointer to the gizmo, to the active tool, or to the navigation. */
-export class ToolBox implements ToolActions, ViewActions {
+export class ToolBox implements ToolActions {
   readonly control: HandleControl;
   private readonly bench: Bench;
   private readonly gizmo: Gizmo;
@@ -43,6 +44,7 @@ export class ToolBox implements ToolActions, ViewActions {
     this.gizmo = new Gizmo(editor, viewport, this.control, eye, status);
     this.reach = new ReachRing(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
+    new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();
     this.tool = this.tools.navigate;
   }
@@ -117,26 +119,6 @@ export class ToolBox implements ToolActions, ViewActions {
     const { brushRadiusPx } = this.editor.tools;
     brushRadiusPx.value = Math.round(10 * Math.min(300, Math.max(3, brushRadiusPx.value * factor))) / 10;
     this.tool.hover(this.pointer, undefined);
-  }
-
-  fit(what: "all" | Uint32Array = "all"): void {
-    this.viewport.fit(what);
-  }
-  inFocus(): Uint32Array | undefined {
-    const handle = this.control.active;
-    if (handle !== undefined) return handle.vertices;
-    const selected: number[] = [];
-    this.viewport.main?.selection.forEach((is, v) => is !== 0 && selected.push(v));
-    return selected.length > 0 ? Uint32Array.from(selected) : undefined;
-  }
-  lookFrom(side: AxisView): void {
-    const [front, right, up] = this.viewport.navigation.axes();
-    const from = { front, right, top: up, back: front, left: right, bottom: up }[side].clone();
-    if (side === "front" || side === "right" || side === "top") from.negate();
-    this.viewport.lookAlong(from, side === "top" || side === "bottom" ? front.clone().negate() : up);
-  }
-  toggleProjection(): void {
-    this.viewport.orthographic = !this.viewport.orthographic;
   }
 
   private makeTools(): Record<ToolName, Tool> {
