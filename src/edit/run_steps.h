@@ -63,6 +63,8 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 /// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
 StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& place,
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& place, Scene& scene,
+                      const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 /// Where the source of a merge step with `at` stands before it bends: a map of the source's own coordinates. A
@@ -72,6 +74,9 @@ Eigen::Affine3d drop_stand(const EditFile& edit, const MergeStep& step, const st
                            const Scene& target, const Scene& source);
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
                    const Context& context);
+
+/// The farthest that a vertex moved, model units; n×3 both.
+double largest_displacement(const Points& rest, const Points& edited);
 
 /// The edit from there on, as `run_edit`.
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,

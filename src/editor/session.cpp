@@ -94,6 +94,8 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"graft-drag", &Worker::graft_drag},
       {"thumbnail", &Worker::thumbnail},
       {"settings", &Worker::settings},
+      {"symmetry", &Worker::symmetry},
+      {"step", &Worker::step},
       {"accept", &Worker::accept},
       {"undo", &Worker::undo},
       {"redo", &Worker::redo},

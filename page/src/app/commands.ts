@@ -107,7 +107,8 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     {
       id: "accept", group: "edit", label: "Accept step", keys: ["ctrl+Enter"],
       help: "Keeps this deformation and starts the next one on its shape.",
-      run: () => void editor.ask({ do: "accept" }), enabled: hasHandles,
+      run: () => void (editor.graft.kept.value === undefined ? editor.ask({ do: "accept" }) : editor.graft.accept()),
+      enabled: () => hasHandles() || editor.graft.kept.value !== undefined,
     },
     {
       id: "confirm", group: "edit", label: "Confirm", keys: ["Enter"],
@@ -216,6 +217,7 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
 function handleCommands({ editor, settings, tools }: CommandContext): Command[] {
   const active = () =>
     editor.state.value?.handles.some((handle) => handle.name === settings.activeHandle.value) === true;
+  const isSymmetric = () => (editor.state.value?.symmetry ?? null) !== null;
   const several = () => (editor.state.value?.handles.length ?? 0) > 0;
   const gesture = (kind: "move" | "turn" | "scale", label: string, key: string): Command => ({
     id: kind, group: "handle", label, keys: [key],
@@ -252,6 +254,12 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
       id: "reset-pose", group: "handle", label: "Put handle back", keys: ["alt+G"],
       help: "The handle goes back to where the step found it.",
       run: () => tools.resetPose(), enabled: active,
+    },
+    {
+      id: "symmetry", group: "handle", label: "Symmetry", keys: ["Y"],
+      help: "What is done on one side of a plane is done on the other, too.",
+      run: () => void editor.ask({ do: "symmetry", ...(isSymmetric() ? { plane: null } : {}) }),
+      enabled: () => editor.isOpen.value, active: isSymmetric,
     },
     {
       id: "remove-handle", group: "handle", label: "Remove handle", keys: ["Delete", "Backspace"],

@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 import type { LoopRef } from "../app/graft";
 import { meetingsOf, withDotAt, withMatch, withoutDot, type DotRef, type Meeting } from "../app/graft_step";
 import { areInOrder, meetingPlace, nearestPlace } from "../app/loop_curve";
-import { cssColour, pairColour } from "../view/graft_colours";
+import { cssColour, pairColour } from "../app/graft_colours";
 import type { GraftView } from "../view/graft_view";
 import type { Spot } from "./eye";
 import { onOverlay, set, show, svg } from "./svg";

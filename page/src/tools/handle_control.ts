@@ -5,7 +5,7 @@ import type { Handle } from "../protocol";
 import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import type { GraphStore } from "./graph_store";
-import { atRest, matrixOf, placementOf, poseOf, type Placement } from "./pose_math";
+import { atRest, matrixOf, mirrored, placementOf, poseOf, type Placement, type Plane } from "./pose_math";
 
 /** The handle that the gizmo is at. */
 export interface ActiveHandle {
@@ -54,6 +54,13 @@ export class HandleControl {
   get names(): string[] {
     const known = this.editor.state.value?.handles.map(({ name }) => name) ?? [];
     return [...new Set([...known, ...this.painted.keys()])];
+  }
+
+  /** The plane of symmetry, if there is one. */
+  get plane(): Plane | undefined {
+    const plane = this.editor.state.value?.symmetry?.plane;
+    if (plane === undefined) return undefined;
+    return { point: new Vector3(...plane.point), normal: new Vector3(...plane.normal).normalize() };
   }
 
   activate(name: string | null): void {
@@ -109,7 +116,7 @@ export class HandleControl {
       const latest = this.ahead.get(name);
       const handle = this.active;
       if (latest === undefined || handle === undefined || handle.name !== name) return;
-      this.viewport.showPoses(new Map([[name, matrixOf(latest)]]));
+      this.viewport.showPoses(this.mapsBy(name, latest));
       this.editor.drag({ [name]: poseOf(latest, handle.defaultPivot) });
     });
   }
@@ -120,7 +127,7 @@ export class HandleControl {
     if (handle === undefined || handle.name !== name) return;
     this.ahead.set(name, placement);
     this.pivots.set(name, placement.pivot.clone());
-    this.viewport.showPoses(new Map([[name, matrixOf(placement)]]));
+    this.viewport.showPoses(this.mapsBy(name, placement));
     await this.editor.pose({ [name]: poseOf(placement, handle.defaultPivot) });
     if (this.ahead.get(name) === placement) this.ahead.delete(name);
     this.viewport.requestRender();
@@ -154,6 +161,15 @@ export class HandleControl {
     this.painted.delete(name);
     if (done === undefined && this.editor.tools.activeHandle.value === name) this.activate(null);
     this.viewport.requestRender();
+  }
+
+  /** What moves with a handle: itself, and its twin beyond the plane of symmetry. */
+  private mapsBy(name: string, placement: Placement): Map<string, Matrix4> {
+    const maps = new Map([[name, matrixOf(placement)]]);
+    const { plane } = this;
+    const twin = this.editor.state.value?.symmetry?.twins.find(({ of }) => of === name);
+    if (plane !== undefined && twin !== undefined) maps.set(twin.name, matrixOf(mirrored(placement, plane)));
+    return maps;
   }
 
   private ofPainted(name: string, painted: Painted | undefined): ActiveHandle | undefined {

@@ -66,6 +66,11 @@ export class PlaneControl implements Movable {
   middleOf(mesh: number): Vector3 | undefined {
     return this.viewport.surfaceOf(mesh)?.sphere().center.applyMatrix4(this.view.standOf(mesh));
   }
+  /** The diagonal of a mesh's box, as it stands. */
+  sizeOf(mesh: number): number {
+    const scale = Math.cbrt(Math.abs(this.view.standOf(mesh).determinant()));
+    return scale * (this.viewport.surfaceOf(mesh)?.box.diagonal ?? 1);
+  }
   inWorld({ mesh, plane }: Cut): CutPlane {
     const stand = this.view.standOf(mesh);
     return { point: new Vector3(...plane.point).applyMatrix4(stand), normal: normalThrough(new Vector3(...plane.normal), stand) };

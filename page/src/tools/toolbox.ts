@@ -1,5 +1,5 @@
 import { effect, untracked } from "@preact/signals";
-import type { AxisView, ToolActions, ViewActions } from "../app/commands";
+import type { ToolActions } from "../app/commands";
 import type { Editor } from "../app/editor";
 import type { GraftTool } from "../app/graft";
 import type { ToolName } from "../app/tool_settings";
@@ -11,6 +11,7 @@ import { CutCurveTool } from "./cut_curve_tool";
 import { DropTool } from "./drop_tool";
 import { FixedTool } from "./fixed_tool";
 import { Gizmo } from "./gizmo";
+import { GraftPanelActions } from "./graft_actions";
 import { LoopPairTool } from "./graft_loops";
 import { GraphStore } from "./graph_store";
 import { CurveTool, NavigateTool, PaintTool, VertexTool } from "./handle_tools";
@@ -19,23 +20,24 @@ import { HandleGhost } from "./handle_ghost";
 import { FirstActive } from "./movable";
 import { PartControl } from "./part_control";
 import { CutPlaneTool, PlaneControl } from "./plane_control";
+import { PlaneView } from "./plane_view";
 import { Preview } from "./preview";
 import { ReachRing } from "./reach_ring";
 import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
 import { Status } from "./status";
+import { SymmetryPlane } from "./symmetry_plane";
 import type { Bench, Pointer, Stroke, Tool } from "./tool";
 import "./tools.css";
 
 /** Gives the pointer to the gizmo, to the active tool, or to the navigation. */
-export class ToolBox implements ToolActions, ViewActions {
+export class ToolBox implements ToolActions {
   readonly control: HandleControl;
   private readonly bench: Bench;
   private readonly gizmo: Gizmo;
   private readonly reach: ReachRing;
   private readonly tools: Record<ToolName, Tool>;
   private readonly graftTools: Record<GraftTool, Tool>;
-  readonly dropTool: DropTool;
-  readonly planeControl: PlaneControl;
+  readonly graft: GraftPanelActions;
   private tool: Tool;
   private stroke: Stroke | undefined;
   private taken: number | undefined; // the pointer that drags
@@ -54,18 +56,21 @@ export class ToolBox implements ToolActions, ViewActions {
     const preview = new Preview(viewport, graphs, 0xffa02e, 0.55);
     this.bench = { editor, viewport, eye, graphs, control: this.control, status, preview };
     const part = new PartControl(viewport, editor.graft);
-    this.planeControl = new PlaneControl(viewport, editor.graft, graftView);
-    this.gizmo = new Gizmo(editor, viewport, new FirstActive([this.planeControl, part, this.control]), eye, status);
-    this.dropTool = new DropTool(this.bench, graftView);
+    const plane = new PlaneControl(viewport, editor.graft, graftView);
+    this.gizmo = new Gizmo(editor, viewport, new FirstActive([plane, part, this.control]), eye, status);
+    const drop = new DropTool(this.bench, graftView);
+    this.graft = new GraftPanelActions(editor, viewport, drop);
+    new PlaneView(viewport, plane, editor.graft);
     this.graftTools = {
       loops: new LoopPairTool(this.bench, graftView),
-      plane: new CutPlaneTool(this.bench, this.planeControl),
+      plane: new CutPlaneTool(this.bench, plane),
       stroke: new CutCurveTool(this.bench, graftView),
       fixed: new FixedTool(this.bench),
-      drop: this.dropTool,
+      drop,
     };
     this.reach = new ReachRing(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
+    new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();
     this.tool = this.tools.navigate;
   }
@@ -147,26 +152,6 @@ export class ToolBox implements ToolActions, ViewActions {
     const { brushRadiusPx } = this.editor.tools;
     brushRadiusPx.value = Math.round(10 * Math.min(300, Math.max(3, brushRadiusPx.value * factor))) / 10;
     this.tool.hover(this.pointer, undefined);
-  }
-
-  fit(what: "all" | Uint32Array = "all"): void {
-    this.viewport.fit(what);
-  }
-  inFocus(): Uint32Array | undefined {
-    const handle = this.control.active;
-    if (handle !== undefined) return handle.vertices;
-    const selected: number[] = [];
-    this.viewport.main?.selection.forEach((is, v) => is !== 0 && selected.push(v));
-    return selected.length > 0 ? Uint32Array.from(selected) : undefined;
-  }
-  lookFrom(side: AxisView): void {
-    const [front, right, up] = this.viewport.navigation.axes();
-    const from = { front, right, top: up, back: front, left: right, bottom: up }[side].clone();
-    if (side === "front" || side === "right" || side === "top") from.negate();
-    this.viewport.lookAlong(from, side === "top" || side === "bottom" ? front.clone().negate() : up);
-  }
-  toggleProjection(): void {
-    this.viewport.orthographic = !this.viewport.orthographic;
   }
 
   private makeTools(): Record<ToolName, Tool> {

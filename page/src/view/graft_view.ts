@@ -4,7 +4,7 @@ import type { Graft, LoopRef, Thing } from "../app/graft";
 import type { Rows4 } from "../app/graft_step";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { standBeside, type Box } from "./beside";
-import { partColour, seamColour } from "./graft_colours";
+import { partColour, seamColour } from "../app/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
 import { LoopLines } from "./loop_lines";
 import { writeTint } from "./roles";

@@ -4,7 +4,7 @@ import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import type { LoopRef, ShownLoop } from "../app/graft";
 import type { Pair } from "../app/graft_step";
-import { loopColour, pairColour, pickedColour, type Colour } from "./graft_colours";
+import { loopColour, pairColour, pickedColour, type Colour } from "../app/graft_colours";
 import type { Viewport } from "./viewport";
 
 /** What decides the colours of loops. */
