@@ -3,7 +3,7 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { Outcome } from "../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane } from "../protocol";
 import {
-  meetingOf, pairsField, readStep, withFields, withPair,
+  meetingOf, pairsField, proposedStart, readStep, withFields, withPair,
   type DotRef, type GraftFields, type GraftStep, type Meeting, type Pair,
 } from "./graft_step";
 import { LoopCurve, twistDeg, twisted } from "./loop_curve";
@@ -160,8 +160,38 @@ export class Graft {
     const part = this.named(name);
     const { value: model } = this.model;
     if (part === undefined || model === undefined || this.kept.value !== undefined) return;
-    if (part.loops === 1 && model.loops === 1) await this.set({ source: name });
+    if (part.loops === 1 && model.loops === 1) await this.startAlone(name);
     else this.arrangement.value = "apart";
+  }
+
+  // It is tried first, so that one change takes it back: where round loops fit from many starts alike, the one that
+  // turns the part least is taken.
+  private async startAlone(name: string): Promise<void> {
+    this.arrangement.value = "result";
+    this.dragged.value = { source: name };
+    const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
+    const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.told(done.graft);
+    const start = this.startFor(report);
+    await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
+  }
+  private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
+    const start = proposedStart(report?.error?.remedy ?? "");
+    const pairs = this.pairs.value;
+    if (start === undefined || pairs.length !== 1) return undefined;
+    return pairsField(pairs.map((pair) => ({ ...pair, start: [start[0], start[1]] })));
+  }
+  /** The start that the engine proposes, as it can be taken: for the one pair that there is. */
+  readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
+
+  /** What is told of a graft of this number, or of a later one. */
+  private told(graft: number): Promise<GraftReport> {
+    return new Promise((resolve) => {
+      const stop = this.report.subscribe((report) => {
+        if (report === null || report.graft < graft) return;
+        resolve(report);
+        queueMicrotask(() => stop());
+      });
+    });
   }
 
   /** Changes the document's graft, or starts one. */

@@ -60,12 +60,14 @@ export function readStep(step: object): GraftStep {
   };
 }
 
+// The engine keeps a start as the first of the matches.
 function readPair(pair: RequestPair): Pair {
+  const [start, ...matches] = [...(pair.start === undefined ? [] : [pair.start]), ...(pair.matches ?? [])];
   return {
     sourceLoop: loopNumber(pair.source_loop),
     targetLoop: loopNumber(pair.target_loop),
-    start: pair.start,
-    matches: pair.matches ?? [],
+    start,
+    matches,
     source: pair.source_loop,
     target: pair.target_loop,
   };
@@ -157,4 +159,10 @@ export function withFields(step: GraftStep, fields: GraftFields): GraftStep {
     ...(has("source_transform") && { sourceTransform: asked.sourceTransform }),
     ...(has("fixed") && { hasFixed: asked.hasFixed }),
   };
+}
+
+/** The start that the engine proposes where loops fit as well from several; undefined: it proposes none. */
+export function proposedStart(remedy: string): Meeting | undefined {
+  const words = /--start (\d+):(\d+)/.exec(remedy); // target:source, as the command line has it
+  return words === null ? undefined : [Number(words[2]), Number(words[1])];
 }

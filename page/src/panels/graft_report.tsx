@@ -1,4 +1,5 @@
 import type { Page } from "../app/page";
+import { Button } from "./ui/button";
 import { Icon } from "./ui/icon";
 
 /** What the graft came to: why there is none, or how its seam is, and what is to be noted. */
@@ -13,13 +14,15 @@ export function GraftReportView({ page }: { page: Page }) {
     );
   if (report.error !== undefined) {
     const { problem, place, remedy } = report.error;
+    const { value: proposed } = graft.proposed;
     return (
       <div class="graft-state failed" role="alert">
         <strong>
           <Icon name="warning" size={15} /> {problem}
         </strong>
         {place !== "" && <small>{place}</small>}
-        {remedy !== "" && <span>{remedy}</span>}
+        {remedy !== "" && <span>{remedy.replace(/ \(--start \S+\)/, "")}</span>}
+        {proposed !== undefined && <Button label="Take that start" onClick={() => void graft.set({ pairs: proposed })} />}
       </div>
     );
   }

@@ -33,7 +33,7 @@ export class MatchLines {
     }
     if (ends.length === 0) return;
     const geometry = new LineSegmentsGeometry().setPositions(ends).setColors(colours);
-    const material = new LineMaterial({ linewidth: 1.3, vertexColors: true, transparent: true, opacity: 0.75 });
+    const material = new LineMaterial({ linewidth: 1.3, vertexColors: true, transparent: true, opacity: 0.5, depthTest: false });
     this.line = new LineSegments2(geometry, material);
     this.line.frustumCulled = false;
     this.object.add(this.line);

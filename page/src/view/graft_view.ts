@@ -27,9 +27,9 @@ export class GraftView {
     this.loops = new LoopLines(viewport);
     this.group.matrixAutoUpdate = false;
     viewport.scene.add(this.group, this.lines.object, this.ghost.object);
-    viewport.extraSpheres = () => {
-      const shown = this.preview?.surface;
-      return shown?.object.visible === true ? [shown.sphere().applyMatrix4(this.group.matrix)] : [];
+    viewport.alsoShown = () => {
+      const surface = this.preview?.surface;
+      return surface?.object.visible === true ? [[surface, this.group.matrix]] : [];
     };
   }
 
@@ -186,8 +186,10 @@ export class GraftView {
 
   /** Frames all when something else is shown than before. */
   private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
-    const key = on ? [...shows].sort().join() + (this.graft.dragged.value === null ? "" : this.framed) : "";
-    if (key === this.framed || this.graft.dragged.value !== null) return;
+    if (this.graft.dragged.value !== null) return;
+    const there = [...shows].filter((mesh) => this.viewport.surfaceOf(mesh) !== undefined);
+    const key = on ? `${there.sort().join()} ${this.preview?.surface.object.visible === true}` : "";
+    if (key === this.framed) return;
     const grew = this.framed !== "" || shows.size > 1;
     this.framed = key;
     if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));

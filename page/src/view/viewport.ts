@@ -26,8 +26,8 @@ export class Viewport {
   /** Drawn on top of everything: the gizmo. */
   readonly helpers = new Group();
   readonly surfaces = new Map<number, Surface>();
-  /** Of what else is shown, for the measure of all. */
-  extraSpheres: () => Sphere[] = () => [];
+  /** What else is shown, and where it stands: for the measure of all. */
+  alsoShown: () => [Surface, Matrix4][] = () => [];
   /** What there is beside the model, to be grafted. */
   readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
@@ -237,7 +237,7 @@ export class Viewport {
       return;
     }
     this.measure();
-    const samples = [...this.surfaces.values()].map((surface) => surface.sample());
+    const samples = this.allShown().map(([surface, stand]) => transformed(surface.sample(), stand));
     const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
     samples.reduce((at, sample) => (all.set(sample, at), at + sample.length), 0);
     this.navigation.fit(all, 1e-6 * main.box.diagonal, animated);
@@ -348,10 +348,16 @@ export class Viewport {
     if (first || !similar) this.fit("all", false);
   }
 
+  /** What is to be seen, and where it stands. */
+  private allShown(): [Surface, Matrix4][] {
+    const model = [...this.surfaces.values()].filter((surface) => surface.object.visible);
+    const parts = this.parts.shown().map((part): [Surface, Matrix4] => [part.surface, part.stand]);
+    return [...model.map((surface): [Surface, Matrix4] => [surface, new Matrix4()]), ...parts, ...this.alsoShown()];
+  }
+
   /** Takes the measure of all that is shown: for navigation and fitting. */
   measure(): void {
-    const all = [...this.surfaces.values()].filter((surface) => surface.object.visible).map((surface) => surface.sphere());
-    const spheres = [...all, ...this.parts.shown().map((part) => part.sphere()), ...this.extraSpheres()];
+    const spheres = this.allShown().map(([surface, stand]) => surface.sphere().applyMatrix4(stand));
     this.ball = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
     for (const sphere of spheres.slice(1)) this.ball.union(sphere);
   }
@@ -403,4 +409,11 @@ export class Viewport {
     const place = new Matrix4().makeTranslation(surface.object.position);
     return { matrix: matrix.multiply(place).elements, box: this.box() };
   }
+}
+
+/** Places (3 numbers each) where a map takes them. */
+function transformed(places: Float32Array, map: Matrix4): Float32Array {
+  const place = new Vector3();
+  for (let at = 0; at + 2 < places.length; at += 3) place.fromArray(places, at).applyMatrix4(map).toArray(places, at);
+  return places;
 }

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import {
-  meetingsOf, pairsField, readStep, withDotAt, withFields, withMatch, withoutDot, withPair, withoutPair,
+  meetingsOf, pairsField, proposedStart, readStep, withDotAt, withFields, withMatch, withoutDot, withPair, withoutPair,
 } from "../../src/app/graft_step";
 
 const step = {
@@ -13,6 +13,11 @@ test("reads a merge step, with the defaults of the edit file", () => {
   expect(read).toMatchObject({ source: "arm", target: "body", pose: "find", shape: "ft05", normalAngleDeg: 10 });
   expect(read.pairs[0]).toMatchObject({ sourceLoop: 1, targetLoop: 0, start: [5, 77], matches: [[9, 80]] });
   expect(readStep({ target: "a", source: "b" })).toMatchObject({ shape: "similar", pairs: [], hasFixed: false });
+});
+
+test("reads a start that stands as the first of the matches", () => {
+  const pairs = [{ source_loop: { loop: 0 }, target_loop: { loop: 0 }, matches: [[0, 7], [3, 4]] }];
+  expect(readStep({ source: "a", target: "b", pairs }).pairs[0]).toMatchObject({ start: [0, 7], matches: [[3, 4]] });
 });
 
 test("gives pairs back as it read them, also where a loop is named in another way", () => {
@@ -47,4 +52,9 @@ test("shows dragged fields on top of the document's", () => {
   expect(dragged).toMatchObject({ normalAngleDeg: 25, shape: "ft05", mirror: { normal: [1, 0, 0] } });
   expect(dragged.pairs).toHaveLength(1);
   expect(withFields(dragged, { mirror: null }).mirror).toBeUndefined();
+});
+
+test("reads the start that the engine proposes for round loops", () => {
+  expect(proposedStart("target vertex 10044 at source vertex 3 turns the part least (--start 10044:3)")).toEqual([3, 10044]);
+  expect(proposedStart("Cut it first.")).toBeUndefined();
 });

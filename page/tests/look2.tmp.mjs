@@ -1,0 +1,11 @@
+import { start } from "./look.tmp.mjs";
+const { browser, page } = await start();
+await page.getByRole("button", {name: /posts/i}).first().click();
+await page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+await page.getByRole("tab", {name: "Graft"}).click();
+await page.getByRole("button", {name: "Add bracket"}).click();
+await page.waitForFunction(() => window.meshgraft.editor.graft.loops.value.size === 2, undefined, {timeout: 30000});
+await page.waitForTimeout(3000);
+await page.screenshot({path: "/tmp/gp5.png"});
+console.log(await page.evaluate(() => JSON.stringify([...window.meshgraft.editor.graft.loops.value].map(([m, l]) => [m, l.length]))));
+await browser.close();
