@@ -112,7 +112,7 @@ Document Workspace::checked(Document document) const {
 }
 
 void Workspace::show(Document next, const Context& context) {
-  if (auto outcome = graft_view_.take_outcome()) objects_.learn(document_, std::move(outcome));
+  learn_graft();
   Stage stage = objects_.before(next, context);
   LiveView::Plan plan = view_.plan(next, stage.model);
   try {
@@ -138,6 +138,11 @@ void Workspace::show_parts(const Stage& next) {
     if (!is_known(part)) outbox_.send(mesh_frame(*part, "part"));
 }
 
+// What the document's graft came to is not to be run again.
+void Workspace::learn_graft() {
+  if (auto outcome = graft_view_.take_outcome()) objects_.learn(document_, std::move(outcome));
+}
+
 void Workspace::show_graft(const Document& document, const Stage& stage, bool dragged) {
   const MergeStep* merge = merge_in_work(document.edit);
   if (merge == nullptr) {
@@ -151,18 +156,29 @@ void Workspace::show_graft(const Document& document, const Stage& stage, bool dr
 }
 
 std::int64_t Workspace::drag_graft(const Json& changed, const Context& context) {
-  Document asked = checked(make_document(changed, document_.edit.base_folder));
+  const Document asked = make_document(changed, document_.edit.base_folder);
+  for (const fs::path& file : referenced_files(asked.edit))
+    folders_.inside(file);  // its inputs were read before
+  learn_graft();
   const bool dragged = asked.text != document_.text;
   show_graft(asked, objects_.before(asked, context), dragged);
   return graft_number_;
 }
 
-std::optional<Eigen::Affine3d> Workspace::drop_stand_of_last() const {
-  const EditFile& edit = last_graft_.document.edit;
-  const MergeStep* merge = merge_in_work(edit);
+std::optional<Eigen::Affine3d> Workspace::drop_stand_of_last() {
+  const auto& [document, target, source, dragged] = last_graft_;
+  const MergeStep* merge = merge_in_work(document.edit);
   if (merge == nullptr || !merge->at) return std::nullopt;
-  return drop_stand(edit, *merge, fmt::format("{}: steps[{}]", edit.place, edit.steps.size() - 1),
-                    last_graft_.target->scene(), last_graft_.source->scene());
+  Json step = document.json["steps"].back();
+  for (const char* field : {"vertex", "point", "spin_deg"}) step["at"].erase(field);
+  for (const char* field : {"size", "normal_angle_deg", "settings", "shape"}) step.erase(field);
+  const Json key = {target->id, source->id, step, selections_used(document.json, step)};
+  if (!drop_stand_ || drop_stand_key_ != key) {
+    const std::string place = fmt::format("{}: steps[{}]", document.edit.place, document.edit.steps.size() - 1);
+    drop_stand_.emplace(document.edit, *merge, place, target->scene(), source->scene());
+    drop_stand_key_ = key;
+  }
+  return drop_stand_->map(*merge);
 }
 
 const std::shared_ptr<const Object>& Workspace::object(const std::string& name) const {

@@ -71,7 +71,7 @@ class Workspace {
   /// The number of what shows the graft that was asked for last, and where a part stands that is dropped, if it
   /// is. Throws Error(input) for a place that is none.
   std::int64_t graft_number() const { return graft_number_; }
-  std::optional<Eigen::Affine3d> drop_stand_of_last() const;
+  std::optional<Eigen::Affine3d> drop_stand_of_last();
 
   /// What a page needs to know of it (the event `state`).
   Json summary() const;
@@ -80,6 +80,7 @@ class Workspace {
   Document checked(Document document) const;
   void show_parts(const Stage& next);
   void show_graft(const Document& document, const Stage& stage, bool dragged);
+  void learn_graft();
   void carry_selection();
   void show(Document next, const Context& context);
   template <class Step>
@@ -94,6 +95,8 @@ class Workspace {
   GraftView graft_view_;
   std::int64_t graft_number_ = 0;
   GraftJob last_graft_;
+  std::optional<DropStand> drop_stand_;
+  Json drop_stand_key_;
   Document document_;
   History history_;
   std::string saved_;                 ///< the document's bytes as they were saved last
