@@ -51,4 +51,4 @@ listenForKeys(
 editor.start();
 
 // For the tests, which look at what the page holds.
-Object.assign(window, { meshgraft: { editor, viewport } });
+Object.assign(window, { meshgraft: { editor, graftView, viewport } });

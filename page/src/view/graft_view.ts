@@ -51,6 +51,12 @@ export class GraftView {
     return stand === undefined ? out : out.applyMatrix4(stand);
   }
 
+  /** The middle of a mesh's box, where it is shown. */
+  middleOf(mesh: number): Vector3 {
+    const middle = this.viewport.surfaceOf(mesh)?.sphere().center ?? new Vector3();
+    return middle.applyMatrix4(this.standOf(mesh));
+  }
+
   /** How a mesh's own coordinates are mapped to where it is shown. */
   standOf(mesh: number): Matrix4 {
     return this.viewport.parts.get(mesh)?.stand ?? new Matrix4();
