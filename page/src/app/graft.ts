@@ -114,13 +114,14 @@ export class Graft {
   readonly source = computed(() => this.named(this.step.value?.source));
   readonly target = computed(() => this.named(this.step.value?.target));
   /** Pairs that are given, or the one that is meant where each has one loop. */
-  readonly pairs = computed((): readonly Pair[] => {
-    const step = this.step.value;
+  readonly pairs = computed(() => this.pairsOf(this.step.value));
+  readonly keptPairs = computed(() => this.pairsOf(this.kept.value));
+  private pairsOf(step: GraftStep | undefined): readonly Pair[] {
     if (step === undefined || step.at !== undefined) return [];
     if (step.pairs.length > 0) return step.pairs;
     const single = this.source.value?.loops === 1 && this.target.value?.loops === 1;
     return single ? [{ sourceLoop: 0, targetLoop: 0, matches: [] }] : [];
-  });
+  }
 
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
   private readonly asked = new Set<number>(); // meshes whose loops were asked for
@@ -305,8 +306,8 @@ export class Graft {
     return source === undefined || target === undefined ? undefined : { source, target };
   }
   /** Where a pair starts: as given, or as it was found last. */
-  startOf(index: number): Meeting | undefined {
-    const pair = this.pairs.value[index];
+  startOf(index: number, pairs = this.pairs.value): Meeting | undefined {
+    const pair = pairs[index];
     return pair && (meetingOf(pair.start) ?? this.found.get(this.keyOf(pair)) ?? meetingOf(this.report.value?.pairs?.[index]?.start));
   }
   /** What a twist counts from: the start that was found; the given one where none was. */
@@ -317,10 +318,10 @@ export class Graft {
     return kept;
   }
   /** By how much a pair is turned against what was found, in degrees along the loop. */
-  twistOf(index: number): number {
-    const pair = this.pairs.value[index];
+  twistOf(index: number, pairs = this.pairs.value): number {
+    const pair = pairs[index];
     const curves = pair && this.curvesOf(pair);
-    const start = this.startOf(index);
+    const start = this.startOf(index, pairs);
     const base = pair && this.untwisted(pair);
     if (curves === undefined || start === undefined || base === undefined) return 0;
     return twistDeg(curves.source, curves.target, base, start);

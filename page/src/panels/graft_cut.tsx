@@ -28,14 +28,23 @@ export function CutPanel({ page }: { page: Page }) {
               if (value === "plane") page.graft.layPlane(graft.model.value?.mesh ?? -1, 2);
             }}
           />
-          {chosen === "plane" && <PlaneFields page={page} />}
-          {chosen === "stroke" && <CurveFields page={page} />}
           {chosen === "none" && graft.lastCut.value !== null && graft.lastCut.value.keep !== "both" && (
             <Button label="Keep the other side instead" icon="reset" onClick={() => void graft.cutOtherwise()} />
           )}
         </>
       )}
     </Section>
+  );
+}
+
+/** The cut that is being laid, above all else. */
+export function CutInWork({ page }: { page: Page }) {
+  const tool = page.editor.graft.tool.value;
+  if (tool !== "plane" && tool !== "stroke") return null;
+  return (
+    <div class="cut-in-work" role="region" aria-label="Cut in work">
+      {tool === "plane" ? <PlaneFields page={page} /> : <CurveFields page={page} />}
+    </div>
   );
 }
 

@@ -4,7 +4,7 @@ import type { GraftFields, GraftStep, Vector3Tuple } from "../app/graft_step";
 import { withoutDot, withoutPair } from "../app/graft_step";
 import type { Page } from "../app/page";
 import { PartLibrary } from "./graft_library";
-import { CutPanel } from "./graft_cut";
+import { CutInWork, CutPanel } from "./graft_cut";
 import { PartsPanel } from "./graft_parts";
 import { GraftReportView } from "./graft_report";
 import { Button, IconButton } from "./ui/button";
@@ -17,11 +17,11 @@ export function GraftPanels({ page }: { page: Page }) {
   return (
     <>
       {inWork && <GraftPanel page={page} />}
-      {!inWork && <PartLibrary page={page} />}
+      {!inWork && <CutInWork page={page} />}
       {!inWork && <Pairing page={page} />}
       <PartsPanel page={page} />
+      <PartLibrary page={page} />
       <CutPanel page={page} />
-      {inWork && <PartLibrary page={page} />}
     </>
   );
 }
@@ -30,7 +30,7 @@ export function GraftPanels({ page }: { page: Page }) {
 function Pairing({ page }: { page: Page }) {
   const { graft } = page.editor;
   const waiting = graft.parts.value.filter((part) => graft.isShown(part));
-  if (waiting.length === 0) return null;
+  if (waiting.length === 0 || graft.tool.value !== "loops") return null;
   const loops = graft.model.value?.loops ?? 0;
   const open = waiting.filter((part) => part.loops > 0);
   const words =
@@ -128,8 +128,10 @@ function confidenceWords(confidence: number | undefined): string {
   return `automatic, confidence ${Math.round(100 * confidence)} %: ${words}`;
 }
 
-function Sliders({ page, step }: { page: Page; step: GraftStep }) {
+// Sliders take their values from the document; while one is dragged it keeps its own.
+function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
   const { graft } = page.editor;
+  const step = graft.kept.value ?? shown;
   const drag = (fields: GraftFields) => graft.drag(fields);
   const keep = (fields: GraftFields) => void graft.set(fields);
   const used = graft.report.value?.size ?? 1;
@@ -174,7 +176,7 @@ function Twist({ page }: { page: Page }) {
   return (
     <Slider
       label="Twist" min={-180} max={180} suffix="°" step={5} digits={3}
-      value={held ? 0 : Math.round(10 * graft.twistOf(index)) / 10}
+      value={held ? 0 : Math.round(10 * graft.twistOf(index, graft.keptPairs.value)) / 10}
       disabled={held}
       help={(pair?.matches.length ?? 0) > 0 ? "The matches say how it is turned." : `Turns the part${graft.pairs.value.length > 1 ? ` at pair ${index + 1}` : ""} against how it was found.`}
       onInput={(value) => twist(value, "drag")}

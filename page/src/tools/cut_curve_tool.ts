@@ -36,8 +36,9 @@ export class CutCurveTool implements Tool {
     const { value: curve } = this.graft.cutCurve;
     if (this.isAtFirst(pointer.spot)) this.bench.status.say("Close the curve here", pointer.spot);
     else if (hit === undefined) this.bench.status.clear();
+    else if (curve?.closed === true) this.bench.status.say("Enter keeps what is inside", pointer.spot);
     else if (curve === null) this.bench.status.say("Draw a closed curve on the surface", pointer.spot);
-    else if (!curve.closed) this.bench.status.say("Go on drawing; Enter closes the curve", pointer.spot);
+    else this.bench.status.say("Go on drawing; Enter closes the curve", pointer.spot);
   }
   leave(): void {
     this.bench.status.clear();

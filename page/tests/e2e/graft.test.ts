@@ -32,9 +32,10 @@ async function beside(model: string, part: string, resolution: number, starts = 
 async function grafted(person: Person) {
   await person.page.waitForFunction(
     () => {
-      const { graft, state } = window.meshgraft.editor;
+      const { editor } = window.meshgraft;
+      const { graft, state } = editor;
       const report = graft.report.value;
-      return state.value?.graft != null && report !== null && report.graft === state.value.graft.graft && !report.dragged;
+      return editor.isIdle() && graft.dragged.value === null && state.value?.graft != null && report !== null && report.graft === state.value.graft.graft && !report.dragged;
     },
     undefined,
     { timeout: 90_000 },
@@ -288,7 +289,8 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.cutPlane.value !== null);
   await person.screenshot("cut-plane");
   const faces = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.faces ?? 0);
-  await person.page.evaluate(() => window.meshgraft.editor.graft.cut("above"));
+  await person.click("Keep blue side");
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.lastCut.value !== null);
   await person.settle();
   const cut = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model);
   expect(cut?.faces).toBeLessThan(faces);
