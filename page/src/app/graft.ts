@@ -78,7 +78,7 @@ export class Graft {
   /** What was cut last, while nothing came after. */
   readonly lastCut = signal<CutRequest | null>(null);
   /** The part that a click or a drag drops on the surface. */
-  readonly dropped = signal<string | null>(null);
+  readonly dropped = signal<{ name: string; isNew: boolean } | null>(null);
   /** Clicked first, to be paired with the next. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
@@ -224,6 +224,14 @@ export class Graft {
     this.dragged.value = null;
     await this.host.request({ do: "graft-drag" }).catch(() => undefined);
     this.transform.value = this.report.value?.transform ?? null;
+  }
+
+  /** Nothing is dropped: a part that was opened for it goes again. */
+  async leaveDropped(): Promise<void> {
+    const { value: dropped } = this.dropped;
+    this.dropped.value = null;
+    await this.forgetDragged();
+    if (dropped?.isNew === true && this.host.state.value?.undo === "add part") await this.host.ask({ do: "undo" });
   }
 
   private async sendDrag(fields: GraftFields): Promise<void> {

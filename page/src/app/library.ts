@@ -27,7 +27,8 @@ export class Library {
     if (known !== undefined) return known;
     const made = signal<Picture>(null);
     this.pictures.set(key, made);
-    this.wanted.push({ key, of });
+    if ("mesh" in of) this.wanted.unshift({ key, of }); // what is open comes first
+    else this.wanted.push({ key, of });
     if (!this.busy) void this.work();
     return made;
   }

@@ -10,6 +10,7 @@ import { GraftReportView } from "./graft_report";
 import { Button, IconButton } from "./ui/button";
 import { Segments, Select, Slider, Toggle } from "./ui/fields";
 import { More, Section } from "./ui/section";
+import "./graft.css";
 
 /** All of the mode Graft. */
 export function GraftPanels({ page }: { page: Page }) {

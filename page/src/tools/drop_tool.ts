@@ -94,8 +94,8 @@ export class DropTool implements Tool {
 
   private fields(): GraftFields | undefined {
     const { drop } = this;
-    const source = this.graft.dropped.value;
-    if (drop === undefined || source === null) return undefined;
+    const source = this.graft.dropped.value?.name;
+    if (drop === undefined || source === undefined) return undefined;
     const at = { point: drop.point, ...(drop.spinDeg === 0 ? {} : { spin_deg: drop.spinDeg }) };
     return { source, at, size: drop.size ?? null };
   }
@@ -111,13 +111,14 @@ export class DropTool implements Tool {
   /** Grafts it where it is. */
   async finish(): Promise<void> {
     const fields = this.fields();
+    if (fields === undefined) return this.giveUp();
+    this.graft.dropped.value = null;
     this.end();
-    if (fields !== undefined) await this.graft.set(fields);
-    else this.giveUp();
+    await this.graft.set(fields);
   }
   giveUp(): void {
+    if (this.graft.dropped.value !== null) void this.graft.leaveDropped();
     this.end();
-    void this.graft.forgetDragged();
   }
   get hasPlace(): boolean {
     return this.drop !== undefined;
@@ -125,7 +126,6 @@ export class DropTool implements Tool {
   private end(): void {
     this.drop = undefined;
     this.bench.status.clear();
-    this.graft.dropped.value = null;
     if (this.graft.tool.value === "drop") this.graft.tool.value = "loops";
   }
 

@@ -50,10 +50,11 @@ export class GraftPanelActions implements GraftActions {
 
   private async begin(add: () => Promise<string | undefined>, then = () => {}): Promise<boolean> {
     const { graft } = this.editor;
+    const before = new Set(graft.parts.value.map((part) => part.name));
     const name = await add();
     if (name === undefined) return false;
     graft.tool.value = "drop";
-    graft.dropped.value = name;
+    graft.dropped.value = { name, isNew: !before.has(name) };
     then();
     return true;
   }

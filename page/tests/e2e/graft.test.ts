@@ -326,6 +326,15 @@ test("drops a part from the library onto the surface", async () => {
   const { stage, person } = await open();
   await stage.openSample("torus", 40);
   await person.page.getByRole("tab", { name: "Graft" }).click();
+  const card = await person.page.getByRole("button", { name: "Add cylinder" }).boundingBox();
+  if (card === null) throw new Error("the library is not shown");
+  await person.page.mouse.move(card.x + 30, card.y + 30);
+  await person.page.mouse.down();
+  await person.page.mouse.move(500, 420, { steps: 5 });
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
+  await person.page.keyboard.press("Escape");
+  await person.page.mouse.up();
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
   await person.page.evaluate(async () => {
     await window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false);
   });
