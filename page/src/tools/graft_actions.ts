@@ -88,7 +88,7 @@ export class GraftPanelActions implements GraftActions {
     const size = surface.box.max.clone().sub(surface.box.min);
     const reach = 0.5 * (Math.abs(normal.x) * size.x + Math.abs(normal.y) * size.y + Math.abs(normal.z) * size.z);
     const offset = new Vector3(...cut.plane.point).sub(new Vector3(...this.middleOf(cut.mesh))).dot(normal);
-    return { offset, reach };
+    return { offset: Math.abs(offset) < 1e-6 * reach ? 0 : offset, reach };
   }
   movePlane(offset: number): void {
     const { cutPlane } = this.editor.graft;
