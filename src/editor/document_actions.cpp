@@ -168,6 +168,13 @@ void set_pose(Json& document, const std::string& name, const Json& pose) {
   handle_of(document, name)["pose"] = pose;
 }
 
+void set_symmetry(Json& document, const Json& symmetry) {
+  if (symmetry.is_null())
+    step_of(document).erase("symmetry");
+  else
+    step_of(document)["symmetry"] = symmetry;
+}
+
 std::optional<double> reach_of(const Json& step, const Json& handle) {
   for (const Json& part : parts_of(step.value("region", Json("all"))))
     if (is_reach_of(part, handle["select"])) return part["grow_length"]["length"].get<double>();
@@ -186,6 +193,7 @@ void accept_step(Json& document, const EditFile& edit) {
   const Json& last = document["steps"].back();
   Json next = empty_step(outcome_of(last));
   if (step != nullptr) next["settings"] = last["settings"];
+  if (last.contains("symmetry")) next["symmetry"] = last["symmetry"];
   document["steps"].push_back(std::move(next));
 }
 
