@@ -1,57 +1,51 @@
 import { Matrix4, Vector3, type IUniform, type Texture } from "three";
 
 /**
- * Where a vertex is shown: as its attributes say, or, with LINEAR, where the handles' maps take it, by the formulas of
+ * Where a vertex is shown: as its attributes say, or, while `linear`, where the handles' maps take it, by the formulas of
  * `HandleBuffers` (include/meshgraft/deform/handle_basis.h). Shared by all that draws a surface.
  */
 export const deformShader = /* glsl */ `
-#ifdef LINEAR
-  in int mover;  // 1 + its row in the weights; 0: it stays
-  uniform highp sampler2D weights, basePositions, baseNormals, baseMaps, frames;
-  uniform bool linear, hasMaps;
-  uniform int handleCount;
-  uniform vec3 weightsCentre;  // less the surface's offset
-  uniform float weightsScale;
+in int mover;  // 1 + its row in the weights; 0: it stays
+uniform highp sampler2D weights, basePositions, baseNormals, baseMaps, frames;
+uniform bool linear, hasMaps, hasTurns;
+uniform int handleCount;
+uniform vec3 weightsCentre;  // less the surface's offset
+uniform float weightsScale;
 
-  vec4 texelAt(highp sampler2D source, int i) {
-    int width = textureSize(source, 0).x;
-    return texelFetch(source, ivec2(i % width, i / width), 0);
-  }
+vec4 texelAt(highp sampler2D source, int i) {
+  int width = textureSize(source, 0).x;
+  return texelFetch(source, ivec2(i % width, i / width), 0);
+}
 
-  void moveByHandles(inout vec3 place, inout vec3 direction) {
-    int row = mover - 1;
-    vec3 moved = vec3(0.0), m0 = vec3(1, 0, 0), m1 = vec3(0, 1, 0), m2 = vec3(0, 0, 1);
-    for (int h = 0; h < handleCount; ++h) {
-      mat3x4 f = mat3x4(texelAt(frames, 3 * h), texelAt(frames, 3 * h + 1), texelAt(frames, 3 * h + 2));
-      int k = ROWS_OF_BLOCK * (row * handleCount + h);
-      moved += texelAt(weights, k) * f;
-      #if ROWS_OF_BLOCK == 4
-        m0 += texelAt(weights, k + 1) * f;
-        m1 += texelAt(weights, k + 2) * f;
-        m2 += texelAt(weights, k + 3) * f;
-      #endif
-    }
-    place = weightsCentre + weightsScale * (texelAt(basePositions, row).xyz + moved);
-    #if ROWS_OF_BLOCK == 4
-      if (hasMaps) {
-        m0 += texelAt(baseMaps, 3 * row).xyz;
-        m1 += texelAt(baseMaps, 3 * row + 1).xyz;
-        m2 += texelAt(baseMaps, 3 * row + 2).xyz;
-      }
-      vec3 n = texelAt(baseNormals, row).xyz;
-      vec3 turned = n.x * cross(m1, m2) + n.y * cross(m2, m0) + n.z * cross(m0, m1);
-      float size = length(turned);
-      if (size > 0.0) direction = turned / size;
-    #endif
+void moveByHandles(inout vec3 place, inout vec3 direction) {
+  int row = mover - 1;
+  vec3 moved = vec3(0.0), m0 = vec3(1, 0, 0), m1 = vec3(0, 1, 0), m2 = vec3(0, 0, 1);
+  for (int h = 0; h < handleCount; ++h) {
+    mat3x4 f = mat3x4(texelAt(frames, 3 * h), texelAt(frames, 3 * h + 1), texelAt(frames, 3 * h + 2));
+    int k = (hasTurns ? 4 : 1) * (row * handleCount + h);
+    moved += texelAt(weights, k) * f;
+    if (!hasTurns) continue;
+    m0 += texelAt(weights, k + 1) * f;
+    m1 += texelAt(weights, k + 2) * f;
+    m2 += texelAt(weights, k + 3) * f;
   }
-#endif
+  place = weightsCentre + weightsScale * (texelAt(basePositions, row).xyz + moved);
+  if (!hasTurns) return;
+  if (hasMaps) {
+    m0 += texelAt(baseMaps, 3 * row).xyz;
+    m1 += texelAt(baseMaps, 3 * row + 1).xyz;
+    m2 += texelAt(baseMaps, 3 * row + 2).xyz;
+  }
+  vec3 n = texelAt(baseNormals, row).xyz;
+  vec3 turned = n.x * cross(m1, m2) + n.y * cross(m2, m0) + n.z * cross(m0, m1);
+  float size = length(turned);
+  if (size > 0.0) direction = turned / size;
+}
 
 void shownAt(out vec3 place, out vec3 direction) {
   place = position;
   direction = normal;
-  #ifdef LINEAR
-    if (linear && mover > 0) moveByHandles(place, direction);
-  #endif
+  if (linear && mover > 0) moveByHandles(place, direction);
 }
 `;
 
@@ -65,6 +59,7 @@ export interface DeformUniforms {
   frames: IUniform<Texture | null>;
   linear: IUniform<boolean>;
   hasMaps: IUniform<boolean>;
+  hasTurns: IUniform<boolean>;
   handleCount: IUniform<number>;
   weightsCentre: IUniform<Vector3>;
   weightsScale: IUniform<number>;
@@ -79,6 +74,7 @@ export function deformUniforms(): DeformUniforms {
     frames: { value: null },
     linear: { value: false },
     hasMaps: { value: false },
+    hasTurns: { value: false },
     handleCount: { value: 0 },
     weightsCentre: { value: new Vector3() },
     weightsScale: { value: 1 },

@@ -1,5 +1,5 @@
 import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, Vector3, type IUniform, type Matrix4 } from "three";
-import type { ShaderMaterial } from "three";
+import type { ShaderMaterial, WebGLRenderer } from "three";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
 import { LinearFrames } from "./linear_frames";
@@ -67,7 +67,10 @@ export class Surface {
       heatColours: { value: null },
       heatRange: { value: [0, 1] },
     };
-    this.linear = new LinearFrames(this.deform, this.offset);
+    this.linear = new LinearFrames(this.deform, this.geometry, this.vertexCount, this.offset, () => {
+      this.deform.linear.value = false;
+      this.onChange();
+    });
     this.makeGeometry();
     this.mesh = new Mesh(this.geometry, surfaceMaterial(look, this.deform, this.own));
     this.mesh.frustumCulled = false;
@@ -118,9 +121,14 @@ export class Surface {
     else this.scatter(sent, vertices);
     ++this.version;
     if (vertices === undefined || vertices.length > 0) this.upload("position", vertices);
-    if (this.linear.giveWayTo(frame.header.pose ?? 0, frame.header.quality)) this.deform.linear.value = false;
+    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
     this.renewNormals(vertices);
     this.onChange();
+  }
+
+  /** Kind `weights`: once they are on the graphics card, `showPoses` moves the surface in the vertex shader. */
+  setWeights(frame: BinaryFrame, renderer: WebGLRenderer): void {
+    this.slices.start("weights", this.linear.setWeights(frame, this.handles.keys(), renderer));
   }
 
   /** Handles' maps by name, shown at once where there are weights. Returns whether there are. */
@@ -169,7 +177,7 @@ export class Surface {
 
   dispose(): void {
     this.slices.stopAll();
-    this.linear.dispose();
+    this.linear.forget();
     this.geometry.dispose();
     this.mesh.material.dispose();
   }

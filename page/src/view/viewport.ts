@@ -9,6 +9,7 @@ import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./pickin
 import { PickTree } from "./pick_tree";
 import type { Polygon } from "./polygon";
 import { matrixOfPose } from "./pose_matrix";
+import { readPositions } from "./read_back";
 import { Surface } from "./surface";
 import { lookUniforms, shadings } from "./surface_material";
 
@@ -83,7 +84,7 @@ export class Viewport {
     if (frame.kind === FrameKind.mesh) this.setMesh(new Surface(frame, this.look));
     const surface = this.surfaces.get(frame.header.mesh);
     if (frame.kind === FrameKind.frame) surface?.showFrame(frame);
-    if (frame.kind === FrameKind.weights) surface?.linear.setWeights(frame, surface.handles.keys());
+    if (frame.kind === FrameKind.weights && this.renderer !== undefined) surface?.setWeights(frame, this.renderer);
     if (frame.kind === FrameKind.selection) surface?.setSelection(frame.indices("vertices") ?? new Uint32Array());
     if (frame.kind === FrameKind.roles) surface?.setRoles(frame);
     this.requestRender();
@@ -109,6 +110,12 @@ export class Viewport {
   /** Handles' maps for now (world, 4x4), by the vertex shader. Returns whether there are weights for that. */
   showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
     return this.main?.showPoses(poses) ?? false;
+  }
+
+  /** Where the vertex shader puts the model's vertices (3 numbers each, relative to its offset). */
+  readPositions(): Promise<Float32Array> {
+    if (this.renderer === undefined || this.main === undefined) return Promise.reject(new Error("nothing is shown"));
+    return readPositions(this.renderer, this.main);
   }
 
   /** What is shown under a place of the page. */
