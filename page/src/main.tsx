@@ -1,12 +1,12 @@
 import { render } from "preact";
 import { makeCommands, type PageActions } from "./app/commands";
 import { Editor } from "./app/editor";
-import { engineTools } from "./app/engine_tools";
 import { listenForKeys } from "./app/keys";
 import { rememberSettings } from "./app/remembered";
 import { ViewSettings } from "./app/view_settings";
 import { viewActions } from "./app/view_actions";
 import { App } from "./panels/app";
+import { ToolBox } from "./tools/toolbox";
 import { Viewport } from "./view/viewport";
 import "./style.css";
 
@@ -14,6 +14,8 @@ const view = new ViewSettings();
 rememberSettings({ theme: view.theme, unit: view.unit, grid: view.grid });
 const viewport = new Viewport(view);
 const editor = new Editor(new URLSearchParams(location.search).get("token") ?? "", viewport, view);
+
+const tools = new ToolBox(editor, viewport);
 
 const dialogs: PageActions = {
   open: () => (editor.dialog.value = "open"),
@@ -26,14 +28,23 @@ const commands = makeCommands({
   editor,
   settings: editor.tools,
   view,
-  tools: { ...engineTools(editor), confirm: () => undefined, canConfirm: () => false, beginGesture: () => undefined },
+  tools,
   viewport: viewActions(editor, viewport),
   page: dialogs,
 });
 
+function attach(host: HTMLElement): void {
+  viewport.attach(host);
+  tools.attach();
+}
+
 const root = document.getElementById("app");
-if (root !== null) render(<App page={{ editor, viewport, commands }} />, root);
-listenForKeys(() => (document.querySelector("dialog[open]") === null ? commands : []));
+if (root !== null) render(<App page={{ editor, viewport, commands, attach }} />, root);
+const isInDialog = () => document.querySelector("dialog[open]") !== null;
+listenForKeys(
+  () => (isInDialog() ? [] : commands),
+  (event) => !isInDialog() && tools.takeKey(event),
+);
 editor.start();
 
 // For the tests, which look at what the page holds.

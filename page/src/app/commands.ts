@@ -216,6 +216,7 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
 function handleCommands({ editor, settings, tools }: CommandContext): Command[] {
   const active = () =>
     editor.state.value?.handles.some((handle) => handle.name === settings.activeHandle.value) === true;
+  const isSymmetric = () => (editor.state.value?.symmetry ?? null) !== null;
   const several = () => (editor.state.value?.handles.length ?? 0) > 0;
   const gesture = (kind: "move" | "turn" | "scale", label: string, key: string): Command => ({
     id: kind, group: "handle", label, keys: [key],
@@ -252,6 +253,12 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
       id: "reset-pose", group: "handle", label: "Put handle back", keys: ["alt+G"],
       help: "The handle goes back to where the step found it.",
       run: () => tools.resetPose(), enabled: active,
+    },
+    {
+      id: "symmetry", group: "handle", label: "Symmetry", keys: ["Y"],
+      help: "What is done on one side of a plane is done on the other, too.",
+      run: () => void editor.ask({ do: "symmetry", ...(isSymmetric() ? { plane: null } : {}) }),
+      enabled: () => editor.isOpen.value, active: isSymmetric,
     },
     {
       id: "remove-handle", group: "handle", label: "Remove handle", keys: ["Delete", "Backspace"],

@@ -7,6 +7,8 @@ export interface Page {
   readonly editor: Editor;
   readonly viewport: Viewport;
   readonly commands: readonly Command[];
+  /** Puts the view, and the tools on it, into an element. */
+  attach(host: HTMLElement): void;
 }
 
 /** The command of this name. Throws where the table has none. */

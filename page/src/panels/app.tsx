@@ -15,11 +15,11 @@ import { Tooltips } from "./ui/tooltip";
 
 /** The whole page: the view, and the panels around it. */
 export function App({ page }: { page: Page }) {
-  const { editor, viewport } = page;
+  const { editor } = page;
   const host = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    if (host.current !== null) viewport.attach(host.current);
-  }, [viewport]);
+    if (host.current !== null) page.attach(host.current);
+  }, [page]);
   const isOpen = editor.isOpen.value;
   return (
     <div class={isOpen ? "app" : "app empty-app"}>

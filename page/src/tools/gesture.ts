@@ -49,6 +49,10 @@ export class Gesture {
     this.first = this.last = spot;
   }
 
+  get pointer(): Spot {
+    return this.last;
+  }
+
   get doing(): Grip {
     return this.grip;
   }
@@ -101,6 +105,15 @@ export class Gesture {
   /** In the world: what a turn goes about. */
   turnAxis(): Vector3 {
     return this.grip.axis === "free" ? this.eye.towards(this.centre).negate() : this.axisOf(this.grip.axis);
+  }
+
+  /** From the centre to where the pointer began, of length 1, in the plane of the turn. */
+  startDirection(): Vector3 {
+    const axis = this.turnAxis();
+    const isEdgeOn = Math.abs(axis.dot(this.eye.towards(this.centre))) < edgeOn;
+    const from = isEdgeOn ? this.eye.towards(this.centre).negate() : this.placeIn(axis, this.first).sub(this.centre);
+    from.addScaledVector(axis, -from.dot(axis));
+    return from.lengthSq() < 1e-20 ? from.set(1, 0, 0).cross(axis).normalize() : from.normalize();
   }
 
   private axisOf(axis: Axis | "free"): Vector3 {
