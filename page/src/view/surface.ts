@@ -1,7 +1,8 @@
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, Vector3, type IUniform, type Matrix4 } from "three";
+import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, Vector3, type IUniform, type LineSegments, type Matrix4 } from "three";
 import type { ShaderMaterial, WebGLRenderer } from "three";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
+import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
 import { NormalsOfPart } from "./normals";
 import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
@@ -35,6 +36,12 @@ export class Surface {
   readonly slices = new Slices();
   readonly uv: Float32Array | undefined;
   readonly colours: Float32Array | undefined;
+  private readonly fine: BufferAttribute;
+  private coarse: BufferAttribute | undefined;
+  private edges: Uint32Array | undefined;
+  private wire: LineSegments | undefined;
+  private boundary: LineSegments | undefined;
+  private wantsWire = false;
   /** Called when something was changed that a picture shows. */
   onChange: () => void = () => undefined;
 
@@ -48,7 +55,10 @@ export class Surface {
   private normalsVersion = 0;
   private isBefore = false;
 
-  constructor(frame: BinaryFrame, look: LookUniforms) {
+  constructor(
+    frame: BinaryFrame,
+    private readonly look: LookUniforms,
+  ) {
     this.id = frame.header.mesh;
     this.rest = frame.floats("positions") ?? new Float32Array();
     this.shown = this.rest; // one array until something moves
@@ -71,6 +81,7 @@ export class Surface {
       this.deform.linear.value = false;
       this.onChange();
     });
+    this.fine = new BufferAttribute(this.triangles, 1);
     this.makeGeometry();
     this.mesh = new Mesh(this.geometry, surfaceMaterial(look, this.deform, this.own));
     this.mesh.frustumCulled = false;
@@ -100,6 +111,16 @@ export class Surface {
   /** A vertex's place in the world, as it is shown. */
   place(vertex: number, out = new Vector3()): Vector3 {
     return out.fromArray(this.positions, 3 * vertex).add(this.object.position);
+  }
+
+  /** Places in the world of some thousand vertices, or of these: 3 numbers each. */
+  sample(vertices?: Uint32Array): Float32Array {
+    const count = vertices?.length ?? this.vertexCount;
+    const every = Math.max(1, Math.floor(count / 8000));
+    const places = new Float32Array(3 * Math.ceil(count / every));
+    const place = new Vector3();
+    for (let i = 0; i * every < count; ++i) this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
+    return places;
   }
 
   /** The mesh as the step found it, or as it is. */
@@ -178,8 +199,10 @@ export class Surface {
   dispose(): void {
     this.slices.stopAll();
     this.linear.forget();
-    this.geometry.dispose();
-    this.mesh.material.dispose();
+    for (const drawn of [this.mesh, this.wire, this.boundary]) {
+      drawn?.geometry.dispose();
+      (drawn?.material as ShaderMaterial | undefined)?.dispose();
+    }
   }
 
   private measure(): void {
@@ -207,7 +230,8 @@ export class Surface {
 
   private makeGeometry(): void {
     const { geometry } = this;
-    geometry.setIndex(new BufferAttribute(this.triangles, 1));
+    geometry.setIndex(this.fine);
+    geometry.boundingSphere = this.sphere(); // so that three.js does not look for it
     geometry.setAttribute("tint", new BufferAttribute(this.tint, 4, true));
     geometry.setAttribute("selection", new BufferAttribute(this.selection, 1, true));
     if (this.uv !== undefined) geometry.setAttribute("uv", new BufferAttribute(this.uv, 2));
@@ -222,8 +246,10 @@ export class Surface {
     return known;
   }
   private useAttributes(): void {
-    this.geometry.setAttribute("position", this.attributeOf(this.positions));
-    this.geometry.setAttribute("normal", this.attributeOf(this.normals));
+    for (const geometry of [this.geometry, this.wire?.geometry, this.boundary?.geometry]) {
+      geometry?.setAttribute("position", this.attributeOf(this.positions));
+      geometry?.setAttribute("normal", this.attributeOf(this.normals));
+    }
   }
 
   /** For shading and heat maps that look at the rest shape: `rest` as an attribute. */
@@ -232,6 +258,35 @@ export class Surface {
     this.geometry.setAttribute("rest", this.attributeOf(this.rest));
     this.mesh.material.defines["HAS_REST"] = 1;
     this.mesh.material.needsUpdate = true;
+  }
+
+  /** A coarse version of `triangles`, for while a picture has to be quick. */
+  setCoarse(triangles: Uint32Array): void {
+    this.coarse = new BufferAttribute(triangles, 1);
+  }
+  showCoarse(coarse: boolean): void {
+    this.geometry.setIndex(coarse ? (this.coarse ?? this.fine) : this.fine);
+    if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
+  }
+
+  /** Each edge once, and those of the boundary: two vertices each. */
+  setEdges(edges: Uint32Array, boundary: Uint32Array): void {
+    this.edges = edges;
+    if (boundary.length > 0) {
+      this.boundary = surfaceLines(this.geometry, boundary, this.deform, this.look.boundaryColour, 0.95);
+      this.boundary.renderOrder = 3;
+      this.object.add(this.boundary);
+    }
+    this.showWire(this.wantsWire);
+    this.onChange();
+  }
+  showWire(wire: boolean): void {
+    this.wantsWire = wire;
+    if (wire && this.wire === undefined && this.edges !== undefined) {
+      this.wire = surfaceLines(this.geometry, this.edges, this.deform, this.look.wireColour, 0.32);
+      this.object.add(this.wire);
+    }
+    if (this.wire !== undefined) this.wire.visible = wire;
   }
 
   private ownShown(): void {
@@ -281,8 +336,8 @@ export class Surface {
     const { tint } = this;
     tint.fill(0);
     const depth = this.region.length === 0 ? undefined : yield* depthInRegion(this.rest, this.triangles, this.region);
-    this.region.forEach((v, i) => writeTint(tint, v, regionColour, 0.75 * Math.min(1, 0.12 + 1.3 * (depth?.[i] ?? 1))));
-    for (const v of this.fixed) writeTint(tint, v, fixedColour, 0.35);
+    this.region.forEach((v, i) => writeTint(tint, v, regionColour, 0.75 * Math.min(1, 0.1 + 1.9 * (depth?.[i] ?? 1))));
+    for (const v of this.fixed) writeTint(tint, v, fixedColour, 0.25);
     let order = 0;
     for (const vertices of this.handles.values()) {
       for (const v of vertices) writeTint(tint, v, handleColour(order), 0.85);

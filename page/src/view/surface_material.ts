@@ -12,6 +12,8 @@ export interface LookUniforms {
   hasHeat: IUniform<boolean>;
   cavity: IUniform<number>;
   selectionColour: IUniform<Color>;
+  wireColour: IUniform<Color>;
+  boundaryColour: IUniform<Color>;
 }
 
 export function lookUniforms(): LookUniforms {
@@ -21,6 +23,8 @@ export function lookUniforms(): LookUniforms {
     hasHeat: { value: false },
     cavity: { value: 1 },
     selectionColour: { value: new Color(1.0, 0.5, 0.08) },
+    wireColour: { value: new Color() },
+    boundaryColour: { value: new Color() },
   };
 }
 
@@ -37,7 +41,7 @@ in float selection;
 #ifdef HAS_HEAT
   in float heat;
 #endif
-out vec3 shownNormal, seenFrom;
+centroid out vec3 shownNormal, seenFrom;
 out vec4 shownTint;
 out float shownSelection, shownHeat;
 out vec3 shownColour, shownRest;
@@ -91,7 +95,7 @@ vec3 plainLight(vec3 n) {
 `;
 
 const fragmentShader = /* glsl */ `
-in vec3 shownNormal, seenFrom;
+centroid in vec3 shownNormal, seenFrom;
 in vec4 shownTint;
 in float shownSelection, shownHeat;
 in vec3 shownColour, shownRest;
@@ -107,9 +111,8 @@ ${lightShader}
 
 vec3 surfaceNormal() {
   vec3 flatNormal = normalize(cross(dFdx(seenFrom), dFdy(seenFrom)));
-  if (!gl_FrontFacing) flatNormal = flatNormal;
   vec3 n = shading == 2 || dot(shownNormal, shownNormal) < 1e-12 ? flatNormal : normalize(shownNormal);
-  return n.z < 0.0 && shading == 2 ? -n : (gl_FrontFacing || shading == 2 ? n : -n);
+  return (shading == 2 ? n.z < 0.0 : !gl_FrontFacing) ? -n : n;
 }
 
 // How the surface curves across the pixel: below 0 in grooves, above 0 on ridges.
