@@ -74,7 +74,9 @@ function NewGroup({ page, taken, colours }: { page: Page; taken: readonly string
   const save = async () => {
     const chosen = name.trim() === "" ? suggested : name.trim();
     const done = await editor.ask({ do: "group", name: chosen, colour: groupColour(colours) });
-    if (done !== undefined) setName("");
+    if (done === undefined) return;
+    setName("");
+    if (document.activeElement instanceof HTMLInputElement) document.activeElement.blur(); // keys are commands again
   };
   const replaces = taken.includes(name.trim());
   return (
@@ -92,6 +94,7 @@ function NewGroup({ page, taken, colours }: { page: Page; taken: readonly string
         value={name}
         disabled={selected === 0}
         onInput={(event) => setName(event.currentTarget.value)}
+        onKeyDown={(event) => event.key === "Escape" && event.currentTarget.blur()}
       />
       <Button
         label={replaces ? "Replace" : "Save selection"}
