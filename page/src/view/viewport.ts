@@ -280,7 +280,9 @@ export class Viewport {
       look.shading.value = shadings[settings.shading.value];
       look.showRoles.value = settings.showRoles.value;
       this.navigation.orthographic = settings.orthographic.value;
-      settings.ambientOcclusion.value;
+      // All are read, so that the effect follows them while nothing is shown yet, too.
+      const { before, wireframe, heatMap, stretchOf, ambientOcclusion } = settings;
+      for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
       this.ground.mesh.visible = settings.grid.value;
       for (const surface of this.surfaces.values()) this.applyTo(surface);
       this.requestRender();
