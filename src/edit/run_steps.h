@@ -63,10 +63,15 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 /// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
 StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& place,
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& place, Scene& scene,
+                      const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
                    const Context& context);
+
+/// The farthest that a vertex moved, model units; n×3 both.
+double largest_displacement(const Points& rest, const Points& edited);
 
 /// The edit from there on, as `run_edit`.
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,

@@ -113,18 +113,21 @@ Json Worker::select(const json::Value& message, const Context&) {
 }
 
 Json Worker::group(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "name", "select", "colour", "remove"});
+  const json::Object fields(message, {"id", "do", "name", "select", "colour", "remove", "keep"});
   const std::string name = fields.required("name").name();
-  bool removes = false;
+  bool removes = false, keeps = false;
   std::string colour;
   fields.optional("remove", [&](const json::Value& v) { removes = v.boolean(); });
+  fields.optional("keep", [&](const json::Value& v) { keeps = v.boolean(); });
   fields.optional("colour", [&](const json::Value& v) { colour = v.name(); });
   Json document = open_one().document().json;
   if (removes)
     remove_group(document, name);
+  else if (keeps)
+    set_colour(document, name, colour);
   else
     set_group(document, name, selection_or(fields), colour);
-  return change(removes ? "remove group" : "group", document, context);
+  return change(removes ? "remove group" : keeps ? "colour" : "group", document, context);
 }
 
 Json Worker::paint_handle(const json::Value& message, const Context& context) {

@@ -7,6 +7,7 @@
 
 #include <meshgraft/mesh/normals.h>
 
+#include "edit/symmetry.h"
 #include "mesh_frames.h"
 
 namespace meshgraft::editor {
@@ -87,6 +88,8 @@ void LiveView::show_rest() {
   region_ = {};
   handles_.clear();
   poses_.clear();
+  symmetry_.reset();
+  notes_.clear();
   moving_ = std::make_shared<const std::vector<Index>>();
   outbox_.send(roles_frame(*base_, region_), "roles");
   const auto rest = std::make_shared<const Points>(base_->mesh().positions);
@@ -95,6 +98,8 @@ void LiveView::show_rest() {
 
 void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
   region_ = setup.problem.deform.region;
+  symmetry_ = setup.problem.deform.symmetry;
+  notes_ = setup.problem.deform.notes;
   const IndexLists& rings = base_->selections->rings;
   handles_.clear();
   for (const Handle& handle : region_.handles)
@@ -159,13 +164,34 @@ HandlePose LiveView::pose_of(const PoseSpec& spec, const ShownHandle& shown) con
   return pose;
 }
 
+// Moves a handle's twin along, where it has one.
+void LiveView::mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const {
+  if (!symmetry_) return;
+  const std::size_t first = handles_.size() - symmetry_->twin_of.size();
+  for (std::size_t t = 0; t < symmetry_->twin_of.size(); ++t)
+    if (symmetry_->twin_of[t] == handle)
+      poses[first + t] = twin_pose(spec, poses[handle], handles_[first + t].handle,
+                                   base_->selections->mesh.positions, symmetry_->reflection);
+}
+
 // One from a file is what it was.
 std::vector<HandlePose> LiveView::poses_of(const DeformStep& step) const {
   std::vector<HandlePose> poses = poses_;
-  for (std::size_t h = 0; h < handles_.size(); ++h)
-    if (!std::holds_alternative<PoseSpec::DefFile>(step.handles[h].pose.kind))
-      poses[h] = pose_of(step.handles[h].pose, handles_[h]);
+  for (std::size_t h = 0; h < step.handles.size(); ++h) {
+    if (std::holds_alternative<PoseSpec::DefFile>(step.handles[h].pose.kind)) continue;
+    poses[h] = pose_of(step.handles[h].pose, handles_[h]);
+    mirror_pose(step.handles[h].pose, h, poses);
+  }
   return poses;
+}
+
+std::vector<std::string> LiveView::notes() const {
+  std::vector<std::string> notes = notes_;
+  if (!symmetry_) return notes;
+  const std::vector<std::string> on_poses =
+      pose_notes(*symmetry_, region_.handles, poses_, base_->selections->mesh.positions);
+  notes.insert(notes.end(), on_poses.begin(), on_poses.end());
+  return notes;
 }
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses) {
@@ -178,14 +204,23 @@ std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses) {
   std::vector<HandlePose> dragged = poses_;
   for (const auto& [name, pose] : poses)
     for (std::size_t h = 0; h < handles_.size(); ++h)
-      if (handles_[h].handle.name == name) dragged[h] = pose_of(pose, handles_[h]);
+      if (handles_[h].handle.name == name) {
+        dragged[h] = pose_of(pose, handles_[h]);
+        mirror_pose(pose, h, dragged);
+      }
   drag_to(dragged);
   return last_pose_;
 }
 
 HandleShape LiveView::shape_of(const std::string& handle) const {
-  for (const ShownHandle& shown : handles_)
-    if (shown.handle.name == handle) return shown.handle.shape;
+  const std::size_t twins = symmetry_ ? symmetry_->twin_of.size() : 0;
+  for (std::size_t h = 0; h < handles_.size(); ++h) {
+    if (handles_[h].handle.name != handle) continue;
+    if (h + twins < handles_.size()) return handles_[h].handle.shape;
+    const std::string& leader = handles_[symmetry_->twin_of[h - (handles_.size() - twins)]].handle.name;
+    throw Error(ErrorCode::usage, fmt::format("the handle '{}' follows '{}'", handle, leader), "poses",
+                fmt::format("Drag '{}', or switch the symmetry off.", leader));
+  }
   throw Error(ErrorCode::input, fmt::format("there is no handle named '{}' that can be dragged", handle),
               "poses");
 }

@@ -51,7 +51,11 @@ class LiveView {
 
   const StepBase& base() const { return *base_; }
   std::int64_t last_pose() const { return last_pose_; }
+  /// Those of the step, then their twins behind the mirror of a symmetry.
   const std::vector<ShownHandle>& handles() const { return handles_; }
+  const std::optional<SymmetryFacts>& symmetry() const { return symmetry_; }
+  /// What of the step goes another way than asked, in sentences.
+  std::vector<std::string> notes() const;
   Json counts() const;
 
  private:
@@ -60,6 +64,7 @@ class LiveView {
   void run_exactly(const Document& document, const Context& context);
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
   std::vector<HandlePose> poses_of(const DeformStep& step) const;
+  void mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const;
   void drag_to(const std::vector<HandlePose>& poses);
 
   Outbox outbox_;
@@ -69,7 +74,9 @@ class LiveView {
   Region region_;
   std::shared_ptr<const std::vector<Index>> moving_;
   std::vector<ShownHandle> handles_;
-  std::vector<HandlePose> poses_;  ///< of the document
+  std::optional<SymmetryFacts> symmetry_;
+  std::vector<std::string> notes_;  ///< but those on poses
+  std::vector<HandlePose> poses_;   ///< of the document
   std::optional<LiveStage> told_;
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;

@@ -84,6 +84,8 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"drag", &Worker::drag},
       {"pose", &Worker::pose},
       {"settings", &Worker::settings},
+      {"symmetry", &Worker::symmetry},
+      {"step", &Worker::step},
       {"accept", &Worker::accept},
       {"undo", &Worker::undo},
       {"redo", &Worker::redo},

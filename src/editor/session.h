@@ -71,6 +71,8 @@ class Worker {
   Json drag(const json::Value& message, const Context& context);
   Json pose(const json::Value& message, const Context& context);
   Json settings(const json::Value& message, const Context& context);
+  Json symmetry(const json::Value& message, const Context& context);
+  Json step(const json::Value& message, const Context& context);
   Json accept(const json::Value& message, const Context& context);
   Json undo(const json::Value& message, const Context& context);
   Json redo(const json::Value& message, const Context& context);

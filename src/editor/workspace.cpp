@@ -10,11 +10,52 @@ namespace {
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+// With long lists counted: nobody reads the numbers of a thousand vertices.
+Json without_long_lists(const Json& json) {
+  constexpr std::size_t longest = 16;
+  if (json.is_array() && json.size() > longest) return {{"count", json.size()}};
+  if (!json.is_structured()) return json;
+  Json shortened = json;
+  for (Json& part : shortened) part = without_long_lists(part);
+  return shortened;
+}
+
+// A step without what every line of a list of steps shows; handles stay a list, however many there are.
+Json step_details(const Json& step) {
+  Json details = Json::object();
+  for (const auto& [name, value] : step.items()) {
+    if (name == "kind" || name == "name") continue;
+    details[name] = value;
+    if (name != "handles") details[name] = without_long_lists(value);
+    if (name == "handles")
+      for (Json& handle : details[name]) handle = without_long_lists(handle);
+  }
+  return details;
+}
+
 Json step_summary(const Json& step) {
   Json summary = {{"kind", step["kind"]}};
   if (step.contains("name")) summary["name"] = step["name"];
   summary["handles"] = step.contains("handles") ? step["handles"].size() : 0;
+  summary["fields"] = step_details(step);
   return summary;
+}
+
+// As the request of this name has it, with the handles' twins.
+Json symmetry_summary(const Json& step, const LiveView& view) {
+  if (!step.contains("symmetry")) return nullptr;
+  const Json& symmetry = step["symmetry"];
+  Json twins = Json::array();
+  if (view.symmetry()) {
+    const std::vector<std::size_t>& twin_of = view.symmetry()->twin_of;
+    const std::size_t first = view.handles().size() - twin_of.size();
+    for (std::size_t t = 0; t < twin_of.size(); ++t)
+      twins.push_back(
+          {{"name", view.handles()[first + t].handle.name}, {"of", view.handles()[twin_of[t]].handle.name}});
+  }
+  return {{"plane", {{"point", symmetry["point"]}, {"normal", symmetry["normal"]}}},
+          {"tolerance_rel", symmetry["tolerance_rel"]},
+          {"twins", twins}};
 }
 
 Json handle_summary(const Json& step, const Json& handle, const std::vector<ShownHandle>& shown) {
@@ -134,10 +175,11 @@ void Workspace::mark_saved(const fs::path& edit) {
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array();
   for (const Json& step : document_.json["steps"]) steps.push_back(step_summary(step));
-  Json settings = nullptr;
+  Json settings = nullptr, symmetry = nullptr;
   if (deform_in_work(document_.edit) != nullptr) {
     const Json& step = document_.json["steps"].back();
     settings = step["settings"];
+    symmetry = symmetry_summary(step, view_);
     for (const Json& handle : step.value("handles", Json::array()))
       handles.push_back(handle_summary(step, handle, view_.handles()));
   }
@@ -156,6 +198,8 @@ Json Workspace::summary() const {
           {"groups", groups},
           {"counts", view_.counts()},
           {"settings", settings},
+          {"symmetry", symmetry},
+          {"notes", view_.notes()},
           {"selected", selection.size()},
           {"undo", history_.can_undo() ? Json(history_.label()) : Json()},
           {"redo", history_.can_redo() ? Json(history_.after().label) : Json()},

@@ -71,6 +71,12 @@ TEST(Editor, ShowsWhatTheSavedFileGives) {
     EXPECT_EQ(shown, as_shown(expected.positions, page.offset())) << settings;
     write_mesh(expected, folder / "bar_expected.ply");
     EXPECT_EQ(read_file(folder / "bar_shown.ply"), read_file(folder / "bar_expected.ply")) << settings;
+#ifdef MESHGRAFT_PROGRAM
+    const std::string run = "'" MESHGRAFT_PROGRAM "' run '" + (folder / "bar.json").string() + "' -o '" +
+                            (folder / "bar_run.ply").string() + "' > /dev/null";
+    ASSERT_EQ(std::system(run.c_str()), 0) << settings;
+    EXPECT_EQ(read_file(folder / "bar_run.ply"), read_file(folder / "bar_shown.ply")) << settings;
+#endif
   }
 }
 
@@ -226,6 +232,12 @@ TEST(Editor, SelectsInEveryWay) {
   page.frame(4);
   const auto third = select("set", {{"component", 2}});
   EXPECT_EQ(select("set", "third"), third);
+  select("set", {{"component", 1}});
+  page.ask({{"do", "group"}, {"name", "third"}, {"colour", "#112233"}, {"keep", true}});
+  EXPECT_EQ(page.ask({{"do", "state"}})["groups"][0]["colour"], "#112233");
+  EXPECT_EQ(select("set", "third"), third);
+  EXPECT_EQ(page.refusal({{"do", "group"}, {"name", "fourth"}, {"colour", "#112233"}, {"keep", true}})["code"],
+            "input");
   EXPECT_EQ(page.refusal({{"do", "select"}, {"how", "set"}, {"what", "fourth"}})["code"], "input");
 }
 
@@ -552,9 +564,15 @@ TEST(Editor, SpeaksAsItsSchemaSays) {
   page.ask({{"do", "settings"}, {"settings", {{"method", "ft05"}}}});
   page.frame(3);
   page.ask({{"do", "handle"}, {"what", "rename"}, {"name", "top"}, {"to", "end"}});
+  page.ask({{"do", "symmetry"}});
+  page.ask({{"do", "symmetry"}, {"plane", nullptr}});
+  page.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"fields", {{"about", "bent"}}}});
+  page.ask({{"do", "step"}, {"what", "rename"}, {"index", 0}, {"name", "bend"}});
   page.ask({{"do", "save"}, {"edit", "bar.json"}, {"mesh", "out.obj"}});
   page.ask({{"do", "export"}, {"path", "out.glb"}, {"as", "morph-target"}, {"name", "bent"}});
   page.ask({{"do", "accept"}});
+  page.ask({{"do", "step"}, {"what", "remove"}, {"index", 1}});
+  page.ask({{"do", "undo"}});
   for (const char* what : {"undo", "redo", "reset", "state"}) page.ask({{"do", what}});
   page.ask({{"do", "cancel"}});
   page.refusal({{"do", "restore"}});

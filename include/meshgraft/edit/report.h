@@ -8,6 +8,7 @@
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/edit/edit_file.h>
 #include <meshgraft/edit/method.h>
+#include <meshgraft/edit/resolve_deform.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/cut.h>
@@ -82,7 +83,9 @@ struct StepReport {
   std::optional<double> condition_estimate;    ///< of AᵀA; absent if it was not asked for
   /// Absent where the region itself was solved; else what tells of the solver and the solve is the proxy's.
   std::optional<ProxyFacts> proxy;
-  double max_displacement = 0;  ///< model units
+  std::optional<SymmetryFacts> symmetry;  ///< absent where none was asked for
+  std::vector<std::string> handles;       ///< names, those of twins behind the step's own
+  double max_displacement = 0;            ///< model units
   Quality quality;
   std::vector<std::string> notes;  ///< sentences for people about what went another way than asked
 };

@@ -21,6 +21,7 @@ export class ToolSettings {
   readonly combine = signal<"set" | "add" | "remove">("add");
   readonly floodAngleDeg = signal(30);
   readonly activeHandle = signal<string | null>(null);
+  readonly movesPivot = signal(false); // a drag of the gizmo moves the pivot, and nothing else
   readonly gizmoSpace = signal<"local" | "world">("local");
   readonly snap = signal(false);
   readonly snapMove = signal(0); // model units; 0: a hundredth of the diagonal

@@ -1,28 +1,61 @@
 import { useEffect, useRef } from "preact/hooks";
-import type { Editor } from "../app/editor";
-import type { Viewport } from "../view/viewport";
+import type { Page } from "../app/page";
+import { DropZone } from "./drop";
+import { ExportDialog, OpenDialog, SaveDialog } from "./file_dialogs";
+import { Header } from "./header";
+import { HelpSheet } from "./help_sheet";
+import { Messages } from "./messages";
+import { LostConnection, PageEffects, RestoreOffer } from "./overlays";
+import { Side } from "./side";
+import { StartScreen } from "./start_screen";
+import { StatusBar } from "./status_bar";
+import { ToolOptions } from "./tool_options";
+import { Toolbar } from "./toolbar";
+import { Tooltips } from "./ui/tooltip";
 
 /** The whole page: the view, and the panels around it. */
-export function App({ editor, viewport }: { editor: Editor; viewport: Viewport }) {
+export function App({ page }: { page: Page }) {
+  const { editor } = page;
   const host = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    if (host.current !== null) viewport.attach(host.current);
-  }, [viewport]);
-  const samples = editor.welcome.value?.samples ?? [];
+    if (host.current !== null) page.attach(host.current);
+  }, [page]);
+  const isOpen = editor.isOpen.value;
   return (
-    <main>
-      <div class="view" ref={host} />
-      {!editor.isOpen.value && (
-        <ul class="start">
-          {samples.map((sample) => (
-            <li key={sample.name}>
-              <button type="button" onClick={() => void editor.ask({ do: "open", sample: sample.name })}>
-                {sample.name}
-              </button>
-            </li>
-          ))}
-        </ul>
-      )}
-    </main>
+    <div class={isOpen ? "app" : "app empty-app"}>
+      <Header page={page} />
+      {isOpen && <Toolbar page={page} />}
+      <main class="stage-area">
+        <div class="view" ref={host} />
+        {isOpen && <ToolOptions page={page} />}
+        {!isOpen && editor.welcome.value !== null && <StartScreen page={page} />}
+        <Messages page={page} />
+      </main>
+      {isOpen && <Side page={page} />}
+      <StatusBar page={page} />
+      <Dialogs page={page} />
+      <RestoreOffer page={page} />
+      <DropZone page={page} />
+      <LostConnection page={page} />
+      <PageEffects page={page} />
+      <Tooltips />
+    </div>
   );
+}
+
+function Dialogs({ page }: { page: Page }) {
+  const { dialog } = page.editor;
+  const close = () => (dialog.value = null);
+  switch (dialog.value) {
+    case "open":
+      return <OpenDialog page={page} onClose={close} />;
+    case "save":
+      return <SaveDialog page={page} onClose={close} />;
+    case "export":
+      return <ExportDialog page={page} onClose={close} />;
+    case "help":
+      return <HelpSheet page={page} onClose={close} />;
+    case null:
+      return null;
+  }
 }

@@ -1,0 +1,63 @@
+import { signal } from "@preact/signals";
+import type { Page } from "../app/page";
+import { GroupsPanel } from "./groups_panel";
+import { HandlesPanel } from "./handles_panel";
+import { sentence } from "./messages";
+import { MethodPanel } from "./method_panel";
+import { StepsPanel } from "./steps_panel";
+import { SymmetryPanel } from "./symmetry_panel";
+import { ViewPanel } from "./view_panel";
+
+export type Mode = "deform";
+export interface ModeTab {
+  mode: Mode;
+  label: string;
+  tip: string;
+}
+
+/** What the side is about. */
+export const mode = signal<Mode>("deform");
+const modes: readonly ModeTab[] = [{ mode: "deform", label: "Deform", tip: "Move, turn and scale parts of the model." }];
+
+/** The panels at the right. */
+export function Side({ page }: { page: Page }) {
+  return (
+    <aside class="side" aria-label="Panels">
+      {modes.length > 1 && (
+        <div class="modes" role="tablist" aria-label="What to do">
+          {modes.map((tab) => (
+            <button type="button" key={tab.mode} role="tab" aria-selected={mode.value === tab.mode} data-tip={tab.tip} onClick={() => (mode.value = tab.mode)}>
+              {tab.label}
+            </button>
+          ))}
+        </div>
+      )}
+      <Notes page={page} />
+      <div class="panels">
+        {mode.value === "deform" && (
+          <>
+            <HandlesPanel page={page} />
+            <MethodPanel page={page} />
+            <SymmetryPanel page={page} />
+            <GroupsPanel page={page} />
+          </>
+        )}
+        <StepsPanel page={page} />
+        <ViewPanel page={page} />
+      </div>
+    </aside>
+  );
+}
+
+/** What of the step goes another way than asked. */
+function Notes({ page }: { page: Page }) {
+  const notes = page.editor.state.value?.notes ?? [];
+  if (notes.length === 0) return null;
+  return (
+    <ul class="notes" aria-label="Notes on this step">
+      {notes.map((note) => (
+        <li key={note}>{sentence(note)}</li>
+      ))}
+    </ul>
+  );
+}
