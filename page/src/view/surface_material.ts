@@ -9,7 +9,6 @@ export interface LookUniforms {
   [name: string]: IUniform;
   shading: IUniform<number>;
   showRoles: IUniform<boolean>;
-  hasHeat: IUniform<boolean>;
   cavity: IUniform<number>;
   selectionColour: IUniform<Color>;
   wireColour: IUniform<Color>;
@@ -20,7 +19,6 @@ export function lookUniforms(): LookUniforms {
   return {
     shading: { value: 0 },
     showRoles: { value: true },
-    hasHeat: { value: false },
     cavity: { value: 1 },
     selectionColour: { value: new Color(1.0, 0.5, 0.08) },
     wireColour: { value: new Color() },

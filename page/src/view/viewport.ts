@@ -1,12 +1,13 @@
 import { effect, signal } from "@preact/signals";
-import { ColorManagement, Group, LinearSRGBColorSpace, Matrix4, Ray, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
+import { BufferGeometry, ColorManagement, Group, LinearSRGBColorSpace, Matrix4, Points, Ray, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
 import type { OrthographicCamera, PerspectiveCamera } from "three";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
+import type { Legend } from "./heat";
 import { Navigation } from "./navigation";
-import { Pace } from "./pace";
+import { cardIsIdle, Pace } from "./pace";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
 import { PickTree } from "./pick_tree";
 import { Pipeline } from "./pipeline";
@@ -14,6 +15,9 @@ import type { Polygon } from "./polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
 import { Surface } from "./surface";
+import { ViewCube, viewFrom, type Side } from "./view_cube";
+import { ViewNotes } from "./view_notes";
+import "./view.css";
 import { seenVertices, type Sight } from "./visibility";
 import { lookUniforms, shadings } from "./surface_material";
 
@@ -32,6 +36,9 @@ export class Viewport {
   /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
+  /** What the colours of the heat map stand for. */
+  readonly legend = signal<Legend | null>(null);
+
   private readonly trees = new Map<Surface, PickTree>();
   private readonly look = lookUniforms();
   private readonly helpersScene = new Scene();
@@ -40,11 +47,14 @@ export class Viewport {
   private pipeline: Pipeline | undefined;
   private readonly background = new Background();
   private readonly ground = new Ground();
+  private readonly notes = new ViewNotes();
+  private readonly cube: ViewCube;
   private readonly pace = new Pace(
     () => this.render(),
     (frameMs) => (this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs }),
   );
   private ball = new Sphere(new Vector3(), 1);
+  private fileName = "";
   private posesTimer: ReturnType<typeof setTimeout> | undefined;
   private posesMove = 0; // until when handles count as moving
 
@@ -57,6 +67,7 @@ export class Viewport {
       bounds: () => this.ball,
       fitUnder: (x, y) => this.fitUnder(x, y),
     });
+    this.cube = new ViewCube(this.navigation, (direction, up) => this.lookAlong(direction, up));
   }
 
   get camera(): PerspectiveCamera | OrthographicCamera {
@@ -81,12 +92,14 @@ export class Viewport {
     const renderer = new WebGLRenderer({ antialias: false, powerPreference: "high-performance" });
     renderer.outputColorSpace = LinearSRGBColorSpace;
     renderer.autoClear = false;
+    renderer.debug.checkShaderErrors = import.meta.env.DEV; // to look for them waits for the compiler
     this.renderer = renderer;
     this.pipeline = new Pipeline(renderer);
     this.host = host;
     Object.assign(renderer.domElement.style, { display: "block", position: "absolute", inset: "0" });
     Object.assign(this.overlay.style, { position: "absolute", inset: "0", width: "100%", height: "100%", pointerEvents: "none", overflow: "hidden" });
-    host.append(renderer.domElement, this.overlay);
+    host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
+    effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
@@ -106,6 +119,12 @@ export class Viewport {
 
   /** Where the document has the handles: for those that `showPoses` is not told of. */
   setDocument(state: DocumentState): void {
+    if (state.name !== this.fileName) {
+      const was = this.navigation.up;
+      this.fileName = state.name;
+      this.setUp();
+      if (was !== this.navigation.up) this.fit("all", false);
+    }
     const surface = this.surfaces.get(state.model.mesh) ?? this.main;
     if (surface === undefined) return;
     const poses = new Map<string, Matrix4>();
@@ -211,6 +230,12 @@ export class Viewport {
     this.navigation.lookAlong(direction, up);
   }
 
+  /** Looks at the model from a side of the turntable. */
+  lookFrom(side: Side): void {
+    const { direction, up } = viewFrom(side, this.navigation.axes());
+    this.lookAlong(direction, up);
+  }
+
   requestRender(): void {
     this.pace.request();
   }
@@ -221,6 +246,8 @@ export class Viewport {
     const start = performance.now();
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
+    this.cube.update();
+    this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
     const moving = this.navigation.isMoving || start < this.posesMove;
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.pace.wantsCoarse(moving, mayReduce);
@@ -253,19 +280,23 @@ export class Viewport {
       look.shading.value = shadings[settings.shading.value];
       look.showRoles.value = settings.showRoles.value;
       this.navigation.orthographic = settings.orthographic.value;
-      settings.ambientOcclusion.value;
+      // All are read, so that the effect follows them while nothing is shown yet, too.
+      const { before, wireframe, heatMap, stretchOf, ambientOcclusion } = settings;
+      for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
       this.ground.mesh.visible = settings.grid.value;
       for (const surface of this.surfaces.values()) this.applyTo(surface);
       this.requestRender();
     });
     effect(() => {
-      this.navigation.up = settings.up.value === "y" ? "y" : "z";
-      this.layGround();
+      settings.up.value;
+      settings.unit.value;
+      this.setUp();
       this.requestRender();
     });
   }
 
   private setTheme(theme: Theme): void {
+    this.host?.classList.toggle("view-dark", theme === themes.dark);
     this.background.setTheme(theme);
     this.ground.setTheme(theme);
     this.look.wireColour.value.copy(theme.wire);
@@ -276,7 +307,15 @@ export class Viewport {
     const { settings } = this;
     surface.setBefore(settings.before.value);
     surface.showWire(settings.wireframe.value);
+    surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
     if (settings.shading.value === "texture") surface.needRest();
+  }
+
+  /** Which axis stands upright: as set, or as files of the kind have it. */
+  private setUp(): void {
+    const set = this.settings.up.value;
+    this.navigation.up = set === "auto" ? upOf(this.fileName) : set;
+    this.layGround();
   }
 
   /** Below the model, where it is lowest. */
@@ -301,15 +340,40 @@ export class Viewport {
     this.trees.clear();
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
-    this.scene.add(surface.object);
-    surface.onChange = () => this.requestRender();
+    void this.bringIn(surface);
+    surface.onChange = () => {
+      if (surface === this.main) this.legend.value = surface.legend;
+      this.requestRender();
+    };
     this.applyTo(surface);
     this.measure();
     this.layGround();
-    this.treeOf(surface);
     const similar = before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
     this.navigation.update(this.box().width / Math.max(1, this.box().height));
     if (first || !similar) this.fit("all", false);
+  }
+
+  /** Shows a new surface once its arrays are on the card, one after the other where they are large. */
+  private async bringIn(surface: Surface): Promise<void> {
+    if (surface.vertexCount > 200_000 && this.renderer !== undefined) await this.stage(surface, this.renderer);
+    if (this.surfaces.get(surface.id) !== surface) return;
+    this.scene.add(surface.object);
+    this.requestRender();
+    this.treeOf(surface);
+  }
+
+  private async stage(surface: Surface, renderer: WebGLRenderer): Promise<void> {
+    const stage = new Scene();
+    const carrier = new Points(new BufferGeometry(), this.background.mesh.material); // which is compiled already
+    carrier.frustumCulled = false;
+    stage.add(carrier);
+    for (const geometry of surface.attributesAlone()) {
+      await cardIsIdle(renderer);
+      if (this.surfaces.get(surface.id) !== surface) break;
+      carrier.geometry = geometry;
+      renderer.render(stage, this.camera);
+    }
+    await cardIsIdle(renderer);
   }
 
   private measure(): void {
@@ -364,4 +428,9 @@ export class Viewport {
     const place = new Matrix4().makeTranslation(surface.object.position);
     return { matrix: matrix.multiply(place).elements, box: this.box() };
   }
+}
+
+/** The axis that stands upright in files of a kind: of those that do not say, what makers of such files mostly mean. */
+function upOf(fileName: string): "y" | "z" {
+  return /\.(obj|gltf|glb|ply|off)$/i.test(fileName) ? "y" : "z";
 }
