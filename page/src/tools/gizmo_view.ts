@@ -89,6 +89,8 @@ export class GizmoView {
     const name = axis === "free" ? "free" : "xyz".charAt(axis);
     set(this.guide, { class: `guide axis-${name}` });
     if (act === "turn") this.drawSector(gesture.gesture, centre, name);
+    else if (axis === "free" && act === "scale")
+      set(this.guide, { d: linesThrough([...this.spots(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
     else if (axis === "free") set(this.guide, { d: linesThrough(this.spots(gesture.from, centre)) });
     else {
       const along = new Vector3().setComponent(axis, 1).applyQuaternion(gesture.axes);

@@ -9,7 +9,8 @@ import { combineOf, type Bench, type Pointer, type Stroke, type Tool } from "./t
 
 /** A circle on the page: how large the brush is. */
 export class BrushRing {
-  private readonly element = svg("circle", { class: "brush-ring", display: "none" });
+  private readonly circles = [svg("circle"), svg("circle")];
+  private readonly element = svg("g", { class: "brush-ring", display: "none" }, ...this.circles);
 
   constructor(private readonly bench: Bench) {
     bench.viewport.overlay.append(this.element);
@@ -17,7 +18,8 @@ export class BrushRing {
   show({ spot, ctrl, alt }: Pointer): void {
     const [at] = onOverlay(this.bench.viewport.overlay, [spot]) as [Spot];
     const r = this.bench.editor.tools.brushRadiusPx.value;
-    set(this.element, { cx: at.x, cy: at.y, r, class: `brush-ring${ctrl || alt ? " removes" : ""}` });
+    for (const circle of this.circles) set(circle, { cx: at.x, cy: at.y, r });
+    set(this.element, { class: `brush-ring${ctrl || alt ? " removes" : ""}` });
     show(this.element, true);
   }
   hide(): void {
