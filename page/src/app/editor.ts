@@ -3,6 +3,7 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Viewport } from "../view/viewport";
+import { rememberOpened } from "./recent";
 import { labelOf } from "./request_labels";
 import { ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";
@@ -111,6 +112,7 @@ export class Editor {
     if (done === undefined) return false;
     this.opened = request;
     this.dialog.value = null;
+    rememberOpened(request);
     return true;
   }
 

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { groupColour } from "../app/colours";
+import { groupsOf } from "../app/groups";
 import type { Page } from "../app/page";
 import { counted } from "../app/units";
 import { Button } from "./ui/button";
@@ -9,8 +10,7 @@ import { Section } from "./ui/section";
 /** Selections that the document keeps by name. */
 export function GroupsPanel({ page }: { page: Page }) {
   const { editor } = page;
-  const handles = editor.state.value?.handles.map(({ name }) => name) ?? [];
-  const groups = (editor.state.value?.groups ?? []).filter(({ name }) => !handles.includes(name));
+  const groups = groupsOf(editor.state.value);
   return (
     <Section title="Groups" hint="Selections that are kept by name, to select again or to use." badge={groups.length === 0 ? undefined : groups.length}>
       <ul class="list" aria-label="Groups">

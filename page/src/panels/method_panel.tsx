@@ -1,3 +1,4 @@
+import { groupsOf } from "../app/groups";
 import type { Page } from "../app/page";
 import {
   applicable, backToUsual, choiceOf, fitting, groupNames, methodOf, methods, numberOf, switchOf,
@@ -106,8 +107,7 @@ interface Anchor {
 function Anchors({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
-  const handles = state?.handles.map(({ name }) => name) ?? [];
-  const groups = (state?.groups ?? []).map(({ name }) => name).filter((name) => !handles.includes(name));
+  const groups = groupsOf(state).map(({ name }) => name);
   const found = (state?.steps.at(-1)?.fields as { anchors?: unknown } | undefined)?.anchors;
   if (found !== undefined && !Array.isArray(found)) return <p class="hint">The step has more anchors than can be listed here; its file has them.</p>;
   const anchors: Anchor[] = Array.isArray(found) ? (found as Anchor[]) : [];

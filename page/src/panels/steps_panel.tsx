@@ -1,3 +1,4 @@
+import { Fragment } from "preact";
 import { useState } from "preact/hooks";
 import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
 import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
@@ -28,20 +29,23 @@ export function StepsPanel({ page }: { page: Page }) {
     <Section title="Steps" hint="What is done to the model, in order. An earlier one can be changed; the later ones follow." badge={steps.length}>
       <ol class="list steps" aria-label="Steps">
         {steps.map((step, i) => (
-          <StepRow
-            key={i}
-            page={page}
-            step={step}
-            index={i}
-            inWork={i === steps.length - 1}
-            open={open === i}
-            onOpen={() => setOpen(open === i ? null : i)}
-          />
+          <Fragment key={i}>
+            <StepRow
+              page={page}
+              step={step}
+              index={i}
+              inWork={i === steps.length - 1}
+              open={open === i}
+              onOpen={() => setOpen(open === i ? null : i)}
+            />
+            {open === i && i < steps.length - 1 && (
+              <li class="step-item">
+                <StepDetails page={page} step={step} index={i} />
+              </li>
+            )}
+          </Fragment>
         ))}
       </ol>
-      {open !== null && open < steps.length - 1 && steps[open] !== undefined && (
-        <StepDetails page={page} step={steps[open]} index={open} />
-      )}
       <CommandLabelButton page={page} id="accept" icon="accept" />
     </Section>
   );

@@ -70,7 +70,7 @@ test("an engine that is killed: the page says so, and the next one offers to res
     await person.settle();
     const pose = await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose);
     expect(pose).toEqual({ translate: [0.5, 0, 0] });
-    expect(await page.title()).toContain("●");
+    await page.waitForFunction(() => document.title.startsWith("●"));
   } finally {
     await stage.close();
   }

@@ -72,7 +72,7 @@ test("saving asks where, then not again, and before it replaces", async () => {
   const { person, folder } = stage;
   await stage.openSample("bar", 8);
   await moveTop(0.5);
-  expect(await person.page.title()).toBe("● bar – meshgraft");
+  await person.page.waitForFunction((title) => document.title === title, "● bar – meshgraft");
   await person.press("Control+s");
   await person.page.getByRole("dialog").getByRole("textbox").fill("my edit");
   await person.press("Enter");
@@ -80,7 +80,7 @@ test("saving asks where, then not again, and before it replaces", async () => {
   await person.screenshot("panels-saved");
   const file = folder.file("my edit.json");
   expect(JSON.parse(readFileSync(file, "utf8")).steps[0].handles[0].pose).toEqual({ translate: [0.5, 0, 0] });
-  expect(await person.page.title()).toBe("bar – meshgraft");
+  await person.page.waitForFunction((title) => document.title === title, "bar – meshgraft");
   await person.click("Close the message");
 
   await moveTop(0.75);
