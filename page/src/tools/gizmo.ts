@@ -6,7 +6,7 @@ import { Gesture, type Act, type Axis, type Grip, type Steps } from "./gesture";
 import { partAt, type Layout, type Part } from "./gizmo_layout";
 import { GizmoView } from "./gizmo_view";
 import type { ActiveHandle, HandleControl } from "./handle_control";
-import { axesOf, centreOf, matrixOf, withPivot, withPivotAt, type Placement } from "./pose_math";
+import { axesOf, centreOf, poseOf, withPivot, withPivotAt, type Placement } from "./pose_math";
 import type { Status } from "./status";
 
 /** A gesture on the active handle. By a drag, or `modal`: begun by a key, ended by a click. */
@@ -96,7 +96,7 @@ export class Gizmo {
     this.status.clear();
     this.viewport.requestRender();
     if (handle === undefined || handle.name !== going.name) return;
-    if (isSame(handle.placement, going.start)) this.control.revert(going.name, going.start);
+    if (isSame(handle.placement, going.start, handle.defaultPivot)) this.control.revert(going.name, going.start);
     else void this.control.commit(going.name, handle.placement);
   }
 
@@ -239,6 +239,8 @@ export class Gizmo {
   }
 }
 
-function isSame(a: Placement, b: Placement): boolean {
-  return matrixOf(a).equals(matrixOf(b)) && a.pivot.equals(b.pivot);
+// Not of their maps: a turn of 720° is not none.
+function isSame(a: Placement, b: Placement, defaultPivot: Vector3): boolean {
+  const told = (placement: Placement) => JSON.stringify(poseOf(placement, defaultPivot));
+  return told(a) === told(b) && a.pivot.equals(b.pivot);
 }

@@ -95,7 +95,8 @@ test("turns twice round, by axis and number; escape leaves it as it was", async 
   const rest = sampled(stage, "octopus");
   const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
   await person.press("h");
-  await person.stroke([at, [at[0] + 10, at[1] + 12]]);
+  await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
+  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null, undefined, { timeout: 5000 });
   await person.settle();
 
   for (const key of ["r", "z", "7", "2", "0", "Enter"]) await person.press(key);
@@ -132,7 +133,8 @@ test("snaps, scales one axis, and moves the pivot without moving the handle", as
   const rest = sampled(stage, "octopus");
   const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
   await person.press("h");
-  await person.stroke([at, [at[0] + 10, at[1] + 12]]);
+  await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
+  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null, undefined, { timeout: 5000 });
   await person.settle();
 
   await person.press("Shift+S");
@@ -172,7 +174,8 @@ test("drags the reach of a handle", async () => {
   const rest = sampled(stage, "octopus");
   const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
   await person.press("h");
-  await person.stroke([at, [at[0] + 10, at[1] + 12]]);
+  await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
+  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null, undefined, { timeout: 5000 });
   await person.settle();
   const reach = () => person.page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.reach ?? 0);
   const region = () => person.page.evaluate(() => window.meshgraft.viewport.main?.region.length ?? 0);
