@@ -104,3 +104,29 @@ test("the file menu goes by arrows, and gives the focus back", async () => {
     await stage.close();
   }
 });
+
+test("tools go by arrows in their bar, and work that takes long is cancelled", async () => {
+  const stage = await Stage.open();
+  const { person } = stage;
+  const { page } = person;
+  try {
+    await stage.openSample("bar", 8);
+    await tabTo(person, /^Look around$/);
+    await person.press("ArrowDown");
+    await person.press("Enter");
+    expect(await page.evaluate(() => window.meshgraft.editor.tools.tool.value)).toBe("handle");
+    await person.press("Tab");
+    expect(await page.evaluate(() => document.activeElement?.closest(".toolbar"))).toBeNull();
+
+    await page.evaluate(() => void window.meshgraft.editor.ask({ do: "open", sample: "bumpy_plane", resolution: 3000 }));
+    await page.getByRole("progressbar", { name: "Opening" }).waitFor();
+    await person.screenshot("panels-progress");
+    await page.getByRole("button", { name: "Cancel" }).click();
+    await page.getByRole("progressbar", { name: "Opening" }).waitFor({ state: "detached" });
+    expect(await page.evaluate(() => window.meshgraft.editor.state.value?.name)).toBe("bar");
+    expect(await page.getByRole("alert").count()).toBe(0); // who cancels knows
+    expect(person.complaints).toEqual([]);
+  } finally {
+    await stage.close();
+  }
+});
