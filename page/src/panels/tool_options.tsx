@@ -5,10 +5,10 @@ import { CommandButton, CommandLabelButton } from "./command_button";
 import { Segments, Slider } from "./ui/fields";
 
 const hints: Record<ToolName, string> = {
-  navigate: "Drag to turn, right-drag to shift, wheel to zoom. Click a handle to pick it up.",
-  handle: "Paint over the part that you want to hold, then pull it by the arrows that appear.",
+  navigate: "Drag to turn, right-drag to shift, wheel to zoom.",
+  handle: "Paint what to hold, then pull it by the arrows.",
   vertex: "Click a vertex to hold it.",
-  curve: "Click along the course of the curve; Enter ends it, the first point closes it.",
+  curve: "Click along the curve; Enter ends it, its first point closes it.",
   brush: "Paint to select. Shift adds, Alt takes away.",
   lasso: "Draw around what to select. Shift adds, Alt takes away.",
   box: "Drag a rectangle. Shift adds, Alt takes away.",

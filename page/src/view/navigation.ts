@@ -1,4 +1,4 @@
-import { MathUtils, Matrix4, OrthographicCamera, PerspectiveCamera, Quaternion, Vector3, type Sphere } from "three";
+import { Box3, MathUtils, Matrix4, OrthographicCamera, PerspectiveCamera, Quaternion, Vector3, type Sphere } from "three";
 
 const fieldOfViewDeg = 32;
 
@@ -94,13 +94,25 @@ export class Navigation {
     this.parallel.updateMatrixWorld();
   }
 
-  /** Frames a ball, as seen from where the camera looks now, within a moment. */
-  fit(sphere: Sphere, animated = true): void {
-    const half = MathUtils.degToRad(fieldOfViewDeg / 2);
+  /** Frames places of the world (3 numbers each), and `margin` around them, from where the camera looks, in a moment. */
+  fit(places: Float32Array, margin: number, animated = true): void {
+    const goal = this.goal();
+    const turn = this.orientation(goal);
+    const back = turn.clone().invert();
+    const box = new Box3();
+    const seen = new Vector3();
+    for (let i = 0; i < places.length; i += 3) box.expandByPoint(seen.fromArray(places, i).applyQuaternion(back));
+    if (box.isEmpty()) return;
+    const middle = box.getCenter(new Vector3());
+    const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.86; // leaves a rim
     const aspect = this.perspective.aspect;
-    const narrow = aspect < 1 ? Math.atan(Math.tan(half) * aspect) : half;
-    const distance = (1.06 * sphere.radius) / Math.sin(narrow);
-    this.go({ ...this.goal(), target: sphere.center.clone(), distance }, animated);
+    let distance = 0;
+    for (let i = 0; i < places.length; i += 3) {
+      seen.fromArray(places, i).applyQuaternion(back).sub(middle);
+      const half = Math.max((Math.abs(seen.x) + margin) / aspect, Math.abs(seen.y) + margin);
+      distance = Math.max(distance, half / slope + (this.orthographic ? 0 : seen.z + margin));
+    }
+    this.go({ ...goal, target: middle.applyQuaternion(turn), distance: Math.max(distance, 1e-30) }, animated);
   }
 
   /** Looks along a direction of the world; `up` decides where that is straight up or down. */
@@ -178,6 +190,7 @@ export class Navigation {
     const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
     const { target, ...rest } = this.stand;
     this.journey = { from: { ...rest, target: target.clone() }, to, start: performance.now(), ms: animated && !still ? 220 : 0 };
+    if (this.journey.ms === 0) this.travel(performance.now());
     this.scenery.requestRender();
   }
 
@@ -191,7 +204,7 @@ export class Navigation {
     this.stand.yaw = MathUtils.lerp(from.yaw, to.yaw, s);
     this.stand.pitch = MathUtils.lerp(from.pitch, to.pitch, s);
     if (t === 1) this.journey = undefined;
-    this.stir();
+    if (ms > 0) this.stir();
   }
 
   /** Something moves; a moment after the last time nothing does. */

@@ -34,38 +34,27 @@ export interface Projection {
   box: DOMRect;
 }
 
-/**
- * Vertices whose picture lies in a polygon (pixels of the page), ascending. `isSeen` decides of each by its place in the
- * picture (−1 to 1 across and up) and its depth along the view (w of clip space, z / w): absent, all count.
- */
-export function verticesInPolygon(
-  surface: Surface,
-  { matrix: m, box }: Projection,
-  polygon: Polygon,
-  isSeen?: (vertex: number, x: number, y: number, z: number) => boolean,
-): Uint32Array {
+/** Vertices whose picture lies in a polygon (pixels of the page), ascending. */
+export function verticesInPolygon(surface: Surface, { matrix, box }: Projection, polygon: Polygon): Uint32Array {
   const test = new PolygonTest(polygon);
   const p = surface.positions;
   const found: number[] = [];
-  const e = Float64Array.from(m);
-  const at = (i: number) => e[i] as number;
-  const [m0, m4, m8, m12] = [at(0), at(4), at(8), at(12)];
-  const [m1, m5, m9, m13] = [at(1), at(5), at(9), at(13)];
-  const [m2, m6, m10, m14] = [at(2), at(6), at(10), at(14)];
-  const [m3, m7, m11, m15] = [at(3), at(7), at(11), at(15)];
+  const [m0, m1, , m3, m4, m5, , m7, m8, m9, , m11, m12, m13, , m15] = Array.from(matrix) as SixteenNumbers;
   for (let v = 0; v < surface.vertexCount; ++v) {
     const x = p[3 * v] as number;
     const y = p[3 * v + 1] as number;
     const z = p[3 * v + 2] as number;
     const w = m3 * x + m7 * y + m11 * z + m15;
     if (!(w > 0)) continue;
-    const px = (m0 * x + m4 * y + m8 * z + m12) / w;
-    const py = (m1 * x + m5 * y + m9 * z + m13) / w;
-    if (!test.contains(box.left + 0.5 * (px + 1) * box.width, box.top + 0.5 * (1 - py) * box.height)) continue;
-    if (isSeen?.(v, px, py, (m2 * x + m6 * y + m10 * z + m14) / w) ?? true) found.push(v);
+    const across = (m0 * x + m4 * y + m8 * z + m12) / w;
+    const up = (m1 * x + m5 * y + m9 * z + m13) / w;
+    if (test.contains(box.left + 0.5 * (across + 1) * box.width, box.top + 0.5 * (1 - up) * box.height)) found.push(v);
   }
   return Uint32Array.from(found);
 }
+
+type Four = [number, number, number, number];
+type SixteenNumbers = [...Four, ...Four, ...Four, ...Four];
 
 /** Vertices in a ball around a hit, ascending; not `through`: those reached from it over triangles that face the eye. */
 export function verticesNear(hit: Hit, tree: PickTree, radius: number, through: boolean, eye: Vector3): Uint32Array {

@@ -9,18 +9,20 @@ export interface LookUniforms {
   [name: string]: IUniform;
   shading: IUniform<number>;
   showRoles: IUniform<boolean>;
-  hasHeat: IUniform<boolean>;
   cavity: IUniform<number>;
   selectionColour: IUniform<Color>;
+  wireColour: IUniform<Color>;
+  boundaryColour: IUniform<Color>;
 }
 
 export function lookUniforms(): LookUniforms {
   return {
     shading: { value: 0 },
     showRoles: { value: true },
-    hasHeat: { value: false },
     cavity: { value: 1 },
     selectionColour: { value: new Color(1.0, 0.5, 0.08) },
+    wireColour: { value: new Color() },
+    boundaryColour: { value: new Color() },
   };
 }
 
@@ -37,7 +39,7 @@ in float selection;
 #ifdef HAS_HEAT
   in float heat;
 #endif
-out vec3 shownNormal, seenFrom;
+centroid out vec3 shownNormal, seenFrom;
 out vec4 shownTint;
 out float shownSelection, shownHeat;
 out vec3 shownColour, shownRest;
@@ -91,7 +93,7 @@ vec3 plainLight(vec3 n) {
 `;
 
 const fragmentShader = /* glsl */ `
-in vec3 shownNormal, seenFrom;
+centroid in vec3 shownNormal, seenFrom;
 in vec4 shownTint;
 in float shownSelection, shownHeat;
 in vec3 shownColour, shownRest;
@@ -107,9 +109,8 @@ ${lightShader}
 
 vec3 surfaceNormal() {
   vec3 flatNormal = normalize(cross(dFdx(seenFrom), dFdy(seenFrom)));
-  if (!gl_FrontFacing) flatNormal = flatNormal;
   vec3 n = shading == 2 || dot(shownNormal, shownNormal) < 1e-12 ? flatNormal : normalize(shownNormal);
-  return n.z < 0.0 && shading == 2 ? -n : (gl_FrontFacing || shading == 2 ? n : -n);
+  return (shading == 2 ? n.z < 0.0 : !gl_FrontFacing) ? -n : n;
 }
 
 // How the surface curves across the pixel: below 0 in grooves, above 0 on ridges.

@@ -1,16 +1,24 @@
 import { effect, signal } from "@preact/signals";
-import { Box3, Color, ColorManagement, Group, LinearSRGBColorSpace, Matrix4, Ray, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
+import { BufferGeometry, ColorManagement, Group, LinearSRGBColorSpace, Matrix4, Points, Ray, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
 import type { OrthographicCamera, PerspectiveCamera } from "three";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
+import { Background, Ground, themes, type Theme } from "./backdrop";
+import type { Legend } from "./heat";
 import { Navigation } from "./navigation";
+import { cardIsIdle, Pace } from "./pace";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
 import { PickTree } from "./pick_tree";
+import { Pipeline } from "./pipeline";
 import type { Polygon } from "./polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
 import { Surface } from "./surface";
+import { ViewCube, viewFrom, type Side } from "./view_cube";
+import { ViewNotes } from "./view_notes";
+import "./view.css";
+import { seenVertices, type Sight } from "./visibility";
 import { lookUniforms, shadings } from "./surface_material";
 
 ColorManagement.enabled = false; // colours are written as they are shown
@@ -25,25 +33,41 @@ export class Viewport {
   readonly navigation: Navigation;
   /** Called before each picture. */
   readonly onFrame = new Set<() => void>();
-  readonly timings = signal({ frameMs: 0 });
+  /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
+  readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
+
+  /** What the colours of the heat map stand for. */
+  readonly legend = signal<Legend | null>(null);
 
   private readonly trees = new Map<Surface, PickTree>();
   private readonly look = lookUniforms();
   private readonly helpersScene = new Scene();
   private renderer: WebGLRenderer | undefined;
   private host: HTMLElement | undefined;
-  private scheduled = false;
+  private pipeline: Pipeline | undefined;
+  private readonly background = new Background();
+  private readonly ground = new Ground();
+  private readonly notes = new ViewNotes();
+  private readonly cube: ViewCube;
+  private readonly pace = new Pace(
+    () => this.render(),
+    (frameMs) => (this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs }),
+  );
   private ball = new Sphere(new Vector3(), 1);
-  private readonly recent: number[] = [];
+  private fileName = "";
+  private posesTimer: ReturnType<typeof setTimeout> | undefined;
+  private posesMove = 0; // until when handles count as moving
 
   constructor(readonly settings: ViewSettings) {
     this.helpersScene.add(this.helpers);
+    this.scene.add(this.background.mesh, this.ground.mesh);
     this.navigation = new Navigation({
       requestRender: () => this.requestRender(),
       placeUnder: (x, y) => this.pick(x, y)?.point,
       bounds: () => this.ball,
       fitUnder: (x, y) => this.fitUnder(x, y),
     });
+    this.cube = new ViewCube(this.navigation, (direction, up) => this.lookAlong(direction, up));
   }
 
   get camera(): PerspectiveCamera | OrthographicCamera {
@@ -65,14 +89,17 @@ export class Viewport {
   }
 
   attach(host: HTMLElement): void {
-    const renderer = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
+    const renderer = new WebGLRenderer({ antialias: false, powerPreference: "high-performance" });
     renderer.outputColorSpace = LinearSRGBColorSpace;
     renderer.autoClear = false;
+    renderer.debug.checkShaderErrors = import.meta.env.DEV; // to look for them waits for the compiler
     this.renderer = renderer;
+    this.pipeline = new Pipeline(renderer);
     this.host = host;
     Object.assign(renderer.domElement.style, { display: "block", position: "absolute", inset: "0" });
     Object.assign(this.overlay.style, { position: "absolute", inset: "0", width: "100%", height: "100%", pointerEvents: "none", overflow: "hidden" });
-    host.append(renderer.domElement, this.overlay);
+    host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
+    effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
@@ -92,6 +119,12 @@ export class Viewport {
 
   /** Where the document has the handles: for those that `showPoses` is not told of. */
   setDocument(state: DocumentState): void {
+    if (state.name !== this.fileName) {
+      const was = this.navigation.up;
+      this.fileName = state.name;
+      this.setUp();
+      if (was !== this.navigation.up) this.fit("all", false);
+    }
     const surface = this.surfaces.get(state.model.mesh) ?? this.main;
     if (surface === undefined) return;
     const poses = new Map<string, Matrix4>();
@@ -109,6 +142,9 @@ export class Viewport {
 
   /** Handles' maps for now (world, 4x4), by the vertex shader. Returns whether there are weights for that. */
   showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
+    this.posesMove = performance.now() + 250;
+    clearTimeout(this.posesTimer);
+    this.posesTimer = setTimeout(() => this.requestRender(), 260);
     return this.main?.showPoses(poses) ?? false;
   }
 
@@ -131,9 +167,12 @@ export class Viewport {
 
   /** Vertices in a polygon (pixels of the page); not `through`: those that face the eye and are not hidden. */
   verticesInPolygon(surface: Surface, polygon: Polygon, through: boolean): Uint32Array {
-    const projection = this.projectionOf(surface);
-    if (through) return verticesInPolygon(surface, projection, polygon);
-    return verticesInPolygon(surface, projection, polygon, this.visibility(surface));
+    const found = verticesInPolygon(surface, this.projectionOf(surface), polygon);
+    if (through) return found;
+    return seenVertices(surface, found, this.treeOf(surface), {
+      ...this.sight(),
+      rayAt: (x, y) => this.rayAt(x, y),
+    });
   }
 
   /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
@@ -173,18 +212,17 @@ export class Viewport {
 
   /** Frames everything, or some vertices of the model, as they are shown. */
   fit(what: "all" | Uint32Array = "all", animated = true): void {
-    if (what === "all" || what.length === 0) {
-      this.measure();
-      this.navigation.fit(this.ball, animated);
-      return;
-    }
     const { main } = this;
     if (main === undefined) return;
-    const box = new Box3();
-    for (const v of what) box.expandByPoint(main.place(v));
-    const sphere = box.getBoundingSphere(new Sphere());
-    sphere.radius = Math.max(1.3 * sphere.radius, 0.02 * main.box.diagonal);
-    this.navigation.fit(sphere, animated);
+    if (what !== "all" && what.length > 0) {
+      this.navigation.fit(main.sample(what), 0.02 * main.box.diagonal, animated);
+      return;
+    }
+    this.measure();
+    const samples = [...this.surfaces.values()].map((surface) => surface.sample());
+    const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
+    samples.reduce((at, sample) => (all.set(sample, at), at + sample.length), 0);
+    this.navigation.fit(all, 1e-6 * main.box.diagonal, animated);
   }
 
   /** Looks along a direction of the world. */
@@ -192,33 +230,35 @@ export class Viewport {
     this.navigation.lookAlong(direction, up);
   }
 
+  /** Looks at the model from a side of the turntable. */
+  lookFrom(side: Side): void {
+    const { direction, up } = viewFrom(side, this.navigation.axes());
+    this.lookAlong(direction, up);
+  }
+
   requestRender(): void {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame(() => {
-      this.scheduled = false;
-      this.render();
-    });
+    this.pace.request();
   }
 
   private render(): void {
-    const { renderer, host } = this;
-    if (renderer === undefined || host === undefined || host.clientHeight === 0) return;
+    const { renderer, host, pipeline, settings } = this;
+    if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
     const start = performance.now();
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
-    renderer.clear();
-    renderer.render(this.scene, this.camera);
+    this.cube.update();
+    this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
+    const moving = this.navigation.isMoving || start < this.posesMove;
+    const mayReduce = settings.lessWhileMoving.value;
+    const coarse = this.pace.wantsCoarse(moving, mayReduce);
+    for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
+    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value);
+    this.look.cavity.value = detail.occlusion ? 1 : 0;
+    const { viewHeight, distance, orthographic } = this.navigation;
+    pipeline.render(this.scene, this.camera, detail, 0.09 * this.ball.radius, orthographic ? viewHeight : viewHeight / distance);
     renderer.clearDepth();
     renderer.render(this.helpersScene, this.camera);
-    this.note(performance.now() - start);
-  }
-
-  private note(ms: number): void {
-    this.recent.push(ms);
-    if (this.recent.length > 31) this.recent.shift();
-    const sorted = [...this.recent].sort((a, b) => a - b);
-    this.timings.value = { frameMs: sorted[sorted.length >> 1] ?? 0 };
+    this.pace.finish(renderer, start, moving);
   }
 
   private resize(): void {
@@ -236,13 +276,57 @@ export class Viewport {
     dark.addEventListener("change", () => (isDark.value = dark.matches));
     effect(() => {
       const theme = settings.theme.value === "system" ? (isDark.value ? "dark" : "light") : settings.theme.value;
-      this.scene.background = new Color(theme === "dark" ? 0x22262c : 0xe9ebee);
+      this.setTheme(themes[theme]);
       look.shading.value = shadings[settings.shading.value];
       look.showRoles.value = settings.showRoles.value;
       this.navigation.orthographic = settings.orthographic.value;
-      for (const surface of this.surfaces.values()) surface.setBefore(settings.before.value);
+      // All are read, so that the effect follows them while nothing is shown yet, too.
+      const { before, wireframe, heatMap, stretchOf, ambientOcclusion } = settings;
+      for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
+      this.ground.mesh.visible = settings.grid.value;
+      for (const surface of this.surfaces.values()) this.applyTo(surface);
       this.requestRender();
     });
+    effect(() => {
+      settings.up.value;
+      settings.unit.value;
+      this.setUp();
+      this.requestRender();
+    });
+  }
+
+  private setTheme(theme: Theme): void {
+    this.host?.classList.toggle("view-dark", theme === themes.dark);
+    this.background.setTheme(theme);
+    this.ground.setTheme(theme);
+    this.look.wireColour.value.copy(theme.wire);
+    this.look.boundaryColour.value.copy(theme.boundary);
+  }
+
+  private applyTo(surface: Surface): void {
+    const { settings } = this;
+    surface.setBefore(settings.before.value);
+    surface.showWire(settings.wireframe.value);
+    surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
+    if (settings.shading.value === "texture") surface.needRest();
+  }
+
+  /** Which axis stands upright: as set, or as files of the kind have it. */
+  private setUp(): void {
+    const set = this.settings.up.value;
+    this.navigation.up = set === "auto" ? upOf(this.fileName) : set;
+    this.layGround();
+  }
+
+  /** Below the model, where it is lowest. */
+  private layGround(): void {
+    const { main } = this;
+    if (main === undefined) return;
+    const up = this.navigation.axes()[2];
+    const middle = main.box.min.clone().add(main.box.max).multiplyScalar(0.5);
+    if (this.navigation.up === "z") middle.z = main.box.min.z;
+    else middle.y = main.box.min.y;
+    this.ground.lay(middle.add(main.object.position), up, main.box.diagonal);
   }
 
   private setMesh(surface: Surface): void {
@@ -256,13 +340,40 @@ export class Viewport {
     this.trees.clear();
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
-    this.scene.add(surface.object);
-    surface.onChange = () => this.requestRender();
-    surface.setBefore(this.settings.before.value);
-    if (this.settings.shading.value === "texture") surface.needRest();
+    void this.bringIn(surface);
+    surface.onChange = () => {
+      if (surface === this.main) this.legend.value = surface.legend;
+      this.requestRender();
+    };
+    this.applyTo(surface);
     this.measure();
+    this.layGround();
     const similar = before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
-    if (first || !similar) this.navigation.fit(this.ball, false);
+    this.navigation.update(this.box().width / Math.max(1, this.box().height));
+    if (first || !similar) this.fit("all", false);
+  }
+
+  /** Shows a new surface once its arrays are on the card, one after the other where they are large. */
+  private async bringIn(surface: Surface): Promise<void> {
+    if (surface.vertexCount > 200_000 && this.renderer !== undefined) await this.stage(surface, this.renderer);
+    if (this.surfaces.get(surface.id) !== surface) return;
+    this.scene.add(surface.object);
+    this.requestRender();
+    this.treeOf(surface);
+  }
+
+  private async stage(surface: Surface, renderer: WebGLRenderer): Promise<void> {
+    const stage = new Scene();
+    const carrier = new Points(new BufferGeometry(), this.background.mesh.material); // which is compiled already
+    carrier.frustumCulled = false;
+    stage.add(carrier);
+    for (const geometry of surface.attributesAlone()) {
+      await cardIsIdle(renderer);
+      if (this.surfaces.get(surface.id) !== surface) break;
+      carrier.geometry = geometry;
+      renderer.render(stage, this.camera);
+    }
+    await cardIsIdle(renderer);
   }
 
   private measure(): void {
@@ -280,8 +391,7 @@ export class Viewport {
   private fitUnder(clientX: number, clientY: number): void {
     const hit = this.pick(clientX, clientY);
     if (hit === undefined) return this.fit();
-    const near = new Sphere(hit.point, 0.12 * hit.surface.box.diagonal);
-    this.navigation.fit(near);
+    this.navigation.fit(Float32Array.from(hit.point.toArray()), 0.12 * hit.surface.box.diagonal);
   }
 
   private box(): DOMRect {
@@ -294,25 +404,33 @@ export class Viewport {
     return back.multiplyScalar(1e4 * this.ball.radius).add(point);
   }
 
+  /** Functions of places that are asked for many, so they allocate nothing. */
+  private sight(): Pick<Sight, "towardsEye" | "depthOf" | "pixelOf"> {
+    const { camera } = this;
+    const box = this.box();
+    const toView = camera.matrixWorldInverse.clone();
+    const eye = this.camera.position.clone();
+    const back = new Vector3(0, 0, 1).applyQuaternion(camera.quaternion);
+    const p = new Vector3();
+    return {
+      towardsEye: (place, out) => (this.navigation.orthographic ? out.copy(back) : out.copy(eye).sub(place)),
+      depthOf: (place) => -p.copy(place).applyMatrix4(toView).z,
+      pixelOf: (place) => {
+        p.copy(place).project(camera);
+        return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
+      },
+    };
+  }
+
   private projectionOf(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
     const { camera } = this;
     const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const place = new Matrix4().makeTranslation(surface.object.position);
     return { matrix: matrix.multiply(place).elements, box: this.box() };
   }
+}
 
-  /** Which vertices face the eye and are not hidden behind others. */
-  private visibility(surface: Surface): (vertex: number) => boolean {
-    const tree = this.treeOf(surface);
-    const towards = new Vector3();
-    const place = new Vector3();
-    const normal = new Vector3();
-    return (v) => {
-      surface.place(v, place);
-      towards.copy(this.eyeFor(place)).sub(place).normalize();
-      if (normal.fromArray(surface.normals, 3 * v).dot(towards) <= 0) return false;
-      const start = place.sub(surface.object.position).addScaledVector(towards, 2e-4 * surface.box.diagonal);
-      return tree.raycast(start, towards) === undefined;
-    };
-  }
+/** The axis that stands upright in files of a kind: of those that do not say, what makers of such files mostly mean. */
+function upOf(fileName: string): "y" | "z" {
+  return /\.(obj|gltf|glb|ply|off)$/i.test(fileName) ? "y" : "z";
 }
