@@ -209,7 +209,7 @@ export class Gizmo {
     const { placement } = handle;
     const { going } = this;
     const axes = going?.axes ?? this.axesFor(placement, this.editor.tools.gizmoSpace.value);
-    const gesture = going?.gesture === undefined ? undefined : { gesture: going.gesture, from: centreOf(going.start), axes };
+    const gesture = going?.gesture && { gesture: going.gesture, from: centreOf(going.start), axes };
     this.layout = this.view.draw({
       centre: centreOf(placement),
       axes,
@@ -223,7 +223,8 @@ export class Gizmo {
 
   // Which parts the model hides: looked up when the view rests.
   private findHidden(layout: Layout): void {
-    const asOf = layout.parts.map(({ outline }) => `${outline[0]?.x.toFixed(0)},${outline[0]?.y.toFixed(0)}`).join(" ");
+    const firsts = layout.parts.flatMap(({ outline }) => outline.slice(0, 1));
+    const asOf = firsts.map(({ x, y }) => `${x.toFixed(0)},${y.toFixed(0)}`).join(" ");
     if (asOf === this.hiddenAsOf || this.viewport.navigation.isMoving) return;
     this.hiddenAsOf = asOf;
     this.hidden.clear();

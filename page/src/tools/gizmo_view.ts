@@ -21,7 +21,8 @@ export class GizmoView {
   readonly element = svg("g", { class: "gizmo", display: "none" });
   private readonly guide = svg("path", { class: "guide" });
   private readonly sector = svg("path", { class: "sector" });
-  private readonly pivot = svg("g", { class: "pivot" }, svg("circle", { r: 7 }), svg("path", { d: "M-13 0H13M0 -13V13" }));
+  private readonly cross = svg("path", { d: "M-13 0H13M0 -13V13" });
+  private readonly pivot = svg("g", { class: "pivot" }, svg("circle", { r: 7 }), this.cross);
   private readonly parts = new Map<string, SVGGElement>();
 
   constructor(
@@ -139,7 +140,7 @@ function shapeOf(part: Part, outline: readonly Spot[], centre: Spot): string {
     case "ball":
       return circlePath(first, 7);
     case "knob":
-      return `M${first.x - 7} ${first.y + 7}v-9M${first.x - 7} ${first.y + 7}h9` + squarePath({ x: first.x + 2, y: first.y - 2 }, 7);
+      return cornerPath(first) + squarePath({ x: first.x + 2, y: first.y - 2 }, 7);
     case "box":
       return squarePath(first, 5);
     case "arrow":
@@ -155,6 +156,10 @@ function circlePath({ x, y }: Spot, r: number): string {
 
 function squarePath({ x, y }: Spot, half: number): string {
   return `M${x - half} ${y - half}h${2 * half}v${2 * half}h${-2 * half}Z`;
+}
+
+function cornerPath({ x, y }: Spot): string {
+  return `M${x - 7} ${y + 7}v-9M${x - 7} ${y + 7}h9`;
 }
 
 // The head of an arrow that comes from `from`: at `tip`, a triangle on the page.

@@ -263,7 +263,8 @@ export class LoopTool extends ClickTool {
       }
     if (found === undefined) return undefined;
     const { vertices, vertex } = found;
-    return { key: `loop ${surface.id} ${vertices[0]}`, surface, vertices, words: "Boundary loop", ask: { loop_of: vertex } };
+    const key = `loop ${surface.id} ${vertices[0]}`;
+    return { key, surface, vertices, words: "Boundary loop", ask: { loop_of: vertex } };
   }
 
   protected override present(found: Found): void {
