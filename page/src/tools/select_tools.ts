@@ -162,11 +162,14 @@ export abstract class ClickTool implements Tool {
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
     const found = this.find(pointer, hit);
-    if (found?.key === this.shownKey) return;
-    this.leave();
-    if (found === undefined) return;
-    this.shownKey = found.key;
-    this.present(found, pointer);
+    if (found === undefined) return this.leave();
+    if (found.key !== this.shownKey) {
+      this.leave();
+      this.shownKey = found.key;
+      this.present(found);
+    }
+    const count = found.vertices === undefined ? "" : `: ${found.vertices.length.toLocaleString("en")} vertices`;
+    this.bench.status.say(`${found.words}${count}`, pointer.spot);
   }
   leave(): void {
     this.shownKey = undefined;
@@ -184,10 +187,8 @@ export abstract class ClickTool implements Tool {
     };
   }
 
-  protected present({ surface, vertices, words }: Found, { spot }: Pointer): void {
+  protected present({ surface, vertices }: Found): void {
     if (vertices !== undefined) this.bench.preview.show(surface, vertices);
-    const count = vertices === undefined ? "" : `: ${vertices.length.toLocaleString("en")} vertices`;
-    this.bench.status.say(`${words}${count}`, spot);
   }
 }
 
@@ -265,8 +266,7 @@ export class LoopTool extends ClickTool {
     return { key: `loop ${surface.id} ${vertices[0]}`, surface, vertices, words: "Boundary loop", ask: { loop_of: vertex } };
   }
 
-  protected override present(found: Found, pointer: Pointer): void {
-    this.bench.status.say(`Boundary loop: ${found.vertices?.length ?? 0} vertices`, pointer.spot);
+  protected override present(found: Found): void {
     this.loop = found.vertices === undefined ? undefined : { surface: found.surface, vertices: found.vertices };
     this.draw();
   }

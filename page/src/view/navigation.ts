@@ -235,7 +235,7 @@ export class Navigation {
     const pans = event.button === 2 || (event.button === 1 && event.shiftKey) || (event.button === 0 && event.shiftKey);
     this.drag = pans ? "pan" : "orbit";
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    this.host?.setPointerCapture(event.pointerId);
+    (event.target as Element).setPointerCapture(event.pointerId); // the canvas's, so that its clicks stay its own
     if (event.button === 1) event.preventDefault();
   }
 
@@ -264,7 +264,6 @@ export class Navigation {
 
   private release(event: PointerEvent): void {
     if (!this.pointers.delete(event.pointerId)) return;
-    if (this.host?.hasPointerCapture(event.pointerId)) this.host.releasePointerCapture(event.pointerId);
     if (this.pointers.size === 0) this.drag = undefined;
   }
 

@@ -1,10 +1,31 @@
 // Where the gizmo's parts are on the page, and what the document and the model hold.
 import type { Pose } from "../../src/protocol";
-import type { Person, Point } from "./harness";
+import { placesOf, run, type Person, type Point, type Stage } from "./harness";
+
+/** Opens a built-in model without what an earlier test left on it. */
+export async function openFresh(stage: Stage, sample: string, resolution?: number): Promise<void> {
+  await stage.openSample(sample, resolution);
+  await stage.person.page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    if (editor.offer.value === null) return;
+    await editor.ask({ do: "discard" });
+    editor.offer.value = null;
+  });
+  await stage.person.settle();
+}
+
+/** A built-in model's places, as it is without an edit. */
+export function sampled(stage: Stage, name: string): Float64Array {
+  const file = stage.folder.file(`${name}.obj`);
+  run("sample", name, "-o", file);
+  return placesOf(file);
+}
 
 /** A place where a part of the gizmo can be taken: "knob", "ring-z", "arrow-x" … */
 export async function gripOf(person: Person, part: string): Promise<Point> {
-  await person.page.waitForSelector(`[data-part="${part}"]:not([display])`, { state: "attached" });
+  const selector = `.gizmo:not([display]) > [data-part="${part}"]:not([display])`;
+  await person.page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  await person.page.waitForSelector(selector, { state: "attached" });
   return person.page.evaluate((id) => {
     const line = document.querySelector<SVGPathElement>(`[data-part="${id}"] .line`);
     const map = line?.getScreenCTM();

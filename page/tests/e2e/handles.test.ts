@@ -1,6 +1,6 @@
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
-import { placesOf, run, Stage } from "./harness";
-import { centreOf, distance, farthest, gripOf, placeOf, poseOf, sizeOf, verticesOf } from "./grips";
+import { Stage, type Person } from "./harness";
+import { centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled, sizeOf, verticesOf } from "./grips";
 
 let stage: Stage;
 beforeAll(async () => {
@@ -9,13 +9,6 @@ beforeAll(async () => {
 afterAll(() => stage.close());
 beforeEach(() => (stage.person.actions = 0));
 
-/** A built-in model's places, as it is without an edit. */
-function sampled(stage: Stage, name: string): Float64Array {
-  const file = stage.folder.file(`${name}.obj`);
-  run("sample", name, "-o", file);
-  return placesOf(file);
-}
-
 /** Vertices that moved by more than a thousandth of what moved most. */
 function moved(before: Float64Array, after: Float64Array): Set<number> {
   const far = Array.from({ length: before.length / 3 }, (_, v) => distance(placeOf(before, v), placeOf(after, v)));
@@ -23,9 +16,13 @@ function moved(before: Float64Array, after: Float64Array): Set<number> {
   return new Set(far.flatMap((by, v) => (by > 1e-3 * most ? [v] : [])));
 }
 
+async function held(person: Person): Promise<void> {
+  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
+}
+
 test("makes a nose bigger in three actions", async () => {
   const { person } = stage;
-  await stage.openSample("head");
+  await openFresh(stage, "head");
   const rest = sampled(stage, "head");
   await person.page.keyboard.press("Numpad1");
   await person.page.waitForTimeout(600);
@@ -42,25 +39,25 @@ test("makes a nose bigger in three actions", async () => {
   const pose = await poseOf(person);
   const scale = typeof pose?.scale === "number" ? pose.scale : (pose?.scale?.[0] ?? NaN);
   expect(scale).toBeGreaterThan(1.3);
-  const held = await verticesOf(person);
+  const vertices = await verticesOf(person);
   const saved = await stage.savedPlaces();
-  expect(held.length).toBeGreaterThan(5);
-  expect(sizeOf(saved, held) / sizeOf(rest, held)).toBeCloseTo(scale, 2);
-  expect(distance(centreOf(saved, held), centreOf(rest, held))).toBeLessThan(sizeOf(rest, held));
+  expect(vertices.length).toBeGreaterThan(5);
+  expect(sizeOf(saved, vertices) / sizeOf(rest, vertices)).toBeCloseTo(scale, 2);
+  expect(distance(centreOf(saved, vertices), centreOf(rest, vertices))).toBeLessThan(sizeOf(rest, vertices));
   expect(moved(rest, saved).size).toBeLessThan(rest.length / 6); // the face around, and nothing else
   expect(person.complaints).toEqual([]);
 });
 
 test("bends an arm in four actions, and takes it back", async () => {
   const { person } = stage;
-  await stage.openSample("octopus");
+  await openFresh(stage, "octopus");
   const rest = sampled(stage, "octopus");
   const tip = farthest(rest, [1, -0.3, 0]);
   const at = await person.screenOf(tip);
 
   await person.press("h");
   await person.stroke([at, [at[0] - 6, at[1] + 4]]);
-  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
+  await held(person);
   const ball = await gripOf(person, "ball");
   await person.stroke([ball, [ball[0] + 20, ball[1] - 90]]);
   const ring = await gripOf(person, "view-ring");
@@ -73,11 +70,11 @@ test("bends an arm in four actions, and takes it back", async () => {
   expect(pose?.translate).toBeDefined();
   expect(Math.abs(pose?.rotate?.angle_deg ?? 0)).toBeGreaterThan(5);
   const bent = await stage.savedPlaces();
-  const held = await verticesOf(person);
+  const vertices = await verticesOf(person);
   const [dx, dy, dz] = pose?.translate ?? [0, 0, 0];
-  const goal = centreOf(rest, held).map((part, k) => part + ([dx, dy, dz][k] as number));
-  expect(distance(centreOf(bent, held), goal)).toBeLessThan(0.5 * sizeOf(rest, held));
-  expect(sizeOf(bent, held)).toBeCloseTo(sizeOf(rest, held), 4);
+  const goal = centreOf(rest, vertices).map((part, k) => part + ([dx, dy, dz][k] as number));
+  expect(distance(centreOf(bent, vertices), goal)).toBeLessThan(0.5 * sizeOf(rest, vertices));
+  expect(sizeOf(bent, vertices)).toBeCloseTo(sizeOf(rest, vertices), 4);
 
   for (const _ of ["turn", "move", "paint"]) await person.press("Control+z");
   await person.settle();
@@ -91,12 +88,12 @@ test("bends an arm in four actions, and takes it back", async () => {
 
 test("turns twice round, by axis and number; escape leaves it as it was", async () => {
   const { person } = stage;
-  await stage.openSample("octopus");
+  await openFresh(stage, "octopus");
   const rest = sampled(stage, "octopus");
   const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
   await person.press("h");
   await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
-  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null, undefined, { timeout: 5000 });
+  await held(person);
   await person.settle();
 
   for (const key of ["r", "z", "7", "2", "0", "Enter"]) await person.press(key);
@@ -116,11 +113,11 @@ test("turns twice round, by axis and number; escape leaves it as it was", async 
   await person.settle();
   expect(await poseOf(person)).toEqual(before);
 
-  const held = await verticesOf(person);
+  const vertices = await verticesOf(person);
   const saved = await stage.savedPlaces();
   // A turn of 810° leaves the handle's vertices where one of 90° does.
   const [px, py] = await person.page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pivot ?? ([0, 0, 0] as const));
-  for (const v of held.slice(0, 50)) {
+  for (const v of vertices.slice(0, 50)) {
     const [x, y, z] = placeOf(rest, v);
     const goal = [px - (y - py), py + (x - px), z];
     expect(distance(placeOf(saved, v), goal)).toBeLessThan(1e-5);
@@ -129,12 +126,12 @@ test("turns twice round, by axis and number; escape leaves it as it was", async 
 
 test("snaps, scales one axis, and moves the pivot without moving the handle", async () => {
   const { person } = stage;
-  await stage.openSample("octopus");
+  await openFresh(stage, "octopus");
   const rest = sampled(stage, "octopus");
   const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
   await person.press("h");
   await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
-  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null, undefined, { timeout: 5000 });
+  await held(person);
   await person.settle();
 
   await person.press("Shift+S");
@@ -170,12 +167,12 @@ test("snaps, scales one axis, and moves the pivot without moving the handle", as
 
 test("drags the reach of a handle", async () => {
   const { person } = stage;
-  await stage.openSample("octopus");
+  await openFresh(stage, "octopus");
   const rest = sampled(stage, "octopus");
   const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
   await person.press("h");
   await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
-  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null, undefined, { timeout: 5000 });
+  await held(person);
   await person.settle();
   const reach = () => person.page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.reach ?? 0);
   const region = () => person.page.evaluate(() => window.meshgraft.viewport.main?.region.length ?? 0);
