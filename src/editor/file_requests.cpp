@@ -79,19 +79,38 @@ Json written_json(const WriteResult& written) {
   return {{"files", files}, {"notes", written.notes}};
 }
 
+// Of files that are not what they were when they were opened: saved edits will not run on them.
+void note_changed_inputs(const Document& document, Json& result) {
+  for (const EditInput& input : document.edit.inputs) {
+    if (input.file.empty() || !input.sha256) continue;
+    const fs::path file = document.edit.base_folder / input.file;
+    std::error_code gone;
+    if (!fs::exists(file, gone))
+      result["notes"].push_back(
+          fmt::format("{} is gone: the edit needs it to be run again. Put it back.", file.string()));
+    else if (sha256(read_file(file)) != *input.sha256)
+      result["notes"].push_back(
+          fmt::format("{} is another file than the one that was opened. What is shown and saved is the edit of "
+                      "that one, and "
+                      "the saved edit will not run on this one: put the earlier file back, or open this one "
+                      "and edit it anew.",
+                      file.string()));
+  }
+}
+
 struct MeshToWrite {
   fs::path file;
   std::optional<std::string> morph_target{};
 };
 
-Json write_outcome(const Document& document, const MeshToWrite& what, const Context& context) {
-  const EditFile edit = saved_form(document, document.edit.base_folder);
+Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context& context) {
+  const EditFile edit = saved_form(workspace.document(), workspace.document().edit.base_folder);
   const bool same_faces = std::all_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
     return std::holds_alternative<DeformStep>(step.action);
   });
   if (what.morph_target && !same_faces)
     throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot", "export.as");
-  const EditResult result = run_edit(edit, {.estimate_condition = false}, context);
+  const Workspace::Outcome result = workspace.outcome(context);
   WriteOptions options;
   if (what.morph_target) options.morph_target = MorphTarget{*what.morph_target, result.rest};
   return written_json(write_mesh(result.mesh, what.file, options, context));
@@ -210,11 +229,12 @@ Json Worker::save(const json::Value& message, const Context& context) {
   if (edit.empty() && mesh.empty()) message.fail("the edit has no file yet", "Give 'edit' or 'mesh'.");
 
   Json result = {{"files", Json::array()}, {"notes", Json::array()}};
-  if (!mesh.empty()) result = write_outcome(open_one().document(), {mesh}, context);
+  if (!mesh.empty()) result = write_outcome(open_one(), {mesh}, context);
   if (!edit.empty()) {
     save_edit(edit);
     result["files"].push_back(edit.string());
   }
+  note_changed_inputs(open_one().document(), result);
   return result;
 }
 
@@ -231,7 +251,9 @@ Json Worker::export_mesh(const json::Value& message, const Context& context) {
     what.morph_target = fields.has("name") ? fields.required("name").name() : "edit";
     require_morph_targets(what.file);
   }
-  return write_outcome(open_one().document(), what, context);
+  Json result = write_outcome(open_one(), what, context);
+  note_changed_inputs(open_one().document(), result);
+  return result;
 }
 
 }  // namespace meshgraft::editor

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <map>
 #include <memory>
@@ -33,20 +34,34 @@ struct StepBase {
   const Mesh& mesh() const { return scene().mesh; }
 };
 
-/// Runs the steps before the one that is worked on, and keeps what was run last.
+/// Runs the steps of documents, and keeps what was run last: a document that begins as another one did goes on
+/// from there.
 class StepBases {
  public:
   /// Throws what `run_edit` throws.
   std::shared_ptr<const StepBase> before(const Document& document, const Context& context);
 
+  using Scenes = std::shared_ptr<const std::map<std::string, Scene>>;
+  /// What the first `count` steps leave. Throws what `run_edit` throws.
+  Scenes after(const Document& document, std::size_t count, const Context& context);
+  /// That the steps of `document` leave this.
+  void remember(const Document& document, Scenes scenes);
+
  private:
   const LoadedInputs& inputs_of(const Document& document, const Context& context);
 
+  Scenes known_after(const Json& key) const;
+
   struct Known {
-    Json key;
+    Json key;  ///< of the steps before, and the mesh
     std::shared_ptr<const StepBase> base;
   };
-  std::deque<Known> known_;  ///< the newest last
+  struct Finished {
+    Json key;  ///< of the steps
+    Scenes scenes;
+  };
+  std::deque<Known> known_;        ///< the newest last
+  std::deque<Finished> finished_;  ///< the newest last
   Json inputs_key_;
   std::optional<LoadedInputs> inputs_;
   int last_id_ = 0;

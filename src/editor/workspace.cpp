@@ -166,6 +166,21 @@ fs::path Workspace::decline() {
   return journal_->set_aside();
 }
 
+void Workspace::finish(const Context& context) {
+  const DeformStep* step = deform_in_work(document_.edit);
+  if (step == nullptr || !is_ready(*step)) return;
+  if (StepBases::Scenes scenes = view_.outcome(document_, context))
+    bases_.remember(document_, std::move(scenes));
+}
+
+Workspace::Outcome Workspace::outcome(const Context& context) {
+  finish(context);
+  const EditFile saved = saved_form(document_, document_.edit.base_folder);
+  const StepBases::Scenes scenes = bases_.after(document_, saved.steps.size(), context);
+  const Scene& scene = scenes->at(saved.output.empty() ? outcome_of(saved.steps.back()) : saved.output);
+  return {scene.mesh, scene.rest};
+}
+
 void Workspace::mark_saved(const fs::path& edit) {
   source_.edit = edit;
   saved_ = document_.text;

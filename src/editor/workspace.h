@@ -44,6 +44,17 @@ class Workspace {
   /// Returns where it was put.
   std::filesystem::path decline();
 
+  /// What the document's steps leave, but for last ones that do nothing yet: the edit's output, and where its
+  /// vertices were. What the view shows is not solved again. Throws what `run_edit` throws.
+  struct Outcome {
+    Mesh mesh;
+    Points rest;
+  };
+  Outcome outcome(const Context& context);
+
+  /// Has the document's steps run, or what is shown of them kept, for a document that goes on from there.
+  void finish(const Context& context);
+
   void mark_saved(const std::filesystem::path& edit);
 
   const Document& document() const { return document_; }
