@@ -59,7 +59,7 @@ export class GizmoView {
   private drawPart(part: Part, layout: Layout, isHot: boolean, isHidden: boolean): void {
     const element = this.elementOf(part);
     const axis = part.axis === "free" ? "free" : "xyz".charAt(part.axis);
-    set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " hidden" : ""}` });
+    set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " covered" : ""}` });
     const outline = onOverlay(this.overlay, part.outline);
     const [c] = onOverlay(this.overlay, [layout.centre]) as [Spot];
     const d = part.kind === "view-ring" ? circlePath(c, viewRingPx) : shapeOf(part, outline, c);
