@@ -41,6 +41,24 @@ export async function gripOf(person: Person, part: string): Promise<Point> {
   }, part);
 }
 
+/** A place on the page near a vertex, with the model all around it: where a person would aim. */
+export async function aimAt(person: Person, vertex: number): Promise<Point> {
+  const [x, y] = await person.screenOf(vertex);
+  const at = await person.page.evaluate(([x, y]) => {
+    const { viewport } = window.meshgraft;
+    const isOn = (dx: number, dy: number) => viewport.pick(x + dx, y + dy) !== undefined;
+    for (let radius = 0; radius <= 40; radius += 4)
+      for (let k = 0; k < 16; ++k) {
+        const [dx, dy] = [radius * Math.cos((k * Math.PI) / 8), radius * Math.sin((k * Math.PI) / 8)];
+        if (isOn(dx, dy) && isOn(dx - 5, dy) && isOn(dx + 5, dy) && isOn(dx, dy + 5) && isOn(dx, dy - 5))
+          return [x + dx, y + dy] as const;
+      }
+    return undefined;
+  }, [x, y] as const);
+  if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
+  return at;
+}
+
 export function poseOf(person: Person, handle = "handle 1"): Promise<Pose | undefined> {
   return person.page.evaluate(
     (name) => window.meshgraft.editor.state.value?.handles.find((known) => known.name === name)?.pose,

@@ -1,6 +1,6 @@
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
 import { Stage, type Person } from "./harness";
-import { centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled, sizeOf, verticesOf } from "./grips";
+import { aimAt, centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled, sizeOf, verticesOf } from "./grips";
 
 let stage: Stage;
 beforeAll(async () => {
@@ -53,7 +53,7 @@ test("bends an arm in four actions, and takes it back", async () => {
   await openFresh(stage, "octopus");
   const rest = sampled(stage, "octopus");
   const tip = farthest(rest, [1, -0.3, 0]);
-  const at = await person.screenOf(tip);
+  const at = await aimAt(person, tip);
 
   await person.press("h");
   await person.stroke([at, [at[0] - 6, at[1] + 4]]);
