@@ -1,6 +1,7 @@
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
 import { Stage, type Person } from "./harness";
-import { aimAt, centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled, sizeOf, verticesOf } from "./grips";
+import { aimAt, centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled } from "./grips";
+import { sizeOf, verticesOf } from "./grips";
 
 let stage: Stage;
 beforeAll(async () => {
@@ -116,7 +117,9 @@ test("turns twice round, by axis and number; escape leaves it as it was", async 
   const vertices = await verticesOf(person);
   const saved = await stage.savedPlaces();
   // A turn of 810° leaves the handle's vertices where one of 90° does.
-  const [px, py] = await person.page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pivot ?? ([0, 0, 0] as const));
+  const [px, py] = await person.page.evaluate(
+    () => window.meshgraft.editor.state.value?.handles[0]?.pivot ?? ([0, 0, 0] as const),
+  );
   for (const v of vertices.slice(0, 50)) {
     const [x, y, z] = placeOf(rest, v);
     const goal = [px - (y - py), py + (x - px), z];
