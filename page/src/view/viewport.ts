@@ -243,6 +243,7 @@ export class Viewport {
   private render(): void {
     const { renderer, host, pipeline, settings } = this;
     if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
+    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the card
     const start = performance.now();
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
@@ -252,7 +253,7 @@ export class Viewport {
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.pace.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
-    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value);
+    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
     this.look.cavity.value = detail.occlusion ? 1 : 0;
     const { viewHeight, distance, orthographic } = this.navigation;
     pipeline.render(this.scene, this.camera, detail, 0.09 * this.ball.radius, orthographic ? viewHeight : viewHeight / distance);
