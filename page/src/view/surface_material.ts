@@ -162,7 +162,11 @@ void main() {
 `;
 
 /** The material of a surface. `defines` tell which attributes there are; see `Surface`. */
-export function surfaceMaterial(look: LookUniforms, deform: DeformUniforms, own: Record<string, IUniform>): ShaderMaterial {
+export function surfaceMaterial(
+  look: LookUniforms,
+  deform: DeformUniforms,
+  own: Record<string, IUniform>,
+): ShaderMaterial {
   return new ShaderMaterial({
     glslVersion: GLSL3,
     vertexShader,
