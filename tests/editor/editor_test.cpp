@@ -1,7 +1,11 @@
 // The editor's engine as a page sees it: through its socket.
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +19,7 @@
 
 #include "io/temporary_folder.h"
 #include "page_client.h"
+#include "support/defects.h"
 
 namespace meshgraft::test {
 namespace {
@@ -110,6 +115,34 @@ TEST(Editor, SendsTheWeightsOfTheLinearMethod) {
   Frame weights = page.frame(3);
   EXPECT_EQ(weights.header["width"], 16);
   EXPECT_EQ(weights.numbers["blocks"].size(), 16 * weights.indices["vertices"].size());
+}
+
+TEST(Editor, SendsWeightsToAllCopiesOfWeldedVertices) {
+  const TemporaryFolder folder;
+  write_mesh(as_soup(make_sample("bar", 12)), folder / "soup.ply");
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask({{"do", "open"}, {"path", (folder / "soup.ply").string()}});
+  paint_top(page);
+  page.ask({{"do", "settings"}, {"settings", {{"method", "ft05"}}}});
+  const Frame mesh = page.frame(1);
+  const Frame weights = page.frame(3);
+  const auto& vertices = weights.indices.at("vertices");
+  const auto& rows = weights.indices.at("rows");
+  ASSERT_EQ(rows.size(), vertices.size());
+  const auto place = [&](std::size_t v) {
+    const auto& p = mesh.numbers.at("positions");
+    return std::array<float, 3>{p[3 * v], p[3 * v + 1], p[3 * v + 2]};
+  };
+  std::map<std::array<float, 3>, std::int32_t> row_at;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ASSERT_LT(3 * static_cast<std::size_t>(rows[i]), weights.numbers.at("positions").size());
+    EXPECT_EQ(row_at.try_emplace(place(static_cast<std::size_t>(vertices[i])), rows[i]).first->second, rows[i]);
+  }
+  EXPECT_EQ(3 * row_at.size(), weights.numbers.at("positions").size());
+  const std::set<std::int32_t> moving(vertices.begin(), vertices.end());
+  for (std::size_t v = 0; 3 * v < mesh.numbers.at("positions").size(); ++v)
+    EXPECT_EQ(moving.count(static_cast<std::int32_t>(v)), row_at.count(place(v))) << v;
 }
 
 TEST(Editor, UndoesToTheFirstBytesAndRedoesToTheLast) {

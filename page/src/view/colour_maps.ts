@@ -35,7 +35,8 @@ export function colourAt(map: ColourMap, t: number): [number, number, number] {
 /** Bytes of a texture of `size` texels, RGBA. */
 export function colourTable(map: ColourMap, size: number): Uint8Array<ArrayBuffer> {
   const table = new Uint8Array(4 * size);
-  for (let i = 0; i < size; ++i) table.set([...colourAt(map, i / (size - 1)).map((c) => Math.round(255 * c)), 255], 4 * i);
+  for (let i = 0; i < size; ++i)
+    table.set([...colourAt(map, i / (size - 1)).map((c) => Math.round(255 * c)), 255], 4 * i);
   return table;
 }
 

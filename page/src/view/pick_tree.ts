@@ -37,7 +37,12 @@ export class PickTree {
     const tree = this.current();
     if (tree === undefined) {
       const { positions, triangles } = this.surface;
-      return meetTriangles(positions, triangles, [origin.x, origin.y, origin.z], [direction.x, direction.y, direction.z]);
+      return meetTriangles(
+        positions,
+        triangles,
+        [origin.x, origin.y, origin.z],
+        [direction.x, direction.y, direction.z],
+      );
     }
     const hit = tree.raycastFirst(new Ray(origin, direction), DoubleSide);
     const face = hit?.faceIndex;
@@ -111,7 +116,9 @@ export class PickTree {
     if (answer.what !== "tree") return;
     this.usePositions();
     const serialised = { version: 1, roots: answer.roots, index: null, indirectBuffer: answer.order };
-    this.tree = MeshBVH.deserialize(serialised as Parameters<typeof MeshBVH.deserialize>[0], this.geometry, { setIndex: false });
+    this.tree = MeshBVH.deserialize(serialised as Parameters<typeof MeshBVH.deserialize>[0], this.geometry, {
+      setIndex: false,
+    });
     this.version = answer.version;
   }
 }

@@ -1,4 +1,14 @@
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, Vector3, type IUniform, type LineSegments, type Matrix4 } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  Mesh,
+  Sphere,
+  Vector3,
+  type IUniform,
+  type LineSegments,
+  type Matrix4,
+} from "three";
 import type { ShaderMaterial, WebGLRenderer } from "three";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
@@ -136,7 +146,8 @@ export class Surface {
     const every = Math.max(1, Math.floor(count / 8000));
     const places = new Float32Array(3 * Math.ceil(count / every));
     const place = new Vector3();
-    for (let i = 0; i * every < count; ++i) this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
+    for (let i = 0; i * every < count; ++i)
+      this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
     return places;
   }
 

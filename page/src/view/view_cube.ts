@@ -6,7 +6,14 @@ export type Side = "front" | "back" | "left" | "right" | "top" | "bottom";
 
 /** What a side's view looks along, and what is up in it, on a turntable with these axes (front, right, up). */
 export function viewFrom(side: Side, [front, right, above]: readonly Vector3[]): { direction: Vector3; up: Vector3 } {
-  const to = { front, back: front?.clone().negate(), right, left: right?.clone().negate(), top: above, bottom: above?.clone().negate() };
+  const to = {
+    front,
+    back: front?.clone().negate(),
+    right,
+    left: right?.clone().negate(),
+    top: above,
+    bottom: above?.clone().negate(),
+  };
   const eye = to[side] ?? new Vector3(0, 0, 1);
   const upright = side === "top" ? front?.clone().negate() : side === "bottom" ? front : above;
   return { direction: eye.clone().negate(), up: upright?.clone() ?? new Vector3(0, 1, 0) };
@@ -32,7 +39,10 @@ export class ViewCube {
     this.element.append(this.turning);
     this.element.addEventListener("pointerdown", (event) => this.begin(event));
     this.element.addEventListener("pointermove", (event) => this.drag(event));
-    this.element.addEventListener("pointerup", () => (this.press = this.press?.moved === true ? this.press : undefined));
+    this.element.addEventListener(
+      "pointerup",
+      () => (this.press = this.press?.moved === true ? this.press : undefined),
+    );
     this.element.addEventListener("click", (event) => this.swallow(event), true);
   }
 
@@ -54,7 +64,9 @@ export class ViewCube {
     const right = new Vector3().crossVectors(up, normal);
     const face = document.createElement("div");
     face.className = "view-cube-face";
-    const place = new Matrix4().makeBasis(right, up.clone().negate(), normal).setPosition(normal.clone().multiplyScalar(half));
+    const place = new Matrix4()
+      .makeBasis(right, up.clone().negate(), normal)
+      .setPosition(normal.clone().multiplyScalar(half));
     face.style.transform = matrix3d(place);
     for (let j = 1; j >= -1; --j)
       for (let i = -1; i <= 1; ++i) {

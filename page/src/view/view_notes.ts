@@ -42,7 +42,7 @@ export class ViewNotes {
     const length = roundLength(130 * worldPerPixel);
     setText(this.scaleText, lengthText(length, unit));
     this.scale.style.width = `${(length / worldPerPixel).toFixed(1)}px`;
-    setText(this.size, sizeText(size, unit));
+    setText(this.size, unit === "mm" || unit === "none" ? "" : sizeText(size, unit)); // else the page tells it anyway
   }
 
   showLegend(legend: Legend | null): void {

@@ -1,5 +1,18 @@
 import { effect, signal } from "@preact/signals";
-import { BufferGeometry, ColorManagement, Group, LinearSRGBColorSpace, Matrix4, Points, Ray, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
+import {
+  BufferGeometry,
+  ColorManagement,
+  Group,
+  LinearSRGBColorSpace,
+  Matrix4,
+  Points,
+  Ray,
+  Scene,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
 import type { OrthographicCamera, PerspectiveCamera } from "three";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
@@ -97,7 +110,14 @@ export class Viewport {
     this.pipeline = new Pipeline(renderer);
     this.host = host;
     Object.assign(renderer.domElement.style, { display: "block", position: "absolute", inset: "0" });
-    Object.assign(this.overlay.style, { position: "absolute", inset: "0", width: "100%", height: "100%", pointerEvents: "none", overflow: "hidden" });
+    Object.assign(this.overlay.style, {
+      position: "absolute",
+      inset: "0",
+      width: "100%",
+      height: "100%",
+      pointerEvents: "none",
+      overflow: "hidden",
+    });
     host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
     effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);
@@ -243,6 +263,7 @@ export class Viewport {
   private render(): void {
     const { renderer, host, pipeline, settings } = this;
     if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
+    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the card
     const start = performance.now();
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
@@ -252,10 +273,16 @@ export class Viewport {
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.pace.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
-    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value);
+    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
     this.look.cavity.value = detail.occlusion ? 1 : 0;
     const { viewHeight, distance, orthographic } = this.navigation;
-    pipeline.render(this.scene, this.camera, detail, 0.09 * this.ball.radius, orthographic ? viewHeight : viewHeight / distance);
+    pipeline.render(
+      this.scene,
+      this.camera,
+      detail,
+      0.09 * this.ball.radius,
+      orthographic ? viewHeight : viewHeight / distance,
+    );
     renderer.clearDepth();
     renderer.render(this.helpersScene, this.camera);
     this.pace.finish(renderer, start, moving);
@@ -348,7 +375,8 @@ export class Viewport {
     this.applyTo(surface);
     this.measure();
     this.layGround();
-    const similar = before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
+    const similar =
+      before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
     this.navigation.update(this.box().width / Math.max(1, this.box().height));
     if (first || !similar) this.fit("all", false);
   }

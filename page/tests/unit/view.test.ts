@@ -1,4 +1,15 @@
-import { Box3, BoxGeometry, DoubleSide, Matrix4, Quaternion, Ray, Sphere, TorusGeometry, Vector3, type BufferGeometry } from "three";
+import {
+  Box3,
+  BoxGeometry,
+  DoubleSide,
+  Matrix4,
+  Quaternion,
+  Ray,
+  Sphere,
+  TorusGeometry,
+  Vector3,
+  type BufferGeometry,
+} from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { describe, expect, it } from "vitest";
 import { roundLength } from "../../src/view/backdrop";
@@ -82,7 +93,10 @@ describe("frames of handles", () => {
     const random = randoms(7);
     const number = () => 4 * random() - 2;
     for (let trial = 0; trial < 50; ++trial) {
-      const turn = new Quaternion().setFromAxisAngle(new Vector3(number(), number(), number()).normalize(), 3 * number());
+      const turn = new Quaternion().setFromAxisAngle(
+        new Vector3(number(), number(), number()).normalize(),
+        3 * number(),
+      );
       const scale = new Vector3(0.2 + random(), 1 + random(), 3 * random() + 0.1);
       const pose = new Matrix4().compose(new Vector3(number(), number(), number()).multiplyScalar(100), turn, scale);
       const centre = [100 * number(), 100 * number(), 100 * number()] as const;
@@ -97,7 +111,9 @@ describe("frames of handles", () => {
         const [a = 0, b = 0, c = 0, d = 0] = frame.subarray(4 * i, 4 * i + 4);
         return (centre[i] ?? 0) + unit * ((p[i] ?? 0) + px * a + py * b + pz * c + d);
       });
-      expect(expected.distanceTo(new Vector3(...(moved as [number, number, number])))).toBeLessThan(2e-5 * (unit + expected.length()));
+      expect(expected.distanceTo(new Vector3(...(moved as [number, number, number])))).toBeLessThan(
+        2e-5 * (unit + expected.length()),
+      );
     }
   });
 
@@ -109,14 +125,30 @@ describe("frames of handles", () => {
   });
 
   it("come from poses as edit files have them", () => {
-    const matrix = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [0, 0, 0, 1]] as [number[], number[], number[], number[]];
+    const matrix = [
+      [1, 2, 3, 4],
+      [5, 6, 7, 8],
+      [9, 10, 11, 12],
+      [0, 0, 0, 1],
+    ] as [number[], number[], number[], number[]];
     const given = matrixOfPose({ matrix: matrix as never });
     expect(new Vector3(1, 1, 1).applyMatrix4(given ?? new Matrix4()).toArray()).toEqual([10, 26, 42]);
-    const pose = { translate: [0, 0, 5] as [number, number, number], rotate: { axis: [0, 0, 2] as [number, number, number], angle_deg: 90 }, scale: 2 };
+    const pose = {
+      translate: [0, 0, 5] as [number, number, number],
+      rotate: { axis: [0, 0, 2] as [number, number, number], angle_deg: 90 },
+      scale: 2,
+    };
     const turned = matrixOfPose(pose, [1, 0, 0]) ?? new Matrix4();
     expect(new Vector3(1, 0, 0).applyMatrix4(turned).distanceTo(new Vector3(1, 0, 5))).toBeLessThan(1e-12);
     expect(new Vector3(2, 0, 0).applyMatrix4(turned).distanceTo(new Vector3(1, 2, 5))).toBeLessThan(1e-12);
-    expect(matrixOfPose({ curve: [[0, 0, 0], [1, 0, 0]] })).toBeUndefined();
+    expect(
+      matrixOfPose({
+        curve: [
+          [0, 0, 0],
+          [1, 0, 0],
+        ],
+      }),
+    ).toBeUndefined();
   });
 
   it("fit into textures, or are refused", () => {
@@ -129,7 +161,16 @@ describe("frames of handles", () => {
 
 describe("polygons", () => {
   it("contain what lies inside, concave ones too", () => {
-    const letter = new PolygonTest([[0, 0], [10, 0], [10, 10], [7, 10], [7, 3], [3, 3], [3, 10], [0, 10]]); // a U
+    const letter = new PolygonTest([
+      [0, 0],
+      [10, 0],
+      [10, 10],
+      [7, 10],
+      [7, 3],
+      [3, 3],
+      [3, 10],
+      [0, 10],
+    ]); // a U
     expect(letter.contains(1.5, 8)).toBe(true);
     expect(letter.contains(5, 1)).toBe(true);
     expect(letter.contains(5, 8)).toBe(false);
@@ -139,8 +180,18 @@ describe("polygons", () => {
 
   it("share no point with their neighbours", () => {
     const random = randoms(3);
-    const left = new PolygonTest([[0, 0], [0.5, 0], [0.3, 1], [0, 1]]);
-    const right = new PolygonTest([[0.5, 0], [1, 0], [1, 1], [0.3, 1]]);
+    const left = new PolygonTest([
+      [0, 0],
+      [0.5, 0],
+      [0.3, 1],
+      [0, 1],
+    ]);
+    const right = new PolygonTest([
+      [0.5, 0],
+      [1, 0],
+      [1, 1],
+      [0.3, 1],
+    ]);
     for (let i = 0; i < 2000; ++i) {
       const [x, y] = [random(), random()];
       expect(left.contains(x, y) !== right.contains(x, y)).toBe(true);
@@ -178,7 +229,9 @@ describe("topology", () => {
     const found = edgesOf(flat.triangles, 441);
     expect(found.boundary).toHaveLength(2 * 80);
     expect(found.edges).toHaveLength(2 * (2 * 20 * 21 + 400));
-    expect(new Set(Array.from({ length: 1240 }, (_, i) => `${found.edges[2 * i]} ${found.edges[2 * i + 1]}`)).size).toBe(1240);
+    expect(
+      new Set(Array.from({ length: 1240 }, (_, i) => `${found.edges[2 * i]} ${found.edges[2 * i + 1]}`)).size,
+    ).toBe(1240);
   });
 
   it("makes a coarse version on the same vertices, near the size that is asked for", () => {
@@ -187,7 +240,9 @@ describe("topology", () => {
     expect(coarse.length / 3).toBeGreaterThan(1000);
     expect(coarse.length / 3).toBeLessThan(4000);
     expect(coarse.every((v) => v < 201 * 201)).toBe(true);
-    const box = new Box3().setFromArray(Array.from(coarse, (v) => [...flat.positions.subarray(3 * v, 3 * v + 3)]).flat());
+    const box = new Box3().setFromArray(
+      Array.from(coarse, (v) => [...flat.positions.subarray(3 * v, 3 * v + 3)]).flat(),
+    );
     expect(box.getSize(new Vector3()).x).toBeGreaterThan(180);
   });
 });
@@ -200,8 +255,7 @@ describe("normals and heat", () => {
     expect([...part.vertices].length).toBe(7); // itself and six around it
     positions[3 * 60 + 2] = 0.5;
     all(part.update(positions, normals));
-    for (const v of part.vertices)
-      expect(Math.hypot(...normals.subarray(3 * v, 3 * v + 3))).toBeCloseTo(1, 5);
+    for (const v of part.vertices) expect(Math.hypot(...normals.subarray(3 * v, 3 * v + 3))).toBeCloseTo(1, 5);
     expect(normals[0]).toBe(7);
     expect(normals[3 * 60 + 2]).toBeGreaterThan(0.5);
     expect(normals[3 * 59]).toBeLessThan(-0.05); // a slope that rises to the right leans to the left
@@ -212,7 +266,14 @@ describe("normals and heat", () => {
     for (const of of ["area", "edges"] as const) {
       const none = all(stretchOf(of, positions, positions, triangles));
       expect(Math.max(...none.map(Math.abs))).toBe(0);
-      const doubled = all(stretchOf(of, positions, positions.map((x) => 2 * x), triangles));
+      const doubled = all(
+        stretchOf(
+          of,
+          positions,
+          positions.map((x) => 2 * x),
+          triangles,
+        ),
+      );
       for (const value of doubled) expect(value).toBeCloseTo(of === "area" ? 2 : 1, 4);
     }
   });
@@ -229,7 +290,10 @@ describe("normals and heat", () => {
   it("has ranges that few extremes do not spoil", () => {
     const values = Float32Array.from({ length: 1000 }, (_, i) => (i === 0 ? 1e6 : i / 1000));
     expect(heatRange("detail", values)[1]).toBeLessThan(1);
-    const [low, high] = heatRange("stretch", values.map((x, i) => (i % 2 === 0 ? x : -x)));
+    const [low, high] = heatRange(
+      "stretch",
+      values.map((x, i) => (i % 2 === 0 ? x : -x)),
+    );
     expect(low).toBe(-high);
   });
 });
@@ -266,7 +330,12 @@ describe("what is sent to the card", () => {
 
 describe("navigation", () => {
   function navigation(up: "y" | "z" = "z"): Navigation {
-    const one = new Navigation({ requestRender: () => undefined, placeUnder: () => undefined, bounds: () => new Sphere(new Vector3(), 1), fitUnder: () => undefined });
+    const one = new Navigation({
+      requestRender: () => undefined,
+      placeUnder: () => undefined,
+      bounds: () => new Sphere(new Vector3(), 1),
+      fitUnder: () => undefined,
+    });
     one.up = up;
     one.update(1.5);
     return one;
@@ -303,7 +372,9 @@ describe("navigation", () => {
       one.orthographic = orthographic;
       one.fit(torus.positions, 0, false);
       one.update(1.5);
-      const places = Array.from({ length: torus.positions.length / 3 }, (_, v) => new Vector3().fromArray(torus.positions, 3 * v).project(one.camera));
+      const places = Array.from({ length: torus.positions.length / 3 }, (_, v) =>
+        new Vector3().fromArray(torus.positions, 3 * v).project(one.camera),
+      );
       const most = Math.max(...places.map((p) => Math.max(Math.abs(p.x), Math.abs(p.y))));
       expect(most).toBeLessThan(1);
       expect(most).toBeGreaterThan(0.7);
