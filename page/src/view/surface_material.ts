@@ -110,7 +110,7 @@ ${lightShader}
 // Whether the outside is seen. At the rim of a shape slivers of triangles that face away are seen through gaps of a pixel;
 // their normals tell them from an inside.
 bool isOutside() {
-  return gl_FrontFacing || dot(shownNormal, seenFrom) < 0.15 * length(shownNormal) * length(seenFrom);
+  return gl_FrontFacing || dot(shownNormal, seenFrom) < 0.5 * length(shownNormal) * length(seenFrom);
 }
 
 vec3 surfaceNormal() {
