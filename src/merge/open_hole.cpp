@@ -733,11 +733,20 @@ FlatLoop flat_loop(const Mesh& target, const Mesh& source, const std::vector<Ind
 
 }  // namespace
 
-Eigen::Affine3d drop_pose(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
-                          const Drop& drop, const Context& context) {
-  validate(drop, target);
-  const FlatLoop loop = flat_loop(target, source, source_loop);
-  const Surface surface(std::shared_ptr<const Mesh>(&target, [](const Mesh*) {}), context);
+struct DropGuide::Scenery {
+  Surface surface;
+  FlatLoop loop;
+};
+
+DropGuide::DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source,
+                     const std::vector<Index>& source_loop, const Context& context) {
+  FlatLoop loop = flat_loop(*target, source, source_loop);
+  scenery_ = std::make_shared<const Scenery>(Surface(std::move(target), context), std::move(loop));
+}
+
+Eigen::Affine3d DropGuide::pose(const Drop& drop) const {
+  const auto& [surface, loop] = *scenery_;
+  validate(drop, surface.mesh);
   const SurfacePoint place = place_on(surface, drop);
   const double size = drop.size.value_or(1);
   return stand_map(loop, stand_on(surface, place, loop, size, drop.spin_deg), size, place.point);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -52,11 +53,21 @@ struct OpenedHole {
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context = {});
 
-/// Where a part stands that is dropped, before it is bent: a similarity of the source's coordinates, in the
-/// size of `drop` (absent: its own), that lays its loop level with the surface around the place. No hole is
-/// opened, so that this follows a pointer. Throws Error(input) as `open_hole` for a place or a loop that is
-/// none.
-Eigen::Affine3d drop_pose(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
-                          const Drop& drop, const Context& context = {});
+/// Where a part stands that is dropped, before it is bent. No hole is opened, so that this follows a pointer:
+/// the constructor does what does not depend on the place.
+class DropGuide {
+ public:
+  /// Throws Error(input) as `open_hole` for a loop that is none.
+  DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source, const std::vector<Index>& source_loop,
+            const Context& context = {});
+
+  /// The similarity of the source's coordinates, in the size of `drop` (absent: its own), that lays its loop
+  /// level with the surface around the place. Throws Error(input) as `open_hole` for a place that is none.
+  Eigen::Affine3d pose(const Drop& drop) const;
+
+ private:
+  struct Scenery;
+  std::shared_ptr<const Scenery> scenery_;
+};
 
 }  // namespace meshgraft
