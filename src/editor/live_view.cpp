@@ -23,7 +23,7 @@ bool is_plain(const DeformStep& step) {
          step.settings.proxy == 0;
 }
 
-Json key_of(const Document& document, const StepBase& base) {
+Json key_of(const Document& document, const Object& base) {
   Json step = document.json["steps"].back();
   if (step.contains("handles"))
     for (Json& handle : step["handles"])
@@ -49,7 +49,7 @@ Json live_fields(LiveStage stage) { return {{"stage", to_string(stage)}}; }
 
 }  // namespace
 
-LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const StepBase> base) const {
+LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Object> base) const {
   Plan plan;
   plan.base = std::move(base);
   const DeformStep* step = deform_in_work(document.edit);
@@ -71,7 +71,7 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
   if (!goes_on) live_.reset();
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
-  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_));
+  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model"));
   shown_mesh_ = base_->id;
   if (!plan.ready) return show_rest();
 
@@ -134,7 +134,7 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
 
 // What no frame of the region alone would show: as saving does it.
 void LiveView::run_exactly(const Document& document, const Context& context) {
-  std::map<std::string, Scene> scenes = base_->scenes;
+  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
   const EditStep& step = document.edit.steps.back();
   const StepReport report =
       run_step(document.edit, step, place_of(document), scenes, {.estimate_condition = false}, context);

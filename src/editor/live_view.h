@@ -10,8 +10,8 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/live_deformer.h>
 
+#include "objects.h"
 #include "protocol.h"
-#include "step_base.h"
 
 namespace meshgraft::editor {
 
@@ -30,13 +30,13 @@ class LiveView {
 
   /// A document that can be shown. What is found to be wrong with it is thrown before anything changes.
   struct Plan {
-    std::shared_ptr<const StepBase> base;
+    std::shared_ptr<const Object> base;
     Json key;                          ///< all that matters but the poses
     std::optional<DeformSetup> setup;  ///< absent: the step is not ready, or as it was but for the poses
     std::vector<HandlePose> poses;
     bool ready = false;
   };
-  Plan plan(const Document& document, std::shared_ptr<const StepBase> base) const;
+  Plan plan(const Document& document, std::shared_ptr<const Object> base) const;
 
   /// `context` is for a step that cannot be dragged, which is run as it is; throws what that throws.
   void show(const Document& document, Plan plan, const Context& context);
@@ -49,7 +49,7 @@ class LiveView {
   void poll();
   bool settled() const;
 
-  const StepBase& base() const { return *base_; }
+  const Object& base() const { return *base_; }
   std::int64_t last_pose() const { return last_pose_; }
   const std::vector<ShownHandle>& handles() const { return handles_; }
   Json counts() const;
@@ -63,7 +63,7 @@ class LiveView {
   void drag_to(const std::vector<HandlePose>& poses);
 
   Outbox outbox_;
-  std::shared_ptr<const StepBase> base_;
+  std::shared_ptr<const Object> base_;
   Json key_;
   int shown_mesh_ = 0;
   Region region_;

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -17,38 +19,77 @@
 
 namespace meshgraft::editor {
 
-/// The meshes as the step that is worked on finds them, and what selecting and showing needs to know.
-struct StepBase {
-  std::map<std::string, Scene> scenes;
-  std::string mesh_name;
+/// A mesh of a document as the step in work finds it, and what selecting and showing needs to know.
+struct Object {
+  std::string name;  ///< in the document
+  std::shared_ptr<const Scene> shared_scene;
   int id = 0;  ///< of its mesh, for the page
   Weld weld;
   Mesh welded;
   std::optional<SelectionContext> selections;  ///< on the mesh, or on the welded one
+  std::vector<std::vector<Index>> loops;       ///< of the mesh, as merge steps number them
   Triangles triangles;                         ///< of the mesh
   Eigen::RowVector3d offset;                   ///< the middle of its box
   double diagonal = 0;                         ///< of it
 
-  const Scene& scene() const { return scenes.at(mesh_name); }
+  const Scene& scene() const { return *shared_scene; }
   const Mesh& mesh() const { return scene().mesh; }
 };
 
-/// Runs the steps before the one that is worked on, and keeps what was run last.
-class StepBases {
+/// What the step in work finds.
+struct Stage {
+  std::shared_ptr<const Object> model;  ///< what is deformed, or grafted onto
+  std::vector<std::shared_ptr<const Object>> parts;
+
+  /// The object of that name. Throws Error(input).
+  const std::shared_ptr<const Object>& named(const std::string& name) const;
+};
+
+/// Values by what they were made from; those that were not used for longest go.
+template <class Value>
+class Recent {
  public:
-  /// Throws what `run_edit` throws.
-  std::shared_ptr<const StepBase> before(const Document& document, const Context& context);
+  std::shared_ptr<const Value> find(const std::string& key) {
+    const auto found =
+        std::find_if(entries_.begin(), entries_.end(), [&](const auto& entry) { return entry.first == key; });
+    if (found == entries_.end()) return nullptr;
+    std::rotate(found, found + 1, entries_.end());
+    return entries_.back().second;
+  }
+  void put(const std::string& key, std::shared_ptr<const Value> value) {
+    entries_.emplace_back(key, std::move(value));
+  }
+  void keep(std::size_t count) {
+    while (entries_.size() > count) entries_.pop_front();
+  }
 
  private:
-  const LoadedInputs& inputs_of(const Document& document, const Context& context);
+  std::deque<std::pair<std::string, std::shared_ptr<const Value>>> entries_;
+};
 
-  struct Known {
-    Json key;
-    std::shared_ptr<const StepBase> base;
-  };
-  std::deque<Known> known_;  ///< the newest last
-  Json inputs_key_;
-  std::optional<LoadedInputs> inputs_;
+/// Reads a document's inputs and runs its steps, each once as long as what it is made from stays the same.
+class Objects {
+ public:
+  /// Runs the steps before the one in work. Throws what `run_edit` throws.
+  Stage before(const Document& document, const Context& context);
+
+  /// What a merge step in work made, as `run_step` left it: no need to run it again when it is accepted.
+  void learn(const Document& document, std::shared_ptr<const Scene> outcome);
+
+ private:
+  /// What each step was made from, and each input.
+  struct Keys;
+
+  std::shared_ptr<const Scene> input(const Document& document, const std::string& name, const Keys& keys,
+                                     const Context& context);
+  /// As the first `count` steps leave it.
+  std::shared_ptr<const Scene> scene(const Document& document, const std::string& name, std::size_t count,
+                                     const Keys& keys, const Context& context);
+  std::shared_ptr<const Object> object(const std::string& name, const std::string& key,
+                                       std::shared_ptr<const Scene> scene);
+
+  Recent<Scene> inputs_, scenes_;
+  Recent<Object> objects_;
   int last_id_ = 0;
 };
 
