@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <meshgraft/edit/report.h>
 #include <meshgraft/edit/resolve_deform.h>
 #include <meshgraft/edit/run_edit.h>
+#include <meshgraft/merge/open_hole.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/triage.h>
 #include <meshgraft/mesh/weld.h>
@@ -67,6 +69,25 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
                       const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+
+/// Where the source of a merge step with `at` stands before it bends.
+class DropStand {
+ public:
+  /// Throws Error(input) as the step does for a loop that is none.
+  DropStand(const EditFile& edit, const MergeStep& step, const std::string& place, const Scene& target,
+            const Scene& source);
+
+  /// A map of the source's own coordinates, with `at` and `size` of a step that is else the same. Where no size
+  /// is given the part has its own, though the merge may make it smaller. Throws Error(input) for a place that
+  /// is none.
+  Eigen::Affine3d map(const MergeStep& step) const;
+
+ private:
+  std::string place_;
+  Eigen::Affine3d posing_;
+  std::optional<DropGuide> guide_;
+};
+
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
                    const Context& context);
 

@@ -98,6 +98,8 @@ std::string outcome_of(const Json& step) {
 
 Json& step_of(Json& document) {
   Json& steps = document["steps"];
+  if (steps.back()["kind"] == "merge")
+    throw Error(ErrorCode::usage, "a graft is in work", "deform", "Accept the graft, or cancel it, first.");
   if (steps.back()["kind"] != "deform") steps.push_back(empty_step(outcome_of(steps.back())));
   Json& step = steps.back();
   if (!step.contains("region")) step["region"] = "all";

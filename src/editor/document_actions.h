@@ -9,8 +9,8 @@
 
 namespace meshgraft::editor {
 
-// Changes of a document as JSON, on the step that is worked on; one is added where the last step is no deform
-// step. `make_document` then says whether what came out is an edit.
+// Changes of a document as JSON, on the step that is worked on; one is added where the last step is a cut. They
+// throw Error(usage) where it is a graft. `make_document` then says whether what came out is an edit.
 
 Json& step_of(Json& document);
 

@@ -31,6 +31,11 @@ bool is_mesh(const fs::path& path) {
   }
 }
 
+// What is hidden, and journals with what they keep, is none of the page's.
+bool is_listed(const std::string& name) {
+  return !name.starts_with(".") && name.find(".meshgraft-session") == std::string::npos;
+}
+
 bool is_edit(const fs::path& path) {
   if (path.extension() != ".json") return false;
   std::string start(1024, '\0');
@@ -59,16 +64,16 @@ void require_no_input(const fs::path& file, const Document& document) {
         throw Error(ErrorCode::usage, "this is an input of the edit", file.string(), "Choose another name.");
 }
 
-// What was uploaded lasts no longer than the program: the edit gets a copy beside it.
-Document with_kept_uploads(Document document, const fs::path& uploads, const fs::path& folder) {
-  if (uploads.empty()) return document;
+// What was uploaded lasts no longer than the program or the journal: the edit gets a copy beside it.
+Document with_kept_uploads(Document document, const std::vector<fs::path>& uploads, const fs::path& folder) {
   Json json = document.json;
   for (const EditInput& input : document.edit.inputs) {
     const fs::path file = document.edit.base_folder / input.file;
-    if (input.file.empty() || file.parent_path() != uploads || folder == uploads) continue;
-    fs::copy_file(file, folder / file.filename(), fs::copy_options::skip_existing);
+    const fs::path here = file.parent_path();
+    const bool is_upload = !here.empty() && std::find(uploads.begin(), uploads.end(), here) != uploads.end();
+    if (input.file.empty() || !is_upload || here == folder) continue;
     json["inputs"][input.name]["file"] =
-        fs::relative(folder / file.filename(), document.edit.base_folder).string();
+        fs::relative(copy_into(folder, file), document.edit.base_folder).string();
   }
   return make_document(json, document.edit.base_folder);
 }
@@ -168,8 +173,7 @@ Json Worker::list(const json::Value& message, const Context&) {
   const fs::path folder = shared_.folders.inside(fields.required("folder").name());
   std::vector<fs::directory_entry> entries;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entries.size() < most_entries && !entry.path().filename().string().starts_with("."))
-      entries.push_back(entry);
+    if (entries.size() < most_entries && is_listed(entry.path().filename().string())) entries.push_back(entry);
   std::sort(entries.begin(), entries.end());
   for (const auto& entry : entries) {
     std::error_code ignored;
@@ -213,7 +217,8 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
 
 void Worker::save_edit(const fs::path& file) {
   const fs::path folder = file.parent_path();
-  const Document kept = with_kept_uploads(open_one().document(), shared_.upload_folder, folder);
+  const Document kept =
+      with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder);
   write_file_atomically(file, write_edit(saved_form(kept, folder)));
   open_one().mark_saved(file);
   tell_state();

@@ -25,7 +25,7 @@ bool is_plain(const DeformStep& step) {
          step.settings.proxy == 0;
 }
 
-Json key_of(const Document& document, const StepBase& base) {
+Json key_of(const Document& document, const Object& base) {
   Json step = document.json["steps"].back();
   if (step.contains("handles"))
     for (Json& handle : step["handles"])
@@ -59,7 +59,7 @@ Json live_fields(LiveStage stage) { return {{"stage", to_string(stage)}}; }
 
 }  // namespace
 
-LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const StepBase> base) const {
+LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Object> base) const {
   Plan plan;
   plan.base = std::move(base);
   const DeformStep* step = deform_in_work(document.edit);
@@ -86,7 +86,7 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
   }
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
-  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_));
+  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model"));
   shown_mesh_ = base_->id;
   if (!plan.ready) return show_rest();
 
@@ -157,14 +157,13 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
 
 // What no frame of the region alone would show: as saving does it.
 void LiveView::run_exactly(const Document& document, const Context& context) {
-  const auto after = std::make_shared<std::map<std::string, Scene>>(base_->scenes);
-  std::map<std::string, Scene>& scenes = *after;
+  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
   const EditStep& step = document.edit.steps.back();
   const StepReport report =
       run_step(document.edit, step, place_of(document), scenes, {.estimate_condition = false}, context);
   const auto positions = std::make_shared<const Points>(scenes.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
-  outcome_ = after;
+  outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
   outbox_.send(position_frame(*base_, *moving_, frame), "frame");
   outbox_.tell("live",
                {{"stage", "ready"}, {"pose", frame.pose}, {"quality", "exact"}, {"seconds", frame.seconds}});
@@ -258,14 +257,15 @@ std::shared_ptr<const Points> LiveView::exact_positions(const Context& context) 
   return deformer && !deformer->summary().reused ? exact_->positions : nullptr;
 }
 
-StepBases::Scenes LiveView::outcome(const Document& document, const Context& context) {
+std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const Context& context) {
   if (outcome_ || !live_) return outcome_;
   if (const auto deformer = live_->deformer(); deformer && deformer->summary().reused) return nullptr;
   const auto positions = exact_positions(context);
   if (!positions) return nullptr;
-  const auto scenes = std::make_shared<std::map<std::string, Scene>>(base_->scenes);
-  apply_solution(document.edit, document.edit.steps.back(), place_of(document), *scenes, *positions, context);
-  return scenes;
+  const EditStep& step = document.edit.steps.back();
+  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
+  apply_solution(document.edit, step, place_of(document), scenes, *positions, context);
+  return std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
 }
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses) {

@@ -12,8 +12,8 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/live_deformer.h>
 
+#include "objects.h"
 #include "protocol.h"
-#include "step_base.h"
 
 namespace meshgraft::editor {
 
@@ -32,13 +32,13 @@ class LiveView {
 
   /// A document that can be shown. What is found to be wrong with it is thrown before anything changes.
   struct Plan {
-    std::shared_ptr<const StepBase> base;
+    std::shared_ptr<const Object> base;
     Json key;                          ///< all that matters but the poses
     std::optional<DeformSetup> setup;  ///< absent: the step is not ready, or as it was but for the poses
     std::vector<HandlePose> poses;
     bool ready = false;
   };
-  Plan plan(const Document& document, std::shared_ptr<const StepBase> base) const;
+  Plan plan(const Document& document, std::shared_ptr<const Object> base) const;
 
   /// `context` is for a step that cannot be dragged, which is run as it is; throws what that throws.
   void show(const Document& document, Plan plan, const Context& context);
@@ -49,13 +49,13 @@ class LiveView {
 
   /// What the document's steps leave, where the view knows it or is about to: it waits for an exact frame that
   /// is on its way. Null where only running the step tells. Throws Error(cancelled).
-  StepBases::Scenes outcome(const Document& document, const Context& context);
+  std::shared_ptr<const Scene> outcome(const Document& document, const Context& context);
 
   /// Tells what has become of the set-up; `settled` once nothing more will.
   void poll();
   bool settled() const;
 
-  const StepBase& base() const { return *base_; }
+  const Object& base() const { return *base_; }
   std::int64_t last_pose() const { return last_pose_; }
   /// Those of the step, then their twins behind the mirror of a symmetry.
   const std::vector<ShownHandle>& handles() const { return handles_; }
@@ -88,7 +88,7 @@ class LiveView {
   std::shared_ptr<const Points> exact_positions(const Context& context);
 
   Outbox outbox_;
-  std::shared_ptr<const StepBase> base_;
+  std::shared_ptr<const Object> base_;
   Json key_;
   int shown_mesh_ = 0;
   Region region_;
@@ -101,7 +101,7 @@ class LiveView {
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
-  StepBases::Scenes outcome_;           ///< of a step that cannot be dragged
+  std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
   std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
 };
 

@@ -8,7 +8,7 @@ namespace meshgraft::editor {
 namespace {
 
 // Through the middle of the model's box, across its x axis.
-Json default_plane(const StepBase& base) {
+Json default_plane(const Object& base) {
   return {{"point", {base.offset.x(), base.offset.y(), base.offset.z()}}, {"normal", {1, 0, 0}}};
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/edit/edit_file.h>
@@ -48,8 +50,9 @@ struct ProxyFacts {
 
 /// What a merge step did beside moving vertices.
 struct MergeOutcome {
-  std::string source;    ///< name of the mesh that was grafted
-  MergeOptions options;  ///< in force
+  std::string source;                                    ///< name of the mesh that was grafted
+  Eigen::Affine3d posing = Eigen::Affine3d::Identity();  ///< of it, before it was merged, as the step says
+  MergeOptions options;                                  ///< in force
   MergeReport report;
   IndexMap target_map, source_map;  ///< vertices of the two, old → new, -1 where one was removed
   std::vector<Index> new_faces;
