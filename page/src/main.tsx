@@ -7,6 +7,7 @@ import { ViewSettings } from "./app/view_settings";
 import { viewActions } from "./app/view_actions";
 import { App } from "./panels/app";
 import { ToolBox } from "./tools/toolbox";
+import { GraftView } from "./view/graft_view";
 import { Viewport } from "./view/viewport";
 import "./style.css";
 
@@ -15,7 +16,8 @@ rememberSettings({ theme: view.theme, unit: view.unit, grid: view.grid });
 const viewport = new Viewport(view);
 const editor = new Editor(new URLSearchParams(location.search).get("token") ?? "", viewport, view);
 
-const tools = new ToolBox(editor, viewport);
+const graftView = new GraftView(viewport, editor.graft);
+const tools = new ToolBox(editor, viewport, graftView);
 
 const dialogs: PageActions = {
   open: () => (editor.dialog.value = "open"),
@@ -36,10 +38,11 @@ const commands = makeCommands({
 function attach(host: HTMLElement): void {
   viewport.attach(host);
   tools.attach();
+  graftView.start();
 }
 
 const root = document.getElementById("app");
-if (root !== null) render(<App page={{ editor, viewport, commands, attach }} />, root);
+if (root !== null) render(<App page={{ editor, viewport, commands, graft: tools.graft, attach }} />, root);
 const isInDialog = () => document.querySelector("dialog[open]") !== null;
 listenForKeys(
   () => (isInDialog() ? [] : commands),
@@ -48,4 +51,4 @@ listenForKeys(
 editor.start();
 
 // For the tests, which look at what the page holds.
-Object.assign(window, { meshgraft: { editor, viewport } });
+Object.assign(window, { meshgraft: { editor, graftView, viewport } });

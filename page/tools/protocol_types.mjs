@@ -20,7 +20,7 @@ const titles = {
 function as_type(part) {
   if (Array.isArray(part)) return part.map(as_type);
   if (part === null || typeof part !== "object") return part;
-  const { oneOf, ...rest } = part;
+  const { oneOf, ...rest } = with_shared_fields(part);
   const made = Object.fromEntries(Object.entries(rest).map(([key, value]) => [key, as_type(value)]));
   if (oneOf !== undefined && !oneOf.every((choice) => Object.keys(choice).join() === "required"))
     made.oneOf = as_type(oneOf);
@@ -30,6 +30,14 @@ function as_type(part) {
     if (made.properties?.[tag]?.const !== undefined || made.properties?.[tag]?.enum !== undefined)
       made.required = [...new Set([...(made.required ?? []), tag])];
   return made;
+}
+
+// Fields that several messages have stand in one definition; each message names those that it takes.
+function with_shared_fields({ allOf, ...part }) {
+  if (allOf === undefined) return part;
+  const shared = Object.assign({}, ...allOf.map(({ $ref }) => schema.$defs[$ref.split("/").at(-1)].properties));
+  const taken = Object.entries(part.properties).map(([name, as]) => [name, (name !== "id" && as === true && shared[name]) || as]);
+  return { ...part, properties: Object.fromEntries(taken) };
 }
 
 const definitions = as_type(schema.$defs);

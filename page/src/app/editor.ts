@@ -3,6 +3,8 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Viewport } from "../view/viewport";
+import { Graft } from "./graft";
+import { Library } from "./library";
 import { rememberOpened } from "./recent";
 import { labelOf } from "./request_labels";
 import { ToolSettings } from "./tool_settings";
@@ -38,6 +40,8 @@ export type DialogName = "open" | "save" | "export" | "help";
  */
 export class Editor {
   readonly tools = new ToolSettings();
+  readonly graft: Graft;
+  readonly library: Library;
   readonly link = signal<Link>("connecting");
   /** The engine was started again: it does not take this page's token any more. */
   readonly expired = signal(false);
@@ -73,6 +77,14 @@ export class Editor {
       frame: (frame) => this.show(frame),
       link: (link) => this.noteLink(link),
     });
+    this.graft = new Graft({
+      state: this.state,
+      ask: (request) => this.ask(request),
+      attempt: (request) => this.attempt(request),
+      request: (request) => this.connection.request(request),
+      positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
+    });
+    this.library = new Library((request) => this.connection.send(request));
   }
 
   start(): void {
@@ -192,6 +204,7 @@ export class Editor {
           const active = this.tools.activeHandle;
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
+          this.graft.follow(event);
         });
         this.viewport.setDocument(event);
         break;
@@ -200,6 +213,9 @@ export class Editor {
         break;
       case "live":
         this.noteLive(event);
+        break;
+      case "graft":
+        this.graft.hear(event);
         break;
       case "offer-restore":
         if (this.returning) void this.restoreAtOnce(event.changes);
@@ -290,8 +306,10 @@ export class Editor {
 
   private show(frame: BinaryFrame): void {
     this.viewport.show(frame);
+    this.graft.take(frame);
+    this.library.take(frame);
     if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
-    if (frame.kind === FrameKind.mesh) this.box.value = boxOf(frame);
+    if (frame.kind === FrameKind.mesh && frame.header.role !== "part") this.box.value = boxOf(frame);
   }
 }
 

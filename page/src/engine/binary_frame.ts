@@ -7,11 +7,16 @@ export enum FrameKind {
   weights = 3,
   selection = 4,
   roles = 5,
+  graft = 6,
+  loops = 7,
+  thumbnail = 8,
 }
+
+const types = { float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array } as const;
 
 /** A binary message of the engine: its header, and its arrays, which lie in the message's own bytes. */
 export class BinaryFrame {
-  private readonly arrays = new Map<string, Float32Array | Uint32Array>();
+  private readonly arrays = new Map<string, Float32Array | Uint32Array | Uint8Array>();
 
   private constructor(
     readonly kind: FrameKind,
@@ -27,8 +32,9 @@ export class BinaryFrame {
     const frame = new BinaryFrame(start.getUint32(4, true), header);
     let at = 12 + length;
     for (const { name, type, length } of header.arrays) {
-      frame.arrays.set(name, new (type === "float32" ? Float32Array : Uint32Array)(bytes, at, length));
-      at += 4 * length;
+      const array = new types[type](bytes, at, length);
+      frame.arrays.set(name, array);
+      at += 4 * Math.ceil(array.byteLength / 4);
     }
     return frame;
   }
@@ -43,5 +49,9 @@ export class BinaryFrame {
   indices(name: string): Uint32Array | undefined {
     const array = this.arrays.get(name);
     return array instanceof Uint32Array ? array : undefined;
+  }
+  bytes(name: string): Uint8Array<ArrayBuffer> | undefined {
+    const array = this.arrays.get(name);
+    return array instanceof Uint8Array ? (array as Uint8Array<ArrayBuffer>) : undefined;
   }
 }

@@ -2,6 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Page } from "../app/page";
 import { DropZone } from "./drop";
 import { ExportDialog, OpenDialog, SaveDialog } from "./file_dialogs";
+import { GraftToolbar, GraftToolHint } from "./graft_toolbar";
 import { Header } from "./header";
 import { HelpSheet } from "./help_sheet";
 import { Messages } from "./messages";
@@ -21,13 +22,14 @@ export function App({ page }: { page: Page }) {
     if (host.current !== null) page.attach(host.current);
   }, [page]);
   const isOpen = editor.isOpen.value;
+  const grafts = editor.graft.mode.value === "graft";
   return (
     <div class={isOpen ? "app" : "app empty-app"}>
       <Header page={page} />
-      {isOpen && <Toolbar page={page} />}
+      {isOpen && (grafts ? <GraftToolbar page={page} /> : <Toolbar page={page} />)}
       <main class="stage-area">
         <div class="view" ref={host} />
-        {isOpen && <ToolOptions page={page} />}
+        {isOpen && (grafts ? <GraftToolHint page={page} /> : <ToolOptions page={page} />)}
         {!isOpen && editor.welcome.value !== null && <StartScreen page={page} />}
         <Messages page={page} />
       </main>

@@ -12,6 +12,29 @@ const going = signal<Upload | null>(null);
 
 /** Sends a file of this machine to the engine and opens it; refused ones are explained. */
 export async function takeFile(page: Page, file: File): Promise<void> {
+  await sendFile(page, file, (upload) => page.editor.open({ do: "open", upload }));
+}
+
+/** The same, as a part beside the model. */
+export async function takePartFile(page: Page, file: File): Promise<void> {
+  const { graft } = page.editor;
+  await sendFile(page, file, async (upload) => {
+    graft.mode.value = "graft";
+    await graft.addPart({ upload });
+  });
+}
+
+/** The first is opened, or, where grafting goes on, is a part as all others are. */
+async function takeFiles(page: Page, files: readonly File[]): Promise<void> {
+  const { editor } = page;
+  const asPart = editor.isOpen.value && editor.graft.mode.value === "graft";
+  for (const [i, file] of files.entries()) {
+    if (i === 0 && !asPart) await takeFile(page, file);
+    else if (editor.isOpen.value) await takePartFile(page, file);
+  }
+}
+
+async function sendFile(page: Page, file: File, then: (upload: string) => Promise<unknown>): Promise<void> {
   const { editor } = page;
   const refusal = refusalOf(file);
   if (refusal !== undefined) return editor.tell("problem", refusal);
@@ -20,7 +43,7 @@ export async function takeFile(page: Page, file: File): Promise<void> {
   going.value = upload;
   try {
     const name = await upload.send();
-    if (name !== undefined) await editor.open({ do: "open", upload: name });
+    if (name !== undefined) await then(name);
   } catch (failure) {
     editor.tell("problem", failure as EngineError);
   } finally {
@@ -31,7 +54,7 @@ export async function takeFile(page: Page, file: File): Promise<void> {
 /** A file may be dropped anywhere: shows so, and asks before it takes the place of unsaved work. */
 export function DropZone({ page }: { page: Page }) {
   const [over, setOver] = useState(false);
-  const [asked, setAsked] = useState<File | null>(null);
+  const [asked, setAsked] = useState<readonly File[] | null>(null);
   useEffect(() => {
     const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") === true;
     const enter = (event: DragEvent) => {
@@ -45,11 +68,10 @@ export function DropZone({ page }: { page: Page }) {
       event.preventDefault();
       setOver(false);
       const files = [...(event.dataTransfer?.files ?? [])];
-      const [file] = files;
-      if (files.length > 1) page.editor.note("Only the first of these files is opened.", "", "Drop one file at a time.");
-      if (file === undefined) return;
-      if (page.editor.state.value?.dirty === true) setAsked(file);
-      else void takeFile(page, file);
+      const { state, graft } = page.editor;
+      if (files.length === 0) return;
+      if (state.value?.dirty === true && graft.mode.value !== "graft") setAsked(files);
+      else void takeFiles(page, files);
     };
     window.addEventListener("dragenter", enter);
     window.addEventListener("dragover", enter);
@@ -63,8 +85,12 @@ export function DropZone({ page }: { page: Page }) {
     };
   }, [page]);
   const open = () => {
-    if (asked !== null) void takeFile(page, asked);
+    if (asked !== null) void takeFiles(page, asked);
     setAsked(null);
+  };
+  const add = () => {
+    page.editor.graft.mode.value = "graft";
+    open();
   };
   return (
     <>
@@ -76,11 +102,12 @@ export function DropZone({ page }: { page: Page }) {
       )}
       {asked !== null && (
         <Dialog
-          title={`Open ${asked.name}?`}
+          title={`Open ${asked[0]?.name ?? "it"}?`}
           onClose={() => setAsked(null)}
           actions={
             <>
               <Button label="Stay here" kind="quiet" onClick={() => setAsked(null)} />
+              <Button label="Add as a part" tip="Beside the model, to be grafted." onClick={add} />
               <Button label="Open it" kind="primary" onClick={open} />
             </>
           }

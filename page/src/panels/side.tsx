@@ -1,5 +1,5 @@
-import { signal } from "@preact/signals";
 import type { Page } from "../app/page";
+import { GraftPanels } from "./graft_panel";
 import { GroupsPanel } from "./groups_panel";
 import { HandlesPanel } from "./handles_panel";
 import { sentence } from "./messages";
@@ -8,19 +8,21 @@ import { StepsPanel } from "./steps_panel";
 import { SymmetryPanel } from "./symmetry_panel";
 import { ViewPanel } from "./view_panel";
 
-export type Mode = "deform";
+export type Mode = "deform" | "graft";
 export interface ModeTab {
   mode: Mode;
   label: string;
   tip: string;
 }
 
-/** What the side is about. */
-export const mode = signal<Mode>("deform");
-const modes: readonly ModeTab[] = [{ mode: "deform", label: "Deform", tip: "Move, turn and scale parts of the model." }];
+const modes: readonly ModeTab[] = [
+  { mode: "deform", label: "Deform", tip: "Move, turn and scale parts of the model." },
+  { mode: "graft", label: "Graft", tip: "Join another model to this one, and cut." },
+];
 
 /** The panels at the right. */
 export function Side({ page }: { page: Page }) {
+  const { mode } = page.editor.graft;
   return (
     <aside class="side" aria-label="Panels">
       {modes.length > 1 && (
@@ -42,6 +44,7 @@ export function Side({ page }: { page: Page }) {
             <GroupsPanel page={page} />
           </>
         )}
+        {mode.value === "graft" && <GraftPanels page={page} />}
         <StepsPanel page={page} />
         <ViewPanel page={page} />
       </div>

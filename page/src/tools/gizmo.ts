@@ -5,7 +5,7 @@ import type { Eye, Spot } from "./eye";
 import { Gesture, type Act, type Axis, type Grip, type Steps } from "./gesture";
 import { partAt, type Layout, type Part } from "./gizmo_layout";
 import { GizmoView } from "./gizmo_view";
-import type { ActiveHandle, HandleControl } from "./handle_control";
+import type { Movable, Moved } from "./movable";
 import { axesOf, centreOf, poseOf, withPivot, withPivotAt, type Placement } from "./pose_math";
 import type { Status } from "./status";
 
@@ -32,7 +32,7 @@ export class Gizmo {
   constructor(
     private readonly editor: Editor,
     private readonly viewport: Viewport,
-    private readonly control: HandleControl,
+    private readonly control: Movable,
     private readonly eye: Eye,
     private readonly status: Status,
   ) {
@@ -72,7 +72,7 @@ export class Gizmo {
   /** Begins a gesture by a key. */
   beginModal(act: Act, spot: Spot): void {
     const handle = this.control.active;
-    if (handle === undefined) return;
+    if (handle === undefined || this.control.acts?.includes(act) === false) return;
     if (this.going !== undefined) this.cancel();
     this.begin(handle, { act, axis: "free" }, spot, true);
     this.follow(spot, false);
@@ -135,7 +135,7 @@ export class Gizmo {
     return isNear ? parts.find(({ kind }) => kind === "ball") : undefined;
   }
 
-  private begin(handle: ActiveHandle, grip: Grip, spot: Spot, modal: boolean): void {
+  private begin(handle: Moved, grip: Grip, spot: Spot, modal: boolean): void {
     const { name, placement } = handle;
     const axes = this.axesFor(placement, this.editor.tools.gizmoSpace.value);
     const gesture = new Gesture(grip, placement, axes, this.eye, spot);
@@ -143,7 +143,7 @@ export class Gizmo {
     this.viewport.requestRender();
   }
 
-  private beginPivot({ name, placement }: ActiveHandle): void {
+  private beginPivot({ name, placement }: Moved): void {
     const axes = this.axesFor(placement, this.editor.tools.gizmoSpace.value);
     this.going = { name, start: placement, axes, gesture: undefined, modal: false, spaces: 0 };
   }
@@ -190,7 +190,7 @@ export class Gizmo {
 
   private changeAct(going: Going, key: string, isOther: boolean): boolean {
     const act = ({ g: "move", r: "turn", s: "scale" } as const)[key.toLowerCase() as "g"];
-    if (act === undefined || isOther || going.gesture === undefined || !going.modal) return false;
+    if (act === undefined || this.control.acts?.includes(act) === false || isOther || going.gesture === undefined || !going.modal) return false;
     going.gesture.constrain({ act, axis: "free" }, going.axes);
     this.showGesture(going.name, going.gesture);
     return true;
@@ -216,6 +216,7 @@ export class Gizmo {
       hovered: this.hovered,
       gesture,
       movesPivot: this.editor.tools.movesPivot.value,
+      acts: this.control.acts,
       isHidden: (part) => this.hidden.has(part.id),
     });
     if (going === undefined && this.layout !== undefined) this.findHidden(this.layout);

@@ -1,6 +1,6 @@
 import { Quaternion, Vector3 } from "three";
 import type { Eye, Spot } from "./eye";
-import { ringRadiusPx, type Gesture } from "./gesture";
+import { ringRadiusPx, type Act, type Gesture } from "./gesture";
 import { circle, layOut, viewRingPx, type Layout, type Part } from "./gizmo_layout";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 
@@ -13,6 +13,8 @@ export interface Appearance {
   /** The gesture that goes on, and where it began. */
   readonly gesture: { readonly gesture: Gesture; readonly from: Vector3; readonly axes: Quaternion } | undefined;
   readonly movesPivot: boolean;
+  /** What can be done; absent: all. */
+  readonly acts: readonly Act[] | undefined;
   isHidden(part: Part): boolean;
 }
 
@@ -39,7 +41,8 @@ export class GizmoView {
 
   /** Draws it, and returns where its parts are on the page. */
   draw(look: Appearance): Layout | undefined {
-    const layout = layOut(look.centre, look.axes, this.eye);
+    const whole = layOut(look.centre, look.axes, this.eye);
+    const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.acts?.includes(grip.act) !== false) };
     const isInSight = !this.eye.project(look.centre).behind;
     show(this.element, isInSight);
     if (!isInSight) return undefined;

@@ -92,7 +92,7 @@ export class BrushTool implements Tool {
     paint(pointer);
     return {
       move: paint,
-      end: () => void editor.ask({ do: "select", how, what: { indices: [...stroke.vertices] } }),
+      end: () => void editor.ask({ do: "select", mesh: editor.graft.nameOf(surface.id), how, what: { indices: [...stroke.vertices] } }),
       cancel: () => surface.setSelection(selectedIn(before)),
     };
   }

@@ -47,6 +47,9 @@ export interface Tool {
   /** Ends what takes several clicks; returns whether there was something. */
   confirm?(): boolean;
   escape?(): boolean;
+  /** Sees keys before commands do, and the wheel before the navigation; returns whether it took them. */
+  takeKey?(event: KeyboardEvent): boolean;
+  wheel?(event: WheelEvent): boolean;
 }
 
 /** Whether what is taken is added to the selection, taken from it, or becomes it. */

@@ -1,15 +1,26 @@
-import { effect } from "@preact/signals";
+import { effect, untracked } from "@preact/signals";
 import type { ToolActions } from "../app/commands";
 import type { Editor } from "../app/editor";
+import type { GraftTool } from "../app/graft";
 import type { ToolName } from "../app/tool_settings";
 import type { Hit } from "../view/picking";
 import type { Viewport } from "../view/viewport";
 import { eyeOf, type Spot } from "./eye";
+import type { GraftView } from "../view/graft_view";
+import { CutCurveTool } from "./cut_curve_tool";
+import { DropTool } from "./drop_tool";
+import { FixedTool } from "./fixed_tool";
 import { Gizmo } from "./gizmo";
+import { GraftPanelActions } from "./graft_actions";
+import { LoopPairTool } from "./graft_loops";
 import { GraphStore } from "./graph_store";
 import { CurveTool, NavigateTool, PaintTool, VertexTool } from "./handle_tools";
 import { HandleControl } from "./handle_control";
 import { HandleGhost } from "./handle_ghost";
+import { FirstActive } from "./movable";
+import { PartControl } from "./part_control";
+import { CutPlaneTool, PlaneControl } from "./plane_control";
+import { PlaneView } from "./plane_view";
 import { Preview } from "./preview";
 import { ReachRing } from "./reach_ring";
 import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
@@ -25,6 +36,8 @@ export class ToolBox implements ToolActions {
   private readonly gizmo: Gizmo;
   private readonly reach: ReachRing;
   private readonly tools: Record<ToolName, Tool>;
+  private readonly graftTools: Record<GraftTool, Tool>;
+  readonly graft: GraftPanelActions;
   private tool: Tool;
   private stroke: Stroke | undefined;
   private taken: number | undefined; // the pointer that drags
@@ -34,6 +47,7 @@ export class ToolBox implements ToolActions {
   constructor(
     private readonly editor: Editor,
     private readonly viewport: Viewport,
+    graftView: GraftView,
   ) {
     const graphs = new GraphStore();
     this.control = new HandleControl(editor, viewport, graphs);
@@ -41,7 +55,19 @@ export class ToolBox implements ToolActions {
     const status = new Status(viewport.overlay);
     const preview = new Preview(viewport, graphs, 0xffa02e, 0.55);
     this.bench = { editor, viewport, eye, graphs, control: this.control, status, preview };
-    this.gizmo = new Gizmo(editor, viewport, this.control, eye, status);
+    const part = new PartControl(viewport, editor.graft);
+    const plane = new PlaneControl(viewport, editor.graft, graftView);
+    this.gizmo = new Gizmo(editor, viewport, new FirstActive([plane, part, this.control]), eye, status);
+    const drop = new DropTool(this.bench, graftView);
+    this.graft = new GraftPanelActions(editor, viewport, drop);
+    new PlaneView(viewport, plane, editor.graft);
+    this.graftTools = {
+      loops: new LoopPairTool(this.bench, graftView),
+      plane: new CutPlaneTool(this.bench, plane),
+      stroke: new CutCurveTool(this.bench, graftView),
+      fixed: new FixedTool(this.bench),
+      drop,
+    };
     this.reach = new ReachRing(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
     new SymmetryPlane(viewport, this.control);
@@ -60,7 +86,14 @@ export class ToolBox implements ToolActions {
     canvas.addEventListener("pointerleave", () => this.stroke === undefined && this.tool.leave());
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
-    effect(() => this.take(this.editor.tools.tool.value));
+    effect(() => {
+      const { mode, tool } = this.editor.graft;
+      const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[this.editor.tools.tool.value];
+      untracked(() => this.take(next));
+    });
+    effect(() => {
+      if (this.editor.graft.mode.value === "graft") this.editor.tools.activeHandle.value = null;
+    });
     effect(() => this.prepare());
     effect(() => {
       const { gizmoSpace, movesPivot, activeHandle, brushRadiusPx } = this.editor.tools;
@@ -71,7 +104,7 @@ export class ToolBox implements ToolActions {
 
   /** Keys that a gesture takes before commands: axes, numbers. */
   takeKey(event: KeyboardEvent): boolean {
-    return this.gizmo.takeKey(event);
+    return this.gizmo.takeKey(event) || this.tool.takeKey?.(event) === true;
   }
 
   escape(): void {
@@ -137,11 +170,11 @@ export class ToolBox implements ToolActions {
     };
   }
 
-  private take(name: ToolName): void {
+  private take(tool: Tool): void {
     this.giveUp();
-    this.tool.escape?.();
+    if (tool !== this.tool) this.tool.escape?.();
     this.tool.leave();
-    this.tool = this.tools[name];
+    this.tool = tool;
     this.viewport.canvas.style.cursor = this.tool.cursor;
   }
 
@@ -237,6 +270,11 @@ export class ToolBox implements ToolActions {
   }
 
   private wheel(event: WheelEvent): void {
+    if (this.tool.wheel?.(event) === true) {
+      event.preventDefault();
+      event.stopPropagation();
+      return;
+    }
     if (!event.altKey) return;
     event.preventDefault();
     event.stopPropagation();

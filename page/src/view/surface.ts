@@ -256,6 +256,13 @@ export class Surface {
     yield alone((geometry) => geometry.setIndex(this.fine));
   }
 
+  /** Colours vertices in place of their roles: 4 bytes each, as `writeTint` makes them. */
+  setTint(tint: Uint8Array): void {
+    this.tint.set(tint);
+    this.uploadSpan("tint", [0, this.vertexCount - 1]);
+    this.onChange();
+  }
+
   dispose(): void {
     this.slices.stopAll();
     this.linear.forget();

@@ -22,6 +22,7 @@ import type { Legend } from "./heat";
 import { Navigation } from "./navigation";
 import { cardIsIdle, Pace } from "./pace";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
+import { inOwn, Parts } from "./parts";
 import { PickTree } from "./pick_tree";
 import { Pipeline } from "./pipeline";
 import type { Polygon } from "./polygon";
@@ -42,6 +43,10 @@ export class Viewport {
   /** Drawn on top of everything: the gizmo. */
   readonly helpers = new Group();
   readonly surfaces = new Map<number, Surface>();
+  /** What else is shown, and where it stands: for the measure of all. */
+  alsoShown: () => [Surface, Matrix4][] = () => [];
+  /** What there is beside the model, to be grafted. */
+  readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   readonly navigation: Navigation;
   /** Called before each picture. */
@@ -128,13 +133,37 @@ export class Viewport {
 
   /** Shows what the engine sent. */
   show(frame: BinaryFrame): void {
-    if (frame.kind === FrameKind.mesh) this.setMesh(new Surface(frame, this.look));
-    const surface = this.surfaces.get(frame.header.mesh);
+    if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.parts.add(this.surfaceFrom(frame));
+    else if (frame.kind === FrameKind.mesh) this.setMesh(this.surfaceFrom(frame));
+    const surface = this.surfaceOf(frame.header.mesh);
+    if (frame.kind === FrameKind.selection) this.deselectOthers(surface);
     if (frame.kind === FrameKind.frame) surface?.showFrame(frame);
     if (frame.kind === FrameKind.weights && this.renderer !== undefined) surface?.setWeights(frame, this.renderer);
     if (frame.kind === FrameKind.selection) surface?.setSelection(frame.indices("vertices") ?? new Uint32Array());
     if (frame.kind === FrameKind.roles) surface?.setRoles(frame);
     this.requestRender();
+  }
+
+  /** A surface that is shown as all others are, but nowhere yet. */
+  surfaceFrom(frame: BinaryFrame): Surface {
+    const surface = new Surface(frame, this.look);
+    surface.onChange = () => this.requestRender();
+    return surface;
+  }
+
+  /** Of the model, or of a part. */
+  surfaceOf(mesh: number): Surface | undefined {
+    return this.surfaces.get(mesh) ?? this.parts.get(mesh)?.surface;
+  }
+
+  private deselectOthers(surface: Surface | undefined): void {
+    const all = [...this.surfaces.values(), ...[...this.parts.all()].map((part) => part.surface)];
+    for (const other of all) if (other !== surface) other.setSelection(new Uint32Array());
+  }
+
+  private forgetTree(surface: Surface): void {
+    this.trees.get(surface)?.dispose();
+    this.trees.delete(surface);
   }
 
   /** Where the document has the handles: for those that `showPoses` is not told of. */
@@ -179,7 +208,12 @@ export class Viewport {
     const ray = this.rayAt(clientX, clientY);
     let nearest: (Hit & { distance: number }) | undefined;
     for (const surface of this.surfaces.values()) {
+      if (!surface.object.visible) continue;
       const hit = meetSurface(surface, this.treeOf(surface), ray);
+      if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
+    }
+    for (const part of this.parts.shown()) {
+      const hit = part.meet(ray, this.treeOf(part.surface));
       if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
     }
     return nearest;
@@ -197,7 +231,10 @@ export class Viewport {
 
   /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
   verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
-    return verticesNear(hit, this.treeOf(surface), radius, through, this.eyeFor(hit.point));
+    const part = this.parts.of(surface);
+    const seen = { hit, radius, eye: this.eyeFor(hit.point) };
+    const own = part === undefined ? seen : inOwn(part, hit, radius, seen.eye);
+    return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
   }
 
   /** Of the world, for a pixel of the page at the depth of `point`. */
@@ -239,7 +276,7 @@ export class Viewport {
       return;
     }
     this.measure();
-    const samples = [...this.surfaces.values()].map((surface) => surface.sample());
+    const samples = this.allShown().map(([surface, stand]) => transformed(surface.sample(), stand));
     const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
     samples.reduce((at, sample) => (all.set(sample, at), at + sample.length), 0);
     this.navigation.fit(all, 1e-6 * main.box.diagonal, animated);
@@ -361,12 +398,12 @@ export class Viewport {
     const before = this.main?.box;
     for (const old of this.surfaces.values()) {
       this.scene.remove(old.object);
-      this.trees.get(old)?.dispose();
+      this.forgetTree(old);
       old.dispose();
     }
-    this.trees.clear();
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
+    ++this.parts.changed.value;
     void this.bringIn(surface);
     surface.onChange = () => {
       if (surface === this.main) this.legend.value = surface.legend;
@@ -404,13 +441,22 @@ export class Viewport {
     await cardIsIdle(renderer);
   }
 
-  private measure(): void {
-    const spheres = [...this.surfaces.values()].map((surface) => surface.sphere());
+  /** What is to be seen, and where it stands. */
+  private allShown(): [Surface, Matrix4][] {
+    const model = [...this.surfaces.values()].filter((surface) => surface.object.visible);
+    const parts = this.parts.shown().map((part): [Surface, Matrix4] => [part.surface, part.stand]);
+    return [...model.map((surface): [Surface, Matrix4] => [surface, new Matrix4()]), ...parts, ...this.alsoShown()];
+  }
+
+  /** Takes the measure of all that is shown: for navigation and fitting. */
+  measure(): void {
+    const spheres = this.allShown().map(([surface, stand]) => surface.sphere().applyMatrix4(stand));
     this.ball = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
     for (const sphere of spheres.slice(1)) this.ball.union(sphere);
   }
 
-  private treeOf(surface: Surface): PickTree {
+  /** What finds places of a surface. */
+  treeOf(surface: Surface): PickTree {
     const known = this.trees.get(surface) ?? new PickTree(surface);
     this.trees.set(surface, known);
     return known;
@@ -461,4 +507,11 @@ export class Viewport {
 /** The axis that stands upright in files of a kind: of those that do not say, what makers of such files mostly mean. */
 function upOf(fileName: string): "y" | "z" {
   return /\.(obj|gltf|glb|ply|off)$/i.test(fileName) ? "y" : "z";
+}
+
+/** Places (3 numbers each) where a map takes them. */
+function transformed(places: Float32Array, map: Matrix4): Float32Array {
+  const place = new Vector3();
+  for (let at = 0; at + 2 < places.length; at += 3) place.fromArray(places, at).applyMatrix4(map).toArray(places, at);
+  return places;
 }

@@ -6,11 +6,12 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { chromium, type Browser, type Page } from "playwright-core";
 import type { Editor } from "../../src/app/editor";
+import type { GraftView } from "../../src/view/graft_view";
 import type { Viewport } from "../../src/view/viewport";
 
 declare global {
   interface Window {
-    meshgraft: { editor: Editor; viewport: Viewport };
+    meshgraft: { editor: Editor; graftView: GraftView; viewport: Viewport };
   }
 }
 
