@@ -222,7 +222,32 @@ Index count_handle_vertices(const Region& region) {
       [](Index sum, const Handle& h) { return sum + static_cast<Index>(h.vertices.size()); });
 }
 
+// Puts a solution into the scene; returns where the vertices that the problem was about were.
+Points keep_solution(Solution& solution, DeformSetup& setup, Scene& scene) {
+  const Weld& weld = setup.weld;
+  Mesh& mesh = weld.empty() ? scene.mesh : setup.welded;
+  const Index count = scene.mesh.vertex_count();
+  std::erase_if(solution.free, [&](Index v) { return v >= count; });
+  Points rest = std::exchange(mesh.positions, solution.positions.topRows(count));
+  update_normals(mesh, rest);
+  for (const Index v : solution.free) scene.was_free[v] = 1;
+  if (!weld.empty()) {
+    unweld(mesh, weld, scene.mesh);
+    for (Index v = 0; v < count; ++v) scene.was_free[v] = scene.was_free[weld.of(v)];
+  }
+  return rest;
+}
+
 }  // namespace
+
+void apply_solution(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+                    std::map<std::string, Scene>& scenes, const Points& positions, const Context& context) {
+  const auto& step = std::get<DeformStep>(edit_step.action);
+  Scene& scene = scene_for_outcome(edit_step, scenes);
+  DeformSetup setup = set_up_deform(edit, step, place, scene, step.settings);
+  Solution solution{positions, free_vertices(setup.problem, joined_constraints(setup.problem, context))};
+  keep_solution(solution, setup, scene);
+}
 
 double largest_displacement(const Points& rest, const Points& edited) {
   double largest = 0;
@@ -277,7 +302,6 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   DeformSetup setup = set_up_deform(edit, step, place, scene, report.settings);
   DeformProblem& problem = setup.problem;
   const Weld& weld = setup.weld;
-  Mesh& mesh = weld.empty() ? scene.mesh : setup.welded;
   const Triangles triangles = problem.triangles;
   report.seconds.select = watch.lap();
 
@@ -308,15 +332,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   }
 
   watch.lap();
-  const Index count = scene.mesh.vertex_count();
-  std::erase_if(solution.free, [&](Index v) { return v >= count; });
-  const Points rest = std::exchange(mesh.positions, solution.positions.topRows(count));
-  update_normals(mesh, rest);
-  for (const Index v : solution.free) scene.was_free[v] = 1;
-  if (!weld.empty()) {
-    unweld(mesh, weld, scene.mesh);
-    for (Index v = 0; v < count; ++v) scene.was_free[v] = scene.was_free[weld.of(v)];
-  }
+  const Points rest = keep_solution(solution, setup, scene);
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
   report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);

@@ -116,10 +116,14 @@ StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::
   if (std::holds_alternative<MergeStep>(edit_step.action))
     return run_merge(edit, edit_step, place, scenes, options, context);
   if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, place, scenes, context);
-  const auto& step = std::get<DeformStep>(edit_step.action);
-  const std::string& output = outcome_of(edit_step);
-  if (output != step.mesh) scenes.insert_or_assign(output, scenes.at(step.mesh));
-  return run_deform(edit, step, place, scenes.at(output), options, context);
+  return run_deform(edit, std::get<DeformStep>(edit_step.action), place, scene_for_outcome(edit_step, scenes),
+                    options, context);
+}
+
+Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes) {
+  const std::string& output = outcome_of(step);
+  if (output != mesh_of(step)) scenes.insert_or_assign(output, scenes.at(mesh_of(step)));
+  return scenes.at(output);
 }
 
 Scene make_scene(Mesh mesh, std::string label, const Context& context) {

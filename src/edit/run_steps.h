@@ -91,6 +91,14 @@ class DropStand {
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
                    const Context& context);
 
+/// Leaves among `scenes` what `run_step` leaves of a deform step whose solution is known: `solution` is what
+/// `Deformer::evaluate` gave on the problem that `set_up_deform` makes of it (n×3). Throws what that throws.
+void apply_solution(const EditFile& edit, const EditStep& step, const std::string& place,
+                    std::map<std::string, Scene>& scenes, const Points& solution, const Context& context);
+
+/// The mesh that a step works on, among `scenes` by the name of its outcome.
+Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes);
+
 /// The farthest that a vertex moved, model units; n×3 both.
 double largest_displacement(const Points& rest, const Points& edited);
 

@@ -248,6 +248,7 @@ Json Worker::accept(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do"});
   Json document = open_one().document().json;
   accept_step(document, open_one().document().edit);
+  open_one().finish(context);
   return change("accept", document, context);
 }
 

@@ -99,7 +99,8 @@ Json Worker::part(const json::Value& message, const Context& context) {
     input = {{"sample", name}};
     fields.optional("resolution", [&](const json::Value& v) { input["resolution"] = v.integer_in(4, 4096); });
   } else {
-    const fs::path file = mesh_file(fields);
+    fs::path file = mesh_file(fields);
+    if (fields.has("upload")) file = open_one().kept_upload(file);
     name = file.stem().empty() ? "part" : file.stem().string();
     input = {{"file", path_from(edit.base_folder, file)}, {"sha256", sha256(read_file(file))}};
   }

@@ -1,6 +1,7 @@
 #include "live_view.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,6 +31,14 @@ Json key_of(const Document& document, const Object& base) {
     for (Json& handle : step["handles"])
       if (handle.contains("pose") && !handle["pose"].contains("def")) handle.erase("pose");
   return {base.id, step, selections_used(document.json, step)};
+}
+
+// Whether two steps differ in their regions alone: mesh, settings and welding are the same.
+bool shares_mesh(const Json& key, const Json& other) {
+  const auto settings_of = [](const Json& one) {
+    return one.is_array() ? one[1].value("settings", Json()) : Json();
+  };
+  return key.is_array() && other.is_array() && key[0] == other[0] && settings_of(key) == settings_of(other);
 }
 
 ShownHandle shown_handle(const Handle& handle, const Points& rest, const IndexLists& rings) {
@@ -69,7 +78,12 @@ LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Ob
 void LiveView::show(const Document& document, Plan plan, const Context& context) {
   const DeformStep* step = deform_in_work(document.edit);
   const bool goes_on = plan.ready && !plan.setup;
-  if (!goes_on) live_.reset();
+  outcome_.reset();
+  std::shared_ptr<const Deformer> earlier;
+  if (!goes_on) {
+    if (live_ && shares_mesh(plan.key, key_)) earlier = live_->deformer();
+    live_.reset();
+  }
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
   if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model"));
@@ -77,9 +91,9 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
   if (!plan.ready) return show_rest();
 
   poses_ = std::move(plan.poses);
-  if (plan.setup) set_up(*step, std::move(*plan.setup));
+  if (plan.setup) set_up(*step, std::move(*plan.setup), std::move(earlier));
   if (live_)
-    drag_to(poses_);
+    show_document();
   else
     run_exactly(document, context);
 }
@@ -96,7 +110,7 @@ void LiveView::show_rest() {
   outbox_.send(position_frame(*base_, *moving_, {++last_pose_, rest}), "frame");
 }
 
-void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
+void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier) {
   region_ = setup.problem.deform.region;
   symmetry_ = setup.problem.deform.symmetry;
   notes_ = setup.problem.deform.notes;
@@ -110,15 +124,18 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
   basis_sent_ = false;
   if (!is_plain(step)) return;
 
-  const auto on_frame = [outbox = outbox_, base = base_, moving = moving_,
+  const auto on_frame = [outbox = outbox_, base = base_, moving = moving_, exact = exact_,
                          first = last_pose_](LiveFrame frame) {
     frame.pose += first;
+    exact->take(frame.pose, frame);
     outbox.send(position_frame(*base, *moving, frame), "frame");
     Json fields = {{"pose", frame.pose}, {"quality", to_string(frame.quality)}, {"seconds", frame.seconds}};
     if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
     outbox.tell("live", std::move(fields), "live");
   };
-  const auto on_failure = [outbox = outbox_, first = last_pose_](std::int64_t pose, const Error& error) {
+  const auto on_failure = [outbox = outbox_, exact = exact_, first = last_pose_](std::int64_t pose,
+                                                                                 const Error& error) {
+    exact->fail(pose == 0 ? 0 : pose + first);
     outbox.tell("live", {{"pose", pose == 0 ? 0 : pose + first}, {"error", error_json(error)}});
   };
   Context context;
@@ -127,6 +144,7 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
   };
   LiveOptions options;
   options.deformer = step.settings.deformer;
+  options.earlier = std::move(earlier);
   DeformProblem& problem = setup.problem;
   if (options.deformer.method == DeformMethod::ft05)
     options.normals =
@@ -145,6 +163,7 @@ void LiveView::run_exactly(const Document& document, const Context& context) {
       run_step(document.edit, step, place_of(document), scenes, {.estimate_condition = false}, context);
   const auto positions = std::make_shared<const Points>(scenes.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
+  outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
   outbox_.send(position_frame(*base_, *moving_, frame), "frame");
   outbox_.tell("live",
                {{"stage", "ready"}, {"pose", frame.pose}, {"quality", "exact"}, {"seconds", frame.seconds}});
@@ -192,6 +211,61 @@ std::vector<std::string> LiveView::notes() const {
       pose_notes(*symmetry_, region_.handles, poses_, base_->selections->mesh.positions);
   notes.insert(notes.end(), on_poses.begin(), on_poses.end());
   return notes;
+}
+
+void LiveView::ExactFrame::expect(std::int64_t next) {
+  const std::lock_guard lock(mutex);
+  pose = next;
+  positions.reset();
+  failed = false;
+}
+
+void LiveView::ExactFrame::take(std::int64_t number, const LiveFrame& frame) {
+  const std::lock_guard lock(mutex);
+  if (number != pose || frame.quality != FrameQuality::exact) return;
+  positions = frame.positions;
+  changed.notify_all();
+}
+
+// 0: of all poses.
+void LiveView::ExactFrame::fail(std::int64_t number) {
+  const std::lock_guard lock(mutex);
+  failed = failed || number == 0 || number == pose;
+  changed.notify_all();
+}
+
+void LiveView::show_document() {
+  exact_->expect(last_pose_ + 1);
+  drag_to(poses_);
+}
+
+// One that shares an earlier set-up is near those that running the step gives, and not the same bytes.
+std::shared_ptr<const Points> LiveView::exact_positions(const Context& context) {
+  const auto is_known = [&] {
+    const std::lock_guard lock(exact_->mutex);
+    return exact_->positions != nullptr;
+  };
+  if (last_pose_ != exact_->pose && !is_known()) show_document();  // it was dragged away meanwhile
+  std::unique_lock lock(exact_->mutex);
+  constexpr auto patience = std::chrono::milliseconds(20);
+  while (!exact_->positions && !exact_->failed && live_->stage() != LiveStage::failed &&
+         live_->stage() != LiveStage::proxy_only) {
+    context.throw_if_stopped();
+    exact_->changed.wait_for(lock, patience);
+  }
+  const auto deformer = live_->deformer();
+  return deformer && !deformer->summary().reused ? exact_->positions : nullptr;
+}
+
+std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const Context& context) {
+  if (outcome_ || !live_) return outcome_;
+  if (const auto deformer = live_->deformer(); deformer && deformer->summary().reused) return nullptr;
+  const auto positions = exact_positions(context);
+  if (!positions) return nullptr;
+  const EditStep& step = document.edit.steps.back();
+  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
+  apply_solution(document.edit, step, place_of(document), scenes, *positions, context);
+  return std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
 }
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses) {

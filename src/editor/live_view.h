@@ -1,8 +1,10 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,6 +47,10 @@ class LiveView {
   std::int64_t drag(const std::map<std::string, PoseSpec>& poses);
   HandleShape shape_of(const std::string& handle) const;
 
+  /// What the document's steps leave, where the view knows it or is about to: it waits for an exact frame that
+  /// is on its way. Null where only running the step tells. Throws Error(cancelled).
+  std::shared_ptr<const Scene> outcome(const Document& document, const Context& context);
+
   /// Tells what has become of the set-up; `settled` once nothing more will.
   void poll();
   bool settled() const;
@@ -60,12 +66,26 @@ class LiveView {
 
  private:
   void show_rest();
-  void set_up(const DeformStep& step, DeformSetup setup);
+  void set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier);
   void run_exactly(const Document& document, const Context& context);
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
   std::vector<HandlePose> poses_of(const DeformStep& step) const;
   void mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const;
   void drag_to(const std::vector<HandlePose>& poses);
+
+  // The exact frame of the document's poses, which the deformer's thread leaves here.
+  struct ExactFrame {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::int64_t pose = 0;                    ///< that is waited for
+    std::shared_ptr<const Points> positions;  ///< of it
+    bool failed = false;
+    void expect(std::int64_t next);
+    void take(std::int64_t pose, const LiveFrame& frame);
+    void fail(std::int64_t pose);
+  };
+  void show_document();
+  std::shared_ptr<const Points> exact_positions(const Context& context);
 
   Outbox outbox_;
   std::shared_ptr<const Object> base_;
@@ -80,6 +100,8 @@ class LiveView {
   std::optional<LiveStage> told_;
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
+  const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
+  std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
   std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
 };
 

@@ -94,13 +94,42 @@ std::vector<std::byte> position_frame(const Object& base, const std::vector<Inde
   return bytes.bytes();
 }
 
+namespace {
+
+struct Followers {
+  std::vector<Index> vertices, rows;
+};
+
+// All vertices of the mesh that are welded to one of `movers`, and that one's place in the list.
+Followers followers_of(const Object& base, const std::vector<Index>& movers) {
+  std::vector<Index> row(static_cast<std::size_t>(base.mesh().vertex_count()), -1);
+  for (std::size_t i = 0; i < movers.size(); ++i)
+    row[static_cast<std::size_t>(movers[i])] = static_cast<Index>(i);
+  Followers followers;
+  for (Index v = 0; v < base.mesh().vertex_count(); ++v) {
+    const Index of = row[static_cast<std::size_t>(base.weld.of(v))];
+    if (of < 0) continue;
+    followers.vertices.push_back(v);
+    followers.rows.push_back(of);
+  }
+  return followers;
+}
+
+}  // namespace
+
 std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basis) {
   const HandleBuffers buffers = basis.buffers();
   const Eigen::RowVector3d& c = buffers.centre;
   Json header = {{"mesh", base.id}, {"offset", {c.x(), c.y(), c.z()}}, {"scale", buffers.scale}};
   header["width"] = buffers.blocks.cols();
   BinaryFrame frame(BinaryFrame::Kind::weights, std::move(header));
-  frame.add("vertices", buffers.vertices);
+  if (base.weld.empty()) {
+    frame.add("vertices", buffers.vertices);
+  } else {
+    const Followers followers = followers_of(base, buffers.vertices);
+    frame.add("vertices", followers.vertices);
+    frame.add("rows", followers.rows);
+  }
   frame.add("positions", numbers_of(buffers.positions));
   frame.add("normals", numbers_of(buffers.normals));
   frame.add("maps", numbers_of(buffers.maps));

@@ -181,6 +181,11 @@ Stage Objects::before(const Document& document, const Context& context) {
   return stage;
 }
 
+std::shared_ptr<const Scene> Objects::after(const Document& document, std::size_t count,
+                                            const std::string& name, const Context& context) {
+  return scene(document, name, count, Keys(document), context);
+}
+
 void Objects::learn(const Document& document, std::shared_ptr<const Scene> outcome) {
   const std::string key = Keys(document).steps.back();
   if (!scenes_.find(key)) scenes_.put(key, std::move(outcome));

@@ -73,7 +73,11 @@ class Objects {
   /// Runs the steps before the one in work. Throws what `run_edit` throws.
   Stage before(const Document& document, const Context& context);
 
-  /// What a merge step in work made, as `run_step` left it: no need to run it again when it is accepted.
+  /// A mesh as the first `count` steps leave it. Throws what `run_edit` throws.
+  std::shared_ptr<const Scene> after(const Document& document, std::size_t count, const std::string& name,
+                                     const Context& context);
+
+  /// What the last step made, as `run_step` left it: no need to run it again when it is accepted or saved.
   void learn(const Document& document, std::shared_ptr<const Scene> outcome);
 
  private:

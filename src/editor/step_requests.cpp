@@ -8,8 +8,8 @@ namespace meshgraft::editor {
 namespace {
 
 // Through the middle of the model's box, across its x axis.
-Json default_plane(const Object& model) {
-  return {{"point", {model.offset.x(), model.offset.y(), model.offset.z()}}, {"normal", {1, 0, 0}}};
+Json default_plane(const Object& base) {
+  return {{"point", {base.offset.x(), base.offset.y(), base.offset.z()}}, {"normal", {1, 0, 0}}};
 }
 
 Json object_in(const json::Object& fields, std::string_view name) {
@@ -27,7 +27,7 @@ Json Worker::symmetry(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "plane", "tolerance_rel"});
   Workspace& workspace = open_one();
   Json document = workspace.document().json;
-  Json plane = default_plane(*workspace.stage().model);
+  Json plane = default_plane(workspace.view().base());
   fields.optional("plane", [&](const json::Value& value) {
     if (!value.is_null()) json::Object(value, {"point", "normal"});
     plane = value.raw();

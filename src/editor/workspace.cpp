@@ -47,15 +47,6 @@ Json step_summary(const Json& step) {
   return summary;
 }
 
-Json object_summary(const Object& object) {
-  return {{"name", object.name},
-          {"mesh", object.id},
-          {"vertices", object.mesh().vertex_count()},
-          {"faces", object.mesh().face_count()},
-          {"loops", object.loops.size()},
-          {"diagonal", object.diagonal}};
-}
-
 // As the request of this name has it, with the handles' twins.
 Json symmetry_summary(const Json& step, const LiveView& view) {
   if (!step.contains("symmetry")) return nullptr;
@@ -71,6 +62,15 @@ Json symmetry_summary(const Json& step, const LiveView& view) {
   return {{"plane", {{"point", symmetry["point"]}, {"normal", symmetry["normal"]}}},
           {"tolerance_rel", symmetry["tolerance_rel"]},
           {"twins", twins}};
+}
+
+Json object_summary(const Object& object) {
+  return {{"name", object.name},
+          {"mesh", object.id},
+          {"vertices", object.mesh().vertex_count()},
+          {"faces", object.mesh().face_count()},
+          {"loops", object.loops.size()},
+          {"diagonal", object.diagonal}};
 }
 
 Json handle_summary(const Json& step, const Json& handle, const std::vector<ShownHandle>& shown) {
@@ -255,11 +255,37 @@ fs::path Workspace::decline() {
   return journal_->set_aside();
 }
 
+void Workspace::finish(const Context& context) {
+  const DeformStep* step = deform_in_work(document_.edit);
+  if (step == nullptr || !is_ready(*step)) return;
+  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, std::move(scene));
+}
+
+Workspace::Outcome Workspace::outcome(const Context& context) {
+  finish(context);
+  const EditFile saved = saved_form(document_, document_.edit.base_folder);
+  const std::string name = saved.output.empty() ? outcome_of(saved.steps.back()) : saved.output;
+  const auto scene = objects_.after(document_, saved.steps.size(), name, context);
+  return {scene->mesh, scene->rest};
+}
+
 void Workspace::mark_saved(const fs::path& edit) {
   source_.edit = edit;
   saved_ = document_.text;
   write([](Journal& journal) { journal.mark_saved(); });
 }
+
+fs::path Workspace::kept_upload(const fs::path& upload) {
+  if (!journal_ || source_.journal.parent_path() == upload.parent_path()) return upload;
+  fs::path kept = upload;
+  write([&](Journal& journal) {
+    if (journal.found()) journal.set_aside();
+    kept = journal.keep(upload);
+  });
+  return kept;
+}
+
+fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
 
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();

@@ -45,7 +45,23 @@ class Workspace {
   /// Returns where it was put.
   std::filesystem::path decline();
 
+  /// What the document's steps leave, but for last ones that do nothing yet: the edit's output, and where its
+  /// vertices were. What the view shows is not solved again. Throws what `run_edit` throws.
+  struct Outcome {
+    Mesh mesh;
+    Points rest;
+  };
+  Outcome outcome(const Context& context);
+
+  /// Has the document's steps run, or what is shown of them kept, for a document that goes on from there.
+  void finish(const Context& context);
+
   void mark_saved(const std::filesystem::path& edit);
+
+  /// A file that lasts as long as the journal: the upload itself where there is none.
+  std::filesystem::path kept_upload(const std::filesystem::path& upload);
+  /// Where those are; empty: nowhere.
+  std::filesystem::path kept_folder() const;
 
   const Document& document() const { return document_; }
   const History& history() const { return history_; }

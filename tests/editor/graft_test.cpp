@@ -48,17 +48,16 @@ TEST_F(GraftEditor, PairsByItselfAndTellsHowSure) {
 }
 
 TEST_F(GraftEditor, PairsByHand) {
-  open_bust();
-  page_.ask({{"do", "open"}, {"sample", "bracket"}, {"resolution", 40}});
-  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "posts"}, {"resolution", 36}});
+  page_.ask({{"do", "open"}, {"sample", "posts"}, {"resolution", 40}});
+  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "bracket"}, {"resolution", 50}});
   const Json unclear = graft(Json::object());
   EXPECT_EQ(unclear["error"]["code"], "input") << "which loops meet is not clear";
   EXPECT_FALSE(unclear["error"]["remedy"].empty());
   EXPECT_EQ(page_.refusal({{"do", "accept"}})["code"], "input");
 
   // Wide ones to wide ones.
-  const Json posts = page_.ask({{"do", "loops"}, {"mesh", "posts"}})["loops"];
-  const Json bracket = page_.ask({{"do", "loops"}})["loops"];
+  const Json posts = page_.ask({{"do", "loops"}})["loops"];
+  const Json bracket = page_.ask({{"do", "loops"}, {"mesh", "bracket"}})["loops"];
   const auto by_length = [](const Json& loops) {
     std::vector<std::size_t> order{0, 1, 2, 3};
     std::sort(order.begin(), order.end(),
@@ -68,7 +67,7 @@ TEST_F(GraftEditor, PairsByHand) {
   Json pairs = Json::array();
   for (std::size_t k = 0; k < 4; ++k)
     pairs.push_back(
-        {{"source_loop", {{"loop", by_length(posts)[k]}}}, {"target_loop", {{"loop", by_length(bracket)[k]}}}});
+        {{"source_loop", {{"loop", by_length(bracket)[k]}}}, {"target_loop", {{"loop", by_length(posts)[k]}}}});
   const Json event = graft({{"pairs", pairs}});
   ASSERT_FALSE(event.contains("error")) << event;
   EXPECT_EQ(event["pairs"].size(), posts.size());

@@ -154,6 +154,47 @@ TEST(EditorSteps, AnEarlierStepChangesAndTheLaterOnesFollow) {
   EXPECT_EQ(page.exact(page.ask({{"do", "redo"}})["pose"]), second);
 }
 
+/// Whether what is shown was used or the step was run, the mesh that is saved is the edit file's, to the byte.
+TEST(EditorSteps, SavesTheBytesThatTheFileGivesWheneverItIsAsked) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  const auto expect_same = [&](const std::string& when) {
+    page.ask({{"do", "save"},
+              {"edit", (folder / "bar.json").string()},
+              {"mesh", (folder / "saved.ply").string()},
+              {"overwrite", true}});
+    write_mesh(run_edit(read_edit_file(folder / "bar.json")).mesh, folder / "expected.ply");
+    EXPECT_EQ(read_file(folder / "saved.ply"), read_file(folder / "expected.ply")) << when;
+  };
+  page.ask(open_bar);
+  paint(page, page.vertices([](double, double, double z) { return z > 3.7; }), "top", 2);
+  expect_same("before any pose");
+  page.ask({{"do", "pose"}, {"poses", {{"top", lift(0.5)}}}});
+  expect_same("while the set-up runs");
+  page.ask({{"do", "region"}, {"select", "all"}});
+  page.ask({{"do", "fixed"}, {"select", {{"half_space", {{"point", {0, 0, 0.3}}, {"normal", {0, 0, -1}}}}}}});
+  page.exact(pose(page, "top", lift(0.6)));
+  expect_same("with the exact frame there");
+  page.exact(page.ask({{"do", "drag"}, {"poses", {{"top", lift(0.9)}}}})["pose"]);
+  expect_same("after a drag, which is no part of the document");
+  page.ask({{"do", "handle"},
+            {"what", "add"},
+            {"name", "waist"},
+            {"select", {{"box", {{"min", {-9, -9, 1.9}}, {"max", {9, 9, 2.1}}}}}}});
+  page.exact(pose(page, "waist", {{"translate", {0.2, 0, 0}}}));
+  expect_same("with a set-up that shares the one before");
+  page.ask({{"do", "accept"}});
+  expect_same("with a step that does nothing yet");
+  paint(page, near(page, 0.5, 3), "arm", 0.4);
+  page.exact(pose(page, "arm", {{"translate", {0.2, 0, 0}}}));
+  expect_same("with a second step");
+  page.ask({{"do", "settings"}, {"settings", {{"refine_boundary", 1}}}});
+  expect_same("with a step that cannot be dragged");
+  page.ask({{"do", "accept"}});
+  expect_same("with that accepted");
+}
+
 TEST(EditorSteps, StepsAreRemovedAndRenamed) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});

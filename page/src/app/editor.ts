@@ -1,10 +1,11 @@
 import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses } from "../protocol";
+import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft";
 import { Library } from "./library";
+import { rememberOpened } from "./recent";
 import { labelOf } from "./request_labels";
 import { ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";
@@ -24,6 +25,11 @@ export interface Work {
   id: Id;
   label: string;
   since: number; // milliseconds of performance.now()
+}
+
+export interface Box {
+  low: Vector;
+  high: Vector;
 }
 
 export type DialogName = "open" | "save" | "export" | "help";
@@ -49,8 +55,8 @@ export class Editor {
   readonly working = signal<ReadonlyMap<Id, Work>>(new Map());
   readonly messages = signal<readonly Message[]>([]);
   readonly selected = signal(0);
-  /** Lengths of the sides of the model's box, in its units. */
-  readonly extent = signal<readonly [number, number, number] | null>(null);
+  /** The model's box at rest, in its units. */
+  readonly box = signal<Box | null>(null);
   readonly dialog = signal<DialogName | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
 
@@ -118,6 +124,7 @@ export class Editor {
     if (done === undefined) return false;
     this.opened = request;
     this.dialog.value = null;
+    rememberOpened(request);
     return true;
   }
 
@@ -302,19 +309,24 @@ export class Editor {
     this.graft.take(frame);
     this.library.take(frame);
     if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
-    if (frame.kind === FrameKind.mesh && frame.header.role !== "part") this.extent.value = extentOf(frame.floats("positions") ?? new Float32Array());
+    if (frame.kind === FrameKind.mesh && frame.header.role !== "part") this.box.value = boxOf(frame);
   }
 }
 
-function extentOf(positions: Float32Array): [number, number, number] {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
+function boxOf(frame: BinaryFrame): Box {
+  const positions = frame.floats("positions") ?? new Float32Array();
+  const low: Vector = [Infinity, Infinity, Infinity];
+  const high: Vector = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i + 2 < positions.length; i += 3)
-    for (let k = 0; k < 3; ++k) {
+    for (const k of [0, 1, 2] as const) {
       const x = positions[i + k] as number;
-      if (x < (low[k] as number)) low[k] = x;
-      if (x > (high[k] as number)) high[k] = x;
+      if (x < low[k]) low[k] = x;
+      if (x > high[k]) high[k] = x;
     }
-  const side = (k: number) => Math.max(0, (high[k] as number) - (low[k] as number));
-  return [side(0), side(1), side(2)];
+  const { offset = [0, 0, 0] } = frame.header;
+  for (const k of [0, 1, 2] as const) {
+    low[k] += offset[k];
+    high[k] += offset[k];
+  }
+  return { low, high };
 }

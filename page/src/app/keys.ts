@@ -31,7 +31,8 @@ export function commandFor(commands: readonly Command[], press: KeyPress): Comma
 /** Whether typing belongs to `target`: keys are no commands there. */
 export function takesTyping(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
-  if (target.isContentEditable || target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement) return true;
+  if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
+  if (target instanceof HTMLSelectElement) return true;
   const noText = ["button", "checkbox", "color", "radio", "range", "file", "submit", "reset"];
   return target instanceof HTMLInputElement && !noText.includes(target.type);
 }

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 
-/** What a drag on the surface does. A drag beside it turns the view, whatever the tool. */
+/** What a drag on the surface does. A drag beside it turns the view, but with lasso and box. */
 export type ToolName =
   | "navigate"
   | "handle" // paint a handle; a region of a reach appears around it

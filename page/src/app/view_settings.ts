@@ -7,6 +7,7 @@ export type HeatMap = "none" | "stretch" | "seam" | "detail"; // detail: ‖δ�
 export class ViewSettings {
   readonly shading = signal<Shading>("clay");
   readonly heatMap = signal<HeatMap>("none");
+  readonly stretchOf = signal<"area" | "edges">("area"); // what the heat map `stretch` compares with rest
   readonly wireframe = signal(false);
   readonly ambientOcclusion = signal(true);
   readonly showRoles = signal(true); // region, fixed part and handles in their colours

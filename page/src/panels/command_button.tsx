@@ -12,6 +12,7 @@ interface CommandProps {
   label?: string;
   tip?: string;
   class?: string;
+  tabIndex?: number;
 }
 
 export function keysOf(keys: readonly string[]): string | undefined {
@@ -20,7 +21,7 @@ export function keysOf(keys: readonly string[]): string | undefined {
 }
 
 /** A button for a command of the table. */
-export function CommandButton({ page, id, icon, label, tip, class: name }: CommandProps) {
+export function CommandButton({ page, id, icon, label, tip, class: name, tabIndex }: CommandProps) {
   const command = commandOf(page, id);
   const common = {
     label: label ?? command.label,
@@ -30,6 +31,7 @@ export function CommandButton({ page, id, icon, label, tip, class: name }: Comma
     pressed: command.active?.(),
     disabled: !command.enabled(),
     class: name,
+    tabIndex,
   };
   const { release } = command;
   if (release !== undefined)

@@ -75,7 +75,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
             </button>
           </li>
         ))}
-        {isEmpty && <li class="nothing">{folder === null ? "No folder: start the editor with --folder to use one." : "No models here."}</li>}
+        {isEmpty && <li class="nothing">{folder === null ? "No folder: start the editor with --folder to use one." : "Nothing of this kind here."}</li>}
       </ul>
     </div>
   );

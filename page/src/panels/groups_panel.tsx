@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { groupColour } from "../app/colours";
+import { groupsOf } from "../app/groups";
 import type { Page } from "../app/page";
 import { counted } from "../app/units";
 import { Button } from "./ui/button";
@@ -9,8 +10,7 @@ import { Section } from "./ui/section";
 /** Selections that the document keeps by name. */
 export function GroupsPanel({ page }: { page: Page }) {
   const { editor } = page;
-  const handles = editor.state.value?.handles.map(({ name }) => name) ?? [];
-  const groups = (editor.state.value?.groups ?? []).filter(({ name }) => !handles.includes(name));
+  const groups = groupsOf(editor.state.value);
   return (
     <Section title="Groups" hint="Selections that are kept by name, to select again or to use." badge={groups.length === 0 ? undefined : groups.length}>
       <ul class="list" aria-label="Groups">
@@ -74,7 +74,9 @@ function NewGroup({ page, taken, colours }: { page: Page; taken: readonly string
   const save = async () => {
     const chosen = name.trim() === "" ? suggested : name.trim();
     const done = await editor.ask({ do: "group", name: chosen, colour: groupColour(colours) });
-    if (done !== undefined) setName("");
+    if (done === undefined) return;
+    setName("");
+    if (document.activeElement instanceof HTMLInputElement) document.activeElement.blur(); // keys are commands again
   };
   const replaces = taken.includes(name.trim());
   return (
@@ -92,6 +94,7 @@ function NewGroup({ page, taken, colours }: { page: Page; taken: readonly string
         value={name}
         disabled={selected === 0}
         onInput={(event) => setName(event.currentTarget.value)}
+        onKeyDown={(event) => event.key === "Escape" && event.currentTarget.blur()}
       />
       <Button
         label={replaces ? "Replace" : "Save selection"}

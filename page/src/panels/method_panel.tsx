@@ -1,3 +1,4 @@
+import { groupsOf } from "../app/groups";
 import type { Page } from "../app/page";
 import {
   applicable, backToUsual, choiceOf, fitting, groupNames, methodOf, methods, numberOf, switchOf,
@@ -97,23 +98,48 @@ function SettingField({ setting, values, change }: SettingsProps & { setting: Se
   }
 }
 
+interface Anchor {
+  select: unknown;
+  weight?: number;
+}
+
 /** Groups that are drawn to where they are: softer than a fixed part. */
 function Anchors({ page }: { page: Page }) {
   const { editor } = page;
-  const handles = editor.state.value?.handles.map(({ name }) => name) ?? [];
-  const groups = (editor.state.value?.groups ?? []).filter(({ name }) => !handles.includes(name));
-  const ask = (anchors: { select: string; weight: number }[]) => void editor.ask({ do: "settings", anchors });
+  const state = editor.state.value;
+  const groups = groupsOf(state).map(({ name }) => name);
+  const found = (state?.steps.at(-1)?.fields as { anchors?: unknown } | undefined)?.anchors;
+  if (found !== undefined && !Array.isArray(found)) return <p class="hint">The step has more anchors than can be listed here; its file has them.</p>;
+  const anchors: Anchor[] = Array.isArray(found) ? (found as Anchor[]) : [];
+  const isAnchored = (name: string) => anchors.some(({ select }) => select === name);
+  const ask = (next: Anchor[]) => void editor.ask({ do: "settings", anchors: next.map(({ select, weight = 10 }) => ({ select, weight })) });
   return (
     <fieldset>
       <legend>Anchors</legend>
-      <p class="hint">A group that is anchored is drawn to where it is, softer than a fixed part.</p>
-      {groups.length === 0 && <p class="hint">Save a selection as a group first.</p>}
-      <div class="buttons">
-        {groups.map(({ name }) => (
-          <Button key={name} label={`Anchor ${name}`} kind="quiet" onClick={() => ask([{ select: name, weight: 10 }])} />
-        ))}
-        <Button label="No anchors" kind="quiet" onClick={() => ask([])} />
-      </div>
+      <p class="hint">
+        {groups.length === 0 ? "Save a selection as a group; it can then be drawn to where it is, softer than a fixed part." : "A group that is anchored is drawn to where it is, softer than a fixed part."}
+      </p>
+      {groups.map((name) => (
+        <Toggle
+          key={name}
+          label={name}
+          value={isAnchored(name)}
+          onChange={(on) => ask(on ? [...anchors, { select: name, weight: 10 }] : anchors.filter(({ select }) => select !== name))}
+        />
+      ))}
+      {anchors.map((anchor, i) => (
+        <Slider
+          key={i}
+          label={typeof anchor.select === "string" ? `Pull of ${anchor.select}` : `Pull ${i + 1}`}
+          value={anchor.weight ?? 10}
+          min={0}
+          max={1e6}
+          softMax={1000}
+          logarithmic
+          help="Weight of the anchor."
+          onChange={(weight) => ask(anchors.map((other, k) => (k === i ? { ...other, weight } : other)))}
+        />
+      ))}
     </fieldset>
   );
 }

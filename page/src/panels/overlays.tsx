@@ -58,7 +58,7 @@ export function LostConnection({ page }: { page: Page }) {
         ) : (
           <>
             <h2>The engine does not answer</h2>
-            <p>Look whether <code>meshgraft edit</code> still runs in its terminal. This page connects again by itself. {isSafe}</p>
+            <p>Look whether <code>meshgraft edit</code> still runs in its terminal. This page connects again by itself; if you start it again, open the address that it prints. {isSafe}</p>
             <span class="bar unknown" role="progressbar" aria-label="Connecting again">
               <i />
             </span>

@@ -10,9 +10,7 @@ const axes = ["X", "Y", "Z"] as const;
 /** Where a handle goes, in numbers. */
 export function PoseFields({ page, handle }: { page: Page; handle: Handle }) {
   const { editor } = page;
-  const unit = editor.view.unit.value;
   const numbers = numbersOf(handle.pose, handle.pivot ?? handle.centre ?? [0, 0, 0]);
-  const diagonal = editor.state.value?.model.diagonal ?? 1;
   const reset = (
     <Button
       label="Put back"
@@ -26,22 +24,40 @@ export function PoseFields({ page, handle }: { page: Page; handle: Handle }) {
   if (numbers === undefined) return <FreePose handle={handle} reset={reset} />;
   const change = (changes: Partial<PoseNumbers>) =>
     void editor.pose({ [handle.name]: withNumbers(handle.pose, changes) });
-  const lengths = { quantity: "length", unit, step: 0.01 * diagonal } as const;
   return (
     <div class="pose">
-      <Triple label="Move" suffix={unit === "none" ? "" : unit} {...lengths} value={numbers.translate} onChange={(translate) => change({ translate })} />
-      <Turn numbers={numbers} change={change} />
-      <Scale numbers={numbers} change={change} />
-      <Triple
-        label="Pivot"
-        tip="The point that turning and scaling keep; at first the centre of the handle's rim."
-        suffix={unit === "none" ? "" : unit}
-        {...lengths}
-        value={numbers.pivot}
-        onChange={(pivot) => change({ pivot })}
-      />
+      <PoseNumberFields page={page} numbers={numbers} change={change} withPivot />
       {reset}
     </div>
+  );
+}
+
+interface NumberFieldsProps extends PartProps {
+  page: Page;
+  withPivot: boolean;
+}
+
+/** Move, turn, scale and pivot. */
+export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFieldsProps) {
+  const { editor } = page;
+  const unit = editor.view.unit.value;
+  const diagonal = editor.state.value?.model.diagonal ?? 1;
+  const lengths = { quantity: "length", unit, step: 0.01 * diagonal, suffix: unit === "none" ? "" : unit } as const;
+  return (
+    <>
+      <Triple label="Move" {...lengths} value={numbers.translate} onChange={(translate) => change({ translate })} />
+      <Turn numbers={numbers} change={change} />
+      <Scale numbers={numbers} change={change} />
+      {withPivot && (
+        <Triple
+          label="Pivot"
+          tip="The point that turning and scaling keep; at first the centre of the handle's rim."
+          {...lengths}
+          value={numbers.pivot}
+          onChange={(pivot) => change({ pivot })}
+        />
+      )}
+    </>
   );
 }
 

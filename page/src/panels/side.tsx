@@ -2,8 +2,10 @@ import type { Page } from "../app/page";
 import { GraftPanels } from "./graft_panel";
 import { GroupsPanel } from "./groups_panel";
 import { HandlesPanel } from "./handles_panel";
+import { sentence } from "./messages";
 import { MethodPanel } from "./method_panel";
 import { StepsPanel } from "./steps_panel";
+import { SymmetryPanel } from "./symmetry_panel";
 import { ViewPanel } from "./view_panel";
 
 export type Mode = "deform" | "graft";
@@ -32,11 +34,13 @@ export function Side({ page }: { page: Page }) {
           ))}
         </div>
       )}
+      <Notes page={page} />
       <div class="panels">
         {mode.value === "deform" && (
           <>
             <HandlesPanel page={page} />
             <MethodPanel page={page} />
+            <SymmetryPanel page={page} />
             <GroupsPanel page={page} />
           </>
         )}
@@ -45,5 +49,18 @@ export function Side({ page }: { page: Page }) {
         <ViewPanel page={page} />
       </div>
     </aside>
+  );
+}
+
+/** What of the step goes another way than asked. */
+function Notes({ page }: { page: Page }) {
+  const notes = page.editor.state.value?.notes ?? [];
+  if (notes.length === 0) return null;
+  return (
+    <ul class="notes" aria-label="Notes on this step">
+      {notes.map((note) => (
+        <li key={note}>{sentence(note)}</li>
+      ))}
+    </ul>
   );
 }

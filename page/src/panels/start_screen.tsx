@@ -2,6 +2,7 @@ import { useRef, useState } from "preact/hooks";
 import type { OpenRequest } from "../app/editor";
 import type { Page } from "../app/page";
 import { baseName, folderOf } from "../app/paths";
+import { recentIn } from "../app/recent";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
 import { Button } from "./ui/button";
@@ -12,6 +13,7 @@ export function StartScreen({ page }: { page: Page }) {
   const { editor } = page;
   const welcome = editor.welcome.value;
   const models = welcome?.models ?? [];
+  const recent = recentIn(welcome?.folders ?? [], models);
   const opening = [...editor.working.value.values()].find(({ label }) => label === "Opening");
   return (
     <div class="start">
@@ -25,7 +27,8 @@ export function StartScreen({ page }: { page: Page }) {
         </div>
         <div class="start-columns">
           <div>
-            {models.length > 0 && <Models page={page} models={models} />}
+            {models.length > 0 && <Models page={page} title="Your models" models={models} />}
+            {recent.length > 0 && <Models page={page} title="Opened lately" models={recent} />}
             <h2>Samples</h2>
             <ul class="cards">
               {(welcome?.samples ?? []).map(({ name, description }) => (
@@ -48,10 +51,10 @@ export function StartScreen({ page }: { page: Page }) {
   );
 }
 
-function Models({ page, models }: { page: Page; models: readonly string[] }) {
+function Models({ page, title, models }: { page: Page; title: string; models: readonly string[] }) {
   return (
     <>
-      <h2>Your models</h2>
+      <h2>{title}</h2>
       <ul class="cards models">
         {models.map((path) => (
           <Card key={path} page={page} request={{ do: "open", path }} name={baseName(path)} detail={folderOf(path)} />

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import type { Work } from "../app/editor";
+import type { Box, Work } from "../app/editor";
 import { liveWords, stageWords } from "../app/live_words";
 import type { Page } from "../app/page";
 import { counted, formatCount, formatPercent, formatSeconds, formatSize } from "../app/units";
@@ -43,7 +43,7 @@ function LiveFigures({ page }: { page: Page }) {
 function ModelFigures({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
-  const extent = editor.extent.value;
+  const box = editor.box.value;
   const selected = editor.selected.value;
   if (state === null) return null;
   const { model, counts } = state;
@@ -57,9 +57,13 @@ function ModelFigures({ page }: { page: Page }) {
       )}
       <span class="wide-only">{counted(model.vertices, "vertex", "vertices")}</span>
       <span class="wide-only">{counted(model.faces, "face")}</span>
-      {extent !== null && <span data-tip="Sides of the box around the model. The unit is set under View.">{formatSize(extent, editor.view.unit.value)}</span>}
+      {box !== null && <span data-tip="Sides of the box around the model. The unit is set under View.">{formatSize(sidesOf(box), editor.view.unit.value)}</span>}
     </>
   );
+}
+
+function sidesOf({ low, high }: Box): number[] {
+  return high.map((most, k) => most - (low[k] ?? 0));
 }
 
 const patienceMs = 300; // work that is done sooner is not worth a word

@@ -2,13 +2,13 @@ import type { Page } from "../app/page";
 import type { ToolName } from "../app/tool_settings";
 import { counted } from "../app/units";
 import { CommandButton, CommandLabelButton } from "./command_button";
-import { Segments, Slider } from "./ui/fields";
+import { NumberField, Segments, Slider } from "./ui/fields";
 
 const hints: Record<ToolName, string> = {
-  navigate: "Drag to turn, right-drag to shift, wheel to zoom. Click a handle to pick it up.",
-  handle: "Paint over the part that you want to hold, then pull it by the arrows that appear.",
+  navigate: "Drag to turn, right-drag to shift, wheel to zoom.",
+  handle: "Paint what to hold, then pull it by the arrows.",
   vertex: "Click a vertex to hold it.",
-  curve: "Click along the course of the curve; Enter ends it, the first point closes it.",
+  curve: "Click along the curve; Enter ends it, its first point closes it.",
   brush: "Paint to select. Shift adds, Alt takes away.",
   lasso: "Draw around what to select. Shift adds, Alt takes away.",
   box: "Drag a rectangle. Shift adds, Alt takes away.",
@@ -73,6 +73,7 @@ export function ToolOptions({ page }: { page: Page }) {
         <span class="tool-hint">{hints[tool]}</span>
       </div>
       {selected > 0 && <SelectionLine page={page} selected={selected} />}
+      {tools.activeHandle.value !== null && <HandleLine page={page} />}
     </div>
   );
 }
@@ -89,6 +90,41 @@ function SelectionLine({ page, selected }: { page: Page; selected: number }) {
       <CommandLabelButton page={page} id="make-handle" icon="handle" kind="primary" />
       <CommandLabelButton page={page} id="make-region" icon="region" />
       <CommandLabelButton page={page} id="make-fixed" icon="fixed" />
+    </div>
+  );
+}
+
+/** How the gizmo of the active handle works. */
+function HandleLine({ page }: { page: Page }) {
+  const { tools, view, state } = page.editor;
+  const unit = view.unit.value;
+  const usualMove = 0.01 * (state.value?.model.diagonal ?? 1);
+  return (
+    <div class="tool-line handle-line" role="toolbar" aria-label="Gizmo">
+      <strong>{tools.activeHandle.value}</strong>
+      <CommandButton page={page} id="gizmo-space" icon="gizmo-space" />
+      <CommandButton page={page} id="pivot" icon="pivot" />
+      <CommandButton page={page} id="snap" icon="snap" />
+      {tools.snap.value && (
+        <>
+          <NumberField
+            label="Step of moves"
+            tip="Step of moves."
+            value={tools.snapMove.value === 0 ? usualMove : tools.snapMove.value}
+            quantity="length"
+            unit={unit}
+            suffix={unit === "none" ? "" : unit}
+            min={1e-9}
+            digits={3}
+            step={usualMove}
+            onChange={(step) => (tools.snapMove.value = step)}
+          />
+          <NumberField label="Step of turns" tip="Step of turns." value={tools.snapTurnDeg.value} quantity="angle" suffix="°" min={0.01} max={180} step={5} onChange={(step) => (tools.snapTurnDeg.value = step)} />
+          <NumberField label="Step of scales" tip="Step of scales." value={tools.snapScale.value} quantity="factor" suffix="×" min={0.001} max={10} step={0.05} onChange={(step) => (tools.snapScale.value = step)} />
+        </>
+      )}
+      <CommandButton page={page} id="reset-pose" icon="reset" />
+      <CommandButton page={page} id="remove-handle" icon="remove" />
     </div>
   );
 }

@@ -12,6 +12,7 @@ const groups: readonly (readonly string[])[] = [
 /** The tools, at the left. Arrows go from one to the next; tab goes past all of them. */
 export function Toolbar({ page }: { page: Page }) {
   const bar = useRef<HTMLDivElement>(null);
+  const active = page.editor.tools.tool.value;
   const onKeyDown = (event: KeyboardEvent) => {
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
     const buttons = [...(bar.current?.querySelectorAll<HTMLElement>("button") ?? [])];
@@ -25,7 +26,13 @@ export function Toolbar({ page }: { page: Page }) {
       {groups.map((tools, group) => (
         <div class="tool-group" key={group}>
           {tools.map((tool) => (
-            <CommandButton key={tool} page={page} id={`tool-${tool}`} icon={hasIcon(tool) ? tool : "navigate"} />
+            <CommandButton
+              key={tool}
+              page={page}
+              id={`tool-${tool}`}
+              icon={hasIcon(tool) ? tool : "navigate"}
+              tabIndex={tool === active ? 0 : -1}
+            />
           ))}
         </div>
       ))}

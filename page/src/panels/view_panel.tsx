@@ -39,7 +39,18 @@ export function ViewPanel({ page }: { page: Page }) {
         help="Stretch: how much the surface has grown or shrunk. Detail: how far a vertex stands out of its neighbours."
         onChange={(to) => (view.heatMap.value = to)}
       />
-      <Legend kind={view.heatMap.value} />
+      {view.heatMap.value === "stretch" && (
+        <Segments
+          label="Stretch of"
+          value={view.stretchOf.value}
+          choices={[
+            { value: "area", label: "Areas" },
+            { value: "edges", label: "Edges" },
+          ]}
+          help="What is compared with the mesh before."
+          onChange={(to) => (view.stretchOf.value = to)}
+        />
+      )}
       <Toggle label="Wireframe" value={view.wireframe.value} help={wireframe.help} keys={keysOf(wireframe.keys)} onChange={(on) => (view.wireframe.value = on)} />
       <Toggle label="Soft shadows" value={view.ambientOcclusion.value} help="Darkens hollows, so that shapes are read better. Off is quicker." onChange={(on) => (view.ambientOcclusion.value = on)} />
       <Toggle label="Region and handles" value={view.showRoles.value} help="Tints what may move, what is held and what stays." onChange={(on) => (view.showRoles.value = on)} />
@@ -70,20 +81,5 @@ export function ViewPanel({ page }: { page: Page }) {
       />
       <Select label="Unit" value={view.unit.value} choices={units} help="What a unit of the model is. Files have none of their own." onChange={(to) => (view.unit.value = to)} />
     </Section>
-  );
-}
-
-function Legend({ kind }: { kind: HeatMap }) {
-  if (kind === "none" || kind === "seam") return null;
-  const [low, middle, high] = kind === "stretch" ? ["shrunk", "as it was", "stretched"] : ["smooth", "", "detailed"];
-  return (
-    <div class={`legend ${kind}`} role="img" aria-label={`Colours from ${low} to ${high}`}>
-      <div class="ramp" />
-      <div class="legend-words">
-        <span>{low}</span>
-        <span>{middle}</span>
-        <span>{high}</span>
-      </div>
-    </div>
   );
 }

@@ -6,7 +6,7 @@ import { Gesture, type Act, type Axis, type Grip, type Steps } from "./gesture";
 import { partAt, type Layout, type Part } from "./gizmo_layout";
 import { GizmoView } from "./gizmo_view";
 import type { Movable, Moved } from "./movable";
-import { axesOf, centreOf, matrixOf, withPivot, withPivotAt, type Placement } from "./pose_math";
+import { axesOf, centreOf, poseOf, withPivot, withPivotAt, type Placement } from "./pose_math";
 import type { Status } from "./status";
 
 /** A gesture on the active handle. By a drag, or `modal`: begun by a key, ended by a click. */
@@ -96,7 +96,7 @@ export class Gizmo {
     this.status.clear();
     this.viewport.requestRender();
     if (handle === undefined || handle.name !== going.name) return;
-    if (isSame(handle.placement, going.start)) this.control.revert(going.name, going.start);
+    if (isSame(handle.placement, going.start, handle.defaultPivot)) this.control.revert(going.name, going.start);
     else void this.control.commit(going.name, handle.placement);
   }
 
@@ -209,7 +209,7 @@ export class Gizmo {
     const { placement } = handle;
     const { going } = this;
     const axes = going?.axes ?? this.axesFor(placement, this.editor.tools.gizmoSpace.value);
-    const gesture = going?.gesture === undefined ? undefined : { gesture: going.gesture, from: centreOf(going.start), axes };
+    const gesture = going?.gesture && { gesture: going.gesture, from: centreOf(going.start), axes };
     this.layout = this.view.draw({
       centre: centreOf(placement),
       axes,
@@ -224,7 +224,8 @@ export class Gizmo {
 
   // Which parts the model hides: looked up when the view rests.
   private findHidden(layout: Layout): void {
-    const asOf = layout.parts.map(({ outline }) => `${outline[0]?.x.toFixed(0)},${outline[0]?.y.toFixed(0)}`).join(" ");
+    const firsts = layout.parts.flatMap(({ outline }) => outline.slice(0, 1));
+    const asOf = firsts.map(({ x, y }) => `${x.toFixed(0)},${y.toFixed(0)}`).join(" ");
     if (asOf === this.hiddenAsOf || this.viewport.navigation.isMoving) return;
     this.hiddenAsOf = asOf;
     this.hidden.clear();
@@ -240,6 +241,8 @@ export class Gizmo {
   }
 }
 
-function isSame(a: Placement, b: Placement): boolean {
-  return matrixOf(a).equals(matrixOf(b)) && a.pivot.equals(b.pivot);
+// Not of their maps: a turn of 720° is not none.
+function isSame(a: Placement, b: Placement, defaultPivot: Vector3): boolean {
+  const told = (placement: Placement) => JSON.stringify(poseOf(placement, defaultPivot));
+  return told(a) === told(b) && a.pivot.equals(b.pivot);
 }

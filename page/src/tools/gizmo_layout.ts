@@ -49,11 +49,13 @@ export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
   add({ kind: "ball", grip: ball, axis: "free", outline: [c], closed: false, place: centre });
   const knobPx = viewRingPx * Math.SQRT1_2;
   const knob = { x: c.x + knobPx, y: c.y - knobPx };
-  add({ kind: "knob", grip: { act: "scale", axis: "free" }, axis: "free", outline: [knob], closed: false, place: centre });
+  const all: Grip = { act: "scale", axis: "free" };
+  add({ kind: "knob", grip: all, axis: "free", outline: [knob], closed: false, place: centre });
   for (const k of allAxes) {
     if (Math.abs(of(k).dot(sight)) > endOn) continue;
-    const box = at([of(k), boxPx]);
-    add({ kind: "box", grip: { act: "scale", axis: k }, axis: k, outline: [box], closed: false, place: place([of(k), boxPx]) });
+    const end = place([of(k), boxPx]);
+    const stretch: Grip = { act: "scale", axis: k };
+    add({ kind: "box", grip: stretch, axis: k, outline: [eye.project(end)], closed: false, place: end });
     const shaft = [at([of(k), arrowPx.from]), at([of(k), arrowPx.to])];
     add({ kind: "arrow", grip: { act: "move", axis: k }, axis: k, outline: shaft, closed: false,
           place: place([of(k), arrowPx.to]) });
@@ -76,7 +78,8 @@ export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
     const angle = (2 * Math.PI * i) / around;
     return { x: c.x + viewRingPx * Math.cos(angle), y: c.y + viewRingPx * Math.sin(angle) };
   });
-  add({ kind: "view-ring", grip: { act: "turn", axis: "free" }, axis: "free", outline: round, closed: true, place: centre });
+  const roll: Grip = { act: "turn", axis: "free" };
+  add({ kind: "view-ring", grip: roll, axis: "free", outline: round, closed: true, place: centre });
   return { centre: c, parts };
 }
 
@@ -89,7 +92,8 @@ export function circle(
   span: number,
 ): Spot[] {
   const side = sight.clone().cross(axis);
-  if (side.lengthSq() < 1e-6) side.crossVectors(axis, Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0));
+  const aside = Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
+  if (side.lengthSq() < 1e-6) side.crossVectors(axis, aside);
   side.normalize();
   const near = side.clone().cross(axis);
   if (near.dot(sight) > 0) near.negate();

@@ -23,7 +23,8 @@ export class GizmoView {
   readonly element = svg("g", { class: "gizmo", display: "none" });
   private readonly guide = svg("path", { class: "guide" });
   private readonly sector = svg("path", { class: "sector" });
-  private readonly pivot = svg("g", { class: "pivot" }, svg("circle", { r: 7 }), svg("path", { d: "M-13 0H13M0 -13V13" }));
+  private readonly cross = svg("path", { d: "M-13 0H13M0 -13V13" });
+  private readonly pivot = svg("g", { class: "pivot" }, svg("circle", { r: 7 }), this.cross);
   private readonly parts = new Map<string, SVGGElement>();
 
   constructor(
@@ -61,7 +62,7 @@ export class GizmoView {
   private drawPart(part: Part, layout: Layout, isHot: boolean, isHidden: boolean): void {
     const element = this.elementOf(part);
     const axis = part.axis === "free" ? "free" : "xyz".charAt(part.axis);
-    set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " behind" : ""}` });
+    set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " covered" : ""}` });
     const outline = onOverlay(this.overlay, part.outline);
     const [c] = onOverlay(this.overlay, [layout.centre]) as [Spot];
     const d = part.kind === "view-ring" ? circlePath(c, viewRingPx) : shapeOf(part, outline, c);
@@ -92,6 +93,8 @@ export class GizmoView {
     const name = axis === "free" ? "free" : "xyz".charAt(axis);
     set(this.guide, { class: `guide axis-${name}` });
     if (act === "turn") this.drawSector(gesture.gesture, centre, name);
+    else if (axis === "free" && act === "scale")
+      set(this.guide, { d: linesThrough([...this.spots(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
     else if (axis === "free") set(this.guide, { d: linesThrough(this.spots(gesture.from, centre)) });
     else {
       const along = new Vector3().setComponent(axis, 1).applyQuaternion(gesture.axes);
@@ -140,7 +143,7 @@ function shapeOf(part: Part, outline: readonly Spot[], centre: Spot): string {
     case "ball":
       return circlePath(first, 7);
     case "knob":
-      return `M${first.x - 7} ${first.y + 7}v-9M${first.x - 7} ${first.y + 7}h9` + squarePath({ x: first.x + 2, y: first.y - 2 }, 7);
+      return cornerPath(first) + squarePath({ x: first.x + 2, y: first.y - 2 }, 7);
     case "box":
       return squarePath(first, 5);
     case "arrow":
@@ -156,6 +159,10 @@ function circlePath({ x, y }: Spot, r: number): string {
 
 function squarePath({ x, y }: Spot, half: number): string {
   return `M${x - half} ${y - half}h${2 * half}v${2 * half}h${-2 * half}Z`;
+}
+
+function cornerPath({ x, y }: Spot): string {
+  return `M${x - 7} ${y + 7}v-9M${x - 7} ${y + 7}h9`;
 }
 
 // The head of an arrow that comes from `from`: at `tip`, a triangle on the page.

@@ -90,7 +90,8 @@ export class VertexTool implements Tool {
     const isHeld = sayHandle(this.bench, pointer, hit);
     show(this.dot, hit !== undefined && !isHeld);
     if (hit === undefined) return;
-    const [at] = onOverlay(this.bench.viewport.overlay, [this.bench.viewport.project(hit.surface.place(hit.vertex))]) as [Spot];
+    const { viewport } = this.bench;
+    const [at] = onOverlay(viewport.overlay, [viewport.project(hit.surface.place(hit.vertex))]) as [Spot];
     set(this.dot, { cx: at.x, cy: at.y });
   }
   leave(): void {
@@ -134,9 +135,12 @@ export class CurveTool implements Tool {
     const { status, graphs } = this.bench;
     const last = this.clicked[this.clicked.length - 1];
     this.closes = this.isAtFirst(spot);
-    const to = this.closes ? this.clicked[0] : hit?.surface === (this.surface ?? hit?.surface) ? hit?.vertex : undefined;
-    const graph = hit === undefined ? undefined : graphs.of(hit.surface);
-    this.ahead = (to !== undefined && last !== undefined && graph?.path(last, to)) || Uint32Array.of(...(to === undefined ? [] : [to]));
+    const isSame = hit?.surface === (this.surface ?? hit?.surface);
+    const to = this.closes ? this.clicked[0] : isSame ? hit?.vertex : undefined;
+    const surface = this.surface ?? hit?.surface;
+    const graph = surface === undefined ? undefined : graphs.of(surface);
+    const path = to === undefined || last === undefined ? undefined : graph?.path(last, to);
+    this.ahead = path ?? Uint32Array.of(...(to === undefined ? [] : [to]));
     if (this.closes) status.say("Click to close the curve", spot);
     else if (this.clicked.length > 1) status.say("Enter or a double click ends the curve", spot);
     else status.clear();
@@ -208,8 +212,9 @@ export class CurveTool implements Tool {
     const isShown = surface !== undefined && (this.clicked.length > 0 || this.ahead.length > 0);
     for (const element of [this.line, this.rest, this.dots]) show(element, isShown);
     if (surface === undefined || !isShown) return;
+    const { viewport } = this.bench;
     const spots = (vertices: Iterable<number>) =>
-      onOverlay(this.bench.viewport.overlay, Array.from(vertices, (v) => this.bench.viewport.project(surface.place(v))));
+      onOverlay(viewport.overlay, Array.from(vertices, (v) => viewport.project(surface.place(v))));
     set(this.line, { d: linesThrough(spots(this.path)) });
     set(this.rest, { d: linesThrough(spots(this.ahead)) });
     const ends = spots([...this.clicked, ...this.ahead.slice(-1)]);

@@ -103,7 +103,8 @@ export class ReachRing {
   private draw(): void {
     const handle = this.bench.control.active;
     const reach = this.dragged ?? handle?.reach;
-    const isShown = handle !== undefined && reach !== undefined && !this.isBusy() && !this.bench.viewport.settings.before.value;
+    const { before } = this.bench.viewport.settings;
+    const isShown = handle !== undefined && reach !== undefined && !this.isBusy() && !before.value;
     show(this.element, isShown);
     this.at = undefined;
     if (!isShown) return;
@@ -125,7 +126,8 @@ export class ReachRing {
   // A large ring's knob stays on the page.
   private inView({ x, y }: Spot): Spot {
     const box = this.bench.viewport.canvas.getBoundingClientRect();
-    return { x: Math.min(Math.max(x, box.left + 20), box.right - 20), y: Math.min(Math.max(y, box.top + 20), box.bottom - 40) };
+    const within = (value: number, from: number, to: number) => Math.min(Math.max(value, from), to);
+    return { x: within(x, box.left + 20, box.right - 20), y: within(y, box.top + 20, box.bottom - 40) };
   }
 }
 

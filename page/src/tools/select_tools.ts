@@ -9,7 +9,8 @@ import { combineOf, type Bench, type Pointer, type Stroke, type Tool } from "./t
 
 /** A circle on the page: how large the brush is. */
 export class BrushRing {
-  private readonly element = svg("circle", { class: "brush-ring", display: "none" });
+  private readonly circles = [svg("circle"), svg("circle")];
+  private readonly element = svg("g", { class: "brush-ring", display: "none" }, ...this.circles);
 
   constructor(private readonly bench: Bench) {
     bench.viewport.overlay.append(this.element);
@@ -17,7 +18,8 @@ export class BrushRing {
   show({ spot, ctrl, alt }: Pointer): void {
     const [at] = onOverlay(this.bench.viewport.overlay, [spot]) as [Spot];
     const r = this.bench.editor.tools.brushRadiusPx.value;
-    set(this.element, { cx: at.x, cy: at.y, r, class: `brush-ring${ctrl || alt ? " removes" : ""}` });
+    for (const circle of this.circles) set(circle, { cx: at.x, cy: at.y, r });
+    set(this.element, { class: `brush-ring${ctrl || alt ? " removes" : ""}` });
     show(this.element, true);
   }
   hide(): void {
@@ -160,11 +162,14 @@ export abstract class ClickTool implements Tool {
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
     const found = this.find(pointer, hit);
-    if (found?.key === this.shownKey) return;
-    this.leave();
-    if (found === undefined) return;
-    this.shownKey = found.key;
-    this.present(found, pointer);
+    if (found === undefined) return this.leave();
+    if (found.key !== this.shownKey) {
+      this.leave();
+      this.shownKey = found.key;
+      this.present(found);
+    }
+    const count = found.vertices === undefined ? "" : `: ${found.vertices.length.toLocaleString("en")} vertices`;
+    this.bench.status.say(`${found.words}${count}`, pointer.spot);
   }
   leave(): void {
     this.shownKey = undefined;
@@ -182,10 +187,8 @@ export abstract class ClickTool implements Tool {
     };
   }
 
-  protected present({ surface, vertices, words }: Found, { spot }: Pointer): void {
+  protected present({ surface, vertices }: Found): void {
     if (vertices !== undefined) this.bench.preview.show(surface, vertices);
-    const count = vertices === undefined ? "" : `: ${vertices.length.toLocaleString("en")} vertices`;
-    this.bench.status.say(`${words}${count}`, spot);
   }
 }
 
@@ -260,11 +263,11 @@ export class LoopTool extends ClickTool {
       }
     if (found === undefined) return undefined;
     const { vertices, vertex } = found;
-    return { key: `loop ${surface.id} ${vertices[0]}`, surface, vertices, words: "Boundary loop", ask: { loop_of: vertex } };
+    const key = `loop ${surface.id} ${vertices[0]}`;
+    return { key, surface, vertices, words: "Boundary loop", ask: { loop_of: vertex } };
   }
 
-  protected override present(found: Found, pointer: Pointer): void {
-    this.bench.status.say(`Boundary loop: ${found.vertices?.length ?? 0} vertices`, pointer.spot);
+  protected override present(found: Found): void {
     this.loop = found.vertices === undefined ? undefined : { surface: found.surface, vertices: found.vertices };
     this.draw();
   }

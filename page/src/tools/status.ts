@@ -18,9 +18,9 @@ export class Status {
     const width = this.text.getComputedTextLength() + 18;
     set(this.back, { width });
     const [at] = onOverlay(this.overlay, [{ x: x + 22, y: y + 22 }]) as [Spot];
-    const right = this.overlay.clientWidth - width - 4;
-    const bottom = this.overlay.clientHeight - 30;
-    set(this.element, { transform: `translate(${Math.max(4, Math.min(at.x, right))} ${Math.max(4, Math.min(at.y, bottom))})` });
+    const left = Math.max(4, Math.min(at.x, this.overlay.clientWidth - width - 4));
+    const top = Math.max(4, Math.min(at.y, this.overlay.clientHeight - 30));
+    set(this.element, { transform: `translate(${left} ${top})` });
   }
 
   clear(): void {

@@ -1,6 +1,6 @@
 import { effect } from "@preact/signals";
-import { DoubleSide, Group, LineBasicMaterial, LineLoop, Mesh, MeshBasicMaterial, PlaneGeometry, Quaternion, Vector3 } from "three";
-import { BufferGeometry } from "three";
+import { BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineLoop, Mesh, MeshBasicMaterial } from "three";
+import { PlaneGeometry, Quaternion, Vector3 } from "three";
 import type { Viewport } from "../view/viewport";
 import type { HandleControl } from "./handle_control";
 

@@ -1,4 +1,14 @@
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, GLSL3, Mesh, PlaneGeometry, ShaderMaterial, Vector3 } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  GLSL3,
+  Mesh,
+  PlaneGeometry,
+  ShaderMaterial,
+  Vector3,
+} from "three";
 
 /** The colours behind and around the model. */
 export interface Theme {

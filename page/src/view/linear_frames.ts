@@ -58,7 +58,8 @@ export class LinearFrames {
     const basePositions = yield* this.upload(frame.floats("positions"), 3);
     const baseNormals = rows === 4 ? yield* this.upload(frame.floats("normals"), 3) : null;
     const baseMaps = maps?.length ? yield* this.upload(maps, 3) : null;
-    if (weights === undefined || basePositions === undefined || baseNormals === undefined || baseMaps === undefined) return;
+    if (weights === undefined || basePositions === undefined || baseNormals === undefined || baseMaps === undefined)
+      return;
     Object.assign(this.uniforms.weights, { value: weights });
     Object.assign(this.uniforms.basePositions, { value: basePositions });
     Object.assign(this.uniforms.baseNormals, { value: baseNormals });
@@ -142,7 +143,8 @@ export class LinearFrames {
   private numberRows(vertices: Uint32Array, rows: Uint32Array | undefined): void {
     const numbers = this.movers.array as Int32Array;
     numbers.fill(0);
-    for (let i = 0; i < vertices.length; ++i) numbers[vertices[i] as number] = 1 + (rows === undefined ? i : (rows[i] as number));
+    for (let i = 0; i < vertices.length; ++i)
+      numbers[vertices[i] as number] = 1 + (rows === undefined ? i : (rows[i] as number));
     this.movers.needsUpdate = true;
   }
 

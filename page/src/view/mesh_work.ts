@@ -1,39 +1,53 @@
-/** What a worker is asked about one mesh, and what it answers. Arrays are its own from then on. */
+/** What a worker is asked about one mesh, and what it answers. Arrays come in parts, so that no copy takes long. */
 export type ToWorker =
-  | { what: "begin"; positions: Float32Array; triangles: Uint32Array; version: number; coarse: number }
-  | { what: "refit"; positions: Float32Array; version: number };
+  | { what: "part"; of: "positions" | "triangles"; at: number; length: number; values: Float32Array | Uint32Array }
+  | { what: "begin"; version: number; coarse: number }
+  | { what: "refit"; version: number };
 
 export type FromWorker =
   | { what: "coarse"; triangles: Uint32Array }
   | { what: "tree"; version: number; roots: ArrayBuffer[]; order: Uint32Array | Uint16Array | null }
   | { what: "edges"; edges: Uint32Array; boundary: Uint32Array };
 
+const partLength = 1 << 20; // numbers
+
 /** A worker for one mesh. `coarse`: about how many triangles its coarse version has; 0: none is made. */
 export class MeshWork {
-  private readonly worker = new Worker(new URL("./mesh_worker.ts", import.meta.url), { type: "module" });
+  private worker: Worker | undefined;
+  private isDisposed = false;
 
-  constructor(
-    positions: Float32Array,
-    triangles: Uint32Array,
-    version: number,
-    coarse: number,
-    hear: (answer: FromWorker) => void,
-  ) {
-    this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => hear(data);
-    const copies = { positions: positions.slice(), triangles: triangles.slice() };
-    this.send({ what: "begin", version, coarse, ...copies }, [copies.positions.buffer, copies.triangles.buffer]);
+  constructor(private readonly hear: (answer: FromWorker) => void) {}
+
+  /** Yields between parts. */
+  *begin(positions: Float32Array, triangles: Uint32Array, version: number, coarse: number): Generator<void, void> {
+    this.worker = new Worker(new URL("./mesh_worker.ts", import.meta.url), { type: "module" });
+    this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.hear(data);
+    yield;
+    yield* this.sendParts("positions", positions);
+    yield* this.sendParts("triangles", triangles);
+    this.send({ what: "begin", version, coarse });
   }
 
-  refit(positions: Float32Array, version: number): void {
-    const copy = positions.slice();
-    this.send({ what: "refit", positions: copy, version }, [copy.buffer]);
+  /** Yields between parts; `version` is asked for when they are sent. */
+  *refit(positions: Float32Array, version: () => number): Generator<void, void> {
+    yield* this.sendParts("positions", positions);
+    this.send({ what: "refit", version: version() });
   }
 
   dispose(): void {
-    this.worker.terminate();
+    this.isDisposed = true;
+    this.worker?.terminate();
   }
 
-  private send(message: ToWorker, transfer: Transferable[]): void {
-    this.worker.postMessage(message, transfer);
+  private *sendParts(of: "positions" | "triangles", values: Float32Array | Uint32Array): Generator<void, void> {
+    for (let at = 0; at < values.length && !this.isDisposed; at += partLength) {
+      const part = values.slice(at, at + partLength);
+      this.send({ what: "part", of, at, length: values.length, values: part }, [part.buffer]);
+      yield;
+    }
+  }
+
+  private send(message: ToWorker, transfer: Transferable[] = []): void {
+    if (!this.isDisposed) this.worker?.postMessage(message, transfer);
   }
 }

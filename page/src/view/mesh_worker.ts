@@ -5,6 +5,8 @@ import type { FromWorker, ToWorker } from "./mesh_work";
 
 // What takes long for a large mesh, beside the page: its tree of boxes, its edges, and a coarse version of it.
 
+let positions: Float32Array<ArrayBuffer> = new Float32Array();
+let triangles: Uint32Array<ArrayBuffer> = new Uint32Array();
 let geometry: BufferGeometry | undefined;
 let tree: MeshBVH | undefined;
 
@@ -20,7 +22,7 @@ function sendTree(version: number): void {
   send({ what: "tree", version, roots, order: indirectBuffer }, buffers);
 }
 
-function begin(positions: Float32Array, triangles: Uint32Array, version: number, coarse: number): void {
+function begin(version: number, coarse: number): void {
   if (coarse > 0) {
     const few = coarseTriangles(positions, triangles, coarse);
     send({ what: "coarse", triangles: few }, [few.buffer]);
@@ -34,14 +36,21 @@ function begin(positions: Float32Array, triangles: Uint32Array, version: number,
   send({ what: "edges", edges, boundary }, [edges.buffer, boundary.buffer]);
 }
 
-function refit(positions: Float32Array, version: number): void {
-  if (geometry === undefined || tree === undefined) return;
-  geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  tree.refit();
-  sendTree(version);
+function take({ of, at, length, values }: Extract<ToWorker, { what: "part" }>): void {
+  if (of === "positions") {
+    if (positions.length !== length) positions = new Float32Array(length);
+    positions.set(values, at);
+  } else {
+    if (triangles.length !== length) triangles = new Uint32Array(length);
+    triangles.set(values, at);
+  }
 }
 
 self.onmessage = ({ data }: MessageEvent<ToWorker>) => {
-  if (data.what === "begin") begin(data.positions, data.triangles, data.version, data.coarse);
-  else refit(data.positions, data.version);
+  if (data.what === "part") take(data);
+  else if (data.what === "begin") begin(data.version, data.coarse);
+  else {
+    tree?.refit();
+    sendTree(data.version);
+  }
 };

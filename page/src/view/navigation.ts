@@ -1,4 +1,13 @@
-import { Box3, MathUtils, Matrix4, OrthographicCamera, PerspectiveCamera, Quaternion, Vector3, type Sphere } from "three";
+import {
+  Box3,
+  MathUtils,
+  Matrix4,
+  OrthographicCamera,
+  PerspectiveCamera,
+  Quaternion,
+  Vector3,
+  type Sphere,
+} from "three";
 
 const fieldOfViewDeg = 32;
 
@@ -30,7 +39,12 @@ export class Navigation {
   readonly parallel = new OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
   orthographic = false;
   up: "y" | "z" = "z";
-  private stand: Stand = { target: new Vector3(), distance: 5, yaw: MathUtils.degToRad(-35), pitch: MathUtils.degToRad(20) };
+  private stand: Stand = {
+    target: new Vector3(),
+    distance: 5,
+    yaw: MathUtils.degToRad(-35),
+    pitch: MathUtils.degToRad(20),
+  };
   private journey: { from: Stand; to: Stand; start: number; ms: number } | undefined;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private drag: "orbit" | "pan" | undefined;
@@ -82,7 +96,10 @@ export class Navigation {
       camera.quaternion.copy(turn);
     }
     this.perspective.aspect = aspect;
-    this.perspective.near = Math.max(far * 1e-5, Math.min(stand.distance * 0.05, 0.5 * Math.max(0, toCentre - bounds.radius)) || stand.distance * 0.01);
+    this.perspective.near = Math.max(
+      far * 1e-5,
+      Math.min(stand.distance * 0.05, 0.5 * Math.max(0, toCentre - bounds.radius)) || stand.distance * 0.01,
+    );
     this.perspective.far = far;
     const half = this.viewHeight / 2;
     Object.assign(this.parallel, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
@@ -189,7 +206,12 @@ export class Navigation {
   private go(to: Stand, animated: boolean): void {
     const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
     const { target, ...rest } = this.stand;
-    this.journey = { from: { ...rest, target: target.clone() }, to, start: performance.now(), ms: animated && !still ? 220 : 0 };
+    this.journey = {
+      from: { ...rest, target: target.clone() },
+      to,
+      start: performance.now(),
+      ms: animated && !still ? 220 : 0,
+    };
     if (this.journey.ms === 0) this.travel(performance.now());
     this.scenery.requestRender();
   }
@@ -235,7 +257,7 @@ export class Navigation {
     const pans = event.button === 2 || (event.button === 1 && event.shiftKey) || (event.button === 0 && event.shiftKey);
     this.drag = pans ? "pan" : "orbit";
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    this.host?.setPointerCapture(event.pointerId);
+    (event.target as Element).setPointerCapture(event.pointerId); // the canvas's, so that its clicks stay its own
     if (event.button === 1) event.preventDefault();
   }
 
@@ -264,7 +286,6 @@ export class Navigation {
 
   private release(event: PointerEvent): void {
     if (!this.pointers.delete(event.pointerId)) return;
-    if (this.host?.hasPointerCapture(event.pointerId)) this.host.releasePointerCapture(event.pointerId);
     if (this.pointers.size === 0) this.drag = undefined;
   }
 
@@ -279,7 +300,8 @@ export class Navigation {
     const now = performance.now();
     if (this.wheelPlace === undefined || now > this.wheelPlace.until)
       this.wheelPlace = {
-        point: this.scenery.placeUnder(event.clientX, event.clientY) ?? this.onTargetPlane(event.clientX, event.clientY),
+        point:
+          this.scenery.placeUnder(event.clientX, event.clientY) ?? this.onTargetPlane(event.clientX, event.clientY),
         until: 0,
       };
     this.wheelPlace.until = now + 250;

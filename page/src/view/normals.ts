@@ -13,7 +13,11 @@ export class NormalsOfPart {
   static *find(triangles: Uint32Array, vertexCount: number, moving?: Uint32Array): Generator<void, NormalsOfPart> {
     if (moving === undefined) {
       const all = new Uint32Array(vertexCount).map((_, v) => v);
-      return new NormalsOfPart(triangles, new Uint32Array(triangles.length / 3).map((_, f) => 3 * f), all);
+      return new NormalsOfPart(
+        triangles,
+        new Uint32Array(triangles.length / 3).map((_, f) => 3 * f),
+        all,
+      );
     }
     const moves = new Uint8Array(vertexCount);
     for (const v of moving) moves[v] = 1;
@@ -31,7 +35,8 @@ export class NormalsOfPart {
   /** Writes the normals of `vertices` into `normals`. Yields now and then; until the end they are not of use. */
   *update(positions: Float32Array, normals: Float32Array): Generator<void, void> {
     const { triangles, faces, vertices } = this;
-    for (let i = 0; i < vertices.length; ++i) normals.fill(0, 3 * (vertices[i] as number), 3 * (vertices[i] as number) + 3);
+    for (let i = 0; i < vertices.length; ++i)
+      normals.fill(0, 3 * (vertices[i] as number), 3 * (vertices[i] as number) + 3);
     yield;
     for (let i = 0; i < faces.length; ++i) {
       addFace(positions, triangles, faces[i] as number, normals);

@@ -39,17 +39,8 @@ export class Pace {
 
   /** Tells when the card is done with what was drawn since `start`. */
   finish(renderer: WebGLRenderer, start: number, moving: boolean): void {
-    const gl = renderer.getContext() as WebGL2RenderingContext;
-    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
     this.busy = true;
-    const look = () => {
-      const state = fence === null ? gl.CONDITION_SATISFIED : gl.clientWaitSync(fence, 0, 0);
-      if (state === gl.TIMEOUT_EXPIRED && !gl.isContextLost()) return void setTimeout(look, 3);
-      if (fence !== null) gl.deleteSync(fence);
-      this.end(performance.now() - start, moving);
-    };
-    setTimeout(look, 1);
+    void cardIsIdle(renderer).then(() => this.end(performance.now() - start, moving));
   }
 
   private begin(): void {
@@ -67,4 +58,20 @@ export class Pace {
     this.drawn(sorted[sorted.length >> 1] ?? 0);
     if (this.wanted) requestAnimationFrame(() => this.begin());
   }
+}
+
+/** Resolves once the card has done all that it was told to; until then, telling it more may stop the page. */
+export function cardIsIdle(renderer: WebGLRenderer): Promise<void> {
+  const gl = renderer.getContext() as WebGL2RenderingContext;
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  return new Promise((resolve) => {
+    const look = () => {
+      const isBusy = fence !== null && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED;
+      if (isBusy && !gl.isContextLost()) return void setTimeout(look, 3);
+      if (fence !== null) gl.deleteSync(fence);
+      resolve();
+    };
+    setTimeout(look, 1);
+  });
 }

@@ -23,7 +23,8 @@ export class PickTree {
     this.geometry.setIndex(new BufferAttribute(triangles, 1));
     const coarse = surface.triangleCount > isLarge ? 120_000 : 0;
     this.asked = version;
-    this.work = new MeshWork(positions, triangles, version, coarse, (answer) => this.hear(answer));
+    this.work = new MeshWork((answer) => this.hear(answer));
+    surface.slices.start("tree", this.work.begin(positions, triangles, version, coarse));
   }
 
   /** Whether the tree is there and up to date. */
@@ -36,7 +37,12 @@ export class PickTree {
     const tree = this.current();
     if (tree === undefined) {
       const { positions, triangles } = this.surface;
-      return meetTriangles(positions, triangles, [origin.x, origin.y, origin.z], [direction.x, direction.y, direction.z]);
+      return meetTriangles(
+        positions,
+        triangles,
+        [origin.x, origin.y, origin.z],
+        [direction.x, direction.y, direction.z],
+      );
     }
     const hit = tree.raycastFirst(new Ray(origin, direction), DoubleSide);
     const face = hit?.faceIndex;
@@ -81,11 +87,16 @@ export class PickTree {
     const { surface, tree } = this;
     if (tree === undefined || this.isReady) return tree;
     if (surface.triangleCount <= refittedHere) return this.refitHere(tree);
-    if (this.asked !== surface.version) {
-      this.asked = surface.version;
-      this.work.refit(surface.positions, surface.version);
-    }
+    if (this.asked !== surface.version && !surface.slices.isRunning("tree")) this.askForRefit();
     return undefined;
+  }
+
+  private askForRefit(): void {
+    const { surface } = this;
+    this.asked = surface.version;
+    const version = this.asked; // if it changes while parts are sent, what comes back is of no version
+    const sent = () => (version === surface.version ? version : -1);
+    surface.slices.start("tree", this.work.refit(surface.positions, sent));
   }
 
   private refitHere(tree: MeshBVH): MeshBVH {
@@ -105,7 +116,9 @@ export class PickTree {
     if (answer.what !== "tree") return;
     this.usePositions();
     const serialised = { version: 1, roots: answer.roots, index: null, indirectBuffer: answer.order };
-    this.tree = MeshBVH.deserialize(serialised as Parameters<typeof MeshBVH.deserialize>[0], this.geometry, { setIndex: false });
+    this.tree = MeshBVH.deserialize(serialised as Parameters<typeof MeshBVH.deserialize>[0], this.geometry, {
+      setIndex: false,
+    });
     this.version = answer.version;
   }
 }

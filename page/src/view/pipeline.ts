@@ -1,4 +1,15 @@
-import { DepthTexture, GLSL3, Matrix4, Mesh, OrthographicCamera, Scene, ShaderMaterial, UnsignedIntType, Vector2, WebGLRenderTarget } from "three";
+import {
+  DepthTexture,
+  GLSL3,
+  Matrix4,
+  Mesh,
+  OrthographicCamera,
+  Scene,
+  ShaderMaterial,
+  UnsignedIntType,
+  Vector2,
+  WebGLRenderTarget,
+} from "three";
 import type { Camera, WebGLRenderer } from "three";
 import { coveringTriangle } from "./backdrop";
 
@@ -95,7 +106,14 @@ export class Pipeline {
   private readonly cover = new Mesh(coveringTriangle());
   private readonly coverScene = new Scene();
   private readonly flatCamera = new OrthographicCamera();
-  private readonly occlusionPass = this.pass(occlusionShader, ["depths", "unprojection", "pixel", "reach", "reachInPicture", "isParallel"]);
+  private readonly occlusionPass = this.pass(occlusionShader, [
+    "depths",
+    "unprojection",
+    "pixel",
+    "reach",
+    "reachInPicture",
+    "isParallel",
+  ]);
   private readonly finishPass = this.pass(finishShader, ["picture", "depths", "occlusion", "pixel", "hasOcclusion"]);
   private readonly targets = new Map<string, WebGLRenderTarget>();
   private readonly occlusion = new WebGLRenderTarget(1, 1, { depthBuffer: false });
@@ -162,7 +180,14 @@ export class Pipeline {
 
   private pass(fragmentShader: string, names: string[]): ShaderMaterial {
     const uniforms = Object.fromEntries(names.map((name) => [name, { value: null }]));
-    return new ShaderMaterial({ glslVersion: GLSL3, vertexShader: coverShader, fragmentShader, uniforms, depthTest: false, depthWrite: false });
+    return new ShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: coverShader,
+      fragmentShader,
+      uniforms,
+      depthTest: false,
+      depthWrite: false,
+    });
   }
 }
 

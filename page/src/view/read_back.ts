@@ -1,4 +1,15 @@
-import { BufferGeometry, FloatType, GLSL3, NearestFilter, OrthographicCamera, Points, RGBAFormat, Scene, ShaderMaterial, WebGLRenderTarget } from "three";
+import {
+  BufferGeometry,
+  FloatType,
+  GLSL3,
+  NearestFilter,
+  OrthographicCamera,
+  Points,
+  RGBAFormat,
+  Scene,
+  ShaderMaterial,
+  WebGLRenderTarget,
+} from "three";
 import type { WebGLRenderer } from "three";
 import { deformShader } from "./deform_shader";
 import type { Surface } from "./surface";
@@ -28,9 +39,16 @@ void main() { place = vec4(shownPlace, 1.0); }
  * graphics card. Rejects where that draws no numbers with a fraction (EXT_color_buffer_float).
  */
 export async function readPositions(renderer: WebGLRenderer, surface: Surface): Promise<Float32Array> {
-  if (!renderer.getContext().getExtension("EXT_color_buffer_float")) throw new Error("the graphics card draws no floats");
+  if (!renderer.getContext().getExtension("EXT_color_buffer_float"))
+    throw new Error("the graphics card draws no floats");
   const height = Math.max(1, Math.ceil(surface.vertexCount / width));
-  const target = new WebGLRenderTarget(width, height, { type: FloatType, format: RGBAFormat, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false });
+  const target = new WebGLRenderTarget(width, height, {
+    type: FloatType,
+    format: RGBAFormat,
+    minFilter: NearestFilter,
+    magFilter: NearestFilter,
+    depthBuffer: false,
+  });
   const geometry = new BufferGeometry();
   for (const name of ["position", "normal", "mover"]) geometry.setAttribute(name, surface.geometry.getAttribute(name));
   const material = new ShaderMaterial({
@@ -51,5 +69,8 @@ export async function readPositions(renderer: WebGLRenderer, surface: Surface): 
   await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height, pixels);
   target.dispose();
   material.dispose();
-  return Float32Array.from({ length: 3 * surface.vertexCount }, (_, i) => pixels[4 * Math.floor(i / 3) + (i % 3)] as number);
+  return Float32Array.from(
+    { length: 3 * surface.vertexCount },
+    (_, i) => pixels[4 * Math.floor(i / 3) + (i % 3)] as number,
+  );
 }

@@ -18,7 +18,12 @@ export function handleColour(order: number): readonly [number, number, number] {
 }
 
 /** Writes a colour and how strongly it covers what lies below, premultiplied, into 4 bytes of vertex v. */
-export function writeTint(tint: Uint8Array, v: number, colour: readonly [number, number, number], strength: number): void {
+export function writeTint(
+  tint: Uint8Array,
+  v: number,
+  colour: readonly [number, number, number],
+  strength: number,
+): void {
   const a = 255 * strength;
   tint[4 * v] = a * colour[0];
   tint[4 * v + 1] = a * colour[1];
@@ -49,7 +54,8 @@ export function* depthInRegion(
     for (let i = 0; i < touching.length; ++i) {
       const at = touching[sweep % 2 === 0 ? i : touching.length - 1 - i] as number;
       for (let k = 0; k < 3; ++k)
-        changed = relax(depth, positions, triangles[at + k] as number, triangles[at + ((k + 1) % 3)] as number) || changed;
+        changed =
+          relax(depth, positions, triangles[at + k] as number, triangles[at + ((k + 1) % 3)] as number) || changed;
       if (i % 65536 === 65535) yield;
     }
     if (!changed) break;

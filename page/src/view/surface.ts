@@ -1,12 +1,25 @@
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, Vector3, type IUniform, type LineSegments, type Matrix4 } from "three";
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  Mesh,
+  Sphere,
+  Vector3,
+  type IUniform,
+  type LineSegments,
+  type Matrix4,
+} from "three";
 import type { ShaderMaterial, WebGLRenderer } from "three";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
+import type { HeatMap } from "../app/view_settings";
+import { detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
 import { NormalsOfPart } from "./normals";
 import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
 import { Slices } from "./slices";
+import { mergedIndices, runsOf, sameList, spanOfChange } from "./spans";
 import { surfaceMaterial, type LookUniforms } from "./surface_material";
 
 /** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
@@ -46,6 +59,14 @@ export class Surface {
   onChange: () => void = () => undefined;
 
   private shown: Float32Array;
+  private heatMap: HeatMap = "none";
+  private stretchOf: StretchOf = "area";
+  private heatVersion = -1;
+  private seam: Uint32Array = new Uint32Array();
+  /** What the colours of the heat map stand for; null: there is none. */
+  legend: Legend | null = null;
+  private ownPositions: Float32Array | undefined;
+  private ownNormals: Float32Array | undefined;
   private shownNormals: Float32Array;
   private readonly restNormals: Float32Array;
   private readonly tint: Uint8Array;
@@ -76,6 +97,7 @@ export class Surface {
       checkSize: { value: this.box.diagonal / 40 },
       heatColours: { value: null },
       heatRange: { value: [0, 1] },
+      hasHeat: { value: false },
     };
     this.linear = new LinearFrames(this.deform, this.geometry, this.vertexCount, this.offset, () => {
       this.deform.linear.value = false;
@@ -108,6 +130,11 @@ export class Surface {
     return new Sphere(centre, Math.max(1e-30, 0.5 * this.box.diagonal));
   }
 
+  /** Of the box at rest. */
+  get size(): Vector3 {
+    return this.box.max.clone().sub(this.box.min);
+  }
+
   /** A vertex's place in the world, as it is shown. */
   place(vertex: number, out = new Vector3()): Vector3 {
     return out.fromArray(this.positions, 3 * vertex).add(this.object.position);
@@ -119,7 +146,8 @@ export class Surface {
     const every = Math.max(1, Math.floor(count / 8000));
     const places = new Float32Array(3 * Math.ceil(count / every));
     const place = new Vector3();
-    for (let i = 0; i * every < count; ++i) this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
+    for (let i = 0; i * every < count; ++i)
+      this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
     return places;
   }
 
@@ -130,6 +158,7 @@ export class Surface {
     this.useAttributes();
     this.deform.linear.value = !before && this.linear.isShown;
     ++this.version;
+    this.renewHeat();
     this.onChange();
   }
 
@@ -137,13 +166,30 @@ export class Surface {
   showFrame(frame: BinaryFrame): void {
     const sent = frame.floats("positions") ?? new Float32Array();
     const vertices = frame.indices("vertices");
-    this.ownShown();
+    if (vertices?.length === 0) return this.showRest(frame);
+    this.ownShown(!sameList(vertices, this.movedList));
     if (vertices === undefined) this.shown.set(sent);
     else this.scatter(sent, vertices);
     ++this.version;
-    if (vertices === undefined || vertices.length > 0) this.upload("position", vertices);
+    this.upload("position", vertices);
     this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
     this.renewNormals(vertices);
+    this.renewHeat();
+    this.onChange();
+  }
+
+  /** Nothing moves. */
+  private showRest(frame: BinaryFrame): void {
+    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
+    if (this.shown === this.rest) return;
+    this.slices.stop("normals");
+    this.shown = this.rest;
+    this.shownNormals = this.restNormals;
+    this.moved = undefined;
+    this.movedList = undefined;
+    ++this.version;
+    this.useAttributes();
+    this.renewHeat();
     this.onChange();
   }
 
@@ -194,6 +240,20 @@ export class Surface {
     this.linear.forget();
     this.deform.linear.value = false;
     this.slices.start("tint", this.paintRoles());
+  }
+
+  /** Draws nothing, but brings one attribute after the other to the card, so that the first picture need not. */
+  *attributesAlone(): Generator<BufferGeometry, void> {
+    const alone = (set: (geometry: BufferGeometry) => void) => {
+      const geometry = new BufferGeometry();
+      set(geometry);
+      geometry.boundingSphere = this.geometry.boundingSphere;
+      geometry.setDrawRange(0, 0);
+      return geometry;
+    };
+    for (const attribute of Object.values(this.geometry.attributes))
+      yield alone((geometry) => geometry.setAttribute("alone", attribute));
+    yield alone((geometry) => geometry.setIndex(this.fine));
   }
 
   /** Colours vertices in place of their roles: 4 bytes each, as `writeTint` makes them. */
@@ -276,6 +336,69 @@ export class Surface {
     if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
   }
 
+  /** Colours for numbers of vertices, which follow what is shown. */
+  showHeat(map: HeatMap, of: StretchOf): void {
+    if (map === this.heatMap && of === this.stretchOf && (map === "none" || this.heatVersion >= 0)) return;
+    this.heatMap = map;
+    this.stretchOf = of;
+    this.heatVersion = -1;
+    if (map !== "none") return this.renewHeat();
+    this.slices.stop("heat");
+    Object.assign(this.own["hasHeat"] ?? {}, { value: false });
+    this.legend = null;
+    this.onChange();
+  }
+
+  /** Vertices of a seam, for the heat map that shows it. */
+  setSeam(vertices: Uint32Array): void {
+    this.seam = vertices;
+    this.heatVersion = -1;
+    if (this.heatMap === "seam") this.renewHeat();
+  }
+
+  private renewHeat(): void {
+    if (this.heatMap !== "none" && !this.slices.isRunning("heat")) this.slices.start("heat", this.followHeat());
+  }
+
+  private *followHeat(): Generator<void, void> {
+    while (this.heatVersion !== this.version) {
+      const version = this.version;
+      const values = yield* this.heatValues();
+      this.heatVersion = version;
+      if (values === undefined) return;
+      const range = heatRange(this.heatMap, values);
+      this.geometry.setAttribute("heat", this.heatAttribute(values));
+      Object.assign(this.own["heatRange"] ?? {}, { value: range });
+      Object.assign(this.own["heatColours"] ?? {}, { value: heatTexture(this.heatMap) });
+      Object.assign(this.own["hasHeat"] ?? {}, { value: true });
+      this.legend = legendOf(this.heatMap, this.stretchOf, range);
+      this.onChange();
+    }
+  }
+
+  private heatAttribute(values: Float32Array): BufferAttribute {
+    const known = this.geometry.getAttribute("heat") as BufferAttribute | undefined;
+    if (known === undefined) {
+      this.mesh.material.defines["HAS_HEAT"] = 1;
+      this.mesh.material.needsUpdate = true;
+      return new BufferAttribute(values, 1);
+    }
+    (known.array as Float32Array).set(values);
+    known.needsUpdate = true;
+    return known;
+  }
+
+  private *heatValues(): Generator<void, Float32Array | undefined> {
+    if (this.heatMap === "stretch") return yield* stretchOf(this.stretchOf, this.rest, this.positions, this.triangles);
+    if (this.heatMap === "seam") {
+      const values = new Float32Array(this.vertexCount);
+      for (const v of this.seam) values[v] = 1;
+      return values;
+    }
+    if (this.edges === undefined) return undefined; // the worker looks for them
+    return yield* detailOf(this.positions, this.edges);
+  }
+
   /** Each edge once, and those of the boundary: two vertices each. */
   setEdges(edges: Uint32Array, boundary: Uint32Array): void {
     this.edges = edges;
@@ -285,6 +408,10 @@ export class Surface {
       this.object.add(this.boundary);
     }
     this.showWire(this.wantsWire);
+    if (this.heatMap === "detail") {
+      this.heatVersion = -1;
+      this.renewHeat();
+    }
     this.onChange();
   }
   showWire(wire: boolean): void {
@@ -296,11 +423,19 @@ export class Surface {
     if (this.wire !== undefined) this.wire.visible = wire;
   }
 
-  private ownShown(): void {
-    if (this.shown !== this.rest) return;
-    this.shown = this.rest.slice();
-    this.shownNormals = this.restNormals.slice();
-    this.useAttributes();
+  /** Arrays for what is shown apart from rest; what other frames moved is as at rest again. */
+  private ownShown(others: boolean): void {
+    const isOwn = this.shown !== this.rest;
+    if (isOwn && !others) return;
+    this.ownPositions ??= new Float32Array(this.rest.length);
+    this.ownNormals ??= new Float32Array(this.rest.length);
+    this.shown = this.ownPositions;
+    this.shownNormals = this.ownNormals;
+    this.shown.set(this.rest);
+    this.shownNormals.set(this.restNormals);
+    this.upload("position", undefined);
+    this.upload("normal", undefined);
+    if (!isOwn) this.useAttributes();
   }
 
   private scatter(sent: Float32Array, vertices: Uint32Array): void {
@@ -315,11 +450,6 @@ export class Surface {
 
   /** Normals follow the positions, in slices where that takes long; a newer frame waits for its turn. */
   private renewNormals(vertices: Uint32Array | undefined): void {
-    if (vertices?.length === 0) {
-      this.shownNormals.set(this.restNormals);
-      this.upload("normal", undefined);
-      return;
-    }
     if (!sameList(vertices, this.movedList) || (this.moved === undefined && !this.slices.isRunning("normals"))) {
       this.movedList = vertices;
       this.moved = undefined;
@@ -357,8 +487,8 @@ export class Surface {
   private upload(name: "position" | "normal", vertices: Uint32Array | undefined): void {
     const array = name === "position" ? this.shown : this.shownNormals;
     const attribute = this.attributeOf(array);
-    if (vertices !== undefined)
-      for (const [first, last] of runsOf(vertices)) attribute.addUpdateRange(3 * first, 3 * (last - first + 1));
+    if (vertices === undefined) attribute.addUpdateRange(0, array.length);
+    else for (const [first, last] of runsOf(vertices)) attribute.addUpdateRange(3 * first, 3 * (last - first + 1));
     attribute.needsUpdate = true;
   }
 
@@ -368,49 +498,4 @@ export class Surface {
     attribute.addUpdateRange(attribute.itemSize * span[0], attribute.itemSize * (span[1] - span[0] + 1));
     attribute.needsUpdate = true;
   }
-}
-
-/** At most some 32 spans that cover an ascending list, joined where little lies between. */
-export function runsOf(vertices: Uint32Array): [number, number][] {
-  if (vertices.length === 0) return [];
-  const first = vertices[0] as number;
-  const last = vertices[vertices.length - 1] as number;
-  const least = Math.max(64, (last - first) / 32);
-  const runs: [number, number][] = [[first, first]];
-  for (const v of vertices) {
-    const run = runs[runs.length - 1] as [number, number];
-    if (v - run[1] <= least) run[1] = v;
-    else runs.push([v, v]);
-  }
-  return runs;
-}
-
-/** The span of what is in one of two ascending lists alone; undefined where they are the same. */
-export function spanOfChange(before: Uint32Array, after: Uint32Array): [number, number] | undefined {
-  let i = 0;
-  while (i < before.length && i < after.length && before[i] === after[i]) ++i;
-  if (i === before.length && i === after.length) return undefined;
-  let a = before.length - 1;
-  let b = after.length - 1;
-  while (a >= i && b >= i && before[a] === after[b]) {
-    --a;
-    --b;
-  }
-  const least = Math.min(before[i] ?? Infinity, after[i] ?? Infinity);
-  const most = Math.max(a >= i ? (before[a] as number) : -1, b >= i ? (after[b] as number) : -1);
-  return [least, most];
-}
-
-function sameList(a: Uint32Array | undefined, b: Uint32Array | undefined): boolean {
-  if (a === undefined || b === undefined || a.length !== b.length) return a === b;
-  for (let i = 0; i < a.length; ++i) if (a[i] !== b[i]) return false;
-  return true;
-}
-
-function mergedIndices(a: Uint32Array, b: Uint32Array): Uint32Array {
-  const all = new Uint32Array(a.length + b.length);
-  all.set(a);
-  all.set(b, a.length);
-  all.sort();
-  return all.filter((v, i) => i === 0 || v !== all[i - 1]);
 }

@@ -9,7 +9,6 @@ export interface LookUniforms {
   [name: string]: IUniform;
   shading: IUniform<number>;
   showRoles: IUniform<boolean>;
-  hasHeat: IUniform<boolean>;
   cavity: IUniform<number>;
   selectionColour: IUniform<Color>;
   wireColour: IUniform<Color>;
@@ -20,7 +19,6 @@ export function lookUniforms(): LookUniforms {
   return {
     shading: { value: 0 },
     showRoles: { value: true },
-    hasHeat: { value: false },
     cavity: { value: 1 },
     selectionColour: { value: new Color(1.0, 0.5, 0.08) },
     wireColour: { value: new Color() },
@@ -109,10 +107,16 @@ uniform vec2 heatRange;
 out vec4 colour;
 ${lightShader}
 
+// Whether the outside is seen. At the rim of a shape slivers of triangles that face away are seen through gaps of a pixel;
+// their normals tell them from an inside.
+bool isOutside() {
+  return gl_FrontFacing || dot(shownNormal, seenFrom) < 0.5 * length(shownNormal) * length(seenFrom);
+}
+
 vec3 surfaceNormal() {
-  vec3 flatNormal = normalize(cross(dFdx(seenFrom), dFdy(seenFrom)));
-  vec3 n = shading == 2 || dot(shownNormal, shownNormal) < 1e-12 ? flatNormal : normalize(shownNormal);
-  return (shading == 2 ? n.z < 0.0 : !gl_FrontFacing) ? -n : n;
+  vec3 flatNormal = normalize(cross(dFdx(seenFrom), dFdy(seenFrom)));  // towards the eye
+  if (shading == 2 || dot(shownNormal, shownNormal) < 1e-12) return flatNormal;
+  return isOutside() ? normalize(shownNormal) : -normalize(shownNormal);
 }
 
 // How the surface curves across the pixel: below 0 in grooves, above 0 on ridges.
@@ -128,7 +132,7 @@ float checks(vec3 p) {
 }
 
 vec3 ownColour() {
-  vec3 clay = gl_FrontFacing ? vec3(0.80, 0.765, 0.72) : vec3(0.55, 0.60, 0.68);
+  vec3 clay = isOutside() ? vec3(0.80, 0.765, 0.72) : vec3(0.55, 0.60, 0.68);
   if (shading == 4) return shownColour;
   if (shading != 3) return clay;
   #ifdef HAS_UV
@@ -158,7 +162,11 @@ void main() {
 `;
 
 /** The material of a surface. `defines` tell which attributes there are; see `Surface`. */
-export function surfaceMaterial(look: LookUniforms, deform: DeformUniforms, own: Record<string, IUniform>): ShaderMaterial {
+export function surfaceMaterial(
+  look: LookUniforms,
+  deform: DeformUniforms,
+  own: Record<string, IUniform>,
+): ShaderMaterial {
   return new ShaderMaterial({
     glslVersion: GLSL3,
     vertexShader,

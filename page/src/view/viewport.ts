@@ -1,12 +1,26 @@
 import { effect, signal } from "@preact/signals";
-import { ColorManagement, Group, LinearSRGBColorSpace, Matrix4, Ray, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from "three";
+import {
+  BufferGeometry,
+  ColorManagement,
+  Group,
+  LinearSRGBColorSpace,
+  Matrix4,
+  Points,
+  Ray,
+  Scene,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
 import type { OrthographicCamera, PerspectiveCamera } from "three";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
+import type { Legend } from "./heat";
 import { Navigation } from "./navigation";
-import { Pace } from "./pace";
+import { cardIsIdle, Pace } from "./pace";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
 import { inOwn, Parts } from "./parts";
 import { PickTree } from "./pick_tree";
@@ -15,6 +29,9 @@ import type { Polygon } from "./polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
 import { Surface } from "./surface";
+import { ViewCube, viewFrom, type Side } from "./view_cube";
+import { ViewNotes } from "./view_notes";
+import "./view.css";
 import { seenVertices, type Sight } from "./visibility";
 import { lookUniforms, shadings } from "./surface_material";
 
@@ -37,6 +54,9 @@ export class Viewport {
   /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
+  /** What the colours of the heat map stand for. */
+  readonly legend = signal<Legend | null>(null);
+
   private readonly trees = new Map<Surface, PickTree>();
   private readonly look = lookUniforms();
   private readonly helpersScene = new Scene();
@@ -45,11 +65,14 @@ export class Viewport {
   private pipeline: Pipeline | undefined;
   private readonly background = new Background();
   private readonly ground = new Ground();
+  private readonly notes = new ViewNotes();
+  private readonly cube: ViewCube;
   private readonly pace = new Pace(
     () => this.render(),
     (frameMs) => (this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs }),
   );
   private ball = new Sphere(new Vector3(), 1);
+  private fileName = "";
   private posesTimer: ReturnType<typeof setTimeout> | undefined;
   private posesMove = 0; // until when handles count as moving
 
@@ -62,6 +85,7 @@ export class Viewport {
       bounds: () => this.ball,
       fitUnder: (x, y) => this.fitUnder(x, y),
     });
+    this.cube = new ViewCube(this.navigation, (direction, up) => this.lookAlong(direction, up));
   }
 
   get camera(): PerspectiveCamera | OrthographicCamera {
@@ -86,12 +110,21 @@ export class Viewport {
     const renderer = new WebGLRenderer({ antialias: false, powerPreference: "high-performance" });
     renderer.outputColorSpace = LinearSRGBColorSpace;
     renderer.autoClear = false;
+    renderer.debug.checkShaderErrors = import.meta.env.DEV; // to look for them waits for the compiler
     this.renderer = renderer;
     this.pipeline = new Pipeline(renderer);
     this.host = host;
     Object.assign(renderer.domElement.style, { display: "block", position: "absolute", inset: "0" });
-    Object.assign(this.overlay.style, { position: "absolute", inset: "0", width: "100%", height: "100%", pointerEvents: "none", overflow: "hidden" });
-    host.append(renderer.domElement, this.overlay);
+    Object.assign(this.overlay.style, {
+      position: "absolute",
+      inset: "0",
+      width: "100%",
+      height: "100%",
+      pointerEvents: "none",
+      overflow: "hidden",
+    });
+    host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
+    effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);
     new ResizeObserver(() => this.resize()).observe(host);
     this.resize();
@@ -135,6 +168,12 @@ export class Viewport {
 
   /** Where the document has the handles: for those that `showPoses` is not told of. */
   setDocument(state: DocumentState): void {
+    if (state.name !== this.fileName) {
+      const was = this.navigation.up;
+      this.fileName = state.name;
+      this.setUp();
+      if (was !== this.navigation.up) this.fit("all", false);
+    }
     const surface = this.surfaces.get(state.model.mesh) ?? this.main;
     if (surface === undefined) return;
     const poses = new Map<string, Matrix4>();
@@ -248,6 +287,12 @@ export class Viewport {
     this.navigation.lookAlong(direction, up);
   }
 
+  /** Looks at the model from a side of the turntable. */
+  lookFrom(side: Side): void {
+    const { direction, up } = viewFrom(side, this.navigation.axes());
+    this.lookAlong(direction, up);
+  }
+
   requestRender(): void {
     this.pace.request();
   }
@@ -255,17 +300,26 @@ export class Viewport {
   private render(): void {
     const { renderer, host, pipeline, settings } = this;
     if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
+    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the card
     const start = performance.now();
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
+    this.cube.update();
+    this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
     const moving = this.navigation.isMoving || start < this.posesMove;
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.pace.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
-    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value);
+    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
     this.look.cavity.value = detail.occlusion ? 1 : 0;
     const { viewHeight, distance, orthographic } = this.navigation;
-    pipeline.render(this.scene, this.camera, detail, 0.09 * this.ball.radius, orthographic ? viewHeight : viewHeight / distance);
+    pipeline.render(
+      this.scene,
+      this.camera,
+      detail,
+      0.09 * this.ball.radius,
+      orthographic ? viewHeight : viewHeight / distance,
+    );
     renderer.clearDepth();
     renderer.render(this.helpersScene, this.camera);
     this.pace.finish(renderer, start, moving);
@@ -290,19 +344,23 @@ export class Viewport {
       look.shading.value = shadings[settings.shading.value];
       look.showRoles.value = settings.showRoles.value;
       this.navigation.orthographic = settings.orthographic.value;
-      settings.ambientOcclusion.value;
+      // All are read, so that the effect follows them while nothing is shown yet, too.
+      const { before, wireframe, heatMap, stretchOf, ambientOcclusion } = settings;
+      for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
       this.ground.mesh.visible = settings.grid.value;
       for (const surface of this.surfaces.values()) this.applyTo(surface);
       this.requestRender();
     });
     effect(() => {
-      this.navigation.up = settings.up.value === "y" ? "y" : "z";
-      this.layGround();
+      settings.up.value;
+      settings.unit.value;
+      this.setUp();
       this.requestRender();
     });
   }
 
   private setTheme(theme: Theme): void {
+    this.host?.classList.toggle("view-dark", theme === themes.dark);
     this.background.setTheme(theme);
     this.ground.setTheme(theme);
     this.look.wireColour.value.copy(theme.wire);
@@ -313,7 +371,15 @@ export class Viewport {
     const { settings } = this;
     surface.setBefore(settings.before.value);
     surface.showWire(settings.wireframe.value);
+    surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
     if (settings.shading.value === "texture") surface.needRest();
+  }
+
+  /** Which axis stands upright: as set, or as files of the kind have it. */
+  private setUp(): void {
+    const set = this.settings.up.value;
+    this.navigation.up = set === "auto" ? upOf(this.fileName) : set;
+    this.layGround();
   }
 
   /** Below the model, where it is lowest. */
@@ -338,14 +404,41 @@ export class Viewport {
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
     ++this.parts.changed.value;
-    this.scene.add(surface.object);
+    void this.bringIn(surface);
+    surface.onChange = () => {
+      if (surface === this.main) this.legend.value = surface.legend;
+      this.requestRender();
+    };
     this.applyTo(surface);
     this.measure();
     this.layGround();
-    this.treeOf(surface);
-    const similar = before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
+    const similar =
+      before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
     this.navigation.update(this.box().width / Math.max(1, this.box().height));
     if (first || !similar) this.fit("all", false);
+  }
+
+  /** Shows a new surface once its arrays are on the card, one after the other where they are large. */
+  private async bringIn(surface: Surface): Promise<void> {
+    if (surface.vertexCount > 200_000 && this.renderer !== undefined) await this.stage(surface, this.renderer);
+    if (this.surfaces.get(surface.id) !== surface) return;
+    this.scene.add(surface.object);
+    this.requestRender();
+    this.treeOf(surface);
+  }
+
+  private async stage(surface: Surface, renderer: WebGLRenderer): Promise<void> {
+    const stage = new Scene();
+    const carrier = new Points(new BufferGeometry(), this.background.mesh.material); // which is compiled already
+    carrier.frustumCulled = false;
+    stage.add(carrier);
+    for (const geometry of surface.attributesAlone()) {
+      await cardIsIdle(renderer);
+      if (this.surfaces.get(surface.id) !== surface) break;
+      carrier.geometry = geometry;
+      renderer.render(stage, this.camera);
+    }
+    await cardIsIdle(renderer);
   }
 
   /** What is to be seen, and where it stands. */
@@ -409,6 +502,11 @@ export class Viewport {
     const place = new Matrix4().makeTranslation(surface.object.position);
     return { matrix: matrix.multiply(place).elements, box: this.box() };
   }
+}
+
+/** The axis that stands upright in files of a kind: of those that do not say, what makers of such files mostly mean. */
+function upOf(fileName: string): "y" | "z" {
+  return /\.(obj|gltf|glb|ply|off)$/i.test(fileName) ? "y" : "z";
 }
 
 /** Places (3 numbers each) where a map takes them. */

@@ -74,7 +74,10 @@ class DepthGrid {
     this.slack = 0.004 * surface.box.diagonal;
     this.depths = new Float32Array(this.columns * this.rows).fill(Infinity);
     for (let i = 0; i < this.depths.length; ++i) {
-      const ray = sight.rayAt(this.left + this.step * (i % this.columns), this.top + this.step * Math.floor(i / this.columns));
+      const ray = sight.rayAt(
+        this.left + this.step * (i % this.columns),
+        this.top + this.step * Math.floor(i / this.columns),
+      );
       const hit = tree.raycast(ray.origin.clone().sub(surface.object.position), ray.direction);
       if (hit !== undefined) this.depths[i] = this.depthOf(ray.at(hit.distance, new Vector3()));
     }

@@ -34,7 +34,7 @@ export function* uploadArray(
   for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
   const format = components === 4 ? gl.RGBA : gl.RGB;
   const rows = Math.max(1, Math.floor(sliceBytes / (4 * components * width)));
-  for (let y = 0; y < height; ) {
+  for (let y = 0; y < height;) {
     bind();
     const whole = Math.min(rows, Math.floor(texels / width) - y);
     const [w, h] = whole > 0 ? [width, whole] : [texels - y * width, 1];

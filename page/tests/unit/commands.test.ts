@@ -8,7 +8,8 @@ function press(key: string, fields: Partial<KeyPress> = {}): KeyPress {
 }
 
 // The table is made without running anything, so nothing of the context is touched.
-const commands = makeCommands({ editor: {}, settings: {}, view: {}, tools: {}, viewport: {}, page: {} } as CommandContext);
+const nothing = { editor: {}, settings: {}, view: {}, tools: {}, viewport: {}, page: {} };
+const commands = makeCommands(nothing as CommandContext);
 
 describe("the table of commands", () => {
   it("gives no key to two commands", () => {

@@ -42,12 +42,14 @@ interface IconButtonProps {
   pressed?: boolean;
   disabled?: boolean;
   class?: string;
+  tabIndex?: number;
 }
 
-export function IconButton({ label, icon, onClick, tip, keys, pressed, disabled, class: name }: IconButtonProps) {
+export function IconButton({ label, icon, onClick, tip, keys, pressed, disabled, class: name, tabIndex }: IconButtonProps) {
   return (
     <button
       type="button"
+      tabIndex={tabIndex}
       class={`icon-button ${name ?? ""}`}
       aria-label={label}
       aria-pressed={pressed}

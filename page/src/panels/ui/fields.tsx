@@ -31,12 +31,14 @@ export function NumberField(props: NumberFieldProps) {
     if (typed !== null && parsed !== undefined && typed.trim() !== shown) onChange(clamp(parsed, props));
     setTyped(null);
   };
+  const leave = (event: KeyboardEvent) => {
+    event.stopPropagation();
+    if (typed === null && event.target instanceof HTMLElement) event.target.blur();
+    setTyped(null);
+  };
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.key === "Enter") confirm();
-    if (event.key === "Escape" && typed !== null) {
-      event.stopPropagation();
-      setTyped(null);
-    }
+    if (event.key === "Escape") leave(event);
     if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
     event.preventDefault();
     const by = (event.key === "ArrowUp" ? 1 : -1) * step * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
