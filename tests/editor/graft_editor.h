@@ -22,9 +22,9 @@ class GraftEditor : public testing::Test {
   RunningEditor editor_{{folder_.path()}};
   Page page_{editor_.url()};
 
-  void open_bust() { page_.ask({{"do", "open"}, {"sample", "bust"}, {"resolution", 30}}); }
+  void open_bust() { page_.ask({{"do", "open"}, {"sample", "bust"}, {"resolution", 20}}); }
   std::string add_head() {
-    return page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "head"}, {"resolution", 24}})["name"];
+    return page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "head"}, {"resolution", 18}})["name"];
   }
   void open_bust_and_head() {
     open_bust();

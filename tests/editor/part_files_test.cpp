@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 class PartFiles : public GraftEditor {
  protected:
   void SetUp() override {
-    write_mesh(make_sample("bust", 30), folder_ / "bust.ply");
+    write_mesh(make_sample("bust", 20), folder_ / "bust.ply");
     fs::create_directory(folder_ / "library");
-    write_mesh(make_sample("head", 24), folder_ / "library" / "head.ply");
+    write_mesh(make_sample("head", 18), folder_ / "library" / "head.ply");
   }
   Json add(const char* where, const std::string& name) {
     return page_.ask({{"do", "part"}, {"what", "add"}, {where, name}});
