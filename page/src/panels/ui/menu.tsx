@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { Icon, type IconName } from "./icon";
 
 export interface MenuItem {
@@ -36,7 +36,8 @@ export function Menu({ label, items, icon, children, class: name }: MenuProps) {
     const up = box.bottom + 34 * items.length + 16 > window.innerHeight;
     setPlace({ x: Math.max(4, Math.min(box.left, window.innerWidth - 232)), y: up ? box.top : box.bottom, up });
   };
-  useEffect(() => {
+  // Before the list is painted: a key that is pressed as soon as it is seen is its own.
+  useLayoutEffect(() => {
     if (place === null) return undefined;
     list.current?.querySelector<HTMLElement>("[role=menuitem]:not([disabled])")?.focus();
     const outside = (event: PointerEvent) => {
