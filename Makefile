@@ -11,7 +11,7 @@ BENCH_ARGS ?=
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test build install lint format bench asan tsan fuzz docs-pictures clean
+.PHONY: help demo edit test build install lint format bench asan tsan fuzz docs-pictures clean
 
 help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
@@ -19,6 +19,9 @@ help: ## this list
 
 demo: build ## run the examples; meshes, reports and pictures go to out/
 	@tools/demo.sh
+
+edit: build ## the editor in the browser: make edit MODEL=model.ply, or without a model
+	@build/release/meshgraft edit $(MODEL)
 
 test: ## all tests: with and without CHOLMOD, sanitizers, layers, installed package
 	@tools/bootstrap.sh build test

@@ -20,6 +20,7 @@ struct Answer {
 void add_info(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
 void add_repair(CLI::App& program, Action& action);
+void add_run(CLI::App& program, Action& action);
 void add_deform(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_cut(CLI::App& program, Action& action);

@@ -33,6 +33,7 @@ void add_commands(CLI::App& program, cli::Action& action) {
   cli::add_info(program, action);
   cli::add_check(program, action);
   cli::add_repair(program, action);
+  cli::add_run(program, action);
   cli::add_deform(program, action);
   cli::add_compare(program, action);
   cli::add_cut(program, action);

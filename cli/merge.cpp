@@ -22,6 +22,7 @@
 #include "summary.h"
 #include "values.h"
 #ifdef MESHGRAFT_HAS_RENDER
+#include "edit_picture.h"
 #include "picture.h"
 #endif
 
@@ -253,7 +254,10 @@ EditFile edit_from(const MergeArguments& arguments) {
 }
 
 void check_outputs(const MergeArguments& arguments, const EditFile& edit) {
-  require_outputs({arguments.output, arguments.picture, arguments.report, arguments.save_edit},
+  require_outputs({.mesh = arguments.output,
+                   .picture = arguments.picture,
+                   .report = arguments.report,
+                   .edit = arguments.save_edit},
                   referenced_files(edit), arguments.plain() ? std::filesystem::path() : arguments.target,
                   arguments.force);
 #ifdef MESHGRAFT_HAS_RENDER
@@ -261,39 +265,15 @@ void check_outputs(const MergeArguments& arguments, const EditFile& edit) {
 #endif
 }
 
-#ifdef MESHGRAFT_HAS_RENDER
-// Each mesh in a frame of its own, for parts come in any size: the target, the other inputs, the result.
-render::Image draw(const MergeArguments& arguments, const EditFile& edit, const Mesh& result,
-                   const Context& context) {
-  std::vector<EditInput> inputs = edit.inputs;
-  const auto merge = std::find_if(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
-    return std::holds_alternative<MergeStep>(step.action);
-  });
-  if (merge != edit.steps.end())
-    std::stable_partition(inputs.begin(), inputs.end(),
-                          [&](const EditInput& input) { return input.name == mesh_of(*merge); });
-  std::vector<render::Image> images;
-  std::vector<std::string> captions;
-  const auto add = [&](const Mesh& mesh, const std::string& caption) {
-    const Mesh* one = &mesh;
-    images.push_back(make_pictures({&one, 1}, quick_options_of(arguments.view), context).front());
-    captions.push_back(caption);
-  };
-  for (const EditInput& input : inputs) add(load_input(input, edit, context), input.name);
-  add(result, "result");
-  return contact_sheet(images, captions, 4);
-}
-#endif
-
 // Everything is computed before anything is written.
 void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditResult& result,
                    const Context& context) {
   EditReport& report = result.report;
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
-  if (!arguments.picture.empty()) picture = draw(arguments, edit, result.mesh, context);
+  if (!arguments.picture.empty()) picture = picture_of_parts(edit, result.mesh, arguments.view, context);
 #endif
-  write_result(result, arguments.output, {}, context);
+  write_and_report(result.mesh, arguments.output, report, {}, context);
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);

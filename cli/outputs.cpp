@@ -51,19 +51,25 @@ void require_distinct(const Outputs& outputs) {
   for (auto output = all.begin(); output != all.end(); ++output) {
     if (std::any_of(all.begin(), output, [&](const fs::path& other) { return same_file(*output, other); }))
       throw Error(ErrorCode::usage, "two outputs have this name", output->string(), "Give each its own.");
-    if (is_companion_of(outputs.mesh, *output))
-      throw Error(ErrorCode::usage,
-                  "this name is kept for the materials or the buffer of " + outputs.mesh.string(),
-                  output->string(), "Choose another name.");
+    for (const fs::path& mesh : outputs.meshes())
+      if (is_companion_of(mesh, *output))
+        throw Error(ErrorCode::usage, "this name is kept for the materials or the buffer of " + mesh.string(),
+                    output->string(), "Choose another name.");
   }
 }
 
 }  // namespace
 
 std::vector<fs::path> Outputs::all() const {
-  std::vector<fs::path> list;
-  for (const fs::path& output : {mesh, picture, report, edit})
+  std::vector<fs::path> list = meshes();
+  for (const fs::path& output : {picture, report, edit})
     if (!output.empty()) list.push_back(output);
+  return list;
+}
+
+std::vector<fs::path> Outputs::meshes() const {
+  std::vector<fs::path> list = more_meshes;
+  if (!mesh.empty()) list.insert(list.begin(), mesh);
   return list;
 }
 
@@ -94,10 +100,12 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
                      bool force) {
   if (!outputs.picture.empty()) require_png(outputs.picture);
   require_distinct(outputs);
+  const std::vector<fs::path> meshes = outputs.meshes();
   for (const fs::path& output : outputs.all()) {
     require_writable(output);
     if (!edit.empty()) require_not_an_input(output, {edit});
-    if (output != outputs.mesh)
+    const bool is_mesh = std::find(meshes.begin(), meshes.end(), output) != meshes.end();
+    if (!is_mesh)
       require_not_an_input(output, inputs);
     else if (!force)
       require_not_an_input(output, inputs, "Choose another name, or give --force to replace it.");
@@ -111,15 +119,14 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
                     "Choose another name.");
     }
   }
-  if (!outputs.mesh.empty()) require_mesh_format(outputs.mesh);
+  for (const fs::path& mesh : meshes) require_mesh_format(mesh);
 }
 
-void write_result(EditResult& result, const fs::path& output, const WriteOptions& options,
-                  const Context& context) {
+void write_and_report(const Mesh& mesh, const fs::path& output, EditReport& report, const WriteOptions& options,
+                      const Context& context) {
   const auto start = std::chrono::steady_clock::now();
   context.step("write");
-  WriteResult written = write_mesh(result.mesh, output, options, context);
-  EditReport& report = result.report;
+  WriteResult written = write_mesh(mesh, output, options, context);
   for (const fs::path& file : written.files) report.outputs.push_back(file.string());
   report.notes.insert(report.notes.end(), written.notes.begin(), written.notes.end());
   report.seconds.write = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

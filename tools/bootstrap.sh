@@ -35,6 +35,18 @@ fi
 installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' $(awk '{print $1}' <<<"$list") 2>/dev/null |
             awk '$1 == "installed" {print $2}' || true)
 missing=$(awk 'NR == FNR {have[$1] = 1; next} !($1 in have)' <(printf '%s\n' "$installed") <(printf '%s\n' "$list"))
+
+# Node.js often comes from elsewhere than Debian, with an npm that Debian's would stand in the way of.
+provided_otherwise() {
+  case $1 in
+    nodejs) command -v node ;;
+    npm) command -v npm ;;
+    *) false ;;
+  esac >/dev/null
+}
+missing=$(while read -r name purpose; do
+  [ -z "$name" ] || provided_otherwise "$name" || printf '%-20s %s\n' "$name" "$purpose"
+done <<<"$missing")
 [ -n "$missing" ] || exit 0
 
 echo "meshgraft needs these Debian packages, and installs them now:"

@@ -179,6 +179,26 @@ HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_
   return pose;
 }
 
+HandlePose reflected(const HandlePose& pose, const Eigen::Affine3d& reflection) {
+  const Eigen::Matrix3d s = reflection.linear(), a = pose.transform.linear();
+  const Eigen::Vector3d m = reflection.translation();
+  HandlePose image;
+  if (a == Eigen::Matrix3d::Identity()) {  // S S = I, without rounding
+    image.transform.translation() = s * pose.transform.translation();
+  } else {
+    image.transform.linear() = s * a * s;
+    image.transform.translation() = s * (a * m + pose.transform.translation()) + m;
+  }
+  if (pose.rotation)
+    image.rotation = Eigen::AngleAxisd(-pose.rotation->angle(), (s * pose.rotation->axis()).normalized());
+  if (pose.curve) {
+    image.curve.emplace(pose.curve->rows(), 3);
+    for (Eigen::Index k = 0; k < pose.curve->rows(); ++k)
+      image.curve->row(k) = (reflection * pose.curve->row(k).transpose()).transpose();
+  }
+  return image;
+}
+
 Points redraw_curve(const Handle& handle, const Points& rest, const Points& polyline) {
   require_curve(handle, rest);
   const bool repeats_start = handle.closed && returns_to_start(polyline);

@@ -129,6 +129,16 @@ std::string_view to_string(LiveStage value) {
   return "";
 }
 
+namespace {
+
+/// It is let go of sooner than the other options.
+LiveOptions without_earlier(LiveOptions options) {
+  options.earlier.reset();
+  return options;
+}
+
+}  // namespace
+
 struct LiveDeformer::Impl {
   Impl(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks, const LiveOptions& options,
        const Context& context);
@@ -175,6 +185,7 @@ struct LiveDeformer::Impl {
   const Context context;
   const std::size_t handles;
   const bool has_curve;
+  std::shared_ptr<const Deformer> earlier;  ///< the set-up's thread's own
   SolvePath path = SolvePath::direct;
   bool wants_proxy = false;
   const std::shared_ptr<PositionPool> pool;
@@ -218,11 +229,12 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
       triangles(std::move(mesh)),
       region(std::move(what)),
       callbacks(std::move(calls)),
-      options(chosen),
+      options(without_earlier(chosen)),
       context(how),
       handles(region.handles.size()),
       has_curve(std::any_of(region.handles.begin(), region.handles.end(),
                             [](const Handle& handle) { return handle.shape == HandleShape::curve; })),
+      earlier(chosen.earlier),
       pool(std::make_shared<PositionPool>(rest.rows())) {
   const auto n = static_cast<Index>(rest.rows());
   if (!callbacks.frame) throw Error(ErrorCode::usage, "there is no callback for frames");
@@ -235,6 +247,10 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
   for (std::size_t a = 0; a < region.anchors.size(); ++a) require_usable(region.anchors[a], a, n);
   const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
   path = choose_path(free, options.deformer, available_memory());
+  if (path != SolvePath::direct && earlier) {  // it may be what the memory is full of
+    earlier.reset();
+    path = choose_path(free, options.deformer, available_memory());
+  }
   wants_proxy = path == SolvePath::proxy || free >= options.proxy_from;
 }
 
@@ -313,7 +329,9 @@ void LiveDeformer::Impl::make_proxy() {
 }
 
 void LiveDeformer::Impl::make_deformer() {
-  auto made = std::make_shared<const Deformer>(rest, triangles, region, options.deformer, behind());
+  auto made = earlier ? std::make_shared<const Deformer>(earlier->with_region(region, behind()))
+                      : std::make_shared<const Deformer>(rest, triangles, region, options.deformer, behind());
+  earlier.reset();
   {
     const std::lock_guard lock(mutex);
     deformer = std::move(made);
@@ -525,6 +543,11 @@ std::int64_t LiveDeformer::superseded() const {
 std::shared_ptr<const HandleBasis> LiveDeformer::basis() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->basis;
+}
+
+std::shared_ptr<const Deformer> LiveDeformer::deformer() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->deformer;
 }
 
 void LiveDeformer::close() { impl_->close(); }

@@ -274,6 +274,14 @@ const std::string& outcome_of(const EditStep& step) {
   return result.empty() ? mesh_of(step) : result;
 }
 
+std::vector<std::string> mesh_names(const EditFile& edit) {
+  std::vector<std::string> names = names_of(edit.inputs);
+  for (const EditStep& step : edit.steps)
+    if (const std::string& name = outcome_of(step); std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  return names;
+}
+
 EditFile parse_edit(std::string_view text, const std::string& place, const std::filesystem::path& base_folder) {
   require_size(text.size(), place);
   const json::Json document = json::parse(text, place, edit_file_depth_limit);

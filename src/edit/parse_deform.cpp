@@ -172,6 +172,13 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
   return anchors;
 }
 
+SymmetrySpec parse_symmetry(const Value& value) {
+  const Object fields(value, {"point", "normal", "tolerance_rel"});
+  SymmetrySpec symmetry{{fields.required("point").vector3(), fields.required("normal").direction()}};
+  fields.optional("tolerance_rel", [&](const Value& v) { symmetry.tolerance_rel = v.positive_number(); });
+  return symmetry;
+}
+
 DeformSettings parse_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
   known.insert(known.end(), {"refine_boundary", "proxy", "weld"});
@@ -213,7 +220,7 @@ HandleSpec parse_handle_version_1(const Value& value) {
 
 EditStep parse_deform_step(const Value& value) {
   const Object fields(value, {"kind", "name", "about", "mesh", "result", "region", "fixed", "handles",
-                              "targets", "transforms", "anchors", "settings", "counts"});
+                              "targets", "transforms", "anchors", "symmetry", "settings", "counts"});
   DeformStep step;
   step.mesh = fields.required("mesh").name();
   fields.optional("result", [&](const Value& v) { step.result = v.name(); });
@@ -223,6 +230,7 @@ EditStep parse_deform_step(const Value& value) {
   fields.optional("targets", [&](const Value& v) { step.targets = parse_targets(v); });
   fields.optional("transforms", [&](const Value& v) { step.transforms = parse_transforms(v); });
   fields.optional("anchors", [&](const Value& v) { step.anchors = parse_anchors(v); });
+  fields.optional("symmetry", [&](const Value& v) { step.symmetry = parse_symmetry(v); });
   fields.optional("settings", [&](const Value& v) { step.settings = parse_settings(v); });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_counts(v, "region"); });
   return {{}, {}, std::move(step)};

@@ -188,6 +188,16 @@ Json proxy_json(const std::optional<ProxyFacts>& proxy) {
   return {{"vertices", proxy->vertices}, {"free", proxy->free_vertices}, {"spacing", proxy->spacing}};
 }
 
+Json symmetry_json(const StepReport& step) {
+  if (!step.symmetry) return nullptr;
+  const SymmetryFacts& facts = *step.symmetry;
+  Json twins = Json::array(), own = Json::array();
+  const std::size_t first = step.handles.size() - facts.twin_of.size();
+  for (std::size_t t = 0; t < facts.twin_of.size(); ++t) twins.push_back(step.handles[first + t]);
+  for (const std::size_t handle : facts.own) own.push_back(step.handles[handle]);
+  return {{"twins", twins}, {"own_image", own}, {"without_partner", facts.without_partner}};
+}
+
 Json deform_json(const StepReport& step) {
   Json json = {{"kind", "deform"}, {"name", step.name}, {"mesh", step.mesh}, {"result", step.result}};
   json["method"] = std::string(to_string(step.method));
@@ -197,6 +207,7 @@ Json deform_json(const StepReport& step) {
   json["iterations"] = step.evaluation ? Json(step.evaluation->iterations) : Json(nullptr);
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
   json["proxy"] = proxy_json(step.proxy);
+  json["symmetry"] = symmetry_json(step);
   json["notes"] = step.notes;
   return json;
 }

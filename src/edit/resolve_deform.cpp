@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,6 +13,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "selection_resolver.h"
+#include "symmetry.h"
 
 namespace meshgraft {
 
@@ -28,9 +32,10 @@ class Roles {
 
   void take(Index vertex, int owner) { owner_[vertex] = owner; }
 
-  /// Makes `vertices` the handle's, or says what is in the way.
-  void take_all(const std::vector<Index>& vertices, int handle, const std::vector<HandleSpec>& handles,
-                const std::string& place) {
+  /// Makes `vertices` those of the handle of that name, or says what is in the way.
+  void take_all(const std::vector<Index>& vertices, const std::string& name, const std::string& place) {
+    const int handle = static_cast<int>(handles_.size());
+    handles_.push_back(name);
     const auto beyond = std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return !is_inside(v); });
     if (beyond > 0)
       throw Error(ErrorCode::input,
@@ -39,25 +44,23 @@ class Roles {
     for (const Index v : vertices) {
       if (owner_[v] == handle) throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), place);
       if (owner_[v] != nobody)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder(owner_[v], handles)),
-                    place, "Take it out of one of the two with 'minus'.");
+        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder_of(v)), place,
+                    "Take it out of one of the two with 'minus'.");
       owner_[v] = handle;
     }
   }
 
-  std::string holder_of(Index vertex, const std::vector<HandleSpec>& handles) const {
-    return holder(owner_[vertex], handles);
+  std::string holder_of(Index vertex) const {
+    const int owner = owner_[vertex];
+    if (owner == fixed) return "fixed";
+    if (owner == constrained) return "constrained by itself";
+    return fmt::format("part of the handle '{}'", handles_[static_cast<std::size_t>(owner)]);
   }
 
   static constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
 
  private:
-  static std::string holder(int owner, const std::vector<HandleSpec>& handles) {
-    if (owner == fixed) return "fixed";
-    if (owner == constrained) return "constrained by itself";
-    return fmt::format("part of the handle '{}'", handles[static_cast<std::size_t>(owner)].name);
-  }
-
+  std::vector<std::string> handles_;
   std::vector<int> owner_;
 };
 
@@ -126,47 +129,69 @@ HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const Select
   return pose;
 }
 
-// Targets and transforms joined per vertex, ascending.
-std::vector<VertexConstraint> resolve_constraints(const DeformStep& step, const SelectionContext& context,
-                                                  Roles& roles, const std::string& place) {
-  const Index vertex_count = context.mesh.vertex_count();
-  std::map<Index, VertexConstraint> constraints;
-  const auto constraint_of = [&](Index vertex, const std::string& where) -> VertexConstraint& {
+// Targets and transforms joined per vertex.
+class OwnConstraints {
+ public:
+  OwnConstraints(const SelectionContext& context, Roles& roles) : context_(context), roles_(roles) {}
+
+  void add(const TargetSpec& target, const std::string& where) {
+    VertexConstraint& constraint = constraint_of(target.vertex, where);
+    if (constraint.position && (context_.weld.empty() || *constraint.position != target.position))
+      throw Error(ErrorCode::input, fmt::format("vertex {} has two targets", constraint.vertex), where);
+    constraint.position = target.position;
+  }
+
+  void add(const TransformSpec& transform, const std::string& where) {
+    VertexConstraint& constraint = constraint_of(transform.vertex, where);
+    if (constraint.transform && (context_.weld.empty() || *constraint.transform != transform.matrix))
+      throw Error(ErrorCode::input, fmt::format("vertex {} has two transforms", constraint.vertex), where);
+    constraint.transform = transform.matrix;
+  }
+
+  /// Those behind the mirror; a vertex that is its own partner has what was asked of it.
+  void add_images(const MirrorMatch& symmetry, const std::string& place) {
+    const Eigen::Affine3d& reflection = symmetry.reflection();
+    const Eigen::Matrix3d& s = reflection.linear();
+    const std::map<Index, VertexConstraint> given = constraints_;
+    for (const auto& [vertex, constraint] : given) {
+      const std::string where = fmt::format("{}: the mirror image of vertex {}", place, vertex);
+      const Index partner = symmetry.required_partner(vertex, where);
+      if (partner == vertex) continue;
+      if (constraint.position) add(TargetSpec{partner, reflection * *constraint.position}, where);
+      if (constraint.transform) add(TransformSpec{partner, s * *constraint.transform * s}, where);
+    }
+  }
+
+  /// Ascending by vertex.
+  std::vector<VertexConstraint> list() const {
+    std::vector<VertexConstraint> list;
+    for (const auto& [vertex, constraint] : constraints_) list.push_back(constraint);
+    return list;
+  }
+
+ private:
+  VertexConstraint& constraint_of(Index vertex, const std::string& where) {
+    const Index vertex_count = context_.mesh.vertex_count();
     if (vertex >= vertex_count)
       throw Error(ErrorCode::input,
                   fmt::format("vertex {} does not exist; the mesh has {}", vertex, vertex_count), where);
-    vertex = context.weld.of(vertex);
-    auto [entry, is_new] = constraints.try_emplace(vertex);
-    if (is_new) {
-      if (!roles.is_inside(vertex))
-        throw Error(ErrorCode::input, fmt::format("vertex {} lies outside the region", vertex), where);
-      if (!roles.is_free(vertex))
-        throw Error(ErrorCode::input,
-                    fmt::format("vertex {} is already {}", vertex, roles.holder_of(vertex, step.handles)),
-                    where, "Take it out of that selection with 'minus'.");
-      roles.take(vertex, Roles::constrained);
-      entry->second.vertex = vertex;
-    }
+    vertex = context_.weld.of(vertex);
+    auto [entry, is_new] = constraints_.try_emplace(vertex);
+    if (!is_new) return entry->second;
+    if (!roles_.is_inside(vertex))
+      throw Error(ErrorCode::input, fmt::format("vertex {} lies outside the region", vertex), where);
+    if (!roles_.is_free(vertex))
+      throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", vertex, roles_.holder_of(vertex)),
+                  where, "Take it out of that selection with 'minus'.");
+    roles_.take(vertex, Roles::constrained);
+    entry->second.vertex = vertex;
     return entry->second;
-  };
-  for (std::size_t i = 0; i < step.targets.size(); ++i) {
-    const std::string where = fmt::format("{}.targets[{}]", place, i);
-    VertexConstraint& constraint = constraint_of(step.targets[i].vertex, where);
-    if (constraint.position && (context.weld.empty() || *constraint.position != step.targets[i].position))
-      throw Error(ErrorCode::input, fmt::format("vertex {} has two targets", constraint.vertex), where);
-    constraint.position = step.targets[i].position;
   }
-  for (std::size_t i = 0; i < step.transforms.size(); ++i) {
-    const std::string where = fmt::format("{}.transforms[{}]", place, i);
-    VertexConstraint& constraint = constraint_of(step.transforms[i].vertex, where);
-    if (constraint.transform && (context.weld.empty() || *constraint.transform != step.transforms[i].matrix))
-      throw Error(ErrorCode::input, fmt::format("vertex {} has two transforms", constraint.vertex), where);
-    constraint.transform = step.transforms[i].matrix;
-  }
-  std::vector<VertexConstraint> list;
-  for (const auto& [vertex, constraint] : constraints) list.push_back(constraint);
-  return list;
-}
+
+  const SelectionContext& context_;
+  Roles& roles_;
+  std::map<Index, VertexConstraint> constraints_;
+};
 
 void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const std::string& place) {
   const auto require = [&](const std::optional<Index>& count, const std::optional<Index>& actual,
@@ -183,83 +208,188 @@ void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found,
   require(expected.free, found.free, "free");
 }
 
-std::vector<Anchor> resolve_anchors(const DeformStep& step, SelectionResolver& selections, const Roles& roles,
-                                    const std::string& place) {
-  std::map<Index, Anchor> anchors;
-  for (std::size_t i = 0; i < step.anchors.size(); ++i) {
-    const std::string where = fmt::format("{}.anchors[{}].select", place, i);
-    for (const Index v : selections.vertices(step.anchors[i].select, where)) {
-      if (!roles.is_free(v)) continue;  // what is held or never moves needs no anchor
-      if (!anchors.try_emplace(v, Anchor{v, step.anchors[i].weight, {}}).second)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is anchored twice", v), where);
+// A step on its way to what it means.
+class DeformResolver {
+ public:
+  DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+                 const std::string& place, const ProducedSets& produced)
+      : edit_(edit), step_(step), context_(context), place_(place), selections_(edit, context, produced) {
+    if (!step.symmetry) return;
+    symmetry_.emplace(*step.symmetry, context, place + ".symmetry");
+    resolved_.symmetry.emplace().reflection = symmetry_->reflection();
+  }
+
+  ResolvedDeform resolve() {
+    require_counts(ExpectedCounts{.vertices = step_.counts.vertices, .faces = step_.counts.faces}, found(),
+                   place_);
+    const std::vector<Index> inside = find_region();
+    Roles roles(context_.mesh.vertex_count(), inside);
+    const std::vector<Index> rim = find_fixed(inside, roles);
+    hold_handles(roles);
+    if (symmetry_) hold_twins(roles);
+    resolved_.constraints = find_constraints(roles);
+    // A rim that nobody asked for gives way to handles and targets.
+    for (const Index v : rim) {
+      if (!roles.is_free(v)) continue;
+      resolved_.region.fixed.push_back(v);
+      roles.take(v, Roles::fixed);
+    }
+    resolved_.region.anchors = find_anchors(roles);
+    require_counts(step_.counts, found(inside), place_);
+    resolved_.region.whole = is_whole() || static_cast<Index>(inside.size()) == context_.mesh.vertex_count();
+    if (!resolved_.region.whole) resolved_.region.vertices = inside;
+    return std::move(resolved_);
+  }
+
+ private:
+  bool is_whole() const { return std::holds_alternative<Selection::All>(step_.region.kind); }
+
+  std::vector<Index> vertices_of(const SelectionSpec& selection, const std::string& where) {
+    std::vector<Index> vertices = selections_.vertices(selection, where);
+    return symmetry_ ? symmetry_->with_images(vertices) : vertices;
+  }
+
+  std::vector<Index> find_region() {
+    std::vector<Index> inside = is_whole() ? every_vertex(context_.mesh.vertex_count())
+                                           : selections_.vertices(step_.region, place_ + ".region");
+    if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", place_ + ".region");
+    if (!symmetry_) return inside;
+    inside = symmetry_->with_images(inside);
+    const std::vector<Index> lost = symmetry_->without_partner(inside);
+    resolved_.symmetry->without_partner = static_cast<Index>(lost.size());
+    if (!lost.empty()) resolved_.notes.push_back(symmetry_->note_about(lost, inside.size()));
+    return inside;
+  }
+
+  // Returns the rim that is fixed where nobody says what is.
+  std::vector<Index> find_fixed(const std::vector<Index>& inside, Roles& roles) {
+    if (step_.fixed) {
+      for (const Index v : vertices_of(*step_.fixed, place_ + ".fixed"))
+        if (roles.is_inside(v)) resolved_.region.fixed.push_back(v);
+      for (const Index v : resolved_.region.fixed) roles.take(v, Roles::fixed);
+      return {};
+    }
+    if (is_whole()) return {};
+    const auto whole_region = std::make_shared<const Selection>(Selection::Indices{inside});
+    return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, place_ + ".region");
+  }
+
+  std::string handle_place(std::size_t handle) const { return fmt::format("{}.handles[{}]", place_, handle); }
+
+  void hold(Handle handle, HandlePose pose, Roles& roles, const std::string& where) {
+    roles.take_all(handle.vertices, handle.name, where + ".select");
+    resolved_.poses.push_back(std::move(pose));
+    resolved_.region.handles.push_back(std::move(handle));
+  }
+
+  void hold_handles(Roles& roles) {
+    for (std::size_t i = 0; i < step_.handles.size(); ++i) {
+      const HandleSpec& spec = step_.handles[i];
+      const std::string where = handle_place(i);
+      Handle handle = resolve_handle(spec, selections_, context_, where);
+      HandlePose pose = resolve_pose(spec.pose, handle, selections_, edit_, context_, where + ".pose");
+      if (symmetry_) {
+        twins_.push_back(symmetry_->twin_of(handle, where + ".select"));
+        if (!twins_.back()) resolved_.symmetry->own.push_back(i);
+      }
+      hold(std::move(handle), std::move(pose), roles, where);
     }
   }
-  std::vector<Anchor> list;
-  for (const auto& [vertex, anchor] : anchors) list.push_back(anchor);
-  return list;
-}
+
+  void hold_twins(Roles& roles) {
+    for (std::size_t i = 0; i < twins_.size(); ++i) {
+      if (!twins_[i]) continue;
+      Handle twin = *std::move(twins_[i]);
+      require_free(twin, roles, i);
+      HandlePose pose = twin_pose(step_.handles[i].pose, resolved_.poses[i], twin, context_.mesh.positions,
+                                  symmetry_->reflection());
+      resolved_.symmetry->twin_of.push_back(i);
+      hold(std::move(twin), std::move(pose), roles, handle_place(i));
+    }
+  }
+
+  // What a twin meets is nobody's mistake in the selection.
+  void require_free(const Handle& twin, const Roles& roles, std::size_t i) const {
+    for (const HandleSpec& other : step_.handles)
+      if (other.name == twin.name)
+        throw Error(ErrorCode::input, fmt::format("the name '{}' is that of a twin", twin.name),
+                    handle_place(i) + ".name", "Choose another name.");
+    const auto taken = std::find_if(twin.vertices.begin(), twin.vertices.end(),
+                                    [&](Index v) { return roles.is_inside(v) && !roles.is_free(v); });
+    if (taken == twin.vertices.end()) return;
+    throw Error(ErrorCode::input,
+                fmt::format("vertex {} of the mirror image of the handle '{}' is already {}", *taken,
+                            step_.handles[i].name, roles.holder_of(*taken)),
+                handle_place(i) + ".select",
+                "'symmetry' makes the handle on the other side: take out what is there.");
+  }
+
+  std::vector<VertexConstraint> find_constraints(Roles& roles) const {
+    OwnConstraints constraints(context_, roles);
+    for (std::size_t i = 0; i < step_.targets.size(); ++i)
+      constraints.add(step_.targets[i], fmt::format("{}.targets[{}]", place_, i));
+    for (std::size_t i = 0; i < step_.transforms.size(); ++i)
+      constraints.add(step_.transforms[i], fmt::format("{}.transforms[{}]", place_, i));
+    if (symmetry_) constraints.add_images(*symmetry_, place_ + ".symmetry");
+    return constraints.list();
+  }
+
+  std::vector<Anchor> find_anchors(const Roles& roles) {
+    std::map<Index, Anchor> anchors;
+    for (std::size_t i = 0; i < step_.anchors.size(); ++i) {
+      const std::string where = fmt::format("{}.anchors[{}].select", place_, i);
+      for (const Index v : vertices_of(step_.anchors[i].select, where)) {
+        if (!roles.is_free(v)) continue;  // what is held or never moves needs no anchor
+        if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
+          throw Error(ErrorCode::input, fmt::format("vertex {} is anchored twice", v), where);
+      }
+    }
+    std::vector<Anchor> list;
+    for (const auto& [vertex, anchor] : anchors) list.push_back(anchor);
+    return list;
+  }
+
+  ExpectedCounts found(const std::vector<Index>& inside = {}) const {
+    const Region& region = resolved_.region;
+    Index handle_count = 0;
+    for (const Handle& handle : region.handles) handle_count += static_cast<Index>(handle.vertices.size());
+    ExpectedCounts found;
+    found.vertices = context_.mesh.vertex_count();
+    found.faces = context_.mesh.face_count();
+    found.region = static_cast<Index>(inside.size());
+    found.fixed = static_cast<Index>(region.fixed.size());
+    found.handle = handle_count;
+    found.free = *found.region - *found.fixed - handle_count - static_cast<Index>(resolved_.constraints.size());
+    return found;
+  }
+
+  const EditFile& edit_;
+  const DeformStep& step_;
+  const SelectionContext& context_;
+  const std::string& place_;
+  SelectionResolver selections_;
+  std::optional<MirrorMatch> symmetry_;
+  std::vector<std::optional<Handle>> twins_;  ///< of each handle of the step
+  ResolvedDeform resolved_;
+};
 
 }  // namespace
 
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
                               const std::string& place, const ProducedSets& produced) {
-  const Mesh& mesh = context.mesh;
-  ExpectedCounts found;
-  found.vertices = mesh.vertex_count();
-  found.faces = mesh.face_count();
-  ExpectedCounts of_the_mesh;
-  of_the_mesh.vertices = step.counts.vertices;
-  of_the_mesh.faces = step.counts.faces;
-  require_counts(of_the_mesh, found, place);
+  return DeformResolver(edit, step, context, place, produced).resolve();
+}
 
-  SelectionResolver selections(edit, context, produced);
-  ResolvedDeform resolved;
-  Region& region = resolved.region;
-  const bool all = std::holds_alternative<Selection::All>(step.region.kind);
-  std::vector<Index> inside =
-      all ? every_vertex(mesh.vertex_count()) : selections.vertices(step.region, place + ".region");
-  if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", place + ".region");
-  Roles roles(mesh.vertex_count(), inside);
-
-  std::vector<Index> rim;
-  if (step.fixed) {
-    for (const Index v : selections.vertices(*step.fixed, place + ".fixed"))
-      if (roles.is_inside(v)) region.fixed.push_back(v);
-    for (const Index v : region.fixed) roles.take(v, Roles::fixed);
-  } else if (!all) {
-    const auto whole_region = std::make_shared<const Selection>(Selection::Indices{inside});
-    rim = resolve(Selection(Selection::Rim{whole_region, 2}), context, place + ".region");
-  }
-
-  Index handle_count = 0;
-  for (std::size_t i = 0; i < step.handles.size(); ++i) {
-    const std::string handle_place = fmt::format("{}.handles[{}]", place, i);
-    Handle handle = resolve_handle(step.handles[i], selections, context, handle_place);
-    roles.take_all(handle.vertices, static_cast<int>(i), step.handles, handle_place + ".select");
-    handle_count += static_cast<Index>(handle.vertices.size());
-    resolved.poses.push_back(
-        resolve_pose(step.handles[i].pose, handle, selections, edit, context, handle_place + ".pose"));
-    region.handles.push_back(std::move(handle));
-  }
-  resolved.constraints = resolve_constraints(step, context, roles, place);
-
-  // A rim that nobody asked for gives way to handles and targets.
-  for (const Index v : rim) {
-    if (!roles.is_free(v)) continue;
-    region.fixed.push_back(v);
-    roles.take(v, Roles::fixed);
-  }
-  region.anchors = resolve_anchors(step, selections, roles, place);
-
-  found.region = static_cast<Index>(inside.size());
-  found.fixed = static_cast<Index>(region.fixed.size());
-  found.handle = handle_count;
-  found.free = *found.region - *found.fixed - handle_count - static_cast<Index>(resolved.constraints.size());
-  require_counts(step.counts, found, place);
-
-  region.whole = all || *found.region == mesh.vertex_count();
-  if (!region.whole) region.vertices = std::move(inside);
-  return resolved;
+std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+                                    std::span<const HandlePose> poses, const Points& rest) {
+  std::vector<std::string> notes;
+  for (const std::size_t h : symmetry.own)
+    if (!is_symmetric(poses[h], handles[h], rest, symmetry.reflection))
+      notes.push_back(
+          fmt::format("the handle '{}' is its own mirror image, but its pose is not: the result is as little "
+                      "symmetric as the pose",
+                      handles[h].name));
+  return notes;
 }
 
 }  // namespace meshgraft

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <meshgraft/edit/report.h>
 #include <meshgraft/edit/resolve_deform.h>
 #include <meshgraft/edit/run_edit.h>
+#include <meshgraft/merge/open_hole.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/triage.h>
 #include <meshgraft/mesh/weld.h>
@@ -63,10 +65,42 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 /// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
 StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& place,
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& place, Scene& scene,
+                      const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+
+/// Where the source of a merge step with `at` stands before it bends.
+class DropStand {
+ public:
+  /// Throws Error(input) as the step does for a loop that is none.
+  DropStand(const EditFile& edit, const MergeStep& step, const std::string& place, const Scene& target,
+            const Scene& source);
+
+  /// A map of the source's own coordinates, with `at` and `size` of a step that is else the same. Where no size
+  /// is given the part has its own, though the merge may make it smaller. Throws Error(input) for a place that
+  /// is none.
+  Eigen::Affine3d map(const MergeStep& step) const;
+
+ private:
+  std::string place_;
+  Eigen::Affine3d posing_;
+  std::optional<DropGuide> guide_;
+};
+
 StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
                    const Context& context);
+
+/// Leaves among `scenes` what `run_step` leaves of a deform step whose solution is known: `solution` is what
+/// `Deformer::evaluate` gave on the problem that `set_up_deform` makes of it (n×3). Throws what that throws.
+void apply_solution(const EditFile& edit, const EditStep& step, const std::string& place,
+                    std::map<std::string, Scene>& scenes, const Points& solution, const Context& context);
+
+/// The mesh that a step works on, among `scenes` by the name of its outcome.
+Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes);
+
+/// The farthest that a vertex moved, model units; n×3 both.
+double largest_displacement(const Points& rest, const Points& edited);
 
 /// The edit from there on, as `run_edit`.
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,

@@ -141,6 +141,16 @@ void write_list(Json& json, const char* key, const List& list, Write write) {
   for (const auto& element : list) json[key].push_back(write(element));
 }
 
+Json plane_json(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+  return {{"point", vector_json(point)}, {"normal", vector_json(normal)}};
+}
+
+Json symmetry_json(const SymmetrySpec& symmetry) {
+  Json json = plane_json(symmetry.plane.point, symmetry.plane.normal);
+  json["tolerance_rel"] = symmetry.tolerance_rel;
+  return json;
+}
+
 Json step_json(const EditStep& edit_step, const DeformStep& step) {
   Json json = {{"kind", "deform"}};
   if (!edit_step.name.empty()) json["name"] = edit_step.name;
@@ -159,6 +169,7 @@ Json step_json(const EditStep& edit_step, const DeformStep& step) {
   write_list(json, "anchors", step.anchors, [](const AnchorSpec& anchor) {
     return Json{{"select", selection_json(anchor.select)}, {"weight", anchor.weight}};
   });
+  if (step.symmetry) json["symmetry"] = symmetry_json(*step.symmetry);
   json["settings"] = settings_json(step.settings);
   if (const Json counts = counts_json(step.counts); !counts.empty()) json["counts"] = counts;
   return json;
@@ -178,10 +189,6 @@ Json pair_json(const MergePairSpec& pair) {
                {"target_loop", selection_json(pair.target_loop)}};
   write_list(json, "matches", pair.matches, match_json);
   return json;
-}
-
-Json plane_json(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-  return {{"point", vector_json(point)}, {"normal", vector_json(normal)}};
 }
 
 Json drop_json(const DropSpec& drop) {

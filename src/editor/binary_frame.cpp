@@ -17,10 +17,15 @@ void BinaryFrame::add(std::string_view name, std::span<const Index> values) {
   add(name, "uint32", std::as_bytes(values), values.size());
 }
 
+void BinaryFrame::add(std::string_view name, std::span<const std::uint8_t> values) {
+  add(name, "uint8", std::as_bytes(values), values.size());
+}
+
 void BinaryFrame::add(std::string_view name, std::string_view type, std::span<const std::byte> bytes,
                       std::size_t length) {
   header_["arrays"].push_back({{"name", name}, {"type", type}, {"length", length}});
   arrays_.insert(arrays_.end(), bytes.begin(), bytes.end());
+  arrays_.resize((arrays_.size() + 3) / 4 * 4);
 }
 
 std::vector<std::byte> BinaryFrame::bytes() const {

@@ -16,10 +16,20 @@ namespace meshgraft::editor {
 
 /// Numbers for the page. In bytes, all little-endian:
 ///   "MGF1", kind (uint32), length of the JSON (uint32, a multiple of 4), the JSON, padded with blanks,
-///   then the arrays that its field `arrays` lists as {name, type, length}, one after another.
+///   then the arrays that its field `arrays` lists as {name, type, length}, one after another, each padded to
+///   4 bytes.
 class BinaryFrame {
  public:
-  enum class Kind : std::uint32_t { mesh = 1, frame = 2, weights = 3, selection = 4, roles = 5 };
+  enum class Kind : std::uint32_t {
+    mesh = 1,
+    frame = 2,
+    weights = 3,
+    selection = 4,
+    roles = 5,
+    graft = 6,
+    loops = 7,
+    thumbnail = 8
+  };
 
   BinaryFrame(Kind kind, Json header) : kind_(kind), header_(std::move(header)) {
     header_["arrays"] = Json::array();
@@ -27,6 +37,7 @@ class BinaryFrame {
 
   void add(std::string_view name, std::span<const float> values);
   void add(std::string_view name, std::span<const Index> values);  ///< as uint32: none is negative
+  void add(std::string_view name, std::span<const std::uint8_t> values);
 
   std::vector<std::byte> bytes() const;
 

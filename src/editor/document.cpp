@@ -54,12 +54,21 @@ Json new_edit(const std::string& name, const Json& input) {
 }
 
 std::optional<std::size_t> step_in_work(const EditFile& edit) {
-  if (edit.steps.empty() || !std::holds_alternative<DeformStep>(edit.steps.back().action)) return std::nullopt;
+  if (edit.steps.empty() || std::holds_alternative<CutStep>(edit.steps.back().action)) return std::nullopt;
   return edit.steps.size() - 1;
 }
 
 const DeformStep* deform_in_work(const EditFile& edit) {
   return edit.steps.empty() ? nullptr : std::get_if<DeformStep>(&edit.steps.back().action);
+}
+
+const MergeStep* merge_in_work(const EditFile& edit) {
+  return edit.steps.empty() ? nullptr : std::get_if<MergeStep>(&edit.steps.back().action);
+}
+
+const std::string& model_of(const EditFile& edit) {
+  if (const auto step = step_in_work(edit)) return mesh_of(edit.steps[*step]);
+  return edit.output.empty() ? outcome_of(edit.steps.back()) : edit.output;
 }
 
 bool is_ready(const DeformStep& step) {
@@ -73,6 +82,12 @@ EditFile saved_form(const Document& document, const fs::path& folder) {
     const auto* step = std::get_if<DeformStep>(&document.edit.steps[left - 1].action);
     if (step == nullptr || is_ready(*step)) break;
     steps.erase(left - 1);
+  }
+  if (document.edit.output.empty()) {
+    const EditStep& last = document.edit.steps[steps.size() - 1];
+    const std::string& outcome =
+        step_in_work(document.edit) ? outcome_of(document.edit.steps.back()) : model_of(document.edit);
+    if (outcome_of(last) != outcome) json["output"] = outcome;
   }
   const fs::path& from = document.edit.base_folder;
   if (from != folder)

@@ -31,15 +31,19 @@ Document parse_document(std::string_view text, const std::filesystem::path& base
 /// An edit of one input (as `inputs` of an edit file has it), with a step that does nothing yet.
 Json new_edit(const std::string& name, const Json& input);
 
-/// The deform step that is worked on: the last one; absent where that is a cut or a merge.
+/// The step that is worked on: the last one, a deformation or a graft; absent where that is a cut.
 std::optional<std::size_t> step_in_work(const EditFile& edit);
 const DeformStep* deform_in_work(const EditFile& edit);
+const MergeStep* merge_in_work(const EditFile& edit);
+
+/// The mesh that is deformed, or grafted onto: that of the step in work, else what comes out of the edit.
+const std::string& model_of(const EditFile& edit);
 
 /// Whether a step has something to move and something to move it by.
 bool is_ready(const DeformStep& step);
 
-/// The document as it is saved: last steps without handles are left out, and relative paths start from
-/// `folder`.
+/// The document as it is saved: last steps without handles are left out, relative paths start from `folder`,
+/// and what comes out is the model, whichever mesh the last step is about.
 EditFile saved_form(const Document& document, const std::filesystem::path& folder);
 
 }  // namespace meshgraft::editor

@@ -98,6 +98,8 @@ std::string outcome_of(const Json& step) {
 
 Json& step_of(Json& document) {
   Json& steps = document["steps"];
+  if (steps.back()["kind"] == "merge")
+    throw Error(ErrorCode::usage, "a graft is in work", "deform", "Accept the graft, or cancel it, first.");
   if (steps.back()["kind"] != "deform") steps.push_back(empty_step(outcome_of(steps.back())));
   Json& step = steps.back();
   if (!step.contains("region")) step["region"] = "all";
@@ -168,6 +170,13 @@ void set_pose(Json& document, const std::string& name, const Json& pose) {
   handle_of(document, name)["pose"] = pose;
 }
 
+void set_symmetry(Json& document, const Json& symmetry) {
+  if (symmetry.is_null())
+    step_of(document).erase("symmetry");
+  else
+    step_of(document)["symmetry"] = symmetry;
+}
+
 std::optional<double> reach_of(const Json& step, const Json& handle) {
   for (const Json& part : parts_of(step.value("region", Json("all"))))
     if (is_reach_of(part, handle["select"])) return part["grow_length"]["length"].get<double>();
@@ -186,12 +195,22 @@ void accept_step(Json& document, const EditFile& edit) {
   const Json& last = document["steps"].back();
   Json next = empty_step(outcome_of(last));
   if (step != nullptr) next["settings"] = last["settings"];
+  if (last.contains("symmetry")) next["symmetry"] = last["symmetry"];
   document["steps"].push_back(std::move(next));
 }
 
 void set_group(Json& document, const std::string& name, const Json& selection, const std::string& colour) {
   document["selections"][name] = selection;
   if (!colour.empty()) document["colours"][name] = colour;
+}
+
+void set_colour(Json& document, const std::string& name, const std::string& colour) {
+  if (!document.contains("selections") || !document["selections"].contains(name))
+    throw Error(ErrorCode::input, fmt::format("there is no selection named '{}'", name), "name");
+  if (!colour.empty())
+    document["colours"][name] = colour;
+  else if (document.contains("colours"))
+    document["colours"].erase(name);
 }
 
 void remove_group(Json& document, const std::string& name) {

@@ -9,8 +9,8 @@
 
 namespace meshgraft::editor {
 
-// Changes of a document as JSON, on the step that is worked on; one is added where the last step is no deform
-// step. `make_document` then says whether what came out is an edit.
+// Changes of a document as JSON, on the step that is worked on; one is added where the last step is a cut. They
+// throw Error(usage) where it is a graft. `make_document` then says whether what came out is an edit.
 
 Json& step_of(Json& document);
 
@@ -32,6 +32,9 @@ void rename_handle(Json& document, const std::string& name, const std::string& t
 void set_reach(Json& document, const std::string& name, double reach);
 void set_pose(Json& document, const std::string& name, const Json& pose);
 
+/// As a deform step has it; null: none.
+void set_symmetry(Json& document, const Json& symmetry);
+
 /// Of a handle that has one, in the step as JSON.
 std::optional<double> reach_of(const Json& step, const Json& handle);
 
@@ -41,8 +44,23 @@ void change_settings(Json& document, const Json& changes);
 /// A next deform step on what the last one left. Throws Error(usage) where that does nothing yet.
 void accept_step(Json& document, const EditFile& edit);
 
+// Changes of any step, `index` counting from 0. Throw Error(input) where there is no such step.
+
+struct StepChange {
+  Json fields = Json::object();  ///< as an edit file has them; null removes; settings are changed one by one
+  Json poses = Json::object();   ///< by the names of handles of a deform step
+};
+
+void change_step(Json& document, std::size_t index, const StepChange& change);
+/// Throws Error(usage) for the only step.
+void remove_step(Json& document, std::size_t index);
+/// With what names the step for what it produced; an empty name is none.
+void rename_step(Json& document, std::size_t index, const std::string& name);
+
 /// A named selection, and the colour that it is drawn in; empty: as before.
 void set_group(Json& document, const std::string& name, const Json& selection, const std::string& colour);
+/// Another colour for it; empty: none of its own. Throws Error(input) where it does not exist.
+void set_colour(Json& document, const std::string& name, const std::string& colour);
 /// Throws Error(input) where it is in use.
 void remove_group(Json& document, const std::string& name);
 

@@ -9,6 +9,7 @@
 #include <meshgraft/core/error.h>
 
 #include "edit/parse_parts.h"
+#include "graft_actions.h"
 #include "mesh_frames.h"
 #include "selecting.h"
 #include "session.h"
@@ -17,7 +18,7 @@ namespace meshgraft::editor {
 
 namespace {
 
-std::vector<Index> vertices_of(const json::Value& value, const StepBase& base) {
+std::vector<Index> vertices_of(const json::Value& value, const Object& base) {
   std::vector<Index> vertices = value.vertices();
   for (const Index v : vertices)
     if (v >= base.mesh().vertex_count())
@@ -46,7 +47,7 @@ std::vector<Index> inverted(const std::vector<Index>& selection, Index count) {
 }
 
 // Grown by rings, or shrunk: what is left outside then grows.
-std::vector<Index> grown(const std::vector<Index>& selection, int rings, const StepBase& base) {
+std::vector<Index> grown(const std::vector<Index>& selection, int rings, const Object& base) {
   const IndexLists& neighbours = base.selections->rings;
   if (rings >= 0) return grow_rings(selection, rings, neighbours);
   const Index count = base.mesh().vertex_count();
@@ -54,7 +55,7 @@ std::vector<Index> grown(const std::vector<Index>& selection, int rings, const S
 }
 
 // Far enough to bend softly: a part of the model, and more than the handle itself.
-double default_reach(const std::vector<Index>& vertices, const StepBase& base) {
+double default_reach(const std::vector<Index>& vertices, const Object& base) {
   const Points& points = base.mesh().positions;
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   for (const Index v : vertices) centre += points.row(v) / static_cast<double>(vertices.size());
@@ -75,20 +76,29 @@ Json indices(const std::vector<Index>& vertices) { return {{"indices", vertices}
 
 }  // namespace
 
-// The field `select` as an edit file has it, or what the page has selected.
-Json Worker::selection_or(const json::Object& fields) {
+// The field `select` as an edit file has it, or what the page has selected on the object of that name.
+Json Worker::selection_or(const json::Object& fields, const std::string& on) {
   if (fields.has("select")) return fields.required("select").raw();
-  const std::vector<Index>& selection = open_one().selection;
-  if (selection.empty()) throw Error(ErrorCode::usage, "nothing is selected", "select");
-  return indices(selection);
+  return selected_on(on);
+}
+
+Json Worker::selected_on(const std::string& name) {
+  const Workspace::PageSelection& selection = open_one().selection;
+  if (selection.vertices.empty()) throw Error(ErrorCode::usage, "nothing is selected", "select");
+  if (selection.on->name != name)
+    throw Error(ErrorCode::usage, fmt::format("what is selected lies on '{}'", selection.on->name), "select",
+                fmt::format("Select on '{}'.", name));
+  return indices(selection.vertices);
 }
 
 Json Worker::select(const json::Value& message, const Context&) {
   enum class How { set, add, remove, intersect, invert, grow };
-  const json::Object fields(message, {"id", "do", "how", "what", "rings"});
+  const json::Object fields(message, {"id", "do", "mesh", "how", "what", "rings"});
   Workspace& workspace = open_one();
-  const StepBase& base = workspace.view().base();
-  std::vector<Index>& selection = workspace.selection;
+  const std::shared_ptr<const Object> object = object_of(fields);
+  const Object& base = *object;
+  std::vector<Index> selection;
+  if (workspace.selection.on == object) selection = workspace.selection.vertices;
   const How how = fields.required("how").choice<How>({{"set", How::set},
                                                       {"add", How::add},
                                                       {"remove", How::remove},
@@ -109,28 +119,33 @@ Json Worker::select(const json::Value& message, const Context&) {
       break;
   }
   outbox_.send(selection_frame(base, selection), "selection");
-  return {{"selected", selection.size()}};
+  workspace.selection = {object, std::move(selection)};
+  return {{"selected", workspace.selection.vertices.size()}};
 }
 
 Json Worker::group(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "name", "select", "colour", "remove"});
+  const json::Object fields(message, {"id", "do", "name", "select", "colour", "remove", "keep"});
   const std::string name = fields.required("name").name();
-  bool removes = false;
+  bool removes = false, keeps = false;
   std::string colour;
   fields.optional("remove", [&](const json::Value& v) { removes = v.boolean(); });
+  fields.optional("keep", [&](const json::Value& v) { keeps = v.boolean(); });
   fields.optional("colour", [&](const json::Value& v) { colour = v.name(); });
   Json document = open_one().document().json;
   if (removes)
     remove_group(document, name);
+  else if (keeps)
+    set_colour(document, name, colour);
   else
-    set_group(document, name, selection_or(fields), colour);
-  return change(removes ? "remove group" : "group", document, context);
+    set_group(document, name, selection_or(fields, open_one().selection.on->name), colour);
+  return change(removes ? "remove group" : keeps ? "colour" : "group", document, context);
 }
 
 Json Worker::paint_handle(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "vertices", "reach", "name"});
   Workspace& workspace = open_one();
-  const StepBase& base = workspace.view().base();
+  const Object& base = workspace.view().base();
+  require_no_graft(workspace.document().edit, "paint-handle");
   const std::vector<Index> vertices =
       combined(take_away, vertices_of(fields.required("vertices"), base), held_already(workspace.view()));
   if (vertices.empty()) message.fail("all of these vertices are handles already", "Paint others.");
@@ -155,7 +170,7 @@ Json Worker::reach(const json::Value& message, const Context& context) {
 Json Worker::region(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "select"});
   Json document = open_one().document().json;
-  step_of(document)["region"] = selection_or(fields);
+  step_of(document)["region"] = selection_or(fields, model_name());
   return change("region", document, context);
 }
 
@@ -167,7 +182,7 @@ Json Worker::fixed(const json::Value& message, const Context& context) {
   if (is_rim)
     step_of(document).erase("fixed");
   else
-    step_of(document)["fixed"] = selection_or(fields);
+    step_of(document)["fixed"] = selection_or(fields, model_name());
   return change("fixed", document, context);
 }
 
@@ -188,7 +203,7 @@ Json Worker::handle(const json::Value& message, const Context& context) {
   }
   NewHandle added;
   added.shape = "region";
-  added.select = selection_or(fields);
+  added.select = selection_or(fields, model_name());
   fields.optional("name", [&](const json::Value& v) { added.name = v.name(); });
   fields.optional("shape", [&](const json::Value& v) { added.shape = v.name(); });
   fields.optional("closed", [&](const json::Value& v) { added.closed = v.boolean(); });
@@ -233,6 +248,7 @@ Json Worker::accept(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do"});
   Json document = open_one().document().json;
   accept_step(document, open_one().document().edit);
+  open_one().finish(context);
   return change("accept", document, context);
 }
 

@@ -31,6 +31,11 @@ bool is_mesh(const fs::path& path) {
   }
 }
 
+// What is hidden, and journals with what they keep, is none of the page's.
+bool is_listed(const std::string& name) {
+  return !name.starts_with(".") && name.find(".meshgraft-session") == std::string::npos;
+}
+
 bool is_edit(const fs::path& path) {
   if (path.extension() != ".json") return false;
   std::string start(1024, '\0');
@@ -59,16 +64,16 @@ void require_no_input(const fs::path& file, const Document& document) {
         throw Error(ErrorCode::usage, "this is an input of the edit", file.string(), "Choose another name.");
 }
 
-// What was uploaded lasts no longer than the program: the edit gets a copy beside it.
-Document with_kept_uploads(Document document, const fs::path& uploads, const fs::path& folder) {
-  if (uploads.empty()) return document;
+// What was uploaded lasts no longer than the program or the journal: the edit gets a copy beside it.
+Document with_kept_uploads(Document document, const std::vector<fs::path>& uploads, const fs::path& folder) {
   Json json = document.json;
   for (const EditInput& input : document.edit.inputs) {
     const fs::path file = document.edit.base_folder / input.file;
-    if (input.file.empty() || file.parent_path() != uploads || folder == uploads) continue;
-    fs::copy_file(file, folder / file.filename(), fs::copy_options::skip_existing);
+    const fs::path here = file.parent_path();
+    const bool is_upload = !here.empty() && std::find(uploads.begin(), uploads.end(), here) != uploads.end();
+    if (input.file.empty() || !is_upload || here == folder) continue;
     json["inputs"][input.name]["file"] =
-        fs::relative(folder / file.filename(), document.edit.base_folder).string();
+        fs::relative(copy_into(folder, file), document.edit.base_folder).string();
   }
   return make_document(json, document.edit.base_folder);
 }
@@ -79,19 +84,38 @@ Json written_json(const WriteResult& written) {
   return {{"files", files}, {"notes", written.notes}};
 }
 
+// Of files that are not what they were when they were opened: saved edits will not run on them.
+void note_changed_inputs(const Document& document, Json& result) {
+  for (const EditInput& input : document.edit.inputs) {
+    if (input.file.empty() || !input.sha256) continue;
+    const fs::path file = document.edit.base_folder / input.file;
+    std::error_code gone;
+    if (!fs::exists(file, gone))
+      result["notes"].push_back(
+          fmt::format("{} is gone: the edit needs it to be run again. Put it back.", file.string()));
+    else if (sha256(read_file(file)) != *input.sha256)
+      result["notes"].push_back(
+          fmt::format("{} is another file than the one that was opened. What is shown and saved is the edit of "
+                      "that one, and "
+                      "the saved edit will not run on this one: put the earlier file back, or open this one "
+                      "and edit it anew.",
+                      file.string()));
+  }
+}
+
 struct MeshToWrite {
   fs::path file;
   std::optional<std::string> morph_target{};
 };
 
-Json write_outcome(const Document& document, const MeshToWrite& what, const Context& context) {
-  const EditFile edit = saved_form(document, document.edit.base_folder);
+Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context& context) {
+  const EditFile edit = saved_form(workspace.document(), workspace.document().edit.base_folder);
   const bool same_faces = std::all_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
     return std::holds_alternative<DeformStep>(step.action);
   });
   if (what.morph_target && !same_faces)
     throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot", "export.as");
-  const EditResult result = run_edit(edit, {.estimate_condition = false}, context);
+  const Workspace::Outcome result = workspace.outcome(context);
   WriteOptions options;
   if (what.morph_target) options.morph_target = MorphTarget{*what.morph_target, result.rest};
   return written_json(write_mesh(result.mesh, what.file, options, context));
@@ -149,8 +173,7 @@ Json Worker::list(const json::Value& message, const Context&) {
   const fs::path folder = shared_.folders.inside(fields.required("folder").name());
   std::vector<fs::directory_entry> entries;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entries.size() < most_entries && !entry.path().filename().string().starts_with("."))
-      entries.push_back(entry);
+    if (entries.size() < most_entries && is_listed(entry.path().filename().string())) entries.push_back(entry);
   std::sort(entries.begin(), entries.end());
   for (const auto& entry : entries) {
     std::error_code ignored;
@@ -194,7 +217,8 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
 
 void Worker::save_edit(const fs::path& file) {
   const fs::path folder = file.parent_path();
-  const Document kept = with_kept_uploads(open_one().document(), shared_.upload_folder, folder);
+  const Document kept =
+      with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder);
   write_file_atomically(file, write_edit(saved_form(kept, folder)));
   open_one().mark_saved(file);
   tell_state();
@@ -210,11 +234,12 @@ Json Worker::save(const json::Value& message, const Context& context) {
   if (edit.empty() && mesh.empty()) message.fail("the edit has no file yet", "Give 'edit' or 'mesh'.");
 
   Json result = {{"files", Json::array()}, {"notes", Json::array()}};
-  if (!mesh.empty()) result = write_outcome(open_one().document(), {mesh}, context);
+  if (!mesh.empty()) result = write_outcome(open_one(), {mesh}, context);
   if (!edit.empty()) {
     save_edit(edit);
     result["files"].push_back(edit.string());
   }
+  note_changed_inputs(open_one().document(), result);
   return result;
 }
 
@@ -231,7 +256,9 @@ Json Worker::export_mesh(const json::Value& message, const Context& context) {
     what.morph_target = fields.has("name") ? fields.required("name").name() : "edit";
     require_morph_targets(what.file);
   }
-  return write_outcome(open_one().document(), what, context);
+  Json result = write_outcome(open_one(), what, context);
+  note_changed_inputs(open_one().document(), result);
+  return result;
 }
 
 }  // namespace meshgraft::editor

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <system_error>
 
+#include <fmt/format.h>
+
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
@@ -75,6 +77,16 @@ void Folders::require_inside(const EditFile& edit) const {
   for (const EditInput& input : edit.inputs)
     if (!input.file.empty()) mesh_to_read(edit.base_folder / input.file);
   for (const fs::path& file : referenced_files(edit)) inside(file);
+}
+
+fs::path copy_into(const fs::path& folder, const fs::path& file) {
+  fs::path copy = folder / file.filename();
+  for (int number = 2; fs::exists(copy); ++number) {
+    if (fs::is_regular_file(copy) && read_file(copy) == read_file(file)) return copy;
+    copy = folder / fmt::format("{}-{}{}", file.stem().string(), number, file.extension().string());
+  }
+  fs::copy_file(file, copy);
+  return copy;
 }
 
 }  // namespace meshgraft::editor

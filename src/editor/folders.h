@@ -35,4 +35,8 @@ class Folders {
   std::vector<std::filesystem::path> roots_;
 };
 
+/// Copies a file into a folder, by its name, or with a number where another file has that. Returns the copy.
+/// Throws std::filesystem::filesystem_error, and Error(io) where one of them cannot be read.
+std::filesystem::path copy_into(const std::filesystem::path& folder, const std::filesystem::path& file);
+
 }  // namespace meshgraft::editor

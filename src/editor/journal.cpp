@@ -16,6 +16,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "folders.h"
+
 namespace meshgraft::editor {
 
 namespace fs = std::filesystem;
@@ -103,7 +105,12 @@ Journal::Journal(fs::path path) : stem_(path.string() + ".meshgraft-session") {
 
 Journal::~Journal() {
   if (file_ < 0) return;
-  if (started_ && saved_) ::unlink(path_.c_str());
+  const bool needless = started_ ? saved_ : ::lseek(file_, 0, SEEK_END) == 0;
+  if (needless) {
+    std::error_code ignored;
+    fs::remove_all(kept_folder(), ignored);
+    ::unlink(path_.c_str());
+  }
   ::close(file_);
 }
 
@@ -143,9 +150,16 @@ fs::path Journal::set_aside() {
   for (int number = 1; aside.empty() || fs::exists(aside); ++number)
     aside = path_.string() + fmt::format(".aside-{}", number);
   fs::rename(path_, aside);
+  if (fs::exists(kept_folder())) fs::rename(kept_folder(), aside.string() + ".parts");
   ::close(std::exchange(file_, -1));
   found_.reset();
   return aside;
+}
+
+fs::path Journal::keep(const fs::path& file) {
+  if (file_ < 0) open(true);
+  fs::create_directories(kept_folder());
+  return copy_into(kept_folder(), file);
 }
 
 void Journal::start(const std::string& first) {

@@ -42,6 +42,11 @@ class Journal {
   /// Renames what was found, so that it is out of the way and not lost. Returns its new path.
   std::filesystem::path set_aside();
 
+  /// Copies a file that lasts no longer than the program to a folder beside the journal, which goes with it.
+  /// Returns the copy. Throws Error(io).
+  std::filesystem::path keep(const std::filesystem::path& file);
+  std::filesystem::path kept_folder() const { return path_.string() + ".parts"; }
+
   // Each throws Error(io) where the disk does not take it.
   void add(const std::string& label, const std::string& before, const std::string& after);
   void undo();

@@ -1,12 +1,14 @@
 #include "live_view.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <meshgraft/mesh/normals.h>
 
+#include "edit/symmetry.h"
 #include "mesh_frames.h"
 
 namespace meshgraft::editor {
@@ -23,12 +25,20 @@ bool is_plain(const DeformStep& step) {
          step.settings.proxy == 0;
 }
 
-Json key_of(const Document& document, const StepBase& base) {
+Json key_of(const Document& document, const Object& base) {
   Json step = document.json["steps"].back();
   if (step.contains("handles"))
     for (Json& handle : step["handles"])
       if (handle.contains("pose") && !handle["pose"].contains("def")) handle.erase("pose");
   return {base.id, step, selections_used(document.json, step)};
+}
+
+// Whether two steps differ in their regions alone: mesh, settings and welding are the same.
+bool shares_mesh(const Json& key, const Json& other) {
+  const auto settings_of = [](const Json& one) {
+    return one.is_array() ? one[1].value("settings", Json()) : Json();
+  };
+  return key.is_array() && other.is_array() && key[0] == other[0] && settings_of(key) == settings_of(other);
 }
 
 ShownHandle shown_handle(const Handle& handle, const Points& rest, const IndexLists& rings) {
@@ -49,7 +59,7 @@ Json live_fields(LiveStage stage) { return {{"stage", to_string(stage)}}; }
 
 }  // namespace
 
-LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const StepBase> base) const {
+LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Object> base) const {
   Plan plan;
   plan.base = std::move(base);
   const DeformStep* step = deform_in_work(document.edit);
@@ -68,17 +78,22 @@ LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const St
 void LiveView::show(const Document& document, Plan plan, const Context& context) {
   const DeformStep* step = deform_in_work(document.edit);
   const bool goes_on = plan.ready && !plan.setup;
-  if (!goes_on) live_.reset();
+  outcome_.reset();
+  std::shared_ptr<const Deformer> earlier;
+  if (!goes_on) {
+    if (live_ && shares_mesh(plan.key, key_)) earlier = live_->deformer();
+    live_.reset();
+  }
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
-  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_));
+  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model"));
   shown_mesh_ = base_->id;
   if (!plan.ready) return show_rest();
 
   poses_ = std::move(plan.poses);
-  if (plan.setup) set_up(*step, std::move(*plan.setup));
+  if (plan.setup) set_up(*step, std::move(*plan.setup), std::move(earlier));
   if (live_)
-    drag_to(poses_);
+    show_document();
   else
     run_exactly(document, context);
 }
@@ -87,14 +102,18 @@ void LiveView::show_rest() {
   region_ = {};
   handles_.clear();
   poses_.clear();
+  symmetry_.reset();
+  notes_.clear();
   moving_ = std::make_shared<const std::vector<Index>>();
   outbox_.send(roles_frame(*base_, region_), "roles");
   const auto rest = std::make_shared<const Points>(base_->mesh().positions);
   outbox_.send(position_frame(*base_, *moving_, {++last_pose_, rest}), "frame");
 }
 
-void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
+void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier) {
   region_ = setup.problem.deform.region;
+  symmetry_ = setup.problem.deform.symmetry;
+  notes_ = setup.problem.deform.notes;
   const IndexLists& rings = base_->selections->rings;
   handles_.clear();
   for (const Handle& handle : region_.handles)
@@ -105,15 +124,18 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
   basis_sent_ = false;
   if (!is_plain(step)) return;
 
-  const auto on_frame = [outbox = outbox_, base = base_, moving = moving_,
+  const auto on_frame = [outbox = outbox_, base = base_, moving = moving_, exact = exact_,
                          first = last_pose_](LiveFrame frame) {
     frame.pose += first;
+    exact->take(frame.pose, frame);
     outbox.send(position_frame(*base, *moving, frame), "frame");
     Json fields = {{"pose", frame.pose}, {"quality", to_string(frame.quality)}, {"seconds", frame.seconds}};
     if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
     outbox.tell("live", std::move(fields), "live");
   };
-  const auto on_failure = [outbox = outbox_, first = last_pose_](std::int64_t pose, const Error& error) {
+  const auto on_failure = [outbox = outbox_, exact = exact_, first = last_pose_](std::int64_t pose,
+                                                                                 const Error& error) {
+    exact->fail(pose == 0 ? 0 : pose + first);
     outbox.tell("live", {{"pose", pose == 0 ? 0 : pose + first}, {"error", error_json(error)}});
   };
   Context context;
@@ -122,6 +144,7 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
   };
   LiveOptions options;
   options.deformer = step.settings.deformer;
+  options.earlier = std::move(earlier);
   DeformProblem& problem = setup.problem;
   if (options.deformer.method == DeformMethod::ft05)
     options.normals =
@@ -134,12 +157,13 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup) {
 
 // What no frame of the region alone would show: as saving does it.
 void LiveView::run_exactly(const Document& document, const Context& context) {
-  std::map<std::string, Scene> scenes = base_->scenes;
+  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
   const EditStep& step = document.edit.steps.back();
   const StepReport report =
       run_step(document.edit, step, place_of(document), scenes, {.estimate_condition = false}, context);
   const auto positions = std::make_shared<const Points>(scenes.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
+  outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
   outbox_.send(position_frame(*base_, *moving_, frame), "frame");
   outbox_.tell("live",
                {{"stage", "ready"}, {"pose", frame.pose}, {"quality", "exact"}, {"seconds", frame.seconds}});
@@ -159,13 +183,89 @@ HandlePose LiveView::pose_of(const PoseSpec& spec, const ShownHandle& shown) con
   return pose;
 }
 
+// Moves a handle's twin along, where it has one.
+void LiveView::mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const {
+  if (!symmetry_) return;
+  const std::size_t first = handles_.size() - symmetry_->twin_of.size();
+  for (std::size_t t = 0; t < symmetry_->twin_of.size(); ++t)
+    if (symmetry_->twin_of[t] == handle)
+      poses[first + t] = twin_pose(spec, poses[handle], handles_[first + t].handle,
+                                   base_->selections->mesh.positions, symmetry_->reflection);
+}
+
 // One from a file is what it was.
 std::vector<HandlePose> LiveView::poses_of(const DeformStep& step) const {
   std::vector<HandlePose> poses = poses_;
-  for (std::size_t h = 0; h < handles_.size(); ++h)
-    if (!std::holds_alternative<PoseSpec::DefFile>(step.handles[h].pose.kind))
-      poses[h] = pose_of(step.handles[h].pose, handles_[h]);
+  for (std::size_t h = 0; h < step.handles.size(); ++h) {
+    if (std::holds_alternative<PoseSpec::DefFile>(step.handles[h].pose.kind)) continue;
+    poses[h] = pose_of(step.handles[h].pose, handles_[h]);
+    mirror_pose(step.handles[h].pose, h, poses);
+  }
   return poses;
+}
+
+std::vector<std::string> LiveView::notes() const {
+  std::vector<std::string> notes = notes_;
+  if (!symmetry_) return notes;
+  const std::vector<std::string> on_poses =
+      pose_notes(*symmetry_, region_.handles, poses_, base_->selections->mesh.positions);
+  notes.insert(notes.end(), on_poses.begin(), on_poses.end());
+  return notes;
+}
+
+void LiveView::ExactFrame::expect(std::int64_t next) {
+  const std::lock_guard lock(mutex);
+  pose = next;
+  positions.reset();
+  failed = false;
+}
+
+void LiveView::ExactFrame::take(std::int64_t number, const LiveFrame& frame) {
+  const std::lock_guard lock(mutex);
+  if (number != pose || frame.quality != FrameQuality::exact) return;
+  positions = frame.positions;
+  changed.notify_all();
+}
+
+// 0: of all poses.
+void LiveView::ExactFrame::fail(std::int64_t number) {
+  const std::lock_guard lock(mutex);
+  failed = failed || number == 0 || number == pose;
+  changed.notify_all();
+}
+
+void LiveView::show_document() {
+  exact_->expect(last_pose_ + 1);
+  drag_to(poses_);
+}
+
+// One that shares an earlier set-up is near those that running the step gives, and not the same bytes.
+std::shared_ptr<const Points> LiveView::exact_positions(const Context& context) {
+  const auto is_known = [&] {
+    const std::lock_guard lock(exact_->mutex);
+    return exact_->positions != nullptr;
+  };
+  if (last_pose_ != exact_->pose && !is_known()) show_document();  // it was dragged away meanwhile
+  std::unique_lock lock(exact_->mutex);
+  constexpr auto patience = std::chrono::milliseconds(20);
+  while (!exact_->positions && !exact_->failed && live_->stage() != LiveStage::failed &&
+         live_->stage() != LiveStage::proxy_only) {
+    context.throw_if_stopped();
+    exact_->changed.wait_for(lock, patience);
+  }
+  const auto deformer = live_->deformer();
+  return deformer && !deformer->summary().reused ? exact_->positions : nullptr;
+}
+
+std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const Context& context) {
+  if (outcome_ || !live_) return outcome_;
+  if (const auto deformer = live_->deformer(); deformer && deformer->summary().reused) return nullptr;
+  const auto positions = exact_positions(context);
+  if (!positions) return nullptr;
+  const EditStep& step = document.edit.steps.back();
+  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
+  apply_solution(document.edit, step, place_of(document), scenes, *positions, context);
+  return std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
 }
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses) {
@@ -178,14 +278,23 @@ std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses) {
   std::vector<HandlePose> dragged = poses_;
   for (const auto& [name, pose] : poses)
     for (std::size_t h = 0; h < handles_.size(); ++h)
-      if (handles_[h].handle.name == name) dragged[h] = pose_of(pose, handles_[h]);
+      if (handles_[h].handle.name == name) {
+        dragged[h] = pose_of(pose, handles_[h]);
+        mirror_pose(pose, h, dragged);
+      }
   drag_to(dragged);
   return last_pose_;
 }
 
 HandleShape LiveView::shape_of(const std::string& handle) const {
-  for (const ShownHandle& shown : handles_)
-    if (shown.handle.name == handle) return shown.handle.shape;
+  const std::size_t twins = symmetry_ ? symmetry_->twin_of.size() : 0;
+  for (std::size_t h = 0; h < handles_.size(); ++h) {
+    if (handles_[h].handle.name != handle) continue;
+    if (h + twins < handles_.size()) return handles_[h].handle.shape;
+    const std::string& leader = handles_[symmetry_->twin_of[h - (handles_.size() - twins)]].handle.name;
+    throw Error(ErrorCode::usage, fmt::format("the handle '{}' follows '{}'", handle, leader), "poses",
+                fmt::format("Drag '{}', or switch the symmetry off.", leader));
+  }
   throw Error(ErrorCode::input, fmt::format("there is no handle named '{}' that can be dragged", handle),
               "poses");
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,8 +12,8 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/live_deformer.h>
 
+#include "objects.h"
 #include "protocol.h"
-#include "step_base.h"
 
 namespace meshgraft::editor {
 
@@ -30,13 +32,13 @@ class LiveView {
 
   /// A document that can be shown. What is found to be wrong with it is thrown before anything changes.
   struct Plan {
-    std::shared_ptr<const StepBase> base;
+    std::shared_ptr<const Object> base;
     Json key;                          ///< all that matters but the poses
     std::optional<DeformSetup> setup;  ///< absent: the step is not ready, or as it was but for the poses
     std::vector<HandlePose> poses;
     bool ready = false;
   };
-  Plan plan(const Document& document, std::shared_ptr<const StepBase> base) const;
+  Plan plan(const Document& document, std::shared_ptr<const Object> base) const;
 
   /// `context` is for a step that cannot be dragged, which is run as it is; throws what that throws.
   void show(const Document& document, Plan plan, const Context& context);
@@ -45,34 +47,61 @@ class LiveView {
   std::int64_t drag(const std::map<std::string, PoseSpec>& poses);
   HandleShape shape_of(const std::string& handle) const;
 
+  /// What the document's steps leave, where the view knows it or is about to: it waits for an exact frame that
+  /// is on its way. Null where only running the step tells. Throws Error(cancelled).
+  std::shared_ptr<const Scene> outcome(const Document& document, const Context& context);
+
   /// Tells what has become of the set-up; `settled` once nothing more will.
   void poll();
   bool settled() const;
 
-  const StepBase& base() const { return *base_; }
+  const Object& base() const { return *base_; }
   std::int64_t last_pose() const { return last_pose_; }
+  /// Those of the step, then their twins behind the mirror of a symmetry.
   const std::vector<ShownHandle>& handles() const { return handles_; }
+  const std::optional<SymmetryFacts>& symmetry() const { return symmetry_; }
+  /// What of the step goes another way than asked, in sentences.
+  std::vector<std::string> notes() const;
   Json counts() const;
 
  private:
   void show_rest();
-  void set_up(const DeformStep& step, DeformSetup setup);
+  void set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier);
   void run_exactly(const Document& document, const Context& context);
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
   std::vector<HandlePose> poses_of(const DeformStep& step) const;
+  void mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const;
   void drag_to(const std::vector<HandlePose>& poses);
 
+  // The exact frame of the document's poses, which the deformer's thread leaves here.
+  struct ExactFrame {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::int64_t pose = 0;                    ///< that is waited for
+    std::shared_ptr<const Points> positions;  ///< of it
+    bool failed = false;
+    void expect(std::int64_t next);
+    void take(std::int64_t pose, const LiveFrame& frame);
+    void fail(std::int64_t pose);
+  };
+  void show_document();
+  std::shared_ptr<const Points> exact_positions(const Context& context);
+
   Outbox outbox_;
-  std::shared_ptr<const StepBase> base_;
+  std::shared_ptr<const Object> base_;
   Json key_;
   int shown_mesh_ = 0;
   Region region_;
   std::shared_ptr<const std::vector<Index>> moving_;
   std::vector<ShownHandle> handles_;
-  std::vector<HandlePose> poses_;  ///< of the document
+  std::optional<SymmetryFacts> symmetry_;
+  std::vector<std::string> notes_;  ///< but those on poses
+  std::vector<HandlePose> poses_;   ///< of the document
   std::optional<LiveStage> told_;
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
+  const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
+  std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
   std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
 };
 

@@ -6,13 +6,11 @@
 
 #include <meshgraft/mesh/normals.h>
 
-#include "binary_frame.h"
-
 namespace meshgraft::editor {
 
 namespace {
 
-Json header_of(const StepBase& base) {
+Json header_of(const Object& base) {
   const Eigen::RowVector3d& o = base.offset;
   return {{"mesh", base.id}, {"offset", {o.x(), o.y(), o.z()}}, {"scale", 1.0}};
 }
@@ -31,25 +29,42 @@ std::span<const float> numbers_of(const Matrix& matrix) {
 
 }  // namespace
 
-std::vector<std::byte> mesh_frame(const StepBase& base) {
-  const Mesh& mesh = base.mesh();
-  Json header = header_of(base);
-  header["vertices"] = mesh.vertex_count();
-  header["faces"] = mesh.face_count();
-  BinaryFrame frame(BinaryFrame::Kind::mesh, std::move(header));
-  frame.add("positions", relative_to(base.offset, mesh.positions));
-  frame.add("triangles",
-            std::span<const Index>(base.triangles.data(), static_cast<std::size_t>(base.triangles.size())));
+void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangles,
+                 const Eigen::RowVector3d& offset) {
+  frame.add("positions", relative_to(offset, mesh.positions));
+  frame.add("triangles", std::span<const Index>(triangles.data(), static_cast<std::size_t>(triangles.size())));
   frame.add("normals", relative_to(Eigen::RowVector3d::Zero(), vertex_normals(mesh)));
   if (const Attribute* uv = mesh.find_attribute(Domain::vertex, "uv"); uv != nullptr && uv->components == 2)
     frame.add("uv", to_floats(uv->values, 1));
   if (const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
       colour != nullptr && colour->components == 3)
     frame.add("colours", to_floats(colour->values, colour->type == ScalarType::uint8 ? 255 : 1));
+}
+
+std::vector<std::byte> mesh_frame(const Object& object, std::string_view role) {
+  Json header = header_of(object);
+  header["name"] = object.name;
+  header["role"] = role;
+  header["vertices"] = object.mesh().vertex_count();
+  header["faces"] = object.mesh().face_count();
+  BinaryFrame frame(BinaryFrame::Kind::mesh, std::move(header));
+  add_surface(frame, object.mesh(), object.triangles, object.offset);
   return frame.bytes();
 }
 
-std::vector<Index> moving_vertices(const StepBase& base, const Region& region) {
+std::vector<std::byte> loops_frame(const Object& object) {
+  std::vector<Index> vertices, offsets{0};
+  for (const std::vector<Index>& loop : object.loops) {
+    vertices.insert(vertices.end(), loop.begin(), loop.end());
+    offsets.push_back(static_cast<Index>(vertices.size()));
+  }
+  BinaryFrame frame(BinaryFrame::Kind::loops, {{"mesh", object.id}});
+  frame.add("vertices", vertices);
+  frame.add("offsets", offsets);
+  return frame.bytes();
+}
+
+std::vector<Index> moving_vertices(const Object& base, const Region& region) {
   std::vector<std::uint8_t> moves(static_cast<std::size_t>(base.mesh().vertex_count()), region.whole ? 1 : 0);
   for (const Index v : region.vertices) moves[static_cast<std::size_t>(v)] = 1;
   for (const Index v : region.fixed) moves[static_cast<std::size_t>(v)] = 0;
@@ -59,7 +74,7 @@ std::vector<Index> moving_vertices(const StepBase& base, const Region& region) {
   return moving;
 }
 
-std::vector<std::byte> position_frame(const StepBase& base, const std::vector<Index>& moving,
+std::vector<std::byte> position_frame(const Object& base, const std::vector<Index>& moving,
                                       const LiveFrame& frame) {
   const Points& positions = *frame.positions;
   const bool all = 4 * moving.size() > 3 * static_cast<std::size_t>(positions.rows());
@@ -79,13 +94,42 @@ std::vector<std::byte> position_frame(const StepBase& base, const std::vector<In
   return bytes.bytes();
 }
 
-std::vector<std::byte> weights_frame(const StepBase& base, const HandleBasis& basis) {
+namespace {
+
+struct Followers {
+  std::vector<Index> vertices, rows;
+};
+
+// All vertices of the mesh that are welded to one of `movers`, and that one's place in the list.
+Followers followers_of(const Object& base, const std::vector<Index>& movers) {
+  std::vector<Index> row(static_cast<std::size_t>(base.mesh().vertex_count()), -1);
+  for (std::size_t i = 0; i < movers.size(); ++i)
+    row[static_cast<std::size_t>(movers[i])] = static_cast<Index>(i);
+  Followers followers;
+  for (Index v = 0; v < base.mesh().vertex_count(); ++v) {
+    const Index of = row[static_cast<std::size_t>(base.weld.of(v))];
+    if (of < 0) continue;
+    followers.vertices.push_back(v);
+    followers.rows.push_back(of);
+  }
+  return followers;
+}
+
+}  // namespace
+
+std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basis) {
   const HandleBuffers buffers = basis.buffers();
   const Eigen::RowVector3d& c = buffers.centre;
   Json header = {{"mesh", base.id}, {"offset", {c.x(), c.y(), c.z()}}, {"scale", buffers.scale}};
   header["width"] = buffers.blocks.cols();
   BinaryFrame frame(BinaryFrame::Kind::weights, std::move(header));
-  frame.add("vertices", buffers.vertices);
+  if (base.weld.empty()) {
+    frame.add("vertices", buffers.vertices);
+  } else {
+    const Followers followers = followers_of(base, buffers.vertices);
+    frame.add("vertices", followers.vertices);
+    frame.add("rows", followers.rows);
+  }
   frame.add("positions", numbers_of(buffers.positions));
   frame.add("normals", numbers_of(buffers.normals));
   frame.add("maps", numbers_of(buffers.maps));
@@ -93,13 +137,13 @@ std::vector<std::byte> weights_frame(const StepBase& base, const HandleBasis& ba
   return frame.bytes();
 }
 
-std::vector<std::byte> selection_frame(const StepBase& base, const std::vector<Index>& selection) {
+std::vector<std::byte> selection_frame(const Object& base, const std::vector<Index>& selection) {
   BinaryFrame frame(BinaryFrame::Kind::selection, {{"mesh", base.id}});
   frame.add("vertices", selection);
   return frame.bytes();
 }
 
-std::vector<std::byte> roles_frame(const StepBase& base, const Region& region) {
+std::vector<std::byte> roles_frame(const Object& base, const Region& region) {
   BinaryFrame frame(BinaryFrame::Kind::roles, {{"mesh", base.id}, {"whole", region.whole}});
   frame.add("region", region.vertices);
   frame.add("fixed", region.fixed);

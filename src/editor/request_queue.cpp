@@ -17,7 +17,7 @@ std::vector<Request> RequestQueue::take_out(Condition&& condition) {
 std::vector<Request> RequestQueue::push(Request request) {
   const std::lock_guard lock(mutex_);
   std::vector<Request> needless;
-  if (request.what == "drag" || request.what == "open") {
+  if (request.what == "drag" || request.what == "graft-drag" || request.what == "open") {
     needless = take_out([&](const Request& other) { return other.what == request.what; });
     if (request.what == "open" && running_ && running_->what == "open") stop_.request_stop();
   }

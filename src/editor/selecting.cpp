@@ -16,7 +16,7 @@ namespace meshgraft::editor {
 
 namespace {
 
-Index vertex_in(const json::Value& value, const StepBase& base) {
+Index vertex_in(const json::Value& value, const Object& base) {
   const Index vertex = value.vertex();
   if (vertex >= base.mesh().vertex_count())
     value.fail(fmt::format("vertex {} does not exist; the mesh has {}", vertex, base.mesh().vertex_count()));
@@ -43,7 +43,7 @@ std::vector<Index> loop_of(const json::Value& value, Index vertex, const Selecti
 using Edge = std::array<Index, 3>;  // its ends, and a triangle
 
 // Each edge of each triangle; those of one edge side by side.
-std::vector<Edge> edges_of(const StepBase& base) {
+std::vector<Edge> edges_of(const Object& base) {
   std::vector<Edge> edges;
   edges.reserve(static_cast<std::size_t>(3 * base.triangles.rows()));
   for (Index t = 0; t < base.triangles.rows(); ++t)
@@ -56,7 +56,7 @@ std::vector<Edge> edges_of(const StepBase& base) {
 }
 
 // As an entry of the document, where it may use others and is checked as they are.
-std::vector<Index> resolve_asked(const json::Value& value, const Document& document, const StepBase& base,
+std::vector<Index> resolve_asked(const json::Value& value, const Document& document, const Object& base,
                                  const Folders& folders) {
   const std::string name = "what is asked for";
   Json with = document.json;
@@ -69,7 +69,7 @@ std::vector<Index> resolve_asked(const json::Value& value, const Document& docum
 
 }  // namespace
 
-std::vector<Index> flood(const StepBase& base, Index vertex, double angle_deg) {
+std::vector<Index> flood(const Object& base, Index vertex, double angle_deg) {
   const Triangles& triangles = base.triangles;
   const Points& points = base.mesh().positions;
   const auto normal_of = [&](Index t) {
@@ -108,7 +108,7 @@ std::vector<Index> flood(const StepBase& base, Index vertex, double angle_deg) {
   return reached;
 }
 
-std::vector<Index> select_vertices(const json::Value& value, const Document& document, const StepBase& base,
+std::vector<Index> select_vertices(const json::Value& value, const Document& document, const Object& base,
                                    const Folders& folders) {
   if (value.is_object() && value.raw().contains("flood")) {
     json::Object(value, {"flood"});

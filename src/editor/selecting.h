@@ -5,17 +5,17 @@
 
 #include "edit/json_value.h"
 #include "folders.h"
-#include "step_base.h"
+#include "objects.h"
 
 namespace meshgraft::editor {
 
 /// The vertices that `value` names, ascending: a selection as in an edit file, or {"flood": {"vertex",
 /// "angle_deg"}}, {"component_of": vertex}, {"loop_of": vertex}. Throws Error(input) for anything else, and for
 /// files outside `folders`.
-std::vector<Index> select_vertices(const json::Value& value, const Document& document, const StepBase& base,
+std::vector<Index> select_vertices(const json::Value& value, const Document& document, const Object& base,
                                    const Folders& folders);
 
 /// Faces that join over edges bent by at most `angle_deg`, from those around `vertex` on: their vertices.
-std::vector<Index> flood(const StepBase& base, Index vertex, double angle_deg);
+std::vector<Index> flood(const Object& base, Index vertex, double angle_deg);
 
 }  // namespace meshgraft::editor

@@ -30,7 +30,7 @@ Json welcome(const Shared& shared) {
 }  // namespace
 
 Worker::Worker(std::shared_ptr<Channel> channel, const Shared& shared)
-    : shared_(shared), outbox_(std::move(channel)) {
+    : shared_(shared), outbox_(std::move(channel)), thumbnails_(outbox_) {
   outbox_.tell("welcome", welcome(shared_));
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
 }
@@ -59,13 +59,17 @@ void Worker::queue(Request request) {
     const json::Value message(request.message, request.what);
     json::Object(message, {"id", "do", "of"});
     refuse(queue_.cancel(request.message.value("of", Json())));
+    refuse(thumbnails_.cancel(request.message.value("of", Json())));
     return outbox_.reply(id, Json::object());
   }
   answer_to(request.what);
-  const std::vector<Request> needless = queue_.push(std::move(request));
-  for (const Request& one : needless)
-    if (one.what == "drag") outbox_.reply(one.id, {{"pose", 0}});
-  if (!needless.empty() && needless.front().what != "drag") refuse(needless);
+  for (const Request& one : queue_.push(std::move(request)))
+    if (one.what == "drag")
+      outbox_.reply(one.id, {{"pose", 0}});
+    else if (one.what == "graft-drag")
+      outbox_.reply(one.id, {{"graft", 0}});
+    else
+      refuse({one});
 }
 
 Worker::Answer Worker::answer_to(const std::string& what) {
@@ -83,7 +87,15 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"handle", &Worker::handle},
       {"drag", &Worker::drag},
       {"pose", &Worker::pose},
+      {"part", &Worker::part},
+      {"loops", &Worker::loops},
+      {"cut", &Worker::cut},
+      {"graft", &Worker::graft},
+      {"graft-drag", &Worker::graft_drag},
+      {"thumbnail", &Worker::thumbnail},
       {"settings", &Worker::settings},
+      {"symmetry", &Worker::symmetry},
+      {"step", &Worker::step},
       {"accept", &Worker::accept},
       {"undo", &Worker::undo},
       {"redo", &Worker::redo},
@@ -111,7 +123,8 @@ void Worker::perform(const RequestQueue::Work& work) {
   const Request& request = work.request;
   try {
     const json::Value message(request.message, request.what);
-    outbox_.reply(request.id, (this->*answer_to(request.what))(message, context_of(work)));
+    Json result = (this->*answer_to(request.what))(message, context_of(work));
+    if (!result.is_discarded()) outbox_.reply(request.id, std::move(result));
   } catch (...) {
     outbox_.refuse(request.id, current_error());
   }

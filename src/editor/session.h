@@ -16,6 +16,7 @@
 #include "folders.h"
 #include "protocol.h"
 #include "request_queue.h"
+#include "thumbnails.h"
 #include "workspace.h"
 
 namespace meshgraft::editor {
@@ -51,12 +52,19 @@ class Worker {
   void tell_state();
   std::filesystem::path output(const json::Object& fields, std::string_view name, bool overwrite);
   void save_edit(const std::filesystem::path& file);
-  Json selection_or(const json::Object& fields);
+  Json selection_or(const json::Object& fields, const std::string& on);
+  Json selected_on(const std::string& name);
+  std::string model_name() { return open_one().stage().model->name; }
+  std::shared_ptr<const Object> object_of(const json::Object& fields);
+  std::filesystem::path mesh_file(const json::Object& fields);
+  Json graft_fields_of(const json::Object& fields);
+  Json with_graft(Json given);
+  Json shown_graft();  ///< the number of what shows it, and where a part stands that is dropped
   Json change(const std::string& label, const Json& document, const Context& context,
               Json result = Json::object());
   Json shown(Json result = Json::object());  ///< with the pose whose frames show what was done
 
-  // One for each request.
+  // One for each request; what is discarded, another thread answers.
   Json open(const json::Value& message, const Context& context);
   Json list(const json::Value& message, const Context& context);
   Json restore(const json::Value& message, const Context& context);
@@ -70,7 +78,15 @@ class Worker {
   Json handle(const json::Value& message, const Context& context);
   Json drag(const json::Value& message, const Context& context);
   Json pose(const json::Value& message, const Context& context);
+  Json part(const json::Value& message, const Context& context);
+  Json loops(const json::Value& message, const Context& context);
+  Json cut(const json::Value& message, const Context& context);
+  Json graft(const json::Value& message, const Context& context);
+  Json graft_drag(const json::Value& message, const Context& context);
+  Json thumbnail(const json::Value& message, const Context& context);
   Json settings(const json::Value& message, const Context& context);
+  Json symmetry(const json::Value& message, const Context& context);
+  Json step(const json::Value& message, const Context& context);
   Json accept(const json::Value& message, const Context& context);
   Json undo(const json::Value& message, const Context& context);
   Json redo(const json::Value& message, const Context& context);
@@ -83,6 +99,7 @@ class Worker {
   Outbox outbox_;
   RequestQueue queue_;
   std::unique_ptr<Workspace> workspace_;
+  Thumbnails thumbnails_;
   std::jthread thread_;
 };
 

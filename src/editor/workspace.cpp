@@ -1,6 +1,12 @@
 #include "workspace.h"
 
+#include <algorithm>
 #include <utility>
+
+#include <fmt/format.h>
+
+#include "graft_actions.h"
+#include "mesh_frames.h"
 
 namespace meshgraft::editor {
 
@@ -10,11 +16,61 @@ namespace {
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+// With long lists counted: nobody reads the numbers of a thousand vertices.
+Json without_long_lists(const Json& json) {
+  constexpr std::size_t longest = 16;
+  if (json.is_array() && json.size() > longest) return {{"count", json.size()}};
+  if (!json.is_structured()) return json;
+  Json shortened = json;
+  for (Json& part : shortened) part = without_long_lists(part);
+  return shortened;
+}
+
+// A step without what every line of a list of steps shows; handles stay a list, however many there are.
+Json step_details(const Json& step) {
+  Json details = Json::object();
+  for (const auto& [name, value] : step.items()) {
+    if (name == "kind" || name == "name") continue;
+    details[name] = value;
+    if (name != "handles") details[name] = without_long_lists(value);
+    if (name == "handles")
+      for (Json& handle : details[name]) handle = without_long_lists(handle);
+  }
+  return details;
+}
+
 Json step_summary(const Json& step) {
   Json summary = {{"kind", step["kind"]}};
   if (step.contains("name")) summary["name"] = step["name"];
   summary["handles"] = step.contains("handles") ? step["handles"].size() : 0;
+  summary["fields"] = step_details(step);
   return summary;
+}
+
+// As the request of this name has it, with the handles' twins.
+Json symmetry_summary(const Json& step, const LiveView& view) {
+  if (!step.contains("symmetry")) return nullptr;
+  const Json& symmetry = step["symmetry"];
+  Json twins = Json::array();
+  if (view.symmetry()) {
+    const std::vector<std::size_t>& twin_of = view.symmetry()->twin_of;
+    const std::size_t first = view.handles().size() - twin_of.size();
+    for (std::size_t t = 0; t < twin_of.size(); ++t)
+      twins.push_back(
+          {{"name", view.handles()[first + t].handle.name}, {"of", view.handles()[twin_of[t]].handle.name}});
+  }
+  return {{"plane", {{"point", symmetry["point"]}, {"normal", symmetry["normal"]}}},
+          {"tolerance_rel", symmetry["tolerance_rel"]},
+          {"twins", twins}};
+}
+
+Json object_summary(const Object& object) {
+  return {{"name", object.name},
+          {"mesh", object.id},
+          {"vertices", object.mesh().vertex_count()},
+          {"faces", object.mesh().face_count()},
+          {"loops", object.loops.size()},
+          {"diagonal", object.diagonal}};
 }
 
 Json handle_summary(const Json& step, const Json& handle, const std::vector<ShownHandle>& shown) {
@@ -39,7 +95,8 @@ Workspace::Workspace(Document document, Source source, const Folders& folders, O
     : source_(std::move(source)),
       folders_(folders),
       outbox_(outbox),
-      view_(std::move(outbox)),
+      view_(outbox),
+      graft_view_(std::move(outbox)),
       history_(document.text),
       saved_(document.text) {
   show(checked(std::move(document)), context);
@@ -55,15 +112,88 @@ Document Workspace::checked(Document document) const {
 }
 
 void Workspace::show(Document next, const Context& context) {
-  LiveView::Plan plan = view_.plan(next, bases_.before(next, context));
+  learn_graft();
+  Stage stage = objects_.before(next, context);
+  LiveView::Plan plan = view_.plan(next, stage.model);
   try {
     view_.show(next, std::move(plan), context);
   } catch (...) {
-    if (!document_.text.empty()) view_.show(document_, view_.plan(document_, bases_.before(document_, {})), {});
+    if (!document_.text.empty()) view_.show(document_, view_.plan(document_, stage_.model), {});
     throw;
   }
+  show_parts(stage);
+  stage_ = std::move(stage);
   document_ = std::move(next);
-  std::erase_if(selection, [&](Index v) { return v >= view_.base().mesh().vertex_count(); });
+  show_graft(document_, stage_, false);
+  carry_selection();
+}
+
+// Those that the page does not have yet.
+void Workspace::show_parts(const Stage& next) {
+  const auto is_known = [&](const std::shared_ptr<const Object>& object) {
+    return object == stage_.model ||
+           std::find(stage_.parts.begin(), stage_.parts.end(), object) != stage_.parts.end();
+  };
+  for (const auto& part : next.parts)
+    if (!is_known(part)) outbox_.send(mesh_frame(*part, "part"));
+}
+
+// What the document's graft came to is not to be run again.
+void Workspace::learn_graft() {
+  if (auto outcome = graft_view_.take_outcome()) objects_.learn(document_, std::move(outcome));
+}
+
+void Workspace::show_graft(const Document& document, const Stage& stage, bool dragged) {
+  const MergeStep* merge = merge_in_work(document.edit);
+  if (merge == nullptr) {
+    graft_view_.clear();
+    graft_number_ = 0;
+    last_graft_ = {};
+    return;
+  }
+  last_graft_ = {document, stage.named(merge->target), stage.named(merge->source), dragged};
+  graft_number_ = graft_view_.show(last_graft_);
+}
+
+std::int64_t Workspace::drag_graft(const Json& changed, const Context& context) {
+  const Document asked = make_document(changed, document_.edit.base_folder);
+  for (const fs::path& file : referenced_files(asked.edit))
+    folders_.inside(file);  // its inputs were read before
+  learn_graft();
+  const bool dragged = asked.text != document_.text;
+  show_graft(asked, objects_.before(asked, context), dragged);
+  return graft_number_;
+}
+
+std::optional<Eigen::Affine3d> Workspace::drop_stand_of_last() {
+  const auto& [document, target, source, dragged] = last_graft_;
+  const MergeStep* merge = merge_in_work(document.edit);
+  if (merge == nullptr || !merge->at) return std::nullopt;
+  Json step = document.json["steps"].back();
+  for (const char* field : {"vertex", "point", "spin_deg"}) step["at"].erase(field);
+  for (const char* field : {"size", "normal_angle_deg", "settings", "shape"}) step.erase(field);
+  const Json key = {target->id, source->id, step, selections_used(document.json, step)};
+  if (!drop_stand_ || drop_stand_key_ != key) {
+    const std::string place = fmt::format("{}: steps[{}]", document.edit.place, document.edit.steps.size() - 1);
+    drop_stand_.emplace(document.edit, *merge, place, target->scene(), source->scene());
+    drop_stand_key_ = key;
+  }
+  return drop_stand_->map(*merge);
+}
+
+const std::shared_ptr<const Object>& Workspace::object(const std::string& name) const {
+  return name.empty() ? stage_.model : stage_.named(name);
+}
+
+// The selection stays where its object has the same vertices as before.
+void Workspace::carry_selection() {
+  const auto is_same = [&](const std::shared_ptr<const Object>& object) {
+    return selection.on && object->name == selection.on->name &&
+           object->mesh().vertex_count() == selection.on->mesh().vertex_count();
+  };
+  const auto part = std::find_if(stage_.parts.begin(), stage_.parts.end(), is_same);
+  if (part == stage_.parts.end() && !is_same(stage_.model)) selection.vertices.clear();
+  selection.on = part == stage_.parts.end() ? stage_.model : *part;
 }
 
 // An action goes on where its journal cannot: the page is told, once.
@@ -125,38 +255,72 @@ fs::path Workspace::decline() {
   return journal_->set_aside();
 }
 
+void Workspace::finish(const Context& context) {
+  const DeformStep* step = deform_in_work(document_.edit);
+  if (step == nullptr || !is_ready(*step)) return;
+  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, std::move(scene));
+}
+
+Workspace::Outcome Workspace::outcome(const Context& context) {
+  finish(context);
+  const EditFile saved = saved_form(document_, document_.edit.base_folder);
+  const std::string name = saved.output.empty() ? outcome_of(saved.steps.back()) : saved.output;
+  const auto scene = objects_.after(document_, saved.steps.size(), name, context);
+  return {scene->mesh, scene->rest};
+}
+
 void Workspace::mark_saved(const fs::path& edit) {
   source_.edit = edit;
   saved_ = document_.text;
   write([](Journal& journal) { journal.mark_saved(); });
 }
 
+fs::path Workspace::kept_upload(const fs::path& upload) {
+  if (!journal_ || source_.journal.parent_path() == upload.parent_path()) return upload;
+  fs::path kept = upload;
+  write([&](Journal& journal) {
+    if (journal.found()) journal.set_aside();
+    kept = journal.keep(upload);
+  });
+  return kept;
+}
+
+fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
+
 Json Workspace::summary() const {
-  Json steps = Json::array(), handles = Json::array(), groups = Json::array();
+  Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();
+  Json graft = nullptr;
   for (const Json& step : document_.json["steps"]) steps.push_back(step_summary(step));
-  Json settings = nullptr;
+  Json settings = nullptr, symmetry = nullptr;
   if (deform_in_work(document_.edit) != nullptr) {
     const Json& step = document_.json["steps"].back();
     settings = step["settings"];
+    symmetry = symmetry_summary(step, view_);
     for (const Json& handle : step.value("handles", Json::array()))
       handles.push_back(handle_summary(step, handle, view_.handles()));
   }
   for (const NamedSelection& group : document_.edit.selections)
     groups.push_back({{"name", group.name}, {"colour", group.colour}});
-  const Mesh& mesh = view_.base().mesh();
+  for (const auto& part : stage_.parts) {
+    parts.push_back(object_summary(*part));
+    parts.back()["grafted"] = is_grafted(document_.edit, part->name);
+  }
+  if (merge_in_work(document_.edit) != nullptr)
+    graft = {{"graft", graft_number_}, {"step", document_.json["steps"].back()}};
   return {{"name", source_.name},
           {"edit", source_.edit.string()},
-          {"model",
-           {{"mesh", view_.base().id},
-            {"vertices", mesh.vertex_count()},
-            {"faces", mesh.face_count()},
-            {"diagonal", view_.base().diagonal}}},
+          {"model", object_summary(*stage_.model)},
+          {"parts", parts},
+          {"graft", graft},
           {"steps", steps},
           {"handles", handles},
           {"groups", groups},
           {"counts", view_.counts()},
           {"settings", settings},
-          {"selected", selection.size()},
+          {"symmetry", symmetry},
+          {"notes", view_.notes()},
+          {"selected", selection.vertices.size()},
+          {"selected_on", selection.on->name},
           {"undo", history_.can_undo() ? Json(history_.label()) : Json()},
           {"redo", history_.can_redo() ? Json(history_.after().label) : Json()},
           {"dirty", document_.text != saved_}};

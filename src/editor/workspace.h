@@ -10,6 +10,7 @@
 
 #include "document_actions.h"
 #include "folders.h"
+#include "graft_view.h"
 #include "history.h"
 #include "journal.h"
 #include "live_view.h"
@@ -44,7 +45,23 @@ class Workspace {
   /// Returns where it was put.
   std::filesystem::path decline();
 
+  /// What the document's steps leave, but for last ones that do nothing yet: the edit's output, and where its
+  /// vertices were. What the view shows is not solved again. Throws what `run_edit` throws.
+  struct Outcome {
+    Mesh mesh;
+    Points rest;
+  };
+  Outcome outcome(const Context& context);
+
+  /// Has the document's steps run, or what is shown of them kept, for a document that goes on from there.
+  void finish(const Context& context);
+
   void mark_saved(const std::filesystem::path& edit);
+
+  /// A file that lasts as long as the journal: the upload itself where there is none.
+  std::filesystem::path kept_upload(const std::filesystem::path& upload);
+  /// Where those are; empty: nowhere.
+  std::filesystem::path kept_folder() const;
 
   const Document& document() const { return document_; }
   const History& history() const { return history_; }
@@ -52,13 +69,35 @@ class Workspace {
   const LiveView& view() const { return view_; }
   const Source& source() const { return source_; }
 
-  std::vector<Index> selection;  ///< that the page has, ascending
+  /// The page's selection, which lies on one object.
+  struct PageSelection {
+    std::shared_ptr<const Object> on;
+    std::vector<Index> vertices;  ///< ascending
+  };
+  PageSelection selection;
+
+  /// The model and the parts as the step in work finds them.
+  const Stage& stage() const { return stage_; }
+  /// The object of that name; empty: the model. Throws Error(input).
+  const std::shared_ptr<const Object>& object(const std::string& name) const;
+
+  /// Shows the graft that `changed` ends with, for now; where that is the document, for good. Returns its
+  /// number, 0 where there is none.
+  std::int64_t drag_graft(const Json& changed, const Context& context);
+  /// The number of what shows the graft that was asked for last, and where a part stands that is dropped, if it
+  /// is. Throws Error(input) for a place that is none.
+  std::int64_t graft_number() const { return graft_number_; }
+  std::optional<Eigen::Affine3d> drop_stand_of_last();
 
   /// What a page needs to know of it (the event `state`).
   Json summary() const;
 
  private:
   Document checked(Document document) const;
+  void show_parts(const Stage& next);
+  void show_graft(const Document& document, const Stage& stage, bool dragged);
+  void learn_graft();
+  void carry_selection();
   void show(Document next, const Context& context);
   template <class Step>
   void write(Step&& step);
@@ -66,8 +105,14 @@ class Workspace {
   Source source_;
   const Folders& folders_;
   Outbox outbox_;
-  StepBases bases_;
+  Objects objects_;
+  Stage stage_;
   LiveView view_;
+  GraftView graft_view_;
+  std::int64_t graft_number_ = 0;
+  GraftJob last_graft_;
+  std::optional<DropStand> drop_stand_;
+  Json drop_stand_key_;
   Document document_;
   History history_;
   std::string saved_;                 ///< the document's bytes as they were saved last

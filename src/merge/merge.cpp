@@ -277,6 +277,21 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
   return best;
 }
 
+/// Where a source's loop comes to lie on the target's, for those of its vertices that the source had as given.
+void report_meetings(const LoopPair& pair, const Correspondence& correspondence, const Points& target,
+                     Index given, PairReport& report) {
+  report.places.resize(static_cast<Eigen::Index>(pair.source.size()), 3);
+  for (std::size_t i = 0; i < pair.source.size(); ++i) {
+    if (pair.source[i] >= given) continue;
+    const double whole = std::floor(correspondence.place[i]), t = correspondence.place[i] - whole;
+    const Eigen::Index k = (static_cast<Eigen::Index>(whole) % target.rows() + target.rows()) % target.rows();
+    report.places.row(static_cast<Eigen::Index>(report.met.size())) =
+        (1 - t) * target.row(k) + t * target.row((k + 1) % target.rows());
+    report.met.push_back(pair.source[i]);
+  }
+  report.places.conservativeResize(static_cast<Eigen::Index>(report.met.size()), 3);
+}
+
 PairReport report_pair(const LoopPair& pair, const Correspondence& correspondence, const LoopGeometry& source,
                        const LoopGeometry& target) {
   PairReport report;
@@ -402,8 +417,11 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   }
   const std::vector<Correspondence> correspondences =
       match_loops(source.pairs, pairs, sources, targets, component, options.pose == MergePose::keep);
-  for (std::size_t p = 0; p < pairs.size(); ++p)
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
     report.pairs.push_back(report_pair(source.pairs[p], correspondences[p], sources[p], targets[p]));
+    report_meetings(source.pairs[p], correspondences[p], targets[p].points, source_mesh.vertex_count(),
+                    report.pairs.back());
+  }
   report.match_seconds = watch.lap();
 
   // The source near its place, then bent so that its loops meet the target's.

@@ -403,6 +403,12 @@ struct Stand {
   Vector normal, first_axis;
 };
 
+Stand stand_on(const Surface& surface, const SurfacePoint& place, const FlatLoop& loop, double size,
+               double spin_deg) {
+  const Vector normal = mean_normal(surface, place, size * loop.outline.reach());
+  return {normal, laid_axis(loop, normal, spin_deg)};
+}
+
 Layout lay_out(const Chart& chart, const Outline& outline, double size, const Stand& stand) {
   const Vector axis = turned(stand.first_axis, stand.normal, chart.normal);
   const double x = axis.dot(chart.first_axis), y = axis.dot(chart.normal.cross(chart.first_axis));
@@ -501,8 +507,7 @@ class Fitting {
   double reach(double size) const { return most_widened * size * loop_.outline.reach(); }
 
   Stand stand_at(double size) const {
-    const Vector normal = mean_normal(chart_->surface, chart_->place, size * loop_.outline.reach());
-    return {normal, laid_axis(loop_, normal, drop_.spin_deg)};
+    return stand_on(chart_->surface, chart_->place, loop_, size, drop_.spin_deg);
   }
 
   const FlatLoop& loop_;
@@ -529,16 +534,23 @@ Vector rim_centre(const Fit& fit) {
   return place + height / static_cast<double>(count) * fit.stand.normal;
 }
 
+/// Where the source's loop comes to stand upright, around `centre`.
+Eigen::Affine3d stand_map(const FlatLoop& loop, const Stand& stand, double size, const Vector& centre) {
+  Eigen::Matrix3d from, to;
+  from << loop.first_axis.transpose(), loop.axis.cross(loop.first_axis).transpose(), loop.axis.transpose();
+  to << stand.first_axis.transpose(), stand.normal.cross(stand.first_axis).transpose(),
+      stand.normal.transpose();
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  map.linear() = size * to * from.transpose();
+  map.translation() = centre.transpose() - map.linear() * loop.centre.transpose();
+  return map;
+}
+
 /// Whether the source, as it would stand there undeformed, cuts through the target beyond its loop's radius.
 bool cuts_through(const Mesh& source, const FlatLoop& loop, const Fit& fit, const Context& context) {
   const Surface& surface = fit.chart->surface;
-  Eigen::Matrix3d from, to;
-  from << loop.first_axis.transpose(), loop.axis.cross(loop.first_axis).transpose(), loop.axis.transpose();
-  to << fit.stand.first_axis.transpose(), fit.stand.normal.cross(fit.stand.first_axis).transpose(),
-      fit.stand.normal.transpose();
-  const Points posed =
-      ((source.positions.rowwise() - loop.centre) * (fit.size * from * to.transpose())).rowwise() +
-      rim_centre(fit);
+  const Eigen::Affine3d map = stand_map(loop, fit.stand, fit.size, rim_centre(fit));
+  const Points posed = (source.positions * map.linear().transpose()).rowwise() + map.translation().transpose();
   const Triangles triangles = triangulate(source, {.skip_out_of_range = true}).triangles;
   const Index offset = surface.mesh.vertex_count();
   std::vector<Index> corners;
@@ -713,16 +725,39 @@ void require_inner_place(const Mesh& target, const Drop& drop) {
                   "Name a vertex farther inside, or fill the hole there by a merge without --at");
 }
 
+FlatLoop flat_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop) {
+  std::vector<Index> loop = checked_loop(source, "source", source_loop);
+  if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // as it will be turned over
+  return flatten(source, std::move(loop));
+}
+
 }  // namespace
+
+struct DropGuide::Scenery {
+  Surface surface;
+  FlatLoop loop;
+};
+
+DropGuide::DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source,
+                     const std::vector<Index>& source_loop, const Context& context) {
+  FlatLoop loop = flat_loop(*target, source, source_loop);
+  scenery_ = std::make_shared<const Scenery>(Surface(std::move(target), context), std::move(loop));
+}
+
+Eigen::Affine3d DropGuide::pose(const Drop& drop) const {
+  const auto& [surface, loop] = *scenery_;
+  validate(drop, surface.mesh);
+  const SurfacePoint place = place_on(surface, drop);
+  const double size = drop.size.value_or(1);
+  return stand_map(loop, stand_on(surface, place, loop, size, drop.spin_deg), size, place.point);
+}
 
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context) {
   context.step("open");
   validate(drop, target);
   require_inner_place(target, drop);
-  std::vector<Index> loop = checked_loop(source, "source", source_loop);
-  if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // as it will be turned over
-  const FlatLoop flat = flatten(source, std::move(loop));
+  const FlatLoop flat = flat_loop(target, source, source_loop);
   OpenedHole hole = drop.size ? open_at_size(target, source, flat, drop, context)
                               : open_at_largest_size(target, source, flat, drop, context);
   if (flat.smoothed)

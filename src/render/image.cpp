@@ -153,26 +153,32 @@ Image stacked(std::span<const Image> images) {
   return out;
 }
 
-void write_png(const Image& image, const std::filesystem::path& path) {
-  const auto failed = [&](const std::string& why) {
-    return Error(ErrorCode::io, "cannot write the picture: " + why, path.string());
-  };
+std::vector<std::uint8_t> png_bytes(const Image& image) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
   header.format = PNG_FORMAT_RGB;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
-  std::vector<char> bytes(size);
-  if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr))
-    throw failed(header.message);
+  std::vector<std::uint8_t> bytes(size);
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
+    throw Error(ErrorCode::io, std::string("cannot make the picture: ") + header.message);
+  bytes.resize(size);
+  return bytes;
+}
+
+void write_png(const Image& image, const std::filesystem::path& path) {
+  const auto failed = [&](const std::string& why) {
+    return Error(ErrorCode::io, "cannot write the picture: " + why, path.string());
+  };
+  const std::vector<std::uint8_t> bytes = png_bytes(image);
 
   // Beside the target, so that the rename stays within one file system.
   std::filesystem::path partial = path;
   partial += ".partial";
   std::FILE* file = std::fopen(partial.c_str(), "wb");
   if (!file) throw failed("the folder does not take a new file");
-  const bool written = std::fwrite(bytes.data(), 1, size, file) == size;
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const bool closed = std::fclose(file) == 0;
   std::error_code error;
   if (written && closed) std::filesystem::rename(partial, path, error);

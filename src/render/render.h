@@ -61,6 +61,9 @@ Image side_by_side(std::span<const Image> images, std::span<const std::string> c
 /// Places images below each other, each at the left edge. Throws Error(usage) where there are none.
 Image stacked(std::span<const Image> images);
 
+/// The image as the bytes of a PNG file.
+std::vector<std::uint8_t> png_bytes(const Image& image);
+
 /// Writes a PNG file, which appears whole or not at all. Throws Error(io).
 void write_png(const Image& image, const std::filesystem::path& path);
 

@@ -270,6 +270,7 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
   http::request_parser<http::file_body> parser(std::move(head));
   parser.body_limit(options.upload_limit);
   error_code failed;
+  buffer.reserve(std::size_t{1} << 16);  // reads are no larger than what it has room for
   parser.get().body().open(path.c_str(), beast::file_mode::write_new, failed);
   while (!failed && !parser.is_done()) {
     stream.expires_after(patience);

@@ -144,6 +144,69 @@ TEST_F(CommandLine, DeformsWritesAndReports) {
   EXPECT_EQ(outcome.out.find(" new self-intersections") == std::string::npos, intersections.is_null());
 }
 
+// Cuts the sheet in two, lifts the edge of one part, and shears what was cut off.
+std::string cut_and_deform() {
+  const std::string lift = R"("handles": [{"name": "edge", "pose": {"translate": [0, 0, 1]},
+      "select": {"half_space": {"point": [0, 6.5, 0], "normal": [0, 1, 0]}}}])";
+  return R"({"format": "meshgraft-edit", "version": 2, "inputs": {"sheet": {"file": "sheet.obj"}},
+    "steps": [
+      {"kind": "cut", "name": "split", "mesh": "sheet", "result": "part", "keep": "above",
+       "plane": {"point": [0, 2.5, 0], "normal": [0, 1, 0]}},
+      {"kind": "deform", "mesh": "part",
+       "fixed": {"half_space": {"point": [0, 3.5, 0], "normal": [0, -1, 0]}}, )" +
+         lift + R"(},
+      {"kind": "deform", "mesh": "sheet", "result": "whole",
+       "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}}, )" +
+         lift + R"(}], "output": "part"})";
+}
+
+TEST_F(CommandLine, RunsStepsOfAnyKindAndSavesAnyMesh) {
+  write("many.json", cut_and_deform());
+  const Outcome outcome =
+      run("run many.json -o part.ply --save whole=whole.off --save sheet=same.obj --report report.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("split: cut: loops of"), std::string::npos) << outcome.out;
+  EXPECT_EQ(read_text(folder_ / "same.obj"), sheet());
+  EXPECT_NE(json::parse(run("info whole.off --json").out)["box"],
+            json::parse(run("info same.obj --json").out)["box"]);
+  const json report = json::parse(read_text(folder_ / "report.json"));
+  EXPECT_EQ(report["steps"].size(), 3U);
+  EXPECT_EQ(report["outputs"], (json{"part.ply", "whole.off", "same.obj", "report.json"}));
+  ASSERT_EQ(run("deform many.json -o deform.ply").status, 0);
+  EXPECT_EQ(read_text(folder_ / "deform.ply"), read_text(folder_ / "part.ply"));
+}
+
+TEST_F(CommandLine, RunsWithoutWritingAndAsAskedOtherwise) {
+  const Outcome told = run("run edit.json --json --method ft05");
+  ASSERT_EQ(told.status, 0) << told.err;
+  EXPECT_EQ(json::parse(told.out)["steps"][0]["method"], "ft05");
+  EXPECT_EQ(json::parse(told.out)["outputs"].size(), 0U);
+  EXPECT_TRUE(new_files().empty());
+}
+
+TEST_F(CommandLine, RunRefusesOutputsThatMakeNoSense) {
+  write("many.json", cut_and_deform());
+  const std::vector<std::tuple<std::string, int, std::string>> cases = {
+      {"run many.json --save part", 2, "--save: 'part' is not NAME=FILE"},
+      {"run many.json --save =a.ply", 2, "--save: '=a.ply' is not NAME=FILE"},
+      {"run many.json --save port=a.ply", 2, "no mesh named 'port'. It has 'sheet', 'part', 'whole'."},
+      {"run many.json -o a.ply --save part=a.ply", 2, "two outputs have this name"},
+      {"run many.json --save part=a.obj --report a.mtl", 2, "kept for the materials"},
+      {"run many.json --save part=sheet.obj", 2, "this is an input"},
+      {"run many.json --save part=many.json", 2, "this is an input"},
+      {"run many.json --save part=a.xyz", 3, "a.xyz"},
+      {"run many.json --save part=gone/a.ply", 5, "there is no such folder"},
+      {"run edit.json --as-morph-target", 2, "--as-morph-target goes with -o"},
+      {"run many.json -o a.glb --as-morph-target", 2, "the edit changes the faces"},
+  };
+  for (const auto& [arguments, status, message] : cases) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << arguments << ": " << outcome.err;
+  }
+  EXPECT_EQ(new_files(), std::vector<std::string>{"many.json"});
+}
+
 TEST_F(CommandLine, JsonGoesToStandardOutputAlone) {
   const Outcome outcome = run("deform edit.json -o out.ply --json --threads 1");
   ASSERT_EQ(outcome.status, 0) << outcome.err;

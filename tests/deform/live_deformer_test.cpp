@@ -187,6 +187,33 @@ TEST(LiveDeformer, EndsAtTheExactEvaluationOfTheLastPose) {
     }
 }
 
+TEST(LiveDeformer, GoesOnFromAnEarlierDeformer) {
+  for (const TestMesh& mesh : some_families())
+    for (const DeformMethod method : methods) {
+      SCOPED_TRACE(mesh.name + ", " + std::string(to_string(method)));
+      const Scene scene = make_scene(mesh);
+      const Region region = held_foot(scene);
+      Region more = region;  // one of the vertices that were free is held, too
+      const Deformer direct = make_direct(scene, region, method);
+      more.fixed.push_back(direct.free_vertices().front());
+      Recorder recorder, again;
+      LiveOptions options = quick_options(method);
+      LiveDeformer first = make_live(scene, region, recorder, options);
+      EXPECT_FALSE(first.deformer() && first.deformer()->summary().reused);
+      first.wait_until_exact();
+      options.earlier = first.deformer();
+      LiveDeformer second = make_live(scene, more, again, options);
+      const std::weak_ptr<const Deformer> earlier = std::exchange(options.earlier, nullptr);
+      second.drag(part_of_move(scene, 1));
+      second.wait_until_exact();
+      EXPECT_TRUE(second.deformer()->summary().reused);
+      const Points expected = make_direct(scene, more, method).evaluate(part_of_move(scene, 1));
+      EXPECT_LT((*again.frames().back().positions - expected).rowwise().norm().maxCoeff(),
+                1e-9 * mesh.box_diagonal());
+      EXPECT_EQ(earlier.use_count(), 1) << "the first one's own";
+    }
+}
+
 /// From every stage of the set-up on: the newest pose waits for it, or is refined when it comes.
 TEST(LiveDeformer, GetsBetterByItself) {
   const Scene scene = make_scene(bumpy_sphere(3));

@@ -31,6 +31,12 @@ std::vector<T> take(const char*& from, std::size_t length) {
   return values;
 }
 
+// Padded to 4.
+void take_bytes(const char*& from, std::size_t length, std::string& bytes) {
+  bytes.assign(from, length);
+  from += (length + 3) / 4 * 4;
+}
+
 std::string host_of(const std::string& url) {
   const std::size_t begin = std::string("http://").size();
   return url.substr(begin, url.find('/', begin) - begin);
@@ -159,11 +165,13 @@ void Page::take_frame(const std::string& bytes) {
     const auto length = array["length"].get<std::size_t>();
     if (array["type"] == "float32")
       frame.numbers[array["name"]] = take<float>(from, length);
-    else
+    else if (array["type"] == "uint32")
       frame.indices[array["name"]] = take<std::int32_t>(from, length);
+    else
+      take_bytes(from, length, frame.bytes[array["name"]]);
   }
   EXPECT_EQ(from, bytes.data() + bytes.size());
-  if (frame.kind == 1) {
+  if (frame.kind == 1 && frame.header["role"] == "model") {
     shown_ = rest_ = frame.numbers["positions"];
     offset_ = frame.header["offset"].get<std::vector<double>>();
     mesh_ = frame.header["mesh"];

@@ -38,6 +38,7 @@ struct Frame {
   Json header;
   std::map<std::string, std::vector<float>> numbers;
   std::map<std::string, std::vector<std::int32_t>> indices;
+  std::map<std::string, std::string> bytes;
 };
 
 /// What the editor's page is to the engine: a WebSocket that asks, and shows what comes.

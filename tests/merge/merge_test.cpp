@@ -101,7 +101,16 @@ TEST(Merge, GraftsBackWhatWasCut) {
       const double size = diagonal(graft.source.positions);
       EXPECT_LT(largest_distance(result.grafted, graft.source.positions), 1e-9 * size)
           << graft.name << " by " << to_string(shape);
-      for (const PairReport& pair : result.report.pairs) EXPECT_LT(pair.misfit_rel, 1e-9) << graft.name;
+      for (std::size_t p = 0; p < graft.pairs.size(); ++p) {
+        const PairReport& pair = result.report.pairs[p];
+        EXPECT_LT(pair.misfit_rel, 1e-9) << graft.name;
+        EXPECT_EQ(pair.met.size(), graft.pairs[p].loops.source.size());
+        for (std::size_t i = 0; i < pair.met.size(); ++i)
+          EXPECT_LT(
+              (pair.places.row(static_cast<Eigen::Index>(i)) - graft.source.positions.row(pair.met[i])).norm(),
+              1e-9 * size)
+              << graft.name;
+      }
       EXPECT_TRUE(result.report.seam.manifold && result.report.seam.oriented) << graft.name;
       EXPECT_EQ(result.report.seam.closed, graft.closed) << graft.name;
       // Away from the seam the result is the uncut surface.

@@ -81,6 +81,27 @@ TEST(OpenHole, LaysTheLoopOnAFlatPlace) {
   }
 }
 
+TEST(OpenHole, APartStandsWhereItsHoleIs) {
+  const Mesh bar = make_sample("bar", 12), part = head();
+  const std::vector<Index> loop = only_loop(part);
+  const DropGuide guide(std::make_shared<const Mesh>(bar), part, loop);
+  for (const double size : {0.4, 1.2}) {
+    const Drop drop{bar_side, size, 77.0};
+    const Eigen::Affine3d pose = guide.pose(drop);
+    EXPECT_NEAR(pose.linear().determinant(), std::pow(size, 3), 1e-9);
+    EXPECT_LT((pose.linear() * Eigen::Vector3d::UnitZ() - size * Eigen::Vector3d::UnitX()).norm(), 0.01 * size);
+    const OpenedHole hole = open_hole(bar, part, loop, drop);
+    for (const Match& match : hole.pair.matches) {
+      const Eigen::Vector3d here = pose * Eigen::Vector3d(part.positions.row(match.source));
+      EXPECT_LT((here - hole.target.positions.row(match.target).transpose()).norm(),
+                0.05 * size * length(part.positions, loop));
+    }
+  }
+  EXPECT_THROW(guide.pose({Eigen::Vector3d(9, 9, 9)}), Error);
+  EXPECT_THROW(guide.pose({bar_side, -1.0}), Error);
+  EXPECT_THROW(DropGuide(std::make_shared<const Mesh>(bar), part, {0, 1}), Error);
+}
+
 TEST(OpenHole, KeepsTheTargetOutsideTheHole) {
   const Mesh bar = make_sample("bar", 12), part = head();
   const OpenedHole hole = open_hole(bar, part, only_loop(part), {bar_side, 1.0});

@@ -55,6 +55,13 @@ class Bootstrap(unittest.TestCase):
         result, calls = self.run_for("build", "test")
         self.assertEqual((result.returncode, result.stdout, result.stderr, calls), (0, "", "", []))
 
+    def test_takes_node_and_npm_from_elsewhere(self):
+        self.debian([name for name in packages("build") if name not in ("nodejs", "npm")])
+        self.command("node")
+        self.command("npm")
+        result, calls = self.run_for("build")
+        self.assertEqual((result.returncode, result.stdout, calls), (0, "", []))
+
     def test_installs_only_what_is_missing_and_says_why(self):
         self.debian([name for name in packages("build") if name not in ("libtbb-dev", "libpng-dev")])
         result, calls = self.run_for("build")

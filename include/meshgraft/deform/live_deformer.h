@@ -55,6 +55,10 @@ struct LiveOptions {
   /// A proxy is made for regions of so many free vertices and more; below, the rest is there as soon.
   Index proxy_from = 10'000;
   Index proxy_vertices = 2000;
+  /// Of the same mesh and options, for another region: what they have in common is not made again
+  /// (`Deformer::with_region`), and exact frames are then within 1e-10 of the box of those without it. Let go
+  /// of as soon as it has served. May be null.
+  std::shared_ptr<const Deformer> earlier{};
   /// How long the handles have to rest before the exact evaluation starts.
   double settle_seconds = 0.1;  ///< 0 … 3600
 };
@@ -111,6 +115,9 @@ class LiveDeformer {
   std::int64_t superseded() const;
   /// Of `ft05`, once it is there; null before, and for the other methods. It may outlive the object.
   std::shared_ptr<const HandleBasis> basis() const;
+
+  /// What makes the exact frames, once it is there; null before. It may outlive the object.
+  std::shared_ptr<const Deformer> deformer() const;
 
   /// Stops everything without waiting, and `drag` does nothing from then on; at most one frame that is on its
   /// way still comes. Any thread may call it, also while others drag. Threads that may drag while the object

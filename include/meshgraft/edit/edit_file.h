@@ -126,6 +126,13 @@ struct AnchorSpec {
   double weight = Anchor{}.weight;
 };
 
+/// Symmetric editing: what a deform step asks for on one side of a plane happens on the other side, too.
+struct SymmetrySpec {
+  MirrorPlane plane;
+  /// How far a vertex may be from another one's mirror image, × the diagonal of the mesh's bounding box.
+  double tolerance_rel = 1e-3;
+};
+
 /// Numbers that a reader of the edit checks against the mesh; absent ones are not checked.
 struct ExpectedCounts {
   std::optional<Index> vertices, faces, region, fixed, handle, free;
@@ -153,6 +160,7 @@ struct DeformStep {
   std::vector<TargetSpec> targets;        ///< positions per vertex
   std::vector<TransformSpec> transforms;  ///< local transforms per vertex
   std::vector<AnchorSpec> anchors;
+  std::optional<SymmetrySpec> symmetry;
   DeformSettings settings;
   ExpectedCounts counts;
 };
@@ -259,6 +267,9 @@ const std::string& mesh_of(const EditStep& step);
 
 /// The mesh that a step leaves: its `result`, or `mesh_of`.
 const std::string& outcome_of(const EditStep& step);
+
+/// Names of the meshes that an edit has at its end: its inputs, then what its steps leave, each once.
+std::vector<std::string> mesh_names(const EditFile& edit);
 
 /// Largest edit file that is read, in bytes, and its deepest nesting.
 inline constexpr std::uintmax_t edit_file_size_limit = std::uintmax_t{256} << 20;

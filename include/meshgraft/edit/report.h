@@ -4,10 +4,13 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/edit/edit_file.h>
 #include <meshgraft/edit/method.h>
+#include <meshgraft/edit/resolve_deform.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/cut.h>
@@ -47,8 +50,9 @@ struct ProxyFacts {
 
 /// What a merge step did beside moving vertices.
 struct MergeOutcome {
-  std::string source;    ///< name of the mesh that was grafted
-  MergeOptions options;  ///< in force
+  std::string source;                                    ///< name of the mesh that was grafted
+  Eigen::Affine3d posing = Eigen::Affine3d::Identity();  ///< of it, before it was merged, as the step says
+  MergeOptions options;                                  ///< in force
   MergeReport report;
   IndexMap target_map, source_map;  ///< vertices of the two, old → new, -1 where one was removed
   std::vector<Index> new_faces;
@@ -82,7 +86,9 @@ struct StepReport {
   std::optional<double> condition_estimate;    ///< of AᵀA; absent if it was not asked for
   /// Absent where the region itself was solved; else what tells of the solver and the solve is the proxy's.
   std::optional<ProxyFacts> proxy;
-  double max_displacement = 0;  ///< model units
+  std::optional<SymmetryFacts> symmetry;  ///< absent where none was asked for
+  std::vector<std::string> handles;       ///< names, those of twins behind the step's own
+  double max_displacement = 0;            ///< model units
   Quality quality;
   std::vector<std::string> notes;  ///< sentences for people about what went another way than asked
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -34,12 +35,15 @@ struct RunOptions {
   /// A merge whose result intersects itself where it did not before fails, Error(unsolvable), instead of a
   /// note.
   bool strict = false;
+  /// Meshes, by name, to give back beside the result.
+  std::vector<std::string> keep{};
 };
 
 struct EditResult {
   Mesh mesh;    ///< the edit's output; without cuts and merges it has the topology and order of its input
   Points rest;  ///< n×3, its positions before the edit, or since it was cut or merged last
   EditReport report;
+  std::map<std::string, Mesh> kept{};  ///< those of `RunOptions::keep`, as the last step leaves them
 };
 
 /// Reads one of an edit's inputs. Throws Error(io) and Error(input), naming it.
@@ -47,8 +51,8 @@ Mesh load_input(const EditInput& input, const EditFile& edit, const Context& con
 
 /// Runs an edit: reads its inputs, checks them, runs the steps in order. Writes nothing. The result depends on
 /// the edit and its inputs alone, to the bit, not on `context`.
-/// Throws Error(io) and Error(input) for files and fields (naming them), Error(unsolvable) where a step has no
-/// unique solution, Error(cancelled).
+/// Throws Error(io) and Error(input) for files and fields (naming them), Error(usage) for meshes to keep that
+/// it does not have, Error(unsolvable) where a step has no unique solution, Error(cancelled).
 EditResult run_edit(const EditFile& edit, const RunOptions& options = {}, const Context& context = {});
 
 }  // namespace meshgraft

@@ -75,7 +75,9 @@ struct PairReport {
   /// RMS distance of the source's loop from its places on the target's, posed as well as the boundary allows
   /// (or kept), × the radius of the target's loop: 0 for loops of one shape.
   double misfit_rel = 0;
-  double edge_ratio = 1;  ///< mean edge length of the target's loop over that of the source's, as matched
+  double edge_ratio = 1;   ///< mean edge length of the target's loop over that of the source's, as matched
+  std::vector<Index> met;  ///< vertices of the source's loop, in its order, without those that refinement added
+  Points places;           ///< where on the target's loop each of them comes to lie (k×3)
 };
 
 /// Singular values and the like of the map source → result, over the source's faces, without its similarity.

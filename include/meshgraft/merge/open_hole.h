@@ -1,11 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/merge/merge.h>
@@ -51,5 +52,22 @@ struct OpenedHole {
 /// the loop: the message names the largest size that fits.
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context = {});
+
+/// Where a part stands that is dropped, before it is bent. No hole is opened, so that this follows a pointer:
+/// the constructor does what does not depend on the place.
+class DropGuide {
+ public:
+  /// Throws Error(input) as `open_hole` for a loop that is none.
+  DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source, const std::vector<Index>& source_loop,
+            const Context& context = {});
+
+  /// The similarity of the source's coordinates, in the size of `drop` (absent: its own), that lays its loop
+  /// level with the surface around the place. Throws Error(input) as `open_hole` for a place that is none.
+  Eigen::Affine3d pose(const Drop& drop) const;
+
+ private:
+  struct Scenery;
+  std::shared_ptr<const Scenery> scenery_;
+};
 
 }  // namespace meshgraft

@@ -1,0 +1,33 @@
+#include "edit_picture.h"
+
+#include <algorithm>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <meshgraft/edit/run_edit.h>
+
+namespace meshgraft::cli {
+
+render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const View& view,
+                               const Context& context) {
+  std::vector<EditInput> inputs = edit.inputs;
+  const auto merge = std::find_if(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
+    return std::holds_alternative<MergeStep>(step.action);
+  });
+  if (merge != edit.steps.end())
+    std::stable_partition(inputs.begin(), inputs.end(),
+                          [&](const EditInput& input) { return input.name == mesh_of(*merge); });
+  std::vector<render::Image> images;
+  std::vector<std::string> captions;
+  const auto add = [&](const Mesh& mesh, const std::string& caption) {
+    const Mesh* one = &mesh;
+    images.push_back(make_pictures({&one, 1}, quick_options_of(view), context).front());
+    captions.push_back(caption);
+  };
+  for (const EditInput& input : inputs) add(load_input(input, edit, context), input.name);
+  add(result, "result");
+  return contact_sheet(images, captions, 4);
+}
+
+}  // namespace meshgraft::cli

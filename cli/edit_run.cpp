@@ -1,0 +1,193 @@
+#include "edit_run.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "choices.h"
+#include "outputs.h"
+#include "summary.h"
+#ifdef MESHGRAFT_HAS_RENDER
+#include "edit_picture.h"
+#endif
+
+namespace meshgraft::cli {
+
+namespace {
+
+bool keeps_faces(const EditFile& edit) {
+  return std::all_of(edit.steps.begin(), edit.steps.end(),
+                     [](const EditStep& step) { return std::holds_alternative<DeformStep>(step.action); });
+}
+
+// A cut or a merge has no rest to go back to.
+void require_morph_target(const EditRunArguments& arguments, const EditFile& edit) {
+  if (arguments.output.empty())
+    throw Error(ErrorCode::usage, "--as-morph-target goes with -o", "", "Name a .glb or .gltf file to write.");
+  require_morph_targets(arguments.output);
+  if (!keeps_faces(edit))
+    throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot",
+                "--as-morph-target",
+                "Leave the option out, or write the cut or merged mesh first and deform that.");
+}
+
+// A mesh of the edit, as its last step leaves it, and its file.
+struct Save {
+  std::string name;
+  std::filesystem::path file;
+};
+
+std::vector<Save> saves_of(const EditRunArguments& arguments, const EditFile& edit) {
+  const std::vector<std::string> known = mesh_names(edit);
+  std::vector<Save> saves;
+  for (const std::string& text : arguments.saves) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
+      throw Error(ErrorCode::usage, fmt::format("'{}' is not NAME=FILE", text), "--save",
+                  "Name a mesh of the edit and the file to write, e.g. --save body=body.ply.");
+    saves.push_back({text.substr(0, sign), text.substr(sign + 1)});
+    if (std::find(known.begin(), known.end(), saves.back().name) == known.end())
+      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", saves.back().name), "--save",
+                  fmt::format("It has '{}'.", fmt::join(known, "', '")));
+  }
+  return saves;
+}
+
+void check_outputs(const EditRunArguments& arguments, const std::vector<Save>& saves, const EditFile& edit) {
+  Outputs outputs{.mesh = arguments.output, .picture = arguments.picture, .report = arguments.report};
+  for (const Save& save : saves) outputs.more_meshes.push_back(save.file);
+  require_outputs(outputs, referenced_files(edit), arguments.edit, arguments.force);
+  if (arguments.morph_target) require_morph_target(arguments, edit);
+#ifdef MESHGRAFT_HAS_RENDER
+  quick_options_of(arguments.view);
+#endif
+}
+
+#ifdef MESHGRAFT_HAS_RENDER
+// Before and after; where there is no before, the inputs and what became of them.
+render::Image draw(const EditRunArguments& arguments, const EditFile& edit, const EditResult& result,
+                   const Context& context) {
+  if (!keeps_faces(edit)) return picture_of_parts(edit, result.mesh, arguments.view, context);
+  Mesh before = result.mesh;
+  before.positions = result.rest;
+  const std::vector<const Mesh*> meshes{&before, &result.mesh};
+  return make_picture(meshes, std::vector<std::string>{"before", "after"}, quick_options_of(arguments.view),
+                      context);
+}
+#endif
+
+void write_meshes(const EditRunArguments& arguments, const std::vector<Save>& saves, EditResult& result,
+                  const Context& context) {
+  WriteOptions options;
+  if (arguments.morph_target) options.morph_target = MorphTarget{*arguments.morph_target, result.rest};
+  if (!arguments.output.empty())
+    write_and_report(result.mesh, arguments.output, result.report, options, context);
+  for (const Save& save : saves)
+    write_and_report(result.kept.at(save.name), save.file, result.report, {}, context);
+}
+
+// Everything is computed before anything is written.
+void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& saves,
+                   [[maybe_unused]] const EditFile& edit, EditResult& result, const Context& context) {
+  EditReport& report = result.report;
+#ifdef MESHGRAFT_HAS_RENDER
+  std::optional<render::Image> picture;
+  if (!arguments.picture.empty()) picture = draw(arguments, edit, result, context);
+#endif
+  write_meshes(arguments, saves, result, context);
+#ifdef MESHGRAFT_HAS_RENDER
+  if (picture) {
+    render::write_png(*picture, arguments.picture);
+    report.outputs.push_back(arguments.picture.string());
+  }
+#endif
+  if (!arguments.report.empty()) {
+    report.outputs.push_back(arguments.report.string());
+    write_file_atomically(arguments.report, write_report(report));
+  }
+}
+
+void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
+  add_choice<Method>(command, "--method", overrides.method,
+                     {{"ft05", DeformMethod::ft05},
+                      {"rotation-aware", DeformMethod::rotation_aware},
+                      {"corotational", DeformMethod::corotational}},
+                     "The method; overrides the edit file, as the next ones do");
+  command.add_option("--stiffness", overrides.stiffness, "How strongly lengths are kept, from 0 on")
+      ->type_name("X")
+      ->check(number_from(0, 1e6));
+  command.add_option("--iterations", overrides.iterations, "Most co-rotational steps")
+      ->type_name("N")
+      ->check(whole_number_from(0, 1000));
+  add_choice<DegenerateTreatment>(command, "--degenerate", overrides.degenerate,
+                                  {{"ft05-noise", DegenerateTreatment::ft05_noise},
+                                   {"apex", DegenerateTreatment::apex},
+                                   {"auto", DegenerateTreatment::automatic}},
+                                  "What is done where the surface is flat");
+  add_choice<WeightScheme>(command, "--weights", overrides.weights,
+                           {{"uniform", WeightScheme::uniform}, {"cotangent", WeightScheme::cotangent}},
+                           "Weights of the ring's vertices");
+  add_choice<Density>(command, "--density", overrides.density,
+                      {{"ft05", Density::ft05}, {"aware", Density::aware}},
+                      "Whether rows count by number or by the size of their triangles");
+  add_choice<SolverBackend>(
+      command, "--backend", overrides.backend,
+      {{"auto", SolverBackend::automatic},
+       {"cholmod", SolverBackend::cholmod},
+       {"eigen", SolverBackend::eigen},
+       {"iterative", SolverBackend::iterative}},
+      "The sparse solver: a Cholesky factorisation, or iterations for very large regions");
+  command
+      .add_option(
+          "--proxy", overrides.proxy,
+          "Solve a decimated proxy of about so many vertices, which the others follow: for regions that "
+          "take too long or too much memory; 0: the region itself")
+      ->type_name("N")
+      ->check(whole_number_from(0, 1'000'000'000));
+}
+
+}  // namespace
+
+void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
+  command.add_option("edit", arguments.edit, "The edit file")->required()->type_name("EDIT.json");
+  command
+      .add_option(
+          "--as-morph-target", arguments.morph_target,
+          "Keep the shape as it was, and add the edited one as a morph target of this name (.glb, .gltf)")
+      ->type_name("NAME")
+      ->expected(0, 1)
+      ->default_str("edit");
+  add_overrides(command, arguments.run.overrides);
+  add_threads(command, arguments.threads);
+  command.add_option("--report", arguments.report, "Write what was done, with measures of quality, as JSON")
+      ->type_name("FILE");
+#ifdef MESHGRAFT_HAS_RENDER
+  add_picture(command, arguments.picture, arguments.view, "Write a PNG of the mesh before and after");
+#endif
+  command.add_flag("--force,--in-place", arguments.force, "Allow the output to replace an input mesh");
+  command.add_flag("--json", arguments.json, "Print the report instead of a summary");
+}
+
+void run_edit_file(const EditRunArguments& arguments, Context context) {
+  context.threads = arguments.threads;
+  const EditFile edit = read_edit_file(arguments.edit);
+  const std::vector<Save> saves = saves_of(arguments, edit);
+  check_outputs(arguments, saves, edit);
+  RunOptions options = arguments.run;
+  for (const Save& save : saves) options.keep.push_back(save.name);
+  EditResult result = run_edit(edit, options, context);
+  write_outputs(arguments, saves, edit, result, context);
+  if (arguments.json)
+    fmt::print("{}", write_report(result.report));
+  else
+    print_summary(result.report, result.rest);
+}
+
+}  // namespace meshgraft::cli

@@ -1,0 +1,69 @@
+/** What of a keyboard event says which keys are down. */
+export interface KeyPress {
+  key: string;
+  code: string;
+  ctrlKey: boolean;
+  metaKey: boolean;
+  shiftKey: boolean;
+  altKey: boolean;
+  getModifierState?(name: string): boolean;
+}
+
+/** Keys pressed together. `key` is a capital letter, what is printed on the key, or "Num0" … "Num9". */
+export interface Chord {
+  readonly ctrl: boolean;
+  readonly shift: boolean;
+  readonly alt: boolean;
+  readonly key: string;
+}
+
+/** Reads "ctrl+shift+Z". A plus by itself is the key: "ctrl++". Throws where it names no key. */
+export function parseChord(text: string): Chord {
+  const key = text.endsWith("+") ? "+" : text.slice(text.lastIndexOf("+") + 1);
+  const before = text.slice(0, text.length - key.length).split("+").filter((part) => part !== "");
+  const unknown = before.find((part) => !["ctrl", "shift", "alt"].includes(part));
+  if (key === "" || unknown !== undefined) throw new Error(`"${text}" names no keys`);
+  return { ctrl: before.includes("ctrl"), shift: before.includes("shift"), alt: before.includes("alt"), key };
+}
+
+/** The chord of a press, the same on every keyboard: the command key of a Mac counts as ctrl. */
+export function chordOf(press: KeyPress): Chord {
+  const key = keyOf(press);
+  // AltGr reports ctrl and alt, and belongs to the character, as shift does where it is no letter: "?", "+".
+  const altGraph = press.getModifierState?.("AltGraph") === true;
+  const ownShift = key.length === 1 && key.toLowerCase() === key.toUpperCase();
+  return {
+    ctrl: (press.ctrlKey && !altGraph) || press.metaKey,
+    shift: press.shiftKey && !ownShift,
+    alt: press.altKey && !altGraph,
+    key,
+  };
+}
+
+export function matches(chord: Chord, press: KeyPress): boolean {
+  const pressed = chordOf(press);
+  return (
+    chord.key === pressed.key &&
+    chord.ctrl === pressed.ctrl &&
+    chord.shift === pressed.shift &&
+    chord.alt === pressed.alt
+  );
+}
+
+/** As people read it on buttons: "Ctrl+Shift+Z", "Num 1". */
+export function chordLabel(text: string): string {
+  const { ctrl, shift, alt, key } = parseChord(text);
+  const names: Record<string, string> = { Escape: "Esc", Delete: "Del", " ": "Space" };
+  const shown = names[key] ?? key.replace(/^Num(?=\d)/, "Num ");
+  return [ctrl && "Ctrl", alt && "Alt", shift && "Shift", shown].filter((part) => part !== false).join("+");
+}
+
+function keyOf({ key, code, altKey, metaKey, ctrlKey }: KeyPress): string {
+  const digit = /^Numpad(\d)$/.exec(code)?.[1];
+  if (digit !== undefined) return `Num${digit}`;
+  // Modifiers change what a letter's key types on some systems.
+  const letter = /^Key([A-Z])$/.exec(code)?.[1];
+  const isLetter = key.length === 1 && key.toLowerCase() !== key.toUpperCase();
+  if (letter !== undefined && (altKey || metaKey || ctrlKey) && !/^[a-z]$/i.test(key)) return letter;
+  return isLetter ? key.toUpperCase() : key;
+}

@@ -1,0 +1,332 @@
+import { batch, computed, signal } from "@preact/signals";
+import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
+import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
+import type { Viewport } from "../view/viewport";
+import { Graft } from "./graft";
+import { Library } from "./library";
+import { rememberOpened } from "./recent";
+import { labelOf } from "./request_labels";
+import { ToolSettings } from "./tool_settings";
+import type { ViewSettings } from "./view_settings";
+
+export type Event<Name> = Extract<EngineEvent, { event: Name }>;
+export type OpenRequest = Extract<PageRequest, { do: "open" }>;
+
+/** Something to tell the person; it stays until it is read. */
+export interface Message {
+  key: number;
+  kind: "problem" | "note";
+  error: EngineError;
+}
+
+/** A request that the engine works on. */
+export interface Work {
+  id: Id;
+  label: string;
+  since: number; // milliseconds of performance.now()
+}
+
+export interface Box {
+  low: Vector;
+  high: Vector;
+}
+
+export type DialogName = "open" | "save" | "export" | "help";
+
+/**
+ * What the page knows: the engine's state as signals that panels read, and what can be asked of the engine.
+ * Frames go straight to the viewport.
+ */
+export class Editor {
+  readonly tools = new ToolSettings();
+  readonly graft: Graft;
+  readonly library: Library;
+  readonly link = signal<Link>("connecting");
+  /** The engine was started again: it does not take this page's token any more. */
+  readonly expired = signal(false);
+  readonly welcome = signal<Event<"welcome"> | null>(null);
+  readonly state = signal<DocumentState | null>(null);
+  readonly offer = signal<Event<"offer-restore"> | null>(null);
+  readonly live = signal<Event<"live">>({ event: "live" });
+  /** What the set-up of the live deformation took until it was exact; absent before. */
+  readonly setupSeconds = signal<number | undefined>(undefined);
+  readonly progress = signal<ReadonlyMap<string, Event<"progress">>>(new Map());
+  readonly working = signal<ReadonlyMap<Id, Work>>(new Map());
+  readonly messages = signal<readonly Message[]>([]);
+  readonly selected = signal(0);
+  /** The model's box at rest, in its units. */
+  readonly box = signal<Box | null>(null);
+  readonly dialog = signal<DialogName | null>(null);
+  readonly isOpen = computed(() => this.state.value !== null);
+
+  private readonly connection: Connection;
+  private lastMessage = 0;
+  private setupBegan: number | undefined;
+  private opened: OpenRequest | undefined;
+  private returning = false; // after the connection was lost
+
+  constructor(
+    readonly token: string,
+    private readonly viewport: Viewport,
+    readonly view: ViewSettings,
+  ) {
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    this.connection = new Connection(`${scheme}//${location.host}/session?token=${encodeURIComponent(token)}`, {
+      event: (event) => this.hear(event),
+      frame: (frame) => this.show(frame),
+      link: (link) => this.noteLink(link),
+    });
+    this.graft = new Graft({
+      state: this.state,
+      ask: (request) => this.ask(request),
+      attempt: (request) => this.attempt(request),
+      request: (request) => this.connection.request(request),
+      positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
+    });
+    this.library = new Library((request) => this.connection.send(request));
+  }
+
+  start(): void {
+    this.connection.open();
+  }
+
+  /** Asks the engine; a refusal becomes a message to the person, and undefined. */
+  async ask(request: PageRequest): Promise<Outcome | undefined> {
+    const answer = await this.attempt(request);
+    if (!("code" in answer)) return answer;
+    if (answer.code !== "cancelled") this.tell("problem", answer);
+    return undefined;
+  }
+
+  /** Asks the engine; the answer, or why it refuses. */
+  async attempt(request: PageRequest): Promise<Outcome | EngineError> {
+    const { id, answer } = this.connection.send(request);
+    this.setWork(id, { id, label: labelOf(request), since: performance.now() });
+    try {
+      return await answer;
+    } catch (failure) {
+      if (!(failure instanceof Refusal)) throw failure;
+      return failure.error;
+    } finally {
+      this.setWork(id, undefined);
+    }
+  }
+
+  /** Whether everything that was asked has been answered. */
+  isIdle(): boolean {
+    return this.working.value.size === 0;
+  }
+
+  /** Opens a model, and remembers it for when the connection is lost. */
+  async open(request: OpenRequest): Promise<boolean> {
+    const done = await this.ask(request);
+    if (done === undefined) return false;
+    this.opened = request;
+    this.dialog.value = null;
+    rememberOpened(request);
+    return true;
+  }
+
+  /** Where handles are for now: what the engine streams, and what the shader shows at once. */
+  drag(poses: Poses): void {
+    const answered = this.viewport.posesAsked();
+    this.connection.request({ do: "drag", poses }).then(
+      (outcome) => answered("pose" in outcome ? (outcome.pose ?? 0) : 0),
+      () => answered(0),
+    );
+  }
+
+  /** Where handles are from now on. */
+  async pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
+    const answered = this.viewport.posesAsked();
+    const outcome = await this.ask({ do: "pose", poses });
+    answered(outcome !== undefined && "pose" in outcome ? (outcome.pose ?? 0) : 0);
+    return outcome;
+  }
+
+  /** Writes the edit file; asks where, the first time. */
+  async save(): Promise<void> {
+    if (this.state.value === null) return;
+    if (this.state.value.edit === "") {
+      this.dialog.value = "save";
+      return;
+    }
+    const done = await this.ask({ do: "save" });
+    if (done !== undefined) this.tellFiles("Saved", done);
+  }
+
+  /** A handle of what is selected; it becomes the active one. */
+  async holdSelection(): Promise<void> {
+    const diagonal = this.state.value?.model.diagonal ?? 1;
+    const made = await this.ask({ do: "handle", what: "add", reach: 0.15 * diagonal });
+    if (made?.name !== undefined) this.tools.activeHandle.value = made.name;
+  }
+
+  /** Another colour for a group, and nothing else about it. */
+  recolour(name: string, colour: string): Promise<Outcome | undefined> {
+    return this.ask({ do: "group", name, colour, keep: true });
+  }
+
+  cancel(id?: Id): void {
+    void this.connection.request(id === undefined ? { do: "cancel" } : { do: "cancel", of: id }).catch(() => undefined);
+  }
+
+  tell(kind: Message["kind"], error: EngineError): void {
+    const same = this.messages.value.some(
+      (told) => told.error.problem === error.problem && told.error.place === error.place,
+    );
+    if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error }];
+  }
+  note(problem: string, place = "", remedy = ""): void {
+    this.tell("note", { code: "usage", problem, place, remedy });
+  }
+  dismiss(key: number): void {
+    this.messages.value = this.messages.value.filter((message) => message.key !== key);
+  }
+
+  /** What was written, and what the engine says of it. */
+  tellFiles(done: string, outcome: Outcome): void {
+    const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
+    this.note(done, files.join("\n"), (outcome.notes ?? []).join("\n"));
+  }
+
+  private hear(event: EngineEvent): void {
+    switch (event.event) {
+      case "welcome":
+        this.welcome.value = event;
+        if (this.returning) void this.takeUp();
+        break;
+      case "state":
+        batch(() => {
+          this.state.value = event;
+          this.selected.value = event.selected;
+          const active = this.tools.activeHandle;
+          if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
+            active.value = null;
+          this.graft.follow(event);
+        });
+        this.viewport.setDocument(event);
+        break;
+      case "progress":
+        this.noteProgress(event);
+        break;
+      case "live":
+        this.noteLive(event);
+        break;
+      case "graft":
+        this.graft.hear(event);
+        break;
+      case "offer-restore":
+        if (this.returning) void this.restoreAtOnce(event.changes);
+        else this.offer.value = event;
+        break;
+      case "notice":
+        this.tell("problem", event.error);
+        break;
+    }
+  }
+
+  private noteProgress(event: Event<"progress">): void {
+    const all = new Map(this.progress.value);
+    if (event.fraction >= 1) all.delete(String(event.of));
+    else all.set(String(event.of), event);
+    this.progress.value = all;
+  }
+
+  private setWork(id: Id, work: Work | undefined): void {
+    const all = new Map(this.working.value);
+    if (work !== undefined) all.set(id, work);
+    else all.delete(id);
+    const progress = new Map(this.progress.value);
+    batch(() => {
+      this.working.value = all;
+      if (work === undefined && progress.delete(String(id))) this.progress.value = progress;
+    });
+  }
+
+  private noteLive(event: Event<"live">): void {
+    const { error: _, ...before } = this.live.value;
+    const anew = event.stage === "starting";
+    if (anew) {
+      this.setupBegan = performance.now();
+      this.setupSeconds.value = undefined;
+    }
+    const isSet = event.stage === "exact" || event.stage === "ready" || event.stage === "proxy-only";
+    if (isSet && this.setupBegan !== undefined) {
+      this.setupSeconds.value = (performance.now() - this.setupBegan) / 1000;
+      this.setupBegan = undefined;
+    }
+    this.live.value = anew ? event : { ...before, ...event };
+    if (event.error !== undefined) this.tell("problem", event.error);
+    if (event.stage === "ready" || event.stage === "failed" || event.stage === "proxy-only") {
+      const progress = new Map(this.progress.value);
+      if (progress.delete("null")) this.progress.value = progress;
+    }
+  }
+
+  private noteLink(link: Link): void {
+    if (link === "lost" && this.link.value !== "lost") {
+      if (this.state.value !== null) this.returning = true;
+      this.progress.value = new Map();
+      void this.askForToken();
+    }
+    // It stays lost for the person until it is there again.
+    if (link === "connecting" && this.welcome.value !== null) return;
+    if (link === "open") this.expired.value = false;
+    this.link.value = link;
+    if (link === "lost") void this.askForToken();
+  }
+
+  /** A socket does not tell why it is refused; the front page does. */
+  private async askForToken(): Promise<void> {
+    try {
+      const answer = await fetch(`/?token=${encodeURIComponent(this.token)}`, { cache: "no-store" });
+      this.expired.value = answer.status === 403;
+    } catch {
+      this.expired.value = false; // nobody answers
+    }
+  }
+
+  /** After a lost connection: opens what was open. */
+  private async takeUp(): Promise<void> {
+    const { opened } = this;
+    const before = this.state.value;
+    if (opened !== undefined && before !== null) {
+      const saved = !before.dirty && before.edit !== "";
+      await this.ask(saved ? { do: "open", path: before.edit } : opened);
+    }
+    this.returning = false;
+  }
+
+  private async restoreAtOnce(changes: number): Promise<void> {
+    const done = await this.ask({ do: "restore" });
+    if (done !== undefined) this.note("The connection was lost, and is back.", "", `All ${changes} changes are here.`);
+  }
+
+  private show(frame: BinaryFrame): void {
+    this.viewport.show(frame);
+    this.graft.take(frame);
+    this.library.take(frame);
+    if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
+    if (frame.kind === FrameKind.mesh && frame.header.role !== "part") this.box.value = boxOf(frame);
+  }
+}
+
+function boxOf(frame: BinaryFrame): Box {
+  const positions = frame.floats("positions") ?? new Float32Array();
+  const low: Vector = [Infinity, Infinity, Infinity];
+  const high: Vector = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i + 2 < positions.length; i += 3)
+    for (const k of [0, 1, 2] as const) {
+      const x = positions[i + k] as number;
+      if (x < low[k]) low[k] = x;
+      if (x > high[k]) high[k] = x;
+    }
+  const { offset = [0, 0, 0] } = frame.header;
+  for (const k of [0, 1, 2] as const) {
+    low[k] += offset[k];
+    high[k] += offset[k];
+  }
+  return { low, high };
+}

@@ -1,0 +1,422 @@
+import { batch, computed, signal } from "@preact/signals";
+import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import type { Outcome } from "../engine/connection";
+import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane } from "../protocol";
+import {
+  meetingOf, pairsField, proposedStart, readStep, withFields, withPair,
+  type DotRef, type GraftFields, type GraftStep, type Meeting, type Pair,
+} from "./graft_step";
+import { LoopCurve, twistDeg, twisted } from "./loop_curve";
+import { Throttled } from "./throttled";
+
+export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
+export type PartSource = { path: string } | { sample: string; resolution?: number } | { upload: string };
+export type GraftTool = "loops" | "plane" | "stroke" | "fixed" | "drop";
+/** How the two are shown: what comes of them, that with the part beside it, or both as they were. */
+export type Arrangement = "result" | "both" | "apart";
+
+/** The model or a part, as the engine lists it. */
+export interface Thing {
+  name: string;
+  mesh: number;
+  vertices: number;
+  faces: number;
+  loops: number;
+  diagonal: number;
+  grafted: boolean;
+}
+
+/** A boundary loop as it is shown. */
+export interface ShownLoop {
+  readonly vertices: Uint32Array; // in order
+  readonly length: number;
+  readonly curve: LoopCurve;
+}
+
+/** A plane that is to cut a mesh, in that mesh's own coordinates. */
+export interface Cut {
+  readonly mesh: number;
+  readonly plane: Plane;
+}
+
+/** A curve that is being drawn to cut along: through these vertices of a mesh. */
+export interface DrawnCurve {
+  readonly mesh: number;
+  readonly vertices: readonly number[];
+  readonly closed: boolean;
+}
+
+type CutRequest = Extract<PageRequest, { do: "cut" }>;
+export type Side = "above" | "below" | "both";
+
+export interface LoopRef {
+  readonly mesh: number;
+  readonly loop: number;
+}
+
+/** What a graft needs of the editor. */
+export interface GraftHost {
+  readonly state: { readonly value: DocumentState | null };
+  ask(request: PageRequest): Promise<Outcome | undefined>;
+  attempt(request: PageRequest): Promise<Outcome | EngineError>;
+  request(request: PageRequest): Promise<Outcome>;
+  /** Where the vertices of a mesh are, 3 numbers each. */
+  positionsOf(mesh: number): Float32Array | undefined;
+}
+
+/** Parts, their loops, and the graft in work: signals that the panel and the view read, and what changes them. */
+export class Graft {
+  readonly mode = signal<"deform" | "graft">("deform");
+  readonly tool = signal<GraftTool>("loops");
+  readonly arrangement = signal<Arrangement>("result");
+  readonly loops = signal<ReadonlyMap<number, readonly ShownLoop[]>>(new Map());
+  readonly hovered = signal<LoopRef | null>(null);
+  /** The dot, start or match, that Delete takes away. */
+  readonly dot = signal<DotRef | null>(null);
+  readonly cutPlane = signal<Cut | null>(null);
+  readonly cutCurve = signal<DrawnCurve | null>(null);
+  /** What was cut last, while nothing came after. */
+  readonly lastCut = signal<CutRequest | null>(null);
+  /** The part that a click or a drag drops on the surface. */
+  readonly dropped = signal<{ name: string; isNew: boolean } | null>(null);
+  /** Clicked first, to be paired with the next. */
+  readonly picked = signal<LoopRef | null>(null);
+  readonly activePair = signal(0);
+  /** The frame of what came of the graft last. */
+  readonly preview = signal<BinaryFrame | null>(null);
+  readonly report = signal<GraftReport | null>(null);
+  /** Fields that a slider or the pointer changes for now, on top of the document's. */
+  readonly dragged = signal<GraftFields | null>(null);
+  /** Where the part stands, of its own coordinates, before it bends. */
+  readonly transform = signal<Matrix4 | null>(null);
+  /** Parts that are shown or hidden against what is usual. */
+  readonly shownParts = signal<ReadonlyMap<string, boolean>>(new Map());
+
+  readonly model = computed((): Thing | undefined => {
+    const state = this.host.state.value;
+    return state === null ? undefined : { ...state.model, grafted: false };
+  });
+  readonly parts = computed((): readonly Thing[] => this.host.state.value?.parts ?? []);
+  readonly things = computed((): readonly Thing[] => [...(this.model.value === undefined ? [] : [this.model.value]), ...this.parts.value]);
+  /** As the document has it. */
+  readonly kept = computed((): GraftStep | undefined => {
+    const graft = this.host.state.value?.graft ?? null;
+    return graft === null ? undefined : readStep(graft.step);
+  });
+  /** As it is shown: with what is dragged. */
+  readonly step = computed((): GraftStep | undefined => {
+    const { value: kept } = this.kept;
+    const { value: dragged } = this.dragged;
+    if (dragged === null) return kept;
+    const base = kept ?? readStep({ source: dragged.source, target: dragged.target ?? this.model.value?.name });
+    return withFields(base, dragged);
+  });
+  readonly source = computed(() => this.named(this.step.value?.source));
+  readonly target = computed(() => this.named(this.step.value?.target));
+  /** Pairs that are given, or the one that is meant where each has one loop. */
+  readonly pairs = computed(() => this.pairsOf(this.step.value));
+  readonly keptPairs = computed(() => this.pairsOf(this.kept.value));
+  private pairsOf(step: GraftStep | undefined): readonly Pair[] {
+    if (step === undefined || step.at !== undefined) return [];
+    if (step.pairs.length > 0) return step.pairs;
+    const single = this.source.value?.loops === 1 && this.target.value?.loops === 1;
+    return single ? [{ sourceLoop: 0, targetLoop: 0, matches: [] }] : [];
+  }
+
+  private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
+  private readonly asked = new Set<number>(); // meshes whose loops were asked for
+  private readonly found = new Map<string, Meeting>(); // starts that were found automatically
+  private newest = 0; // number of the newest graft that was told of
+
+  constructor(private readonly host: GraftHost) {}
+
+  named(name: string | undefined): Thing | undefined {
+    return this.things.value.find((thing) => thing.name === name);
+  }
+  /** How requests name a mesh; undefined: the model. */
+  nameOf(mesh: number): string | undefined {
+    return mesh === this.model.value?.mesh ? undefined : this.byMesh(mesh)?.name;
+  }
+  byMesh(mesh: number): Thing | undefined {
+    return this.things.value.find((thing) => thing.mesh === mesh);
+  }
+  /** Whether a part is shown: those that were grafted are not, unless it was said. */
+  isShown(part: Thing): boolean {
+    return this.shownParts.value.get(part.name) ?? (!part.grafted || part.name === this.step.value?.source);
+  }
+  toggleShown(part: Thing): void {
+    this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
+  }
+
+  /** Puts a part beside the model, and grafts it where there is no doubt how. Resolves with its name. */
+  async addPart(source: PartSource, start = true): Promise<string | undefined> {
+    const done = await this.host.ask({ do: "part", what: "add", ...source });
+    if (done?.name === undefined) return undefined;
+    if (start) await this.startWith(done.name);
+    return done.name;
+  }
+
+  /** Grafts a part where each has one loop; else shows both, so that loops can be clicked. */
+  async startWith(name: string): Promise<void> {
+    const part = this.named(name);
+    const { value: model } = this.model;
+    if (part === undefined || model === undefined || this.kept.value !== undefined) return;
+    if (part.loops === 1 && model.loops === 1) await this.startAlone(name);
+    else this.arrangement.value = "apart";
+  }
+
+  // It is tried first, so that one change takes it back: where round loops fit from many starts alike, the one that
+  // turns the part least is taken.
+  private async startAlone(name: string): Promise<void> {
+    this.arrangement.value = "result";
+    this.dragged.value = { source: name };
+    const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
+    const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.told(done.graft);
+    const start = this.startFor(report);
+    await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
+  }
+  private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
+    const start = proposedStart(report?.error?.remedy ?? "");
+    const pairs = this.pairs.value;
+    if (start === undefined || pairs.length !== 1) return undefined;
+    return pairsField(pairs.map((pair) => ({ ...pair, start: [start[0], start[1]] })));
+  }
+  /** The start that the engine proposes, as it can be taken: for the one pair that there is. */
+  readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
+
+  /** What is told of a graft of this number, or of a later one. */
+  private told(graft: number): Promise<GraftReport> {
+    return new Promise((resolve) => {
+      const stop = this.report.subscribe((report) => {
+        if (report === null || report.graft < graft) return;
+        resolve(report);
+        queueMicrotask(() => stop());
+      });
+    });
+  }
+
+  /** Changes the document's graft, or starts one. */
+  async set(fields: GraftFields): Promise<boolean> {
+    const starts = this.kept.value === undefined;
+    this.drags.forget();
+    const done = await this.host.ask({ do: "graft", ...fields });
+    batch(() => {
+      this.dragged.value = null;
+      if (done?.transform !== undefined) this.transform.value = done.transform;
+      if (done !== undefined && starts && this.arrangement.value === "apart") this.arrangement.value = "both";
+    });
+    return done !== undefined;
+  }
+
+  /** Shows what it would come to; the newest that waits goes out when the engine has taken the one before. */
+  drag(fields: GraftFields): void {
+    this.dragged.value = { ...this.dragged.value, ...fields };
+    this.drags.send(this.dragged.value);
+  }
+  /** Keeps what is dragged. */
+  async keepDragged(): Promise<boolean> {
+    const { value: dragged } = this.dragged;
+    return dragged !== null && this.set(dragged);
+  }
+  /** Back to what the document has. */
+  async forgetDragged(): Promise<void> {
+    this.drags.forget();
+    this.dragged.value = null;
+    await this.host.request({ do: "graft-drag" }).catch(() => undefined);
+    this.transform.value = this.report.value?.transform ?? null;
+  }
+
+  /** Nothing is dropped: a part that was opened for it goes again. */
+  async leaveDropped(): Promise<void> {
+    const { value: dropped } = this.dropped;
+    this.dropped.value = null;
+    await this.forgetDragged();
+    if (dropped?.isNew === true && this.host.state.value?.undo === "add part") await this.host.ask({ do: "undo" });
+  }
+
+  private async sendDrag(fields: GraftFields): Promise<void> {
+    const done = await this.host.request({ do: "graft-drag", ...fields }).catch(() => undefined);
+    if (this.dragged.value !== null && done?.transform !== undefined) this.transform.value = done.transform;
+  }
+
+  /** Cuts by the plane, or along the curve, that is shown. */
+  async cut(keep: Side): Promise<boolean> {
+    const request = this.cutRequest(keep);
+    if (request === undefined || (await this.host.ask(request)) === undefined) return false;
+    batch(() => {
+      this.lastCut.value = request;
+      this.cutPlane.value = this.cutCurve.value = null;
+      this.tool.value = "loops";
+    });
+    return true;
+  }
+  private cutRequest(keep: Side): CutRequest | undefined {
+    const { value: plane } = this.cutPlane;
+    const { value: curve } = this.cutCurve;
+    if (this.tool.value === "plane")
+      return plane === null ? undefined : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
+    const [a, b, c, ...rest] = curve?.vertices ?? [];
+    if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
+    return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };
+  }
+  /** Undoes the last cut, and keeps what it took away. */
+  async cutOtherwise(): Promise<void> {
+    const { value: last } = this.lastCut;
+    if (last === null || (await this.host.ask({ do: "undo" })) === undefined) return;
+    const other: CutRequest = { ...last, keep: last.keep === "above" ? "below" : "above" };
+    if ((await this.host.ask(other)) !== undefined) this.lastCut.value = other;
+  }
+
+  cancel(): Promise<Outcome | undefined> {
+    return this.host.ask({ do: "graft", what: "cancel" });
+  }
+  async accept(): Promise<void> {
+    const done = await this.host.ask({ do: "accept" });
+    if (done !== undefined) this.arrangement.value = "result";
+  }
+
+  /** A loop is clicked: the first is remembered, one of another object makes a pair of the two. */
+  async pick(ref: LoopRef): Promise<void> {
+    const first = this.picked.value;
+    if (first === null || this.byMesh(first.mesh) === undefined || first.mesh === ref.mesh) {
+      this.picked.value = first?.mesh === ref.mesh && first.loop === ref.loop ? null : ref;
+      return;
+    }
+    this.picked.value = null;
+    await this.pair(first, ref);
+  }
+
+  /** Pairs two loops; whichever is the graft's target stays that, and the model is one where none is in work. */
+  async pair(a: LoopRef, b: LoopRef): Promise<void> {
+    const targetName = this.kept.value?.target ?? this.model.value?.name;
+    const [target, source] = this.byMesh(a.mesh)?.name === targetName ? [a, b] : [b, a];
+    const names = { target: this.byMesh(target.mesh)?.name, source: this.byMesh(source.mesh)?.name };
+    const same = this.kept.value?.source === names.source && this.kept.value?.target === names.target;
+    const before = same && this.kept.value?.at === undefined ? (this.kept.value?.pairs ?? []) : [];
+    const pairs = withPair(before, source.loop, target.loop);
+    this.activePair.value = pairs.length - 1;
+    const anew = same ? { at: null } : names;
+    await this.set({ ...anew, pairs: pairsField(pairs) });
+  }
+
+  setPairs(pairs: readonly Pair[]): Promise<boolean> {
+    return this.set({ pairs: pairs.length > 0 ? pairsField(pairs) : null });
+  }
+  dragPairs(pairs: readonly Pair[]): void {
+    this.drag({ pairs: pairsField(pairs) });
+  }
+
+  /** The loops of a pair, of source and target; undefined while they are not known. */
+  curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
+    const loop = (thing: Thing | undefined, index: number) => this.loops.value.get(thing?.mesh ?? -1)?.[index]?.curve;
+    const source = loop(this.source.value, pair.sourceLoop);
+    const target = loop(this.target.value, pair.targetLoop);
+    return source === undefined || target === undefined ? undefined : { source, target };
+  }
+  /** Where a pair starts: as given, or as it was found last. */
+  startOf(index: number, pairs = this.pairs.value): Meeting | undefined {
+    const pair = pairs[index];
+    return pair && (meetingOf(pair.start) ?? this.found.get(this.keyOf(pair)) ?? meetingOf(this.report.value?.pairs?.[index]?.start));
+  }
+  /** What a twist counts from: the start that was found; the given one where none was. */
+  private untwisted(pair: Pair): Meeting | undefined {
+    const key = this.keyOf(pair);
+    const kept = this.found.get(key) ?? meetingOf(pair.start);
+    if (kept !== undefined) this.found.set(key, kept);
+    return kept;
+  }
+  /** By how much a pair is turned against what was found, in degrees along the loop. */
+  twistOf(index: number, pairs = this.pairs.value): number {
+    const pair = pairs[index];
+    const curves = pair && this.curvesOf(pair);
+    const start = this.startOf(index, pairs);
+    const base = pair && this.untwisted(pair);
+    if (curves === undefined || start === undefined || base === undefined) return 0;
+    return twistDeg(curves.source, curves.target, base, start);
+  }
+  withTwist(index: number, angleDeg: number): readonly Pair[] | undefined {
+    const pair = this.pairs.value[index];
+    const curves = pair && this.curvesOf(pair);
+    const base = pair && this.untwisted(pair);
+    if (curves === undefined || base === undefined) return undefined;
+    const [a, b] = twisted(curves.source, curves.target, base, angleDeg);
+    return this.pairs.value.map((other, i) => (i === index ? { ...other, start: [a, b] } : other));
+  }
+
+  private keyOf({ sourceLoop, targetLoop }: Pair): string {
+    return [this.source.value?.mesh, sourceLoop, this.target.value?.mesh, targetLoop].join(" ");
+  }
+
+  /** Asks for the loops of all that is shown, once for each mesh. */
+  async needLoops(): Promise<void> {
+    for (const { mesh, name } of this.things.value) {
+      if (this.asked.has(mesh)) continue;
+      this.asked.add(mesh);
+      await this.host.attempt({ do: "loops", mesh: name });
+    }
+  }
+
+  /** What the engine sent, of kinds that concern grafts. */
+  take(frame: BinaryFrame): void {
+    if (frame.kind === FrameKind.graft) this.takePreview(frame);
+    if (frame.kind === FrameKind.loops) this.takeLoops(frame);
+  }
+
+  hear(event: GraftReport): void {
+    if (event.graft < this.newest) return;
+    this.newest = event.graft;
+    batch(() => {
+      this.report.value = event;
+      if (event.error !== undefined) this.preview.value = null;
+      if (this.dragged.value === null && event.transform !== undefined) this.transform.value = event.transform;
+      this.pairs.value.forEach((pair, i) => {
+        const start = meetingOf(event.pairs?.[i]?.start);
+        if (start !== undefined && pair.start === undefined && pair.matches.length === 0) this.found.set(this.keyOf(pair), start);
+      });
+    });
+  }
+
+  /** The engine's state is another: what belongs to what is no more goes. */
+  follow(state: DocumentState): void {
+    const meshes = new Set([state.model.mesh, ...state.parts.map((part) => part.mesh)]);
+    const known = [...this.loops.value].filter(([mesh]) => meshes.has(mesh));
+    for (const mesh of this.asked) if (!meshes.has(mesh)) this.asked.delete(mesh);
+    batch(() => {
+      if (known.length < this.loops.value.size) this.loops.value = new Map(known);
+      if (!meshes.has(this.hovered.value?.mesh ?? -1)) this.hovered.value = null;
+      if (!meshes.has(this.picked.value?.mesh ?? -1)) this.picked.value = null;
+      if (!meshes.has(this.cutPlane.value?.mesh ?? -1)) this.cutPlane.value = null;
+      if (!meshes.has(this.cutCurve.value?.mesh ?? -1)) this.cutCurve.value = null;
+      if (state.graft === null && this.dragged.value === null) this.forgetPreview();
+      if (state.undo !== "cut") this.lastCut.value = null;
+      if (state.graft !== null) this.mode.value = "graft";
+    });
+  }
+  private forgetPreview(): void {
+    this.preview.value = null;
+    this.report.value = null;
+    this.transform.value = null;
+    this.activePair.value = 0;
+  }
+
+  private takePreview(frame: BinaryFrame): void {
+    const { graft = 0, dragged = false } = frame.header;
+    if (graft < this.newest || (this.host.state.value?.graft == null && !dragged)) return;
+    if (dragged && this.dragged.value === null) return;
+    this.newest = graft;
+    this.preview.value = frame;
+  }
+
+  private takeLoops(frame: BinaryFrame): void {
+    const { mesh } = frame.header;
+    const vertices = frame.indices("vertices") ?? new Uint32Array();
+    const offsets = frame.indices("offsets") ?? new Uint32Array();
+    const positions = this.host.positionsOf(mesh) ?? new Float32Array();
+    const shown = Array.from({ length: Math.max(0, offsets.length - 1) }, (_, i): ShownLoop => {
+      const own = vertices.subarray(offsets[i], offsets[i + 1]);
+      const curve = new LoopCurve(own, positions);
+      return { vertices: own, length: curve.length, curve };
+    });
+    this.loops.value = new Map(this.loops.value).set(mesh, shown);
+  }
+}

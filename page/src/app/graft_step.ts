@@ -1,0 +1,168 @@
+// A merge step of the document, as the page works with it, and the fields that change it. No state, no screen.
+import type { Match, PageRequest, SelectionSpec } from "../protocol";
+
+/** Fields of a graft that the engine is asked to change; null takes one away. */
+export type GraftFields = Omit<Extract<PageRequest, { do: "graft-drag" }>, "do">;
+type RequestPair = NonNullable<GraftFields["pairs"]>[number];
+
+/** A vertex of the source, and the vertex of the target that it meets. */
+export type Meeting = readonly [number, number];
+
+/** Two loops that are joined. Numbers of loops are as the engine lists them; -1: named in another way. */
+export interface Pair {
+  readonly sourceLoop: number;
+  readonly targetLoop: number;
+  readonly start?: Match | undefined; // absent: found automatically
+  readonly matches: readonly Match[];
+  /** As the document names the loops. */
+  readonly source?: SelectionSpec;
+  readonly target?: SelectionSpec;
+}
+
+export type Vector3Tuple = [number, number, number];
+export type Rows4 = [Row4, Row4, Row4, Row4];
+type Row4 = [number, number, number, number];
+
+export interface GraftStep {
+  readonly source: string;
+  readonly target: string;
+  readonly pose: "find" | "keep";
+  readonly shape: "similar" | "ft05";
+  readonly pairs: readonly Pair[];
+  /** Where it is dropped, instead of pairs. */
+  readonly at: { vertex?: number; point?: Vector3Tuple; spin_deg?: number } | undefined;
+  readonly size: number | undefined; // absent: found, or the part's own
+  readonly normalAngleDeg: number;
+  readonly mirror: { point: Vector3Tuple; normal: Vector3Tuple } | undefined;
+  readonly sourceTransform: Rows4 | undefined;
+  readonly hasFixed: boolean;
+  readonly smoothBoundary: boolean;
+  readonly fixWinding: boolean;
+}
+
+/** Reads `state.graft.step`, which is as docs/edit-file.md has a merge step. */
+export function readStep(step: object): GraftStep {
+  const { source, target, pose, shape, pairs, at, size, mirror, ...rest } = step as GraftFields;
+  return {
+    source: source ?? "",
+    target: target ?? "",
+    pose: pose ?? "find",
+    shape: shape ?? "similar",
+    pairs: (pairs ?? []).map(readPair),
+    at: at ?? undefined,
+    size: size ?? undefined,
+    normalAngleDeg: rest.normal_angle_deg ?? 0,
+    mirror: mirror ?? undefined,
+    sourceTransform: rest.source_transform ?? undefined,
+    hasFixed: (rest.fixed ?? null) !== null,
+    smoothBoundary: rest.smooth_boundary ?? false,
+    fixWinding: rest.fix_winding ?? false,
+  };
+}
+
+// The engine keeps a start as the first of the matches.
+function readPair(pair: RequestPair): Pair {
+  const [start, ...matches] = [...(pair.start === undefined ? [] : [pair.start]), ...(pair.matches ?? [])];
+  return {
+    sourceLoop: loopNumber(pair.source_loop),
+    targetLoop: loopNumber(pair.target_loop),
+    start,
+    matches,
+    source: pair.source_loop,
+    target: pair.target_loop,
+  };
+}
+
+function loopNumber(selection: SelectionSpec): number {
+  if (typeof selection !== "object" || selection === null || !("loop" in selection)) return -1;
+  return typeof selection.loop === "number" ? selection.loop : -1;
+}
+
+/** What is asked for these pairs. */
+export function pairsField(pairs: readonly Pair[]): RequestPair[] {
+  return pairs.map(({ sourceLoop, targetLoop, start, matches, source, target }) => ({
+    source_loop: source ?? { loop: sourceLoop },
+    target_loop: target ?? { loop: targetLoop },
+    ...(start === undefined ? {} : { start }),
+    ...(matches.length === 0 ? {} : { matches: [...matches] }),
+  }));
+}
+
+/** The vertices of a match; undefined where it has points instead. */
+export function meetingOf(match: Match | undefined): Meeting | undefined {
+  const [source, target] = match ?? [];
+  return typeof source === "number" && typeof target === "number" ? [source, target] : undefined;
+}
+
+/** With a pair more. A loop is in one pair: those that had one of the two are gone. */
+export function withPair(pairs: readonly Pair[], sourceLoop: number, targetLoop: number): Pair[] {
+  const others = pairs.filter((pair) => pair.sourceLoop !== sourceLoop && pair.targetLoop !== targetLoop);
+  return [...others, { sourceLoop, targetLoop, matches: [] }];
+}
+
+export function withoutPair(pairs: readonly Pair[], index: number): Pair[] {
+  return pairs.filter((_, i) => i !== index);
+}
+
+/** A dot on a loop: the start (0), or a match (from 1 on). */
+export interface DotRef {
+  readonly pair: number;
+  readonly dot: number;
+}
+
+/** All that meets in a pair: its start, given or found, then its matches. */
+export function meetingsOf(pair: Pair, found: Meeting | undefined): (Meeting | undefined)[] {
+  return [meetingOf(pair.start) ?? found, ...pair.matches.map(meetingOf)];
+}
+
+/** With one end of a dot at another vertex; a start that was found becomes one that is given. */
+export function withDotAt(pairs: readonly Pair[], { pair: index, dot }: DotRef, meeting: Meeting): Pair[] {
+  return pairs.map((pair, i) => {
+    if (i !== index) return pair;
+    const match: Match = [meeting[0], meeting[1]];
+    if (dot === 0) return { ...pair, start: match };
+    return { ...pair, matches: pair.matches.map((old, k) => (k === dot - 1 ? match : old)) };
+  });
+}
+
+/** With a match more; the start that was found stays by being given. */
+export function withMatch(pairs: readonly Pair[], index: number, meeting: Meeting, found: Meeting | undefined): Pair[] {
+  return pairs.map((pair, i) => {
+    if (i !== index) return pair;
+    const start: Match | undefined = pair.start ?? (found === undefined ? undefined : [found[0], found[1]]);
+    return { ...pair, start, matches: [...pair.matches, [meeting[0], meeting[1]] as Match] };
+  });
+}
+
+/** Without a match; without the start it is found again. */
+export function withoutDot(pairs: readonly Pair[], { pair: index, dot }: DotRef): Pair[] {
+  return pairs.map((pair, i) => {
+    if (i !== index) return pair;
+    if (dot === 0) return { ...pair, start: undefined };
+    return { ...pair, matches: pair.matches.filter((_, k) => k !== dot - 1) };
+  });
+}
+
+/** The step with fields that are dragged on top of it. */
+export function withFields(step: GraftStep, fields: GraftFields): GraftStep {
+  const asked = readStep({ source: step.source, target: step.target, ...fields });
+  const has = (name: keyof GraftFields) => name in fields;
+  return {
+    ...step,
+    ...(has("pose") && { pose: asked.pose }),
+    ...(has("shape") && { shape: asked.shape }),
+    ...(has("pairs") && { pairs: asked.pairs }),
+    ...(has("at") && { at: asked.at }),
+    ...(has("size") && { size: asked.size }),
+    ...(has("normal_angle_deg") && { normalAngleDeg: asked.normalAngleDeg }),
+    ...(has("mirror") && { mirror: asked.mirror }),
+    ...(has("source_transform") && { sourceTransform: asked.sourceTransform }),
+    ...(has("fixed") && { hasFixed: asked.hasFixed }),
+  };
+}
+
+/** The start that the engine proposes where loops fit as well from several; undefined: it proposes none. */
+export function proposedStart(remedy: string): Meeting | undefined {
+  const words = /--start (\d+):(\d+)/.exec(remedy); // target:source, as the command line has it
+  return words === null ? undefined : [Number(words[2]), Number(words[1])];
+}

@@ -1,0 +1,61 @@
+import { signal, type Signal } from "@preact/signals";
+import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import type { Outcome } from "../engine/connection";
+import type { Id, PageRequest } from "../protocol";
+
+/** What a picture is of. */
+export type Pictured = { path: string } | { sample: string } | { upload: string } | { mesh: string };
+
+/** A picture: its address; null while it is made; "none" where there is none. */
+export type Picture = string | null;
+
+const pictureSize = 128;
+
+/** Pictures of parts, made by the engine one after the other, each once. */
+export class Library {
+  private readonly pictures = new Map<string, Signal<Picture>>();
+  private readonly wanted: { key: string; of: Pictured }[] = [];
+  private readonly coming = new Map<Id, string>(); // the keys of pictures by their requests
+  private busy = false;
+
+  constructor(private readonly send: (request: PageRequest) => { id: Id; answer: Promise<Outcome> }) {}
+
+  /** The picture; it is asked for the first time that this is called. `version`: a new one makes a new picture. */
+  picture(of: Pictured, version = 0): Signal<Picture> {
+    const key = `${JSON.stringify(of)} ${version}`;
+    const known = this.pictures.get(key);
+    if (known !== undefined) return known;
+    const made = signal<Picture>(null);
+    this.pictures.set(key, made);
+    if ("mesh" in of) this.wanted.unshift({ key, of }); // what is open comes first
+    else this.wanted.push({ key, of });
+    if (!this.busy) void this.work();
+    return made;
+  }
+
+  take(frame: BinaryFrame): void {
+    if (frame.kind !== FrameKind.thumbnail || frame.header.of === undefined) return;
+    const key = this.coming.get(frame.header.of);
+    const png = frame.bytes("png");
+    if (key !== undefined && png !== undefined) this.set(key, URL.createObjectURL(new Blob([png], { type: "image/png" })));
+  }
+
+  private async work(): Promise<void> {
+    this.busy = true;
+    for (let next = this.wanted.shift(); next !== undefined; next = this.wanted.shift()) {
+      const { id, answer } = this.send({ do: "thumbnail", size: pictureSize, ...next.of });
+      this.coming.set(id, next.key);
+      try {
+        await answer;
+      } catch {
+        this.set(next.key, "none"); // no renderer in this build, or a file that cannot be read: an icon is shown
+      }
+    }
+    this.busy = false;
+  }
+
+  private set(key: string, picture: Picture): void {
+    const known = this.pictures.get(key);
+    if (known !== undefined) known.value = picture;
+  }
+}

@@ -1,0 +1,60 @@
+import type { DocumentState, Quality, Stage } from "../protocol";
+import type { Event } from "./editor";
+
+export interface LiveWords {
+  tone: "idle" | "busy" | "good" | "warning" | "problem";
+  text: string;
+  explained: string;
+}
+
+const qualities: Record<Quality, [string, string]> = {
+  proxy: ["Preview", "A simplified mesh stands in while the exact solution is prepared."],
+  reduced: ["Quick preview", "Good to some per cent; the exact shape follows when the handle rests."],
+  linear: ["Exact", "Each frame is exact, to rounding."],
+  exact: ["Exact", "This is what saving writes."],
+};
+
+const stages: Record<Stage, [LiveWords["tone"], string, string]> = {
+  starting: ["busy", "Getting ready", "A first preview comes in a moment. You may drag already."],
+  preview: ["busy", "Preview; the exact shape is being prepared", "Drag as you like: it gets better by itself."],
+  exact: ["good", "Exact; making drags quicker", "The exact solution is there; quicker frames are being prepared."],
+  ready: ["good", "Ready", "All is prepared."],
+  "proxy-only": [
+    "warning",
+    "Preview only",
+    "The exact solution does not fit into this machine's memory. Saving solves what is shown here. A smaller region helps.",
+  ],
+  failed: ["problem", "Cannot be solved", "See the message."],
+  closed: ["idle", "", ""],
+};
+
+/** What the live deformation is doing, for people. */
+export function liveWords(state: DocumentState | null, live: Event<"live">): LiveWords {
+  if (state === null) return { tone: "idle", text: "Nothing open", explained: "" };
+  if (state.handles.length === 0)
+    return { tone: "idle", text: "No handle yet", explained: "Paint a handle to have something to pull by." };
+  if (state.counts === null)
+    return { tone: "idle", text: "Nothing can move yet", explained: "The handle needs a region around it." };
+  if (live.error !== undefined) return { tone: "problem", text: live.error.problem, explained: live.error.remedy };
+  const [tone, text, explained] = stages[live.stage ?? "starting"];
+  const quality = live.quality === undefined ? undefined : qualities[live.quality];
+  if (quality === undefined || tone !== "good") return { tone, text, explained };
+  return { tone, text: live.stage === "exact" ? text : quality[0], explained: quality[1] };
+}
+
+const setupWords: readonly [RegExp, string][] = [
+  [/analy|order|symbolic/i, "planning the solve"],
+  [/factor/i, "solving the equations"],
+  [/assembl|operator|matrix/i, "setting up the equations"],
+  [/proxy|decimat|simplif/i, "making a preview"],
+  [/basis|frames|reduced|column/i, "preparing quick frames"],
+  [/hierarch|coarse|cluster/i, "preparing quick frames"],
+  [/read|pars|load/i, "reading the file"],
+  [/writ|sav/i, "writing the file"],
+  [/solve/i, "solving"],
+];
+
+/** A stage of the engine's progress in common words; its own where there are none. */
+export function stageWords(stage: string): string {
+  return setupWords.find(([pattern]) => pattern.test(stage))?.[1] ?? stage;
+}

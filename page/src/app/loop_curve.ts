@@ -1,0 +1,123 @@
+// Boundary loops as curves measured by length. No state, no screen.
+import type { Meeting } from "./graft_step";
+
+/** A closed loop of vertices, each at its share of the loop's length from the first one: 0 to below 1. */
+export class LoopCurve {
+  readonly length: number;
+  private readonly arcs: Float64Array;
+  private readonly indexOfVertex = new Map<number, number>();
+
+  constructor(
+    readonly vertices: Uint32Array,
+    positions: Float32Array,
+  ) {
+    const n = vertices.length;
+    this.arcs = new Float64Array(n);
+    let length = 0;
+    for (let i = 0; i < n; ++i) {
+      this.arcs[i] = length;
+      this.indexOfVertex.set(vertices[i] as number, i);
+      length += distance(positions, vertices[i] as number, vertices[(i + 1) % n] as number);
+    }
+    this.length = length;
+    if (length > 0) for (let i = 0; i < n; ++i) this.arcs[i] = (this.arcs[i] as number) / length;
+  }
+
+  has(vertex: number): boolean {
+    return this.indexOfVertex.has(vertex);
+  }
+
+  /** Undefined: the vertex is not on this loop. */
+  arcOf(vertex: number): number | undefined {
+    const index = this.indexOfVertex.get(vertex);
+    return index === undefined ? undefined : this.arcs[index];
+  }
+
+  /** The vertex nearest to a place along the loop. */
+  vertexAt(arc: number): number {
+    let best = 0;
+    for (let i = 1; i < this.arcs.length; ++i)
+      if (Math.abs(between(this.arcs[i] as number, arc)) < Math.abs(between(this.arcs[best] as number, arc))) best = i;
+    return this.vertices[best] as number;
+  }
+}
+
+/** The way from `from` to `to` along a loop, as a share of it: -0.5 to 0.5. */
+export function between(from: number, to: number): number {
+  return to - from - Math.round(to - from);
+}
+
+/** The place on the target's loop that meets a vertex of the source's, where one meeting says how: loops run opposite ways. */
+export function meetingPlace(source: LoopCurve, target: LoopCurve, start: Meeting, vertex: number): number | undefined {
+  const from = source.arcOf(start[0]);
+  const at = source.arcOf(vertex);
+  const to = target.arcOf(start[1]);
+  return from === undefined || at === undefined || to === undefined ? undefined : to - (at - from);
+}
+
+/** By how much `start` is turned against `base`, in degrees along the target's loop: -180 to 180. */
+export function twistDeg(source: LoopCurve, target: LoopCurve, base: Meeting, start: Meeting): number {
+  const untwisted = meetingPlace(source, target, base, start[0]);
+  const now = target.arcOf(start[1]);
+  return untwisted === undefined || now === undefined ? 0 : 360 * between(untwisted, now);
+}
+
+/**
+ * The start that is turned by `angleDeg` against `base`: of all vertices of both loops the two that come nearest, so
+ * that coarse loops turn finely, too.
+ */
+export function twisted(source: LoopCurve, target: LoopCurve, base: Meeting, angleDeg: number): Meeting {
+  let best = base;
+  let least = Infinity;
+  const many = Math.max(1, Math.floor(source.vertices.length / 256));
+  for (let i = 0; i < source.vertices.length; i += many) {
+    const vertex = source.vertices[i] as number;
+    const place = meetingPlace(source, target, base, vertex);
+    if (place === undefined) return base;
+    const wanted = place + angleDeg / 360;
+    const found = target.vertexAt(wanted - Math.floor(wanted));
+    const off = Math.abs(between(target.arcOf(found) ?? 0, wanted)) + 1e-9 * Math.abs(between(source.arcOf(base[0]) ?? 0, source.arcOf(vertex) ?? 0));
+    if (off < least) {
+      least = off;
+      best = [vertex, found];
+    }
+  }
+  return best;
+}
+
+/** Whether all that meets goes round both loops in the same order, opposite ways: what crosses is refused. */
+export function areInOrder(source: LoopCurve, target: LoopCurve, meetings: readonly Meeting[]): boolean {
+  const first = meetings[0];
+  if (first === undefined) return true;
+  const from = (arc: number | undefined, origin: number | undefined) => {
+    const way = (arc ?? 0) - (origin ?? 0);
+    return way - Math.floor(way);
+  };
+  const ways = meetings.map(([s, t]): [number, number] => [
+    from(source.arcOf(s), source.arcOf(first[0])),
+    from(target.arcOf(first[1]), target.arcOf(t)),
+  ]);
+  ways.sort((a, b) => a[0] - b[0]);
+  return ways.every(([s, t], i) => {
+    const before = ways[i - 1];
+    return before === undefined || (s > before[0] && t > before[1]);
+  });
+}
+
+/** The vertex of a polyline of places on the page that is nearest to a point, and how far it is, in pixels. */
+export function nearestPlace(places: ArrayLike<number>, x: number, y: number): { index: number; distance: number } {
+  let index = -1;
+  let least = Infinity;
+  for (let i = 0; 2 * i + 1 < places.length; ++i) {
+    const far = ((places[2 * i] as number) - x) ** 2 + ((places[2 * i + 1] as number) - y) ** 2;
+    if (far < least) {
+      least = far;
+      index = i;
+    }
+  }
+  return { index, distance: Math.sqrt(least) };
+}
+
+function distance(p: Float32Array, a: number, b: number): number {
+  return Math.hypot(...[0, 1, 2].map((k) => (p[3 * a + k] ?? 0) - (p[3 * b + k] ?? 0)));
+}

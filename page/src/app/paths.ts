@@ -1,0 +1,45 @@
+/** Names of files, as the engine's machine writes them. */
+export function baseName(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1);
+}
+export function folderOf(path: string): string {
+  return path.slice(0, Math.max(1, path.lastIndexOf("/")));
+}
+export function joined(folder: string, name: string): string {
+  return folder.endsWith("/") ? folder + name : `${folder}/${name}`;
+}
+export function stemOf(name: string): string {
+  const base = baseName(name);
+  const dot = base.lastIndexOf(".");
+  return dot > 0 ? base.slice(0, dot) : base;
+}
+/** `name` with this extension (".ply") in place of another of a mesh or an edit file, or behind it. */
+export function withExtension(name: string, extension: string): string {
+  return name.replace(/\.(json|ply|obj|off|stl|glb|gltf|3mf)$/i, "") + extension;
+}
+
+export interface MeshFormat {
+  extension: string;
+  label: string;
+  keeps: string;
+  morphTargets?: boolean;
+}
+
+/** What meshes can be written as, and what that keeps (docs/files.md). */
+export const meshFormats: readonly MeshFormat[] = [
+  { extension: ".ply", label: "PLY", keeps: "Vertex order, colours and whatever else the vertices have." },
+  { extension: ".obj", label: "OBJ", keeps: "Vertex order, UVs with their seams, groups and materials." },
+  { extension: ".glb", label: "glTF, one file", keeps: "For the web and game engines, with textures.", morphTargets: true },
+  { extension: ".gltf", label: "glTF", keeps: "The same in several files.", morphTargets: true },
+  { extension: ".stl", label: "STL", keeps: "Triangles alone, for printing." },
+  { extension: ".3mf", label: "3MF", keeps: "For printing, with the unit and colours." },
+  { extension: ".off", label: "OFF", keeps: "Vertices and faces alone." },
+];
+
+/** Why a file cannot be called so; undefined where it can. */
+export function faultOfName(name: string): string | undefined {
+  if (name.trim() === "") return "Give it a name.";
+  if (name.includes("/") || name.includes("\\")) return "A name has no slashes. Choose the folder above.";
+  if (name.startsWith(".")) return "A name that starts with a dot is hidden from view.";
+  return undefined;
+}

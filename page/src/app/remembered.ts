@@ -1,0 +1,44 @@
+import { effect, signal, type Signal } from "@preact/signals";
+
+const known = new Map<string, Signal<unknown>>();
+
+/** A signal that the browser remembers, as far as it is allowed to; one for each name. */
+export function remembered<Value>(name: string, otherwise: Value): Signal<Value> {
+  const before = known.get(name);
+  if (before !== undefined) return before as Signal<Value>;
+  const made = signal<Value>(read(name, otherwise));
+  effect(() => write(name, made.value));
+  known.set(name, made as Signal<unknown>);
+  return made;
+}
+
+function key(name: string): string {
+  return `meshgraft ${name}`;
+}
+
+function read<Value>(name: string, otherwise: Value): Value {
+  try {
+    const text = localStorage.getItem(key(name));
+    const value: unknown = text === null ? otherwise : JSON.parse(text);
+    return typeof value === typeof otherwise ? (value as Value) : otherwise;
+  } catch {
+    return otherwise;
+  }
+}
+
+function write(name: string, value: unknown): void {
+  try {
+    localStorage.setItem(key(name), JSON.stringify(value));
+  } catch {
+    // A browser that keeps nothing starts with the usual settings each time.
+  }
+}
+
+/** Lets the browser remember signals by their names; only for what a person sets. */
+export function rememberSettings(settings: Readonly<Record<string, Signal<string> | Signal<boolean>>>): void {
+  for (const [name, setting] of Object.entries(settings)) {
+    const kept = setting as Signal<string | boolean>;
+    kept.value = read(`setting ${name}`, kept.value);
+    effect(() => write(`setting ${name}`, kept.value));
+  }
+}

@@ -1,0 +1,161 @@
+export type Unit = "mm" | "cm" | "m" | "in" | "none";
+export type Quantity = "length" | "angle" | "factor" | "number";
+
+const lengthsMm: Record<string, number> = {
+  µm: 0.001,
+  um: 0.001,
+  mm: 1,
+  cm: 10,
+  dm: 100,
+  m: 1000,
+  in: 25.4,
+  '"': 25.4,
+  ft: 304.8,
+  "'": 304.8,
+};
+const anglesDeg: Record<string, number> = {
+  "°": 1,
+  deg: 1,
+  rad: 180 / Math.PI,
+  turn: 360,
+  turns: 360,
+};
+
+/** `value` with some significant digits, and no zeros at the end. */
+export function formatNumber(value: number, digits = 4): string {
+  if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e7 || size < 1e-5) return value.toExponential(digits - 1).replace(/\.?0+e/, "e").replace("e+", "e");
+  const places = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  const text = value.toFixed(Math.min(12, places));
+  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
+/** A length of the model, with what its unit is called. */
+export function formatLength(value: number, unit: Unit, digits = 4): string {
+  return unit === "none" ? formatNumber(value, digits) : `${formatNumber(value, digits)} ${unit}`;
+}
+
+/** Sides of a box in millimetres where the unit says what that is; else in units of the model. */
+export function formatSize(sides: readonly number[], unit: Unit): string {
+  const factor = unit === "none" ? 1 : (lengthsMm[unit] ?? 1);
+  const text = sides.map((side) => formatNumber(side * factor, 3)).join(" × ");
+  return unit === "none" ? text : `${text} mm`;
+}
+
+export function formatCount(count: number): string {
+  return String(Math.round(count)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}
+
+/** "1 vertex", "2 vertices". */
+export function counted(count: number, one: string, many = `${one}s`): string {
+  return `${formatCount(count)} ${count === 1 ? one : many}`;
+}
+
+export function formatSeconds(seconds: number): string {
+  if (seconds < 0.001) return "< 1 ms";
+  if (seconds < 0.9995) return `${formatNumber(1000 * seconds, seconds < 0.01 ? 2 : 3)} ms`;
+  if (seconds < 60) return `${formatNumber(seconds, 2)} s`;
+  return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
+}
+
+export function formatBytes(bytes: number): string {
+  if (bytes < 1000) return `${bytes} B`;
+  const steps = ["kB", "MB", "GB", "TB"];
+  let size = bytes / 1000;
+  let step = 0;
+  for (; size >= 999.5 && step + 1 < steps.length; ++step) size /= 1000;
+  return `${formatNumber(size, 3)} ${steps[step]}`;
+}
+
+/** A relative error as a part of the movement. */
+export function formatPercent(part: number): string {
+  if (part === 0) return "0 %";
+  return part < 0.001 ? "< 0.1 %" : `${formatNumber(100 * part, 2)} %`;
+}
+
+/**
+ * What a person typed: a number, or a small calculation (+ − × ÷ and brackets), each number with a unit if wanted
+ * ("1 in + 2 mm", "2 turns", "150 %", "1,5"). In model units, degrees or a factor; undefined where it is none.
+ */
+export function parseQuantity(text: string, quantity: Quantity, unit: Unit = "none"): number | undefined {
+  const parser = new Parser(text, (name) => factorOf(name, quantity, unit));
+  const value = parser.parse();
+  return value !== undefined && Number.isFinite(value) ? value : undefined;
+}
+
+function factorOf(name: string, quantity: Quantity, unit: Unit): number | undefined {
+  if (quantity === "length" && unit !== "none") {
+    const mm = lengthsMm[name];
+    return mm === undefined ? undefined : mm / (lengthsMm[unit] as number);
+  }
+  if (quantity === "angle") return anglesDeg[name];
+  if (quantity === "factor") return name === "%" ? 0.01 : name === "×" || name === "x" ? 1 : undefined;
+  return undefined;
+}
+
+/** sum = product {+ product}, product = signed {* signed}, signed = [-] (number [unit] | "(" sum ")"). */
+class Parser {
+  private rest: string;
+
+  constructor(
+    text: string,
+    private readonly factorOf: (unit: string) => number | undefined,
+  ) {
+    this.rest = text.trim().replace(/[−–]/g, "-").replace(/·/g, "*").replace(/÷/g, "/");
+  }
+
+  parse(): number | undefined {
+    const value = this.sum();
+    return this.rest === "" ? value : undefined;
+  }
+
+  private take(pattern: RegExp): string | undefined {
+    const found = pattern.exec(this.rest)?.[0];
+    if (found !== undefined) this.rest = this.rest.slice(found.length).trimStart();
+    return found;
+  }
+
+  private sum(): number | undefined {
+    let value = this.product();
+    for (let sign = this.take(/^[+-]/); sign !== undefined && value !== undefined; sign = this.take(/^[+-]/)) {
+      const next = this.product();
+      value = next === undefined ? undefined : value + (sign === "+" ? next : -next);
+    }
+    return value;
+  }
+
+  private product(): number | undefined {
+    let value = this.signed();
+    for (let sign = this.take(/^[*/]/); sign !== undefined && value !== undefined; sign = this.take(/^[*/]/)) {
+      const next = this.signed();
+      value = next === undefined ? undefined : sign === "*" ? value * next : value / next;
+    }
+    return value;
+  }
+
+  private signed(): number | undefined {
+    if (this.take(/^-/) !== undefined) {
+      const value = this.signed();
+      return value === undefined ? undefined : -value;
+    }
+    this.take(/^\+/);
+    return this.take(/^\(/) !== undefined ? this.bracket() : this.number();
+  }
+
+  private bracket(): number | undefined {
+    const value = this.sum();
+    return this.take(/^\)/) === undefined ? undefined : value;
+  }
+
+  private number(): number | undefined {
+    const digits = this.take(/^(\d+([.,]\d*)?|[.,]\d+)(e[+-]?\d+)?/i);
+    if (digits === undefined) return undefined;
+    const value = Number(digits.replace(",", "."));
+    const unit = this.take(/^([a-zµ]+|[°%×"'])/i);
+    if (unit === undefined) return value;
+    const factor = this.factorOf(unit.toLowerCase());
+    return factor === undefined ? undefined : value * factor;
+  }
+}

@@ -1,0 +1,80 @@
+import { signal, type Signal } from "@preact/signals";
+import type { EngineError } from "../protocol";
+import { formatBytes } from "./units";
+
+/** What the server takes at most (`ServerOptions::upload_limit`). */
+export const uploadLimit = 2 ** 30;
+
+const formats = [".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".3mf"];
+
+/** Why a file cannot be uploaded; found before a byte is sent. */
+export function refusalOf(file: { name: string; size: number }): EngineError | undefined {
+  if (file.size > uploadLimit)
+    return {
+      code: "usage",
+      problem: `The file has ${formatBytes(file.size)}; more than ${formatBytes(uploadLimit)} are not sent through the browser`,
+      place: file.name,
+      remedy: "Open it from its folder: start `meshgraft edit` with the file, or with --folder and its folder.",
+    };
+  if (file.size === 0) return { code: "input", problem: "The file is empty", place: file.name, remedy: "" };
+  if (/\.json$/i.test(file.name))
+    return {
+      code: "usage",
+      problem: "An edit file refers to models beside it, which the browser does not see",
+      place: file.name,
+      remedy: "Open it from its folder: start `meshgraft edit` with it, or browse the folders.",
+    };
+  if (!formats.some((format) => file.name.toLowerCase().endsWith(format)))
+    return {
+      code: "input",
+      problem: "This kind of file cannot be opened",
+      place: file.name,
+      remedy: `Models are ${formats.join(", ")}.`,
+    };
+  return undefined;
+}
+
+/** A file on its way to the engine. */
+export class Upload {
+  readonly fraction: Signal<number> = signal(0);
+  private readonly request = new XMLHttpRequest();
+
+  constructor(
+    readonly file: File,
+    private readonly token: string,
+  ) {}
+
+  /** The engine's name for it; undefined where it was cancelled. Throws an EngineError. */
+  send(): Promise<string | undefined> {
+    const { request, file } = this;
+    return new Promise((resolve, reject: (why: EngineError) => void) => {
+      request.upload.onprogress = ({ loaded, total }) => (this.fraction.value = total > 0 ? loaded / total : 0);
+      request.onload = () => (request.status === 200 ? resolve(request.responseText.trim()) : reject(this.refused()));
+      request.onerror = () =>
+        reject({
+          code: "io",
+          problem: "The file could not be sent",
+          place: file.name,
+          remedy: "Look whether `meshgraft edit` still runs, and try again.",
+        });
+      request.onabort = () => resolve(undefined);
+      const query = new URLSearchParams({ token: this.token, name: file.name });
+      request.open("POST", `/upload?${query}`);
+      request.send(file);
+    });
+  }
+
+  cancel(): void {
+    this.request.abort();
+  }
+
+  private refused(): EngineError {
+    const text = this.request.responseText.trim();
+    return {
+      code: "io",
+      problem: text === "" ? `The engine refused the file (${this.request.status})` : text,
+      place: this.file.name,
+      remedy: "",
+    };
+  }
+}

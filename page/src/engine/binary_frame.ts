@@ -1,0 +1,57 @@
+import type { FrameHeader } from "../protocol";
+
+/** What a binary message is about. */
+export enum FrameKind {
+  mesh = 1,
+  frame = 2,
+  weights = 3,
+  selection = 4,
+  roles = 5,
+  graft = 6,
+  loops = 7,
+  thumbnail = 8,
+}
+
+const types = { float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array } as const;
+
+/** A binary message of the engine: its header, and its arrays, which lie in the message's own bytes. */
+export class BinaryFrame {
+  private readonly arrays = new Map<string, Float32Array | Uint32Array | Uint8Array>();
+
+  private constructor(
+    readonly kind: FrameKind,
+    readonly header: FrameHeader,
+  ) {}
+
+  /** Throws where `bytes` are not such a message. */
+  static parse(bytes: ArrayBuffer): BinaryFrame {
+    const start = new DataView(bytes);
+    if (bytes.byteLength < 12 || start.getUint32(0, true) !== 0x3146474d) throw new Error("not a frame of meshgraft");
+    const length = start.getUint32(8, true);
+    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 12, length))) as FrameHeader;
+    const frame = new BinaryFrame(start.getUint32(4, true), header);
+    let at = 12 + length;
+    for (const { name, type, length } of header.arrays) {
+      const array = new types[type](bytes, at, length);
+      frame.arrays.set(name, array);
+      at += 4 * Math.ceil(array.byteLength / 4);
+    }
+    return frame;
+  }
+
+  names(): string[] {
+    return [...this.arrays.keys()];
+  }
+  floats(name: string): Float32Array | undefined {
+    const array = this.arrays.get(name);
+    return array instanceof Float32Array ? array : undefined;
+  }
+  indices(name: string): Uint32Array | undefined {
+    const array = this.arrays.get(name);
+    return array instanceof Uint32Array ? array : undefined;
+  }
+  bytes(name: string): Uint8Array<ArrayBuffer> | undefined {
+    const array = this.arrays.get(name);
+    return array instanceof Uint8Array ? (array as Uint8Array<ArrayBuffer>) : undefined;
+  }
+}

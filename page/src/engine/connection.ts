@@ -1,0 +1,102 @@
+import type { EngineError, EngineEvent, Id, PageRequest, Reply, Result } from "../protocol";
+import { BinaryFrame } from "./binary_frame";
+
+/** A request that the engine refused: what is wrong, where, and what helps. */
+export class Refusal extends Error {
+  constructor(readonly error: EngineError) {
+    super(error.problem);
+  }
+}
+
+export type Link = "connecting" | "open" | "lost";
+
+interface Listeners {
+  event: (event: EngineEvent) => void;
+  frame: (frame: BinaryFrame) => void;
+  link: (link: Link) => void;
+}
+
+/** A reply without the fields that belong to another request. */
+export type Outcome = Exclude<Result, { model: unknown }>;
+
+/**
+ * The page's WebSocket: requests and their replies, events and binary frames. When it is lost it is tried again
+ * until the engine answers; what was open there is gone then, and `link` says so.
+ */
+export class Connection {
+  private socket: WebSocket | undefined;
+  private last = 0;
+  private readonly waiting = new Map<Id, { resolve: (result: Outcome) => void; reject: (why: Refusal) => void }>();
+  private retryMs = 250;
+
+  constructor(
+    private readonly address: string,
+    private readonly listeners: Listeners,
+  ) {}
+
+  open(): void {
+    this.listeners.link("connecting");
+    const socket = new WebSocket(this.address);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.retryMs = 250;
+      this.listeners.link("open");
+    };
+    socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
+    socket.onclose = () => this.lose();
+    this.socket = socket;
+  }
+
+  /** The engine's answer. Rejects with `Refusal` where it refuses, or where the connection is lost. */
+  request(request: PageRequest): Promise<Outcome> {
+    return this.send(request).answer;
+  }
+
+  /** The same, with the number to cancel it by. */
+  send(request: PageRequest): { id: Id; answer: Promise<Outcome> } {
+    const id = ++this.last;
+    const answer = new Promise<Outcome>((resolve, reject) => {
+      if (this.socket?.readyState !== WebSocket.OPEN) {
+        reject(lost());
+        return;
+      }
+      this.waiting.set(id, { resolve, reject });
+      this.socket.send(JSON.stringify({ id, ...request }));
+    });
+    return { id, answer };
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (typeof data !== "string") {
+      this.listeners.frame(BinaryFrame.parse(data));
+      return;
+    }
+    const message = JSON.parse(data) as Reply | EngineEvent;
+    if (!("re" in message)) {
+      this.listeners.event(message);
+      return;
+    }
+    const asked = message.re === null ? undefined : this.waiting.get(message.re);
+    if (asked === undefined || message.re === null) return;
+    this.waiting.delete(message.re);
+    if (message.error !== undefined) asked.reject(new Refusal(message.error));
+    else asked.resolve((message.result ?? {}) as Outcome);
+  }
+
+  private lose(): void {
+    for (const { reject } of this.waiting.values()) reject(lost());
+    this.waiting.clear();
+    this.listeners.link("lost");
+    setTimeout(() => this.open(), this.retryMs);
+    this.retryMs = Math.min(4000, 2 * this.retryMs);
+  }
+}
+
+function lost(): Refusal {
+  return new Refusal({
+    code: "io",
+    problem: "the engine does not answer",
+    place: "",
+    remedy: "Look whether `meshgraft edit` still runs; this page connects again by itself.",
+  });
+}

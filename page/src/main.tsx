@@ -1,0 +1,54 @@
+import { render } from "preact";
+import { makeCommands, type PageActions } from "./app/commands";
+import { Editor } from "./app/editor";
+import { listenForKeys } from "./app/keys";
+import { rememberSettings } from "./app/remembered";
+import { ViewSettings } from "./app/view_settings";
+import { viewActions } from "./app/view_actions";
+import { App } from "./panels/app";
+import { ToolBox } from "./tools/toolbox";
+import { GraftView } from "./view/graft_view";
+import { Viewport } from "./view/viewport";
+import "./style.css";
+
+const view = new ViewSettings();
+rememberSettings({ theme: view.theme, unit: view.unit, grid: view.grid });
+const viewport = new Viewport(view);
+const editor = new Editor(new URLSearchParams(location.search).get("token") ?? "", viewport, view);
+
+const graftView = new GraftView(viewport, editor.graft);
+const tools = new ToolBox(editor, viewport, graftView);
+
+const dialogs: PageActions = {
+  open: () => (editor.dialog.value = "open"),
+  save: () => void editor.save(),
+  saveAs: () => (editor.dialog.value = "save"),
+  exportMesh: () => (editor.dialog.value = "export"),
+  help: () => (editor.dialog.value = "help"),
+};
+const commands = makeCommands({
+  editor,
+  settings: editor.tools,
+  view,
+  tools,
+  viewport: viewActions(editor, viewport),
+  page: dialogs,
+});
+
+function attach(host: HTMLElement): void {
+  viewport.attach(host);
+  tools.attach();
+  graftView.start();
+}
+
+const root = document.getElementById("app");
+if (root !== null) render(<App page={{ editor, viewport, commands, graft: tools.graft, attach }} />, root);
+const isInDialog = () => document.querySelector("dialog[open]") !== null;
+listenForKeys(
+  () => (isInDialog() ? [] : commands),
+  (event) => !isInDialog() && tools.takeKey(event),
+);
+editor.start();
+
+// For the tests, which look at what the page holds.
+Object.assign(window, { meshgraft: { editor, graftView, viewport } });

@@ -1,0 +1,188 @@
+import { useState } from "preact/hooks";
+import type { Page } from "../app/page";
+import { baseName, faultOfName, folderOf, joined, meshFormats, stemOf, withExtension, type MeshFormat } from "../app/paths";
+import { remembered } from "../app/remembered";
+import type { EngineError, PageRequest } from "../protocol";
+import { FolderBrowser, useListing } from "./folder_browser";
+import { sentence } from "./messages";
+import { Button } from "./ui/button";
+import { Dialog } from "./ui/dialog";
+import { Segments, Select, Toggle } from "./ui/fields";
+
+type FileRequest = Extract<PageRequest, { do: "save" | "export" }>;
+
+interface TargetProps {
+  page: Page;
+  title: string;
+  done: string;
+  action: string;
+  extension: string;
+  start: { folder: string | null; name: string };
+  request: (path: string, overwrite: boolean) => FileRequest;
+  onClose: () => void;
+  children?: preact.ComponentChildren;
+}
+
+/** Where a file goes: a folder, a name, and a question before it replaces another one. */
+function TargetDialog(props: TargetProps) {
+  const { page, extension, start, onClose } = props;
+  const [folder, setFolder] = useState(start.folder);
+  const [typed, setTyped] = useState(start.name);
+  const [failure, setFailure] = useState<EngineError | undefined>(undefined);
+  const [asks, setAsks] = useState(false);
+  const [busy, setBusy] = useState(false);
+  const listing = useListing(page, folder);
+  const name = withExtension(typed.trim(), extension);
+  const fault = folder === null ? "Choose a folder." : faultOfName(typed);
+  const exists = listing?.files.some((file) => file.name === name) === true;
+  const write = async (overwrite: boolean) => {
+    if (fault !== undefined || folder === null) return;
+    if (exists && !overwrite) return setAsks(true);
+    setBusy(true);
+    setFailure(undefined);
+    const answer = await page.editor.attempt(props.request(joined(folder, name), overwrite));
+    setBusy(false);
+    setAsks(false);
+    if ("code" in answer) return setFailure(answer);
+    onClose();
+    page.editor.tellFiles(props.done, answer);
+  };
+  const actions = asks ? (
+    <>
+      <p class="question">
+        <strong>{name}</strong> is there already. Replace it?
+      </p>
+      <Button label="Keep it" kind="quiet" onClick={() => setAsks(false)} />
+      <Button label="Replace" kind="danger" onClick={() => void write(true)} />
+    </>
+  ) : (
+    <>
+      <Button label="Cancel" kind="quiet" onClick={onClose} />
+      <Button label={props.action} kind="primary" disabled={fault !== undefined || busy} onClick={() => void write(false)} />
+    </>
+  );
+  return (
+    <Dialog title={props.title} onClose={onClose} actions={actions} wide>
+      {props.children}
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          void write(false);
+        }}
+      >
+        <label class="row file-name-row">
+          <span>Name</span>
+          <input type="text" value={typed} autoFocus onFocus={(event) => event.currentTarget.select()} onInput={(event) => { setTyped(event.currentTarget.value); setAsks(false); }} />
+          <span class="suffix">{withExtension("", extension)}</span>
+        </label>
+      </form>
+      <FolderBrowser page={page} folder={folder} onFolder={(to) => { setFolder(to); setAsks(false); }} listing={listing} onFile={(path) => setTyped(stemOf(path))} shows={(entry) => entry.name.endsWith(extension)} />
+      {fault !== undefined && <p class="hint">{fault}</p>}
+      {failure !== undefined && (
+        <p class="failure" role="alert">
+          {sentence(failure.problem)}. {failure.remedy}
+        </p>
+      )}
+    </Dialog>
+  );
+}
+
+function firstFolder(page: Page): string | null {
+  const { state, welcome } = page.editor;
+  const edit = state.value?.edit ?? "";
+  return edit !== "" ? folderOf(edit) : (welcome.value?.folders[0] ?? null);
+}
+
+/** The edit file: what was done, without the mesh. */
+export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void }) {
+  const state = page.editor.state.value;
+  const name = state === null || state.edit === "" ? `${stemOf(state?.name ?? "model")} edit` : stemOf(state.edit);
+  return (
+    <TargetDialog
+      page={page}
+      title="Save the edit"
+      done="Saved"
+      action="Save"
+      extension=".json"
+      start={{ folder: firstFolder(page), name }}
+      request={(edit, overwrite) => ({ do: "save", edit, overwrite })}
+      onClose={onClose}
+    >
+      <p class="hint">An edit file has all that you did, to go on later or to run again: <code>meshgraft run</code>. The model itself stays as it is.</p>
+    </TargetDialog>
+  );
+}
+
+/** The deformed mesh in a file of its own. */
+export function ExportDialog({ page, onClose }: { page: Page; onClose: () => void }) {
+  const state = page.editor.state.value;
+  const extension = remembered("export format", ".ply");
+  const format = meshFormats.find((one) => one.extension === extension.value) ?? (meshFormats[0] as MeshFormat);
+  const [isMorph, setMorph] = useState(false);
+  const [morphName, setMorphName] = useState("edit");
+  const asMorph = isMorph && format.morphTargets === true;
+  return (
+    <TargetDialog
+      key={format.extension}
+      page={page}
+      title="Export the mesh"
+      done="Exported"
+      action="Export"
+      extension={format.extension}
+      start={{ folder: firstFolder(page), name: `${stemOf(state?.name ?? "model")} deformed` }}
+      request={(path, overwrite) => ({ do: "export", path, overwrite, ...(asMorph ? { as: "morph-target", name: morphName.trim() === "" ? "edit" : morphName.trim() } : { as: "mesh" }) })}
+      onClose={onClose}
+    >
+      <Select
+        label="Format"
+        value={format.extension}
+        choices={meshFormats.map((one) => ({ value: one.extension, label: `${one.label} (${one.extension})` }))}
+        onChange={(to) => (extension.value = to)}
+      />
+      <p class="hint">{format.keeps}</p>
+      {format.morphTargets === true && (
+        <Toggle label="As a morph target" value={isMorph} help="Keeps the shape, and adds the edit as a morph target to blend in." onChange={setMorph} />
+      )}
+      {asMorph && (
+        <label class="row">
+          <span>Name of the target</span>
+          <input type="text" value={morphName} onInput={(event) => setMorphName(event.currentTarget.value)} />
+        </label>
+      )}
+    </TargetDialog>
+  );
+}
+
+/** Another model in place of the one that is open. */
+export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void }) {
+  const { editor } = page;
+  const welcome = editor.welcome.value;
+  const [folder, setFolder] = useState<string | null>(welcome?.folders[0] ?? null);
+  const [source, setSource] = useState<"files" | "samples">(welcome?.folders.length === 0 ? "samples" : "files");
+  const listing = useListing(page, folder);
+  const state = editor.state.value;
+  return (
+    <Dialog title="Open" onClose={onClose} wide>
+      {state?.dirty === true && (
+        <p class="warning-line">
+          {baseName(state.name)} has changes that are not saved. They are kept in its journal, and offered when you open it again.
+        </p>
+      )}
+      <Segments label="From" hideLabel value={source} choices={[{ value: "files", label: "Files" }, { value: "samples", label: "Samples" }]} onChange={setSource} />
+      {source === "files" && <FolderBrowser page={page} folder={folder} onFolder={setFolder} listing={listing} onFile={(path) => void editor.open({ do: "open", path })} />}
+      {source === "samples" && (
+        <ul class="list browser-list" aria-label="Samples">
+          {(welcome?.samples ?? []).map(({ name, description }) => (
+            <li key={name}>
+              <button type="button" class="list-main" onClick={() => void editor.open({ do: "open", sample: name })}>
+                <span class="list-name">{name}</span>
+                <small>{description}</small>
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
+      <p class="hint">Or drop a file anywhere on the page.</p>
+    </Dialog>
+  );
+}

@@ -1,0 +1,87 @@
+import { useEffect, useState } from "preact/hooks";
+import type { Page } from "../app/page";
+import { baseName, folderOf, joined } from "../app/paths";
+import { formatBytes } from "../app/units";
+import { Icon } from "./ui/icon";
+
+export interface Entry {
+  name: string;
+  kind: "model" | "edit";
+  bytes: number;
+}
+
+export interface Listing {
+  folder: string | null;
+  folders: string[];
+  files: Entry[];
+}
+
+/** A folder's content by the engine; undefined until it is there, or where it cannot be had. */
+export function useListing(page: Page, folder: string | null): Listing | undefined {
+  const [listing, setListing] = useState<Listing | undefined>(undefined);
+  useEffect(() => {
+    let wanted = true;
+    void page.editor.ask(folder === null ? { do: "list" } : { do: "list", folder }).then((outcome) => {
+      if (!wanted || outcome === undefined) return;
+      const files = (outcome.files ?? []).filter((file) => typeof file !== "string");
+      setListing({ folder: outcome.folder ?? null, folders: outcome.folders ?? [], files });
+    });
+    return () => {
+      wanted = false;
+    };
+  }, [folder]);
+  return listing;
+}
+
+interface BrowserProps {
+  page: Page;
+  folder: string | null;
+  onFolder: (folder: string | null) => void;
+  listing: Listing | undefined;
+  /** Absent: files are only shown. */
+  onFile?: (path: string, entry: Entry) => void;
+  shows?: (entry: Entry) => boolean;
+}
+
+/** Folders that may be used, and what is in them. */
+export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }: BrowserProps) {
+  const roots = page.editor.welcome.value?.folders ?? [];
+  const isRoot = folder === null || roots.includes(folder);
+  const files = (listing?.files ?? []).filter((entry) => shows?.(entry) !== false);
+  const isEmpty = listing !== undefined && listing.folders.length === 0 && files.length === 0;
+  return (
+    <div class="browser">
+      <div class="browser-path">
+        <button type="button" class="icon-button" aria-label="One folder up" disabled={folder === null} onClick={() => onFolder(isRoot ? null : folderOf(folder))}>
+          <Icon name="up" />
+        </button>
+        <code data-tip={folder ?? ""}>{folder === null ? "Folders that the editor may use" : shortened(folder)}</code>
+      </div>
+      <ul class="list browser-list" aria-label="Files">
+        {(listing?.folders ?? []).map((name) => (
+          <li key={name}>
+            <button type="button" class="list-main" onClick={() => onFolder(folder === null ? name : joined(folder, name))}>
+              <Icon name="folder" size={16} />
+              <span class="list-name">{folder === null ? name : baseName(name)}</span>
+            </button>
+          </li>
+        ))}
+        {files.map((entry) => (
+          <li key={entry.name}>
+            <button type="button" class="list-main" disabled={onFile === undefined || folder === null} onClick={() => folder !== null && onFile?.(joined(folder, entry.name), entry)}>
+              <Icon name={entry.kind} size={16} />
+              <span class="list-name">{entry.name}</span>
+              <small>{formatBytes(entry.bytes)}</small>
+            </button>
+          </li>
+        ))}
+        {isEmpty && <li class="nothing">{folder === null ? "No folder: start the editor with --folder to use one." : "Nothing of this kind here."}</li>}
+      </ul>
+    </div>
+  );
+}
+
+/** The end of a path says most. */
+function shortened(path: string): string {
+  return path.length <= 44 ? path : `…${path.slice(path.indexOf("/", path.length - 44))}`;
+}

@@ -1,0 +1,103 @@
+import type { Page } from "../app/page";
+import { Button } from "./ui/button";
+import { Segments, Select, Slider } from "./ui/fields";
+import { Section } from "./ui/section";
+
+/** Opens the model or a part: by a plane, or along a curve that is drawn. */
+export function CutPanel({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const inWork = graft.kept.value !== undefined;
+  const tool = graft.tool.value;
+  const chosen = tool === "plane" || tool === "stroke" ? tool : "none";
+  return (
+    <Section title="Cut" hint="A closed model has no loop to graft at: cut one open, by a plane or along a closed curve.">
+      {inWork && <p class="hint">Accept or cancel the graft first.</p>}
+      {!inWork && (
+        <>
+          <Segments
+            label="Cut by"
+            hideLabel
+            value={chosen}
+            choices={[
+              { value: "none", label: "Nothing" },
+              { value: "plane", label: "Plane", help: "Drag across the surface, or start from an axis." },
+              { value: "stroke", label: "Curve", help: "Draw around what is to come off." },
+            ]}
+            onChange={(value) => {
+              graft.tool.value = value === "none" ? "loops" : value;
+              if (value === "plane") page.graft.layPlane(graft.model.value?.mesh ?? -1, 2);
+            }}
+          />
+          {chosen === "none" && graft.lastCut.value !== null && graft.lastCut.value.keep !== "both" && (
+            <Button label="Keep the other side instead" icon="reset" onClick={() => void graft.cutOtherwise()} />
+          )}
+        </>
+      )}
+    </Section>
+  );
+}
+
+/** The cut that is being laid, above all else. */
+export function CutInWork({ page }: { page: Page }) {
+  const tool = page.editor.graft.tool.value;
+  if (tool !== "plane" && tool !== "stroke") return null;
+  return (
+    <div class="cut-in-work" role="region" aria-label="Cut in work">
+      {tool === "plane" ? <PlaneFields page={page} /> : <CurveFields page={page} />}
+    </div>
+  );
+}
+
+function PlaneFields({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const { value: cut } = graft.cutPlane;
+  const things = graft.things.value.filter((thing) => thing.name === graft.model.value?.name || graft.isShown(thing));
+  const name = graft.byMesh(cut?.mesh ?? -1)?.name ?? graft.model.value?.name ?? "";
+  const place = cut === null ? undefined : page.graft.planePlace();
+  return (
+    <>
+      <Select
+        label="Of"
+        value={name}
+        help="What is cut."
+        choices={things.map((thing) => ({ value: thing.name, label: thing.name }))}
+        onChange={(value) => page.graft.layPlane(graft.named(value)?.mesh ?? -1, 2)}
+      />
+      <div class="buttons" role="group" aria-label="Across an axis">
+        {(["X", "Y", "Z"] as const).map((axis, k) => (
+          <Button key={axis} label={`Across ${axis}`} onClick={() => page.graft.layPlane(cut?.mesh ?? graft.model.value?.mesh ?? -1, k as 0 | 1 | 2)} />
+        ))}
+      </div>
+      {place !== undefined && (
+        <Slider label="Place" min={-place.reach} max={place.reach} step={place.reach / 50} digits={3} value={place.offset} help="Along the plane's normal, from the middle." onInput={(value) => page.graft.movePlane(value)} onChange={(value) => page.graft.movePlane(value)} />
+      )}
+      {cut === null && <p class="hint">Drag a line across the surface, or start from an axis.</p>}
+      {cut !== null && (
+        <div class="buttons">
+          <Button label="Keep blue side" kind="primary" tip="What lies on the blue side of the plane stays." onClick={() => void graft.cut("above")} />
+          <Button label="Keep red side" onClick={() => void graft.cut("below")} />
+          <Button label="Both" tip="Cuts, and takes nothing away." onClick={() => void graft.cut("both")} />
+        </div>
+      )}
+    </>
+  );
+}
+
+function CurveFields({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const { value: curve } = graft.cutCurve;
+  if (curve === null || !curve.closed)
+    return (
+      <p class="hint">
+        Draw on the surface, and back to where you began. Turn the view between strokes to go round; Enter closes the curve, Backspace takes a point back.
+      </p>
+    );
+  return (
+    <div class="buttons">
+      <Button label="Keep inside" kind="primary" tip="What the curve goes around, as you saw it, stays." keys="Enter" onClick={() => void graft.cut("above")} />
+      <Button label="Keep outside" onClick={() => void graft.cut("below")} />
+      <Button label="Both" tip="Cuts, and takes nothing away." onClick={() => void graft.cut("both")} />
+      <Button label="Draw again" kind="quiet" onClick={() => (graft.cutCurve.value = null)} />
+    </div>
+  );
+}

@@ -1,0 +1,156 @@
+import { useRef, useState } from "preact/hooks";
+import type { PartSource } from "../app/graft";
+import type { Pictured } from "../app/library";
+import type { Page } from "../app/page";
+import { baseName, joined } from "../app/paths";
+import { takePartFile } from "./drop";
+import { useListing } from "./folder_browser";
+import { Button, IconButton } from "./ui/button";
+import { Icon } from "./ui/icon";
+import { Section } from "./ui/section";
+
+/** Something that can be put beside the model. */
+interface Offered {
+  readonly name: string;
+  readonly tip: string;
+  readonly source: PartSource;
+  readonly of: Pictured;
+}
+
+/** Parts to choose from: given at the start, in a folder, or built in. */
+export function PartLibrary({ page }: { page: Page }) {
+  const { editor } = page;
+  const { value: welcome } = editor.welcome;
+  const roots = welcome?.folders ?? [];
+  const [place, setPlace] = useState<string>("samples");
+  const input = useRef<HTMLInputElement>(null);
+  return (
+    <Section
+      title="Part library"
+      hint="Click a part to put it beside the model, or drag it onto the surface: there it follows the pointer, and is grafted where you let go."
+      startsOpen
+    >
+      <GivenParts page={page} />
+      <div class="library-bar">
+        <select aria-label="Where parts come from" value={place} onChange={(event) => setPlace(event.currentTarget.value)}>
+          <option value="samples">Samples</option>
+          {roots.map((root) => (
+            <option key={root} value={root}>
+              {baseName(root)}
+            </option>
+          ))}
+        </select>
+        <Button label="Choose a file…" icon="upload" tip="A model of this computer, as a part." onClick={() => input.current?.click()} />
+        <input
+          ref={input}
+          type="file"
+          hidden
+          aria-label="A part of this computer"
+          accept=".ply,.obj,.off,.stl,.glb,.gltf,.3mf"
+          onChange={(event) => {
+            const file = event.currentTarget.files?.[0];
+            if (file !== undefined) void takePartFile(page, file);
+            event.currentTarget.value = "";
+          }}
+        />
+      </div>
+      {place === "samples" ? <SampleParts page={page} /> : <FolderParts key={place} page={page} root={place} />}
+    </Section>
+  );
+}
+
+/** Models that the program was started with, but for the one that is open. */
+function GivenParts({ page }: { page: Page }) {
+  const { editor } = page;
+  const open = editor.state.value?.model.name ?? "";
+  const names = new Set([open, ...editor.graft.parts.value.map((part) => part.name)]);
+  const others = (editor.welcome.value?.models ?? []).filter((path) => !names.has(stem(path)) && !path.endsWith(".json"));
+  if (others.length === 0) return null;
+  return <Cards page={page} label="Given with the model" offered={others.map((path) => fromFile(path))} />;
+}
+
+function SampleParts({ page }: { page: Page }) {
+  const samples = page.editor.welcome.value?.samples ?? [];
+  const offered = samples.map(({ name, description }) => ({ name, tip: description, source: { sample: name }, of: { sample: name } }));
+  return <Cards page={page} label="Samples" offered={offered} />;
+}
+
+function FolderParts({ page, root }: { page: Page; root: string }) {
+  const [folder, setFolder] = useState(root);
+  const listing = useListing(page, folder);
+  const models = (listing?.files ?? []).filter((file) => file.kind === "model");
+  return (
+    <>
+      <ul class="library-folders" aria-label="Folders">
+        {folder !== root && (
+          <li>
+            <button type="button" onClick={() => setFolder(folder.slice(0, folder.lastIndexOf("/")) || root)}>
+              <Icon name="up" size={14} /> up
+            </button>
+          </li>
+        )}
+        {(listing?.folders ?? []).map((name) => (
+          <li key={name}>
+            <button type="button" onClick={() => setFolder(joined(folder, name))}>
+              <Icon name="folder" size={14} /> {baseName(name)}
+            </button>
+          </li>
+        ))}
+      </ul>
+      <Cards page={page} label={baseName(folder)} offered={models.map((file) => fromFile(joined(folder, file.name)))} />
+      {listing !== undefined && models.length === 0 && <p class="hint">No models in this folder.</p>}
+    </>
+  );
+}
+
+function fromFile(path: string): Offered {
+  return { name: stem(path), tip: path, source: { path }, of: { path } };
+}
+
+function Cards({ page, label, offered }: { page: Page; label: string; offered: readonly Offered[] }) {
+  return (
+    <ul class="part-cards" aria-label={label}>
+      {offered.map((one) => (
+        <Card key={one.tip + one.name} page={page} offered={one} />
+      ))}
+    </ul>
+  );
+}
+
+function Card({ page, offered }: { page: Page; offered: Offered }) {
+  const { name, tip, source, of } = offered;
+  const { graft } = page.editor;
+  const add = () => graft.addPart(source, false);
+  return (
+    <li class="part-card">
+      <button
+        type="button"
+        class="part-main"
+        aria-label={`Add ${name}`}
+        data-tip={`${tip}. Click: beside the model. Drag: onto the surface.`}
+        onPointerDown={(event) => page.graft.dragPart(add, event)}
+        onClick={() => void graft.addPart(source)}
+      >
+        <Thumbnail page={page} of={of} />
+        <span>{name}</span>
+      </button>
+      <IconButton label={`Drop ${name} on the surface`} icon="region" tip="Then click where it is to grow." onClick={() => void page.graft.dropByClick(add)} />
+    </li>
+  );
+}
+
+/** A small picture; an icon while there is none. `version`: another picture of the same name. */
+export function Thumbnail({ page, of, version = 0, size = 72 }: { page: Page; of: Pictured; version?: number; size?: number }) {
+  const { value: picture } = page.editor.library.picture(of, version);
+  if (picture === null || picture === "none")
+    return (
+      <span class={`thumbnail ${picture === null ? "busy" : ""}`} style={{ width: `${size}px`, height: `${size}px` }}>
+        <Icon name="model" size={size / 2} />
+      </span>
+    );
+  return <img class="thumbnail" src={picture} width={size} height={size} alt="" draggable={false} />;
+}
+
+function stem(path: string): string {
+  return baseName(path).replace(/\.[^.]*$/, "");
+}

@@ -1,0 +1,273 @@
+import type { Arrangement } from "../app/graft";
+import { cssColour, pairColour } from "../app/graft_colours";
+import type { GraftFields, GraftStep, Vector3Tuple } from "../app/graft_step";
+import { withoutDot, withoutPair } from "../app/graft_step";
+import type { Page } from "../app/page";
+import { PartLibrary } from "./graft_library";
+import { CutInWork, CutPanel } from "./graft_cut";
+import { PartsPanel } from "./graft_parts";
+import { GraftReportView } from "./graft_report";
+import { Button, IconButton } from "./ui/button";
+import { Segments, Select, Slider, Toggle } from "./ui/fields";
+import { More, Section } from "./ui/section";
+import "./graft.css";
+
+/** All of the mode Graft. */
+export function GraftPanels({ page }: { page: Page }) {
+  const inWork = page.editor.graft.kept.value !== undefined;
+  return (
+    <>
+      {inWork && <GraftPanel page={page} />}
+      {!inWork && <CutInWork page={page} />}
+      {!inWork && <Pairing page={page} />}
+      <PartsPanel page={page} />
+      <PartLibrary page={page} />
+      <CutPanel page={page} />
+    </>
+  );
+}
+
+/** What to do next, before a graft is in work. */
+function Pairing({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const waiting = graft.parts.value.filter((part) => graft.isShown(part));
+  if (waiting.length === 0 || graft.tool.value !== "loops") return null;
+  const loops = graft.model.value?.loops ?? 0;
+  const open = waiting.filter((part) => part.loops > 0);
+  const words =
+    open.length === 0
+      ? "The part has no open boundary: cut it first, by a plane or along a curve."
+      : loops === 0
+        ? "The model has no open boundary: cut it, or drop the part on its surface."
+        : graft.picked.value === null
+          ? "Click a loop of the model and a loop of a part: these two meet."
+          : "Now click the loop of the other one that it meets.";
+  return <p class="next-step">{words}</p>;
+}
+
+const arrangements = [
+  { value: "result", label: "Result", help: "What comes of it, seam included." },
+  { value: "both", label: "With part", help: "What comes of it, and the part beside it, with lines of what meets what." },
+  { value: "apart", label: "Apart", help: "Both as they were, with lines of what meets what." },
+] as const;
+
+function GraftPanel({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const step = graft.step.value;
+  if (step === undefined) return null;
+  return (
+    <Section title="Graft" hint={`${step.source} onto ${step.target}. Click loops to pair them; drag the numbered starts along them.`} startsOpen>
+      <Segments label="Shown" hideLabel value={graft.arrangement.value} choices={arrangements} onChange={(value: Arrangement) => (graft.arrangement.value = value)} />
+      <GraftReportView page={page} />
+      {step.at === undefined && <Pairs page={page} />}
+      <Sliders page={page} step={step} />
+      <Segments
+        label="Shape"
+        value={step.shape}
+        help="Away from the seam the part keeps its shape, or all of it bends with the loops (linear, as in the paper)."
+        choices={[
+          { value: "similar", label: "Keeps it" },
+          { value: "ft05", label: "Bends" },
+        ]}
+        onChange={(shape) => void graft.set({ shape })}
+      />
+      <MirrorSelect page={page} step={step} />
+      {step.at === undefined && <PoseFields page={page} step={step} />}
+      <More label="More of the graft">
+        <Toggle label="Smooth ragged loops" value={step.smoothBoundary} help="Matches smoothed curves where a boundary is frayed." onChange={(on) => void graft.set({ smooth_boundary: on || null })} />
+        <Toggle label="Turn part inside out" value={step.fixWinding} help="For a part whose faces look inward." onChange={(on) => void graft.set({ fix_winding: on || null })} />
+        <Button label="Swap the two" icon="reset" tip="The part becomes what is grafted onto." onClick={() => void page.editor.ask({ do: "graft", what: "swap" })} />
+      </More>
+      <div class="graft-end">
+        <Button label="Accept" icon="accept" kind="primary" keys="Ctrl+Enter" tip="Keeps the graft. What comes next starts from it." disabled={graft.report.value?.error !== undefined} onClick={() => void graft.accept()} />
+        <Button label="Cancel" kind="quiet" tip="Takes the graft back; the part stays." onClick={() => void graft.cancel()} />
+      </div>
+    </Section>
+  );
+}
+
+function Pairs({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const pairs = graft.pairs.value;
+  const report = graft.report.value;
+  return (
+    <>
+      {pairs.length === 0 && <p class="hint">No loops are paired yet: click one on each.</p>}
+      <ul class="list pairs-list" aria-label="Pairs of loops">
+        {pairs.map((pair, i) => {
+          const found = pair.start === undefined && pair.matches.length === 0;
+          const confidence = report?.pairs?.[i]?.confidence;
+          return (
+            <li key={i} class={i === graft.activePair.value ? "active" : ""}>
+              <button type="button" class="list-main" aria-label={`Pair ${i + 1}`} onClick={() => (graft.activePair.value = i)}>
+                <span class="pair-number" style={{ background: cssColour(pairColour(i)) }}>
+                  {i + 1}
+                </span>
+                <span class="list-name">
+                  {loopWords(pair.sourceLoop)} → {loopWords(pair.targetLoop)}
+                  <small>{found ? confidenceWords(confidence) : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}</small>
+                </span>
+                {found && confidence !== undefined && <meter min={0} max={1} low={0.4} high={0.7} optimum={1} value={confidence} aria-label={`Confidence of pair ${i + 1}`} />}
+              </button>
+              {!found && <IconButton label={`Find the start of pair ${i + 1} again`} icon="reset" onClick={() => void graft.setPairs(pairs.map((other, k) => (k === i ? { ...withoutDot([other], { pair: 0, dot: 0 })[0]!, matches: [] } : other)))} />}
+              {pairs.length > 1 && <IconButton label={`Remove pair ${i + 1}`} icon="close" onClick={() => void graft.setPairs(withoutPair(pairs, i))} />}
+            </li>
+          );
+        })}
+      </ul>
+    </>
+  );
+}
+
+function loopWords(loop: number): string {
+  return loop < 0 ? "a loop" : `loop ${loop + 1}`;
+}
+
+function confidenceWords(confidence: number | undefined): string {
+  if (confidence === undefined) return "automatic";
+  const words = confidence < 0.4 ? "nearly round, look whether it is turned" : confidence < 0.7 ? "likely" : "clear";
+  return `automatic, confidence ${Math.round(100 * confidence)} %: ${words}`;
+}
+
+// Sliders take their values from the document; while one is dragged it keeps its own.
+function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
+  const { graft } = page.editor;
+  const step = graft.kept.value ?? shown;
+  const drag = (fields: GraftFields) => graft.drag(fields);
+  const keep = (fields: GraftFields) => void graft.set(fields);
+  const used = graft.report.value?.size ?? 1;
+  return (
+    <>
+      <Slider
+        label="Normal angle" min={-180} max={180} softMin={-90} softMax={90} suffix="°" step={5}
+        value={step.normalAngleDeg}
+        help="Turns the way the part leaves the surface, about the loop."
+        onInput={(value) => drag({ normal_angle_deg: value })}
+        onChange={(value) => keep({ normal_angle_deg: value === 0 ? null : value })}
+      />
+      {step.at === undefined ? <Twist page={page} /> : <Spin page={page} step={step} />}
+      {(step.pose === "find" || step.at !== undefined) && (
+        <div class="size-row">
+          <Slider
+            label="Size" min={1e-6} max={1e6} softMin={0.1} softMax={10} logarithmic suffix="×" step={0.05} digits={3}
+            value={step.size ?? used}
+            help={step.size === undefined ? "As the loops ask for. Drag to choose it." : "The part's scale, as you chose it."}
+            onInput={(value) => drag({ size: value })}
+            onChange={(value) => keep({ size: value })}
+          />
+          {step.size !== undefined && <IconButton label="Size as the loops ask for" icon="reset" onClick={() => keep({ size: null })} />}
+        </div>
+      )}
+    </>
+  );
+}
+
+/** Turns the start of the chosen pair along its loop. */
+function Twist({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const index = graft.activePair.value;
+  const pair = graft.pairs.value[index];
+  const held = pair === undefined || pair.matches.length > 0 || graft.curvesOf(pair) === undefined;
+  const twist = (value: number, then: "drag" | "keep") => {
+    const pairs = graft.withTwist(index, value);
+    if (pairs === undefined) return;
+    if (then === "drag") graft.dragPairs(pairs);
+    else void graft.setPairs(pairs);
+  };
+  return (
+    <Slider
+      label="Twist" min={-180} max={180} suffix="°" step={5} digits={3}
+      value={held ? 0 : Math.round(10 * graft.twistOf(index, graft.keptPairs.value)) / 10}
+      disabled={held}
+      help={(pair?.matches.length ?? 0) > 0 ? "The matches say how it is turned." : `Turns the part${graft.pairs.value.length > 1 ? ` at pair ${index + 1}` : ""} against how it was found.`}
+      onInput={(value) => twist(value, "drag")}
+      onChange={(value) => twist(value, "keep")}
+    />
+  );
+}
+
+function Spin({ page, step }: { page: Page; step: GraftStep }) {
+  const { graft } = page.editor;
+  const at = (spin_deg: number): GraftFields => ({ at: { ...step.at, spin_deg } });
+  return (
+    <Slider
+      label="Spin" min={-180} max={180} suffix="°" step={15}
+      value={step.at?.spin_deg ?? 0}
+      help="Turns the part about the surface's normal."
+      onInput={(value) => graft.drag(at(value))}
+      onChange={(value) => void graft.set(at(value))}
+    />
+  );
+}
+
+const axes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] } as const;
+type MirrorAxis = "none" | keyof typeof axes | "other";
+
+function MirrorSelect({ page, step }: { page: Page; step: GraftStep }) {
+  const { graft } = page.editor;
+  const normal = step.mirror?.normal;
+  const value: MirrorAxis =
+    normal === undefined ? "none" : ((Object.keys(axes) as (keyof typeof axes)[]).find((axis) => axes[axis].every((x, k) => Math.abs(Math.abs(normal[k] ?? 0) - x) < 1e-9)) ?? "other");
+  const mirror = (axis: MirrorAxis) => {
+    if (axis === "other") return;
+    if (axis === "none") return void graft.set({ mirror: null });
+    const point: Vector3Tuple = page.graft.middleOf(graft.source.value?.mesh ?? -1);
+    void graft.set({ mirror: { point, normal: [...axes[axis]] } });
+  };
+  return (
+    <Select
+      label="Mirror"
+      value={value}
+      help="Mirrors the part first: a left hand becomes a right one."
+      choices={[
+        { value: "none", label: "No" },
+        { value: "x", label: "Across X" },
+        { value: "y", label: "Across Y" },
+        { value: "z", label: "Across Z" },
+        ...(value === "other" ? [{ value: "other" as const, label: "Another plane" }] : []),
+      ]}
+      onChange={mirror}
+    />
+  );
+}
+
+function PoseFields({ page, step }: { page: Page; step: GraftStep }) {
+  const { graft } = page.editor;
+  const choose = (pose: "find" | "keep") => {
+    if (pose === step.pose) return;
+    if (pose === "find") {
+      graft.tool.value = "loops";
+      void graft.set({ pose: null, source_transform: null, fixed: null });
+    } else void graft.set({ pose: "keep", source_transform: page.graft.foundPose(), size: null });
+  };
+  const painting = graft.tool.value === "fixed";
+  return (
+    <>
+      <Segments
+        label="Pose"
+        value={step.pose}
+        help="Where the part goes is found by the loops, or it stays where you put it, and gives way near its loops alone."
+        choices={[
+          { value: "find", label: "Find" },
+          { value: "keep", label: "Keep" },
+        ]}
+        onChange={choose}
+      />
+      {step.pose === "keep" && (
+        <div class="buttons">
+          <Button
+            label={painting ? "Done painting" : "Paint what stays"}
+            icon={painting ? "accept" : "fixed"}
+            tip="Paint features of the part that must not bend."
+            onClick={() => {
+              graft.tool.value = painting ? "loops" : "fixed";
+              graft.arrangement.value = painting ? "result" : "apart";
+            }}
+          />
+          {step.hasFixed && <Button label="Nothing fixed" kind="quiet" onClick={() => void graft.set({ fixed: null })} />}
+        </div>
+      )}
+      {step.pose === "keep" && !painting && <p class="hint">Move, turn and scale the part by its gizmo.</p>}
+    </>
+  );
+}

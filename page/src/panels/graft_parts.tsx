@@ -1,0 +1,61 @@
+import type { Thing } from "../app/graft";
+import type { Page } from "../app/page";
+import { counted } from "../app/units";
+import { Thumbnail } from "./graft_library";
+import { IconButton } from "./ui/button";
+import { Menu } from "./ui/menu";
+import { Section } from "./ui/section";
+
+/** What there is beside the model. */
+export function PartsPanel({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const parts = graft.parts.value;
+  if (parts.length === 0) return null;
+  return (
+    <Section title="Parts" hint="What stands beside the model. Graft a part by its loops, or drop it anywhere on the surface." badge={parts.length} startsOpen>
+      <ul class="list parts-list" aria-label="Parts">
+        {parts.map((part) => (
+          <PartRow key={part.name} page={page} part={part} />
+        ))}
+      </ul>
+    </Section>
+  );
+}
+
+function PartRow({ page, part }: { page: Page; part: Thing }) {
+  const { editor } = page;
+  const { graft } = editor;
+  const isSource = graft.step.value?.source === part.name;
+  const idle = graft.kept.value === undefined;
+  const shown = graft.isShown(part);
+  const known = () => Promise.resolve(part.name);
+  const details = `${counted(part.loops, "loop")}${part.grafted ? ", grafted" : ""}`;
+  return (
+    <li class={isSource ? "active" : ""}>
+      <button
+        type="button"
+        class="list-main part-row"
+        disabled={!idle && !isSource}
+        data-tip={idle ? "Click: graft it. Drag: onto the surface." : undefined}
+        aria-label={`Graft ${part.name}`}
+        onPointerDown={(event) => idle && page.graft.dragPart(known, event)}
+        onClick={() => idle && void graft.startWith(part.name)}
+      >
+        <Thumbnail page={page} of={{ mesh: part.name }} version={part.mesh} size={34} />
+        <span class="list-name">
+          {part.name}
+          <small>{details}</small>
+        </span>
+      </button>
+      <IconButton label={shown ? `Hide ${part.name}` : `Show ${part.name}`} icon="through" pressed={shown} onClick={() => graft.toggleShown(part)} />
+      <Menu
+        label={`More of ${part.name}`}
+        items={[
+          { label: "Drop on the surface", icon: "region", disabled: !idle, run: () => void page.graft.dropByClick(known) },
+          { label: "Make it the model", icon: "model", disabled: !idle, run: () => void editor.ask({ do: "part", what: "edit", name: part.name }) },
+          { label: "Remove", icon: "remove", danger: true, begins: true, run: () => void editor.ask({ do: "part", what: "remove", name: part.name }) },
+        ]}
+      />
+    </li>
+  );
+}

@@ -1,0 +1,58 @@
+import type { Page } from "../app/page";
+import { Button } from "./ui/button";
+import { Icon } from "./ui/icon";
+
+/** What the graft came to: why there is none, or how its seam is, and what is to be noted. */
+export function GraftReportView({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const report = graft.report.value;
+  if (report === null)
+    return (
+      <p class="graft-state busy" role="status">
+        Grafting…
+      </p>
+    );
+  if (report.error !== undefined) {
+    const { problem, place, remedy } = report.error;
+    const { value: proposed } = graft.proposed;
+    return (
+      <div class="graft-state failed" role="alert">
+        <strong>
+          <Icon name="warning" size={15} /> {problem}
+        </strong>
+        {place !== "" && <small>{place}</small>}
+        {remedy !== "" && <span>{remedy.replace(/ \(--start \S+\)/, "")}</span>}
+        {proposed !== undefined && <Button label="Take that start" onClick={() => void graft.set({ pairs: proposed })} />}
+      </div>
+    );
+  }
+  const { seam, inverted = 0, self_intersections: cuts, notes = [], seconds } = report;
+  const whole = seam?.manifold === true && seam.oriented;
+  return (
+    <div class="graft-state" role="status">
+      {seam !== undefined && (
+        <strong class={whole ? "good" : "bad"}>
+          {whole ? (seam.closed ? "Watertight seam" : "Seam without gaps, open elsewhere") : "The seam is not manifold"}
+        </strong>
+      )}
+      {seam !== undefined && (
+        <small>
+          {seam.new_faces} new faces, smallest angles {seam.angle_p1_deg.toFixed(0)}°, bends {seam.dihedral_p99_deg.toFixed(0)}°
+          {seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
+        </small>
+      )}
+      {inverted > 0 && <span class="bad">The part turns inside out at {inverted} vertices.</span>}
+      {(cuts ?? 0) > 0 && <span class="bad">The result cuts through itself at {cuts} pairs of faces.</span>}
+      {notes.length > 0 && (
+        <details>
+          <summary>{notes.length === 1 ? "1 note" : `${notes.length} notes`}</summary>
+          <ul>
+            {notes.map((note) => (
+              <li key={note}>{note}</li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,60 @@
+import type { GraftTool } from "../app/graft";
+import type { Page } from "../app/page";
+import { Button, IconButton } from "./ui/button";
+import { Slider } from "./ui/fields";
+import type { IconName } from "./ui/icon";
+
+const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: string }[] = [
+  { tool: "loops", label: "Pair loops", icon: "loop", tip: "Click a loop on each to pair them; drag what meets along them." },
+  { tool: "plane", label: "Cut by a plane", icon: "box", tip: "Drag across the surface to lay the plane." },
+  { tool: "stroke", label: "Cut along a curve", icon: "lasso", tip: "Draw a closed curve on the surface." },
+];
+
+const hints: Record<GraftTool, string> = {
+  loops: "Click a loop on each of two models to pair them. Drag beside the models to turn the view.",
+  plane: "Drag across the surface to lay the plane; move and turn it by its arrows and rings.",
+  stroke: "Draw a closed curve on the surface; turn the view between strokes to go round.",
+  fixed: "Paint what of the part must stay as it is. Alt takes away.",
+  drop: "Point where the part is to grow. Wheel or R spins, shift+wheel or S scales, a click grafts it, Esc leaves it.",
+};
+
+/** Tools of the mode Graft, at the left. */
+export function GraftToolbar({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const busy = graft.kept.value !== undefined;
+  return (
+    <div class="toolbar" role="toolbar" aria-orientation="vertical" aria-label="Tools">
+      <div class="tool-group">
+        {tools.map(({ tool, label, icon, tip }) => (
+          <IconButton
+            key={tool}
+            label={label}
+            icon={icon}
+            tip={tool !== "loops" && busy ? "Accept or cancel the graft first." : tip}
+            pressed={graft.tool.value === tool}
+            disabled={tool !== "loops" && busy}
+            onClick={() => (graft.tool.value = tool)}
+          />
+        ))}
+      </div>
+    </div>
+  );
+}
+
+/** What the tool does, above the view. */
+export function GraftToolHint({ page }: { page: Page }) {
+  const { graft, tools: settings } = page.editor;
+  const tool = graft.tool.value;
+  const posed = tool === "loops" && graft.step.value?.pose === "keep";
+  return (
+    <div class="tool-options">
+      <div class="tool-line">
+        {tool === "fixed" && (
+          <Slider label="Size" value={settings.brushRadiusPx.value} min={2} max={400} softMax={200} logarithmic integer suffix="px" onInput={(px) => (settings.brushRadiusPx.value = px)} onChange={(px) => (settings.brushRadiusPx.value = px)} />
+        )}
+        <span class="tool-hint">{posed ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone." : hints[tool]}</span>
+        {(tool === "fixed" || tool === "drop") && <Button label={tool === "fixed" ? "Done" : "Leave it"} kind="quiet" onClick={() => (graft.tool.value = "loops")} />}
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,78 @@
+import type { Page } from "../app/page";
+import { changeLabel } from "../app/request_labels";
+import { CommandButton, CommandLabelButton, menuItem } from "./command_button";
+import { IconButton } from "./ui/button";
+import { Icon, Mark, type IconName } from "./ui/icon";
+import { Menu } from "./ui/menu";
+
+const themes = ["system", "light", "dark"] as const;
+const themeIcons: Record<(typeof themes)[number], IconName> = { system: "system", light: "light", dark: "dark" };
+
+/** The line at the top: files, name, undo and redo, before and after, accept, save, help, theme. */
+export function Header({ page }: { page: Page }) {
+  const { editor } = page;
+  const state = editor.state.value;
+  const theme = editor.view.theme;
+  const next = themes[(themes.indexOf(theme.value) + 1) % themes.length] ?? "system";
+  return (
+    <header class="header">
+      <Menu
+        label="File"
+        class="file-button"
+        items={[
+          menuItem(page, "open", "open"),
+          menuItem(page, "save", "save"),
+          menuItem(page, "save-as"),
+          menuItem(page, "export", "export"),
+          { ...menuItem(page, "help", "help"), begins: true },
+        ]}
+      >
+        <Mark />
+        <span>meshgraft</span>
+        <Icon name="down" size={14} />
+      </Menu>
+      {state !== null && (
+        <>
+          <span class="divider" />
+          <DocumentName name={state.name} edit={state.edit} dirty={state.dirty} />
+          <span class="divider" />
+          <CommandButton page={page} id="undo" icon="undo" tip={of("Takes back: ", state.undo)} />
+          <CommandButton page={page} id="redo" icon="redo" tip={of("Does again: ", state.redo)} />
+          <CommandButton page={page} id="before" icon="before" label="Before and after" tip="Hold to see the mesh before." />
+          <span class="space" />
+          <CommandLabelButton page={page} id="accept" icon="accept" label="Accept" />
+          <span class="divider" />
+          <CommandButton page={page} id="save" icon="save" />
+          <CommandButton page={page} id="export" icon="export" />
+        </>
+      )}
+      {state === null && <span class="space" />}
+      <CommandButton page={page} id="help" icon="help" />
+      <IconButton
+        label={`Theme: ${theme.value}`}
+        icon={themeIcons[theme.value]}
+        tip={`Click for: ${next}`}
+        onClick={() => (theme.value = next)}
+      />
+    </header>
+  );
+}
+
+function of(words: string, label: string | null): string {
+  return label === null ? "Nothing to do." : words + changeLabel(label);
+}
+
+function DocumentName({ name, edit, dirty }: { name: string; edit: string; dirty: boolean }) {
+  const file = edit === "" ? name : (edit.split("/").pop() ?? name);
+  const tip = edit === "" ? "Not saved as an edit yet." : edit;
+  return (
+    <span class="document-name" data-tip={tip} data-label={dirty ? "Unsaved changes" : "All saved"}>
+      <span class="file-name">{file}</span>
+      {dirty && (
+        <span class="unsaved" role="img" aria-label="unsaved changes">
+          ●
+        </span>
+      )}
+    </span>
+  );
+}

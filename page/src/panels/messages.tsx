@@ -1,0 +1,63 @@
+import { useEffect, useState } from "preact/hooks";
+import type { Message } from "../app/editor";
+import type { Page } from "../app/page";
+import { IconButton } from "./ui/button";
+import { Icon } from "./ui/icon";
+
+/** What the person is told: problem, place and remedy, until it is read; success goes by itself. The newest is at the bottom. */
+export function Messages({ page }: { page: Page }) {
+  const { editor } = page;
+  const messages = editor.messages.value;
+  return (
+    <div class="messages" role="log" aria-label="Messages">
+      {messages.length > 2 && (
+        <button type="button" class="button quiet" onClick={() => messages.forEach(({ key }) => editor.dismiss(key))}>
+          Close all {messages.length}
+        </button>
+      )}
+      {messages.map((message) => (
+        <Toast key={message.key} message={message} onClose={() => editor.dismiss(message.key)} />
+      ))}
+    </div>
+  );
+}
+
+const passingMs = 10_000; // of what went as it should; all else stays
+
+function Toast({ message: { kind, error }, onClose }: { message: Message; onClose: () => void }) {
+  const [copied, setCopied] = useState(false);
+  const [held, setHeld] = useState(false);
+  const isPassing = kind === "note" && error.remedy === "" && !held;
+  useEffect(() => {
+    if (!isPassing) return undefined;
+    const timer = setTimeout(onClose, passingMs);
+    return () => clearTimeout(timer);
+  }, [isPassing]);
+  const copy = async () => {
+    const lines = [error.problem, error.place, error.remedy].filter((line) => line !== "");
+    await navigator.clipboard.writeText(lines.join("\n")).then(() => setCopied(true), () => setCopied(false));
+  };
+  return (
+    <div
+      class={`toast ${kind}`}
+      role={kind === "problem" ? "alert" : "status"}
+      onPointerEnter={() => setHeld(true)}
+      onFocusCapture={() => setHeld(true)}
+    >
+      <Icon name={kind === "problem" ? "warning" : "note"} />
+      <div class="toast-text">
+        <strong>{sentence(error.problem)}</strong>
+        {error.place !== "" && <code>{error.place}</code>}
+        {error.remedy !== "" && <p>{error.remedy}</p>}
+      </div>
+      <div class="toast-buttons">
+        <IconButton label="Close the message" icon="close" onClick={onClose} />
+        <IconButton label={copied ? "Copied" : "Copy the message"} icon={copied ? "accept" : "copy"} onClick={() => void copy()} />
+      </div>
+    </div>
+  );
+}
+
+export function sentence(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -1,0 +1,145 @@
+import { groupsOf } from "../app/groups";
+import type { Page } from "../app/page";
+import {
+  applicable, backToUsual, choiceOf, fitting, groupNames, methodOf, methods, numberOf, switchOf,
+  type Setting, type Settings, type SettingValue,
+} from "../app/method_settings";
+import { Button } from "./ui/button";
+import { Segments, Select, Slider, Toggle } from "./ui/fields";
+import { More, Section } from "./ui/section";
+
+/** How the surface follows: the method and what it may be told. */
+export function MethodPanel({ page }: { page: Page }) {
+  const { editor } = page;
+  const settings = settingsOf(page);
+  const chosen = methods.find(({ value }) => value === methodOf(settings));
+  const change = (changes: Record<string, SettingValue>) => void editor.ask({ do: "settings", settings: changes });
+  const all = applicable(settings);
+  const usual = backToUsual(settings);
+  return (
+    <Section title="Method" hint="How the surface follows the handles. A switch shows the difference at once." badge={chosen?.label} startsOpen>
+      <Segments
+        label="Method"
+        hideLabel
+        value={methodOf(settings)}
+        choices={methods}
+        onChange={(method) => change({ method })}
+      />
+      <p class="explained">{chosen?.help}</p>
+      <SettingsOf settings={all.filter(({ group, more }) => group === "shape" && more !== true)} values={settings} change={change} />
+      <More label="More settings">
+        <MoreSettings all={all} values={settings} change={change} />
+        <Anchors page={page} />
+        <Button
+          label="Back to the usual"
+          icon="reset"
+          kind="quiet"
+          disabled={Object.keys(usual).length === 0}
+          tip="All of these settings as they are at first; the method stays."
+          onClick={() => change(usual)}
+        />
+      </More>
+    </Section>
+  );
+}
+
+export function settingsOf(page: Page): Settings {
+  return (page.editor.state.value?.settings ?? {}) as Settings;
+}
+
+interface SettingsProps {
+  values: Settings;
+  change: (changes: Record<string, SettingValue>) => void;
+}
+
+function MoreSettings({ all, values, change }: SettingsProps & { all: readonly Setting[] }) {
+  const rest = all.filter(({ group, more }) => group !== "shape" || more === true);
+  const groups = [...new Set(rest.map(({ group }) => group))];
+  return (
+    <>
+      {groups.map((group) => (
+        <fieldset key={group}>
+          <legend>{groupNames[group]}</legend>
+          <SettingsOf settings={rest.filter((setting) => setting.group === group)} values={values} change={change} />
+        </fieldset>
+      ))}
+    </>
+  );
+}
+
+function SettingsOf({ settings, values, change }: SettingsProps & { settings: readonly Setting[] }) {
+  return (
+    <>
+      {settings.map((setting) => (
+        <SettingField key={setting.key} setting={setting} values={values} change={change} />
+      ))}
+    </>
+  );
+}
+
+function SettingField({ setting, values, change }: SettingsProps & { setting: Setting }) {
+  const { key, label, help } = setting;
+  switch (setting.kind) {
+    case "number":
+      return (
+        <Slider
+          {...setting}
+          label={label}
+          help={`${help} Usually ${setting.otherwise}.`}
+          value={numberOf(values, setting)}
+          step={setting.integer === true ? 1 : Math.max(1e-6, setting.otherwise / 20)}
+          onChange={(value) => change({ [key]: fitting(setting, value) })}
+        />
+      );
+    case "choice":
+      return <Select label={label} help={help} choices={setting.choices} value={choiceOf(values, setting)} onChange={(value) => change({ [key]: value })} />;
+    case "switch":
+      return <Toggle label={label} help={help} value={switchOf(values, setting)} onChange={(value) => change({ [key]: value })} />;
+  }
+}
+
+interface Anchor {
+  select: unknown;
+  weight?: number;
+}
+
+/** Groups that are drawn to where they are: softer than a fixed part. */
+function Anchors({ page }: { page: Page }) {
+  const { editor } = page;
+  const state = editor.state.value;
+  const groups = groupsOf(state).map(({ name }) => name);
+  const found = (state?.steps.at(-1)?.fields as { anchors?: unknown } | undefined)?.anchors;
+  if (found !== undefined && !Array.isArray(found)) return <p class="hint">The step has more anchors than can be listed here; its file has them.</p>;
+  const anchors: Anchor[] = Array.isArray(found) ? (found as Anchor[]) : [];
+  const isAnchored = (name: string) => anchors.some(({ select }) => select === name);
+  const ask = (next: Anchor[]) => void editor.ask({ do: "settings", anchors: next.map(({ select, weight = 10 }) => ({ select, weight })) });
+  return (
+    <fieldset>
+      <legend>Anchors</legend>
+      <p class="hint">
+        {groups.length === 0 ? "Save a selection as a group; it can then be drawn to where it is, softer than a fixed part." : "A group that is anchored is drawn to where it is, softer than a fixed part."}
+      </p>
+      {groups.map((name) => (
+        <Toggle
+          key={name}
+          label={name}
+          value={isAnchored(name)}
+          onChange={(on) => ask(on ? [...anchors, { select: name, weight: 10 }] : anchors.filter(({ select }) => select !== name))}
+        />
+      ))}
+      {anchors.map((anchor, i) => (
+        <Slider
+          key={i}
+          label={typeof anchor.select === "string" ? `Pull of ${anchor.select}` : `Pull ${i + 1}`}
+          value={anchor.weight ?? 10}
+          min={0}
+          max={1e6}
+          softMax={1000}
+          logarithmic
+          help="Weight of the anchor."
+          onChange={(weight) => ask(anchors.map((other, k) => (k === i ? { ...other, weight } : other)))}
+        />
+      ))}
+    </fieldset>
+  );
+}

@@ -1,0 +1,97 @@
+import { useEffect } from "preact/hooks";
+import type { Page } from "../app/page";
+import { changeLabel } from "../app/request_labels";
+import { counted } from "../app/units";
+import { Button } from "./ui/button";
+import { Dialog } from "./ui/dialog";
+import { Icon } from "./ui/icon";
+
+/** After a session that ended without saving: what it left can be taken up. */
+export function RestoreOffer({ page }: { page: Page }) {
+  const { editor } = page;
+  const offer = editor.offer.value;
+  if (offer === null) return null;
+  const restore = () => {
+    editor.offer.value = null;
+    void editor.ask({ do: "restore" });
+  };
+  const putAside = async () => {
+    editor.offer.value = null;
+    const done = await editor.ask({ do: "discard" });
+    if (done?.aside !== undefined) editor.note("The earlier changes are put aside, not deleted.", done.aside);
+  };
+  return (
+    <Dialog
+      title="Go on where you were?"
+      actions={
+        <>
+          <Button label="Put them aside" kind="quiet" onClick={() => void putAside()} />
+          <Button label="Restore" kind="primary" autoFocus onClick={restore} />
+        </>
+      }
+    >
+      <p>
+        An earlier session on {editor.state.value?.name ?? "this model"} ended before its work was saved. It left{" "}
+        <strong>{counted(offer.changes, "change")}</strong>
+        {offer.last !== "" && <> (the last one: {changeLabel(offer.last)})</>}.
+      </p>
+    </Dialog>
+  );
+}
+
+/** While the engine does not answer. */
+export function LostConnection({ page }: { page: Page }) {
+  const { editor } = page;
+  const lost = editor.link.value === "lost";
+  if (!lost || !(editor.expired.value || editor.welcome.value !== null)) return null;
+  const isSafe = editor.state.value === null ? "" : "Your work is safe: every change is on the disk as soon as it is made.";
+  return (
+    <div class="lost" role="alertdialog" aria-label="The connection is lost">
+      <div class="lost-card">
+        <Icon name="warning" size={30} />
+        {editor.expired.value ? (
+          <>
+            <h2>The engine was started again</h2>
+            <p>This page belongs to the one before. Open the new address that <code>meshgraft edit</code> printed. {isSafe}</p>
+            {editor.state.value !== null && <p>When you open {editor.state.value.name} there, it offers to restore what was not saved.</p>}
+          </>
+        ) : (
+          <>
+            <h2>The engine does not answer</h2>
+            <p>Look whether <code>meshgraft edit</code> still runs in its terminal. This page connects again by itself; if you start it again, open the address that it prints. {isSafe}</p>
+            <span class="bar unknown" role="progressbar" aria-label="Connecting again">
+              <i />
+            </span>
+          </>
+        )}
+      </div>
+    </div>
+  );
+}
+
+/** Title of the page, its theme, and the question before it is left with unsaved work. */
+export function PageEffects({ page }: { page: Page }) {
+  const { editor } = page;
+  const state = editor.state.value;
+  const dirty = state?.dirty === true;
+  const theme = editor.view.theme.value;
+  useEffect(() => {
+    document.title = state === null ? "meshgraft" : `${dirty ? "● " : ""}${state.name} – meshgraft`;
+  }, [state?.name, dirty]);
+  useEffect(() => {
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const apply = () => {
+      document.documentElement.dataset["theme"] = theme === "system" ? (dark.matches ? "dark" : "light") : theme;
+    };
+    apply();
+    dark.addEventListener("change", apply);
+    return () => dark.removeEventListener("change", apply);
+  }, [theme]);
+  useEffect(() => {
+    if (!dirty) return undefined;
+    const ask = (event: BeforeUnloadEvent) => event.preventDefault();
+    window.addEventListener("beforeunload", ask);
+    return () => window.removeEventListener("beforeunload", ask);
+  }, [dirty]);
+  return null;
+}

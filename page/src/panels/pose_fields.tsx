@@ -1,0 +1,188 @@
+import { axisOf, isAtRest, isUniform, nameOfAxis, numbersOf, withComponent, withNumbers, type AxisName, type PoseNumbers } from "../app/handle_pose";
+import type { Page } from "../app/page";
+import type { Handle, Vector } from "../protocol";
+import { Button } from "./ui/button";
+import { NumberField, Segments } from "./ui/fields";
+import { remembered } from "../app/remembered";
+
+const axes = ["X", "Y", "Z"] as const;
+
+/** Where a handle goes, in numbers. */
+export function PoseFields({ page, handle }: { page: Page; handle: Handle }) {
+  const { editor } = page;
+  const numbers = numbersOf(handle.pose, handle.pivot ?? handle.centre ?? [0, 0, 0]);
+  const reset = (
+    <Button
+      label="Put back"
+      icon="reset"
+      kind="quiet"
+      disabled={isAtRest(handle.pose)}
+      tip="The handle goes back to where the step found it."
+      onClick={() => void editor.pose({ [handle.name]: {} })}
+    />
+  );
+  if (numbers === undefined) return <FreePose handle={handle} reset={reset} />;
+  const change = (changes: Partial<PoseNumbers>) =>
+    void editor.pose({ [handle.name]: withNumbers(handle.pose, changes) });
+  return (
+    <div class="pose">
+      <PoseNumberFields page={page} numbers={numbers} change={change} withPivot />
+      {reset}
+    </div>
+  );
+}
+
+interface NumberFieldsProps extends PartProps {
+  page: Page;
+  withPivot: boolean;
+}
+
+/** Move, turn, scale and pivot. */
+export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFieldsProps) {
+  const { editor } = page;
+  const unit = editor.view.unit.value;
+  const diagonal = editor.state.value?.model.diagonal ?? 1;
+  const lengths = { quantity: "length", unit, step: 0.01 * diagonal, suffix: unit === "none" ? "" : unit } as const;
+  return (
+    <>
+      <Triple label="Move" {...lengths} value={numbers.translate} onChange={(translate) => change({ translate })} />
+      <Turn numbers={numbers} change={change} />
+      <Scale numbers={numbers} change={change} />
+      {withPivot && (
+        <Triple
+          label="Pivot"
+          tip="The point that turning and scaling keep; at first the centre of the handle's rim."
+          {...lengths}
+          value={numbers.pivot}
+          onChange={(pivot) => change({ pivot })}
+        />
+      )}
+    </>
+  );
+}
+
+function FreePose({ handle, reset }: { handle: Handle; reset: preact.JSX.Element }) {
+  const { matrix } = handle.pose;
+  return (
+    <div class="pose">
+      <p class="hint">
+        {matrix === undefined
+          ? "This handle has a course of its own."
+          : "This pose is a matrix: it shears, or came from a file. Put it back to move it by numbers."}
+      </p>
+      {matrix !== undefined && (
+        <table class="matrix" aria-label="Matrix of the pose">
+          <tbody>
+            {matrix.slice(0, 3).map((row, r) => (
+              <tr key={r}>
+                {row.map((value, c) => (
+                  <td key={c}>{Number(value.toPrecision(4))}</td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+      {reset}
+    </div>
+  );
+}
+
+interface TripleProps {
+  label: string;
+  value: Vector;
+  onChange: (value: Vector) => void;
+  quantity: "length" | "factor" | "number";
+  unit?: "mm" | "cm" | "m" | "in" | "none";
+  suffix?: string;
+  step: number;
+  tip?: string;
+}
+
+function Triple({ label, value, onChange, quantity, unit, suffix, step, tip }: TripleProps) {
+  return (
+    <div class="triple" role="group" aria-label={label} data-tip={tip}>
+      <span class="label">
+        {label} {suffix !== undefined && suffix !== "" && <small>{suffix}</small>}
+      </span>
+      {([0, 1, 2] as const).map((k) => (
+        <span class={`axis axis-${k}`} key={k}>
+          <NumberField
+            label={`${label} ${axes[k]}`}
+            value={value[k]}
+            quantity={quantity}
+            unit={unit}
+            step={step}
+            onChange={(to) => onChange(withComponent(value, k, to))}
+          />
+        </span>
+      ))}
+    </div>
+  );
+}
+
+interface PartProps {
+  numbers: PoseNumbers;
+  change: (changes: Partial<PoseNumbers>) => void;
+}
+
+function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
+  const name = nameOfAxis(axis);
+  const turns = Math.abs(angleDeg) > 360 ? `${Number((angleDeg / 360).toFixed(2))} turns` : "";
+  const choose = (to: AxisName) => change({ axis: to === "free" ? [1, 1, 0] : axisOf(to) });
+  return (
+    <>
+      <div class="triple turn" role="group" aria-label="Turn" data-tip="About an axis by any angle; more than 360° winds up. “2 turns” may be typed, too.">
+        <span class="label">
+          Turn <small>{turns === "" ? "°" : turns}</small>
+        </span>
+        <NumberField label="Turn angle" value={angleDeg} quantity="angle" step={5} digits={6} onChange={(to) => change({ angleDeg: to })} />
+        <Segments
+          label="Axis of the turn"
+          hideLabel
+          value={name}
+          choices={[
+            { value: "x", label: "X" },
+            { value: "y", label: "Y" },
+            { value: "z", label: "Z" },
+            { value: "free", label: "…", help: "Any axis" },
+          ]}
+          onChange={choose}
+        />
+      </div>
+      {name === "free" && angleDeg !== 0 && (
+        <Triple label="Axis" quantity="number" step={0.1} value={axis} onChange={(to) => to.some((a) => a !== 0) && change({ axis: to })} />
+      )}
+    </>
+  );
+}
+
+function Scale({ numbers: { scale }, change }: PartProps) {
+  const linked = remembered("scale linked", true);
+  const together = linked.value && isUniform(scale);
+  return (
+    <div class="scale-row">
+      {together ? (
+        <div class="triple" role="group" aria-label="Scale">
+          <span class="label">
+            Scale <small>×</small>
+          </span>
+          <NumberField label="Scale" value={scale[0]} quantity="factor" step={0.05} onChange={(s) => change({ scale: [s, s, s] })} />
+        </div>
+      ) : (
+        <Triple label="Scale" suffix="×" quantity="factor" step={0.05} value={scale} onChange={(to) => change({ scale: to })} />
+      )}
+      <label class="link" data-tip="One scale for all directions.">
+        <input
+          type="checkbox"
+          checked={together}
+          onChange={(event) => {
+            linked.value = event.currentTarget.checked;
+            if (linked.value && !isUniform(scale)) change({ scale: [scale[0], scale[0], scale[0]] });
+          }}
+        />
+        all axes
+      </label>
+    </div>
+  );
+}

@@ -1,0 +1,66 @@
+import type { Page } from "../app/page";
+import { GraftPanels } from "./graft_panel";
+import { GroupsPanel } from "./groups_panel";
+import { HandlesPanel } from "./handles_panel";
+import { sentence } from "./messages";
+import { MethodPanel } from "./method_panel";
+import { StepsPanel } from "./steps_panel";
+import { SymmetryPanel } from "./symmetry_panel";
+import { ViewPanel } from "./view_panel";
+
+export type Mode = "deform" | "graft";
+export interface ModeTab {
+  mode: Mode;
+  label: string;
+  tip: string;
+}
+
+const modes: readonly ModeTab[] = [
+  { mode: "deform", label: "Deform", tip: "Move, turn and scale parts of the model." },
+  { mode: "graft", label: "Graft", tip: "Join another model to this one, and cut." },
+];
+
+/** The panels at the right. */
+export function Side({ page }: { page: Page }) {
+  const { mode } = page.editor.graft;
+  return (
+    <aside class="side" aria-label="Panels">
+      {modes.length > 1 && (
+        <div class="modes" role="tablist" aria-label="What to do">
+          {modes.map((tab) => (
+            <button type="button" key={tab.mode} role="tab" aria-selected={mode.value === tab.mode} data-tip={tab.tip} onClick={() => (mode.value = tab.mode)}>
+              {tab.label}
+            </button>
+          ))}
+        </div>
+      )}
+      <Notes page={page} />
+      <div class="panels">
+        {mode.value === "deform" && (
+          <>
+            <HandlesPanel page={page} />
+            <MethodPanel page={page} />
+            <SymmetryPanel page={page} />
+            <GroupsPanel page={page} />
+          </>
+        )}
+        {mode.value === "graft" && <GraftPanels page={page} />}
+        <StepsPanel page={page} />
+        <ViewPanel page={page} />
+      </div>
+    </aside>
+  );
+}
+
+/** What of the step goes another way than asked. */
+function Notes({ page }: { page: Page }) {
+  const notes = page.editor.state.value?.notes ?? [];
+  if (notes.length === 0) return null;
+  return (
+    <ul class="notes" aria-label="Notes on this step">
+      {notes.map((note) => (
+        <li key={note}>{sentence(note)}</li>
+      ))}
+    </ul>
+  );
+}

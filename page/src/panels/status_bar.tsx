@@ -1,0 +1,127 @@
+import { useEffect, useState } from "preact/hooks";
+import type { Box, Work } from "../app/editor";
+import { liveWords, stageWords } from "../app/live_words";
+import type { Page } from "../app/page";
+import { counted, formatCount, formatPercent, formatSeconds, formatSize } from "../app/units";
+import { Icon } from "./ui/icon";
+
+/** The line at the bottom: what the engine does, how good what is shown is, and how large all is. */
+export function StatusBar({ page }: { page: Page }) {
+  const { editor } = page;
+  const state = editor.state.value;
+  const words = liveWords(state, editor.live.value);
+  return (
+    <footer class="status" aria-label="Status">
+      <Progress page={page} />
+      <span class={`stage ${words.tone}`} role="status" data-tip={words.explained}>
+        {words.tone === "warning" || words.tone === "problem" ? <Icon name="warning" size={14} /> : <i class="dot" />}
+        {words.text}
+      </span>
+      <LiveFigures page={page} />
+      <span class="space" />
+      {state !== null && <ModelFigures page={page} />}
+    </footer>
+  );
+}
+
+function LiveFigures({ page }: { page: Page }) {
+  const { editor } = page;
+  const { seconds, error_rel } = editor.live.value;
+  const setup = editor.setupSeconds.value;
+  if (editor.state.value?.counts == null) return null;
+  return (
+    <>
+      {seconds !== undefined && <span data-tip="What the engine took for the last frame.">frame {formatSeconds(seconds)}</span>}
+      {setup !== undefined && <span data-tip="What it took until the exact solution was there.">set-up {formatSeconds(setup)}</span>}
+      {error_rel !== undefined && error_rel > 0 && (
+        <span data-tip="How far the preview was from the exact shape, as a part of the movement.">± {formatPercent(error_rel)}</span>
+      )}
+    </>
+  );
+}
+
+function ModelFigures({ page }: { page: Page }) {
+  const { editor } = page;
+  const state = editor.state.value;
+  const box = editor.box.value;
+  const selected = editor.selected.value;
+  if (state === null) return null;
+  const { model, counts } = state;
+  return (
+    <>
+      {selected > 0 && <span class="selected-count">{formatCount(selected)} selected</span>}
+      {counts !== null && (
+        <span data-tip="Vertices that may move, and those of them that are neither handle nor fixed.">
+          region {formatCount(counts.region)}, free {formatCount(counts.free)}
+        </span>
+      )}
+      <span class="wide-only">{counted(model.vertices, "vertex", "vertices")}</span>
+      <span class="wide-only">{counted(model.faces, "face")}</span>
+      {box !== null && <span data-tip="Sides of the box around the model. The unit is set under View.">{formatSize(sidesOf(box), editor.view.unit.value)}</span>}
+    </>
+  );
+}
+
+function sidesOf({ low, high }: Box): number[] {
+  return high.map((most, k) => most - (low[k] ?? 0));
+}
+
+const patienceMs = 300; // work that is done sooner is not worth a word
+
+/** What the longest request does, with a bar and a way out; else the set-up behind what is shown. */
+function Progress({ page }: { page: Page }) {
+  const { editor } = page;
+  const oldest = [...editor.working.value.values()].reduce<Work | undefined>((a, b) => (a === undefined || b.since < a.since ? b : a), undefined);
+  const late = useLate(oldest);
+  const setup = editor.progress.value.get("null");
+  if (oldest !== undefined && late) {
+    const event = editor.progress.value.get(String(oldest.id));
+    return (
+      <>
+        <Bar fraction={event?.fraction ?? -1} label={oldest.label} />
+        <span class="working" role="status">
+          {oldest.label}
+          {event !== undefined && event.stage !== "" ? `: ${stageWords(event.stage)}` : "…"}
+        </span>
+        <button type="button" class="cancel" onClick={() => editor.cancel(oldest.id)}>
+          Cancel
+        </button>
+      </>
+    );
+  }
+  if (setup === undefined) return null;
+  return (
+    <>
+      <Bar fraction={setup.fraction} label="Getting exact" />
+      <span class="working">{stageWords(setup.stage)}</span>
+    </>
+  );
+}
+
+function Bar({ fraction, label }: { fraction: number; label: string }) {
+  const known = fraction >= 0;
+  const percent = Math.round(100 * Math.min(1, fraction));
+  return (
+    <span
+      class={`bar ${known ? "" : "unknown"}`}
+      role="progressbar"
+      aria-label={label}
+      aria-valuemin={0}
+      aria-valuemax={100}
+      aria-valuenow={known ? percent : undefined}
+    >
+      <i style={{ width: known ? `${percent}%` : undefined }} />
+    </span>
+  );
+}
+
+/** Whether work goes on for longer than nobody notices. */
+function useLate(work: Work | undefined): boolean {
+  const [late, setLate] = useState<unknown>(undefined);
+  useEffect(() => {
+    if (work === undefined) return undefined;
+    const timer = setTimeout(() => setLate(work.id), Math.max(0, patienceMs - (performance.now() - work.since)));
+    return () => clearTimeout(timer);
+  }, [work?.id]);
+  return work !== undefined && late === work.id;
+}

@@ -1,0 +1,130 @@
+import type { Page } from "../app/page";
+import type { ToolName } from "../app/tool_settings";
+import { counted } from "../app/units";
+import { CommandButton, CommandLabelButton } from "./command_button";
+import { NumberField, Segments, Slider } from "./ui/fields";
+
+const hints: Record<ToolName, string> = {
+  navigate: "Drag to turn, right-drag to shift, wheel to zoom.",
+  handle: "Paint what to hold, then pull it by the arrows.",
+  vertex: "Click a vertex to hold it.",
+  curve: "Click along the curve; Enter ends it, its first point closes it.",
+  brush: "Paint to select. Shift adds, Alt takes away.",
+  lasso: "Draw around what to select. Shift adds, Alt takes away.",
+  box: "Drag a rectangle. Shift adds, Alt takes away.",
+  connected: "Click a part to select all of it that is connected.",
+  loop: "Click near a hole to select its rim.",
+  flood: "Click to select up to the next crease.",
+};
+const painting: readonly ToolName[] = ["handle", "brush"];
+const selecting: readonly ToolName[] = ["brush", "lasso", "box", "connected", "loop", "flood"];
+const seesThrough: readonly ToolName[] = ["handle", "brush", "lasso", "box"];
+
+/** What the active tool may be told, above the view; and what can be made of the selection. */
+export function ToolOptions({ page }: { page: Page }) {
+  const { editor } = page;
+  const { tools } = editor;
+  const tool = tools.tool.value;
+  const selected = editor.selected.value;
+  return (
+    <div class="tool-options">
+      <div class="tool-line" role="toolbar" aria-label="Options of the tool">
+        {painting.includes(tool) && (
+          <Slider
+            label="Size"
+            value={tools.brushRadiusPx.value}
+            min={2}
+            max={400}
+            softMax={200}
+            logarithmic
+            integer
+            suffix="px"
+            help="Radius of the brush. [ and ] change it."
+            onInput={(radius) => (tools.brushRadiusPx.value = radius)}
+            onChange={(radius) => (tools.brushRadiusPx.value = radius)}
+          />
+        )}
+        {tool === "flood" && (
+          <Slider
+            label="Crease"
+            value={tools.floodAngleDeg.value}
+            min={0}
+            max={180}
+            integer
+            suffix="°"
+            help="The selection stops where faces meet at more than this angle."
+            onChange={(angle) => (tools.floodAngleDeg.value = angle)}
+          />
+        )}
+        {selecting.includes(tool) && (
+          <Segments
+            label="Selection"
+            hideLabel
+            value={tools.combine.value}
+            choices={[
+              { value: "set", label: "New", help: "Begins a new selection." },
+              { value: "add", label: "Add", help: "Adds to the selection (shift)." },
+              { value: "remove", label: "Take away", help: "Takes away from the selection (alt)." },
+            ]}
+            onChange={(how) => (tools.combine.value = how)}
+          />
+        )}
+        {seesThrough.includes(tool) && <CommandButton page={page} id="through" icon="through" />}
+        <span class="tool-hint">{hints[tool]}</span>
+      </div>
+      {selected > 0 && <SelectionLine page={page} selected={selected} />}
+      {tools.activeHandle.value !== null && <HandleLine page={page} />}
+    </div>
+  );
+}
+
+function SelectionLine({ page, selected }: { page: Page; selected: number }) {
+  return (
+    <div class="tool-line selection-line" role="toolbar" aria-label="Selection">
+      <strong>{counted(selected, "vertex", "vertices")} selected</strong>
+      <CommandButton page={page} id="select-grow" icon="grow" />
+      <CommandButton page={page} id="select-shrink" icon="shrink" />
+      <CommandButton page={page} id="select-invert" icon="invert" />
+      <CommandButton page={page} id="select-none" icon="close" />
+      <span class="divider" />
+      <CommandLabelButton page={page} id="make-handle" icon="handle" kind="primary" />
+      <CommandLabelButton page={page} id="make-region" icon="region" />
+      <CommandLabelButton page={page} id="make-fixed" icon="fixed" />
+    </div>
+  );
+}
+
+/** How the gizmo of the active handle works. */
+function HandleLine({ page }: { page: Page }) {
+  const { tools, view, state } = page.editor;
+  const unit = view.unit.value;
+  const usualMove = 0.01 * (state.value?.model.diagonal ?? 1);
+  return (
+    <div class="tool-line handle-line" role="toolbar" aria-label="Gizmo">
+      <strong>{tools.activeHandle.value}</strong>
+      <CommandButton page={page} id="gizmo-space" icon="gizmo-space" />
+      <CommandButton page={page} id="pivot" icon="pivot" />
+      <CommandButton page={page} id="snap" icon="snap" />
+      {tools.snap.value && (
+        <>
+          <NumberField
+            label="Step of moves"
+            tip="Step of moves."
+            value={tools.snapMove.value === 0 ? usualMove : tools.snapMove.value}
+            quantity="length"
+            unit={unit}
+            suffix={unit === "none" ? "" : unit}
+            min={1e-9}
+            digits={3}
+            step={usualMove}
+            onChange={(step) => (tools.snapMove.value = step)}
+          />
+          <NumberField label="Step of turns" tip="Step of turns." value={tools.snapTurnDeg.value} quantity="angle" suffix="°" min={0.01} max={180} step={5} onChange={(step) => (tools.snapTurnDeg.value = step)} />
+          <NumberField label="Step of scales" tip="Step of scales." value={tools.snapScale.value} quantity="factor" suffix="×" min={0.001} max={10} step={0.05} onChange={(step) => (tools.snapScale.value = step)} />
+        </>
+      )}
+      <CommandButton page={page} id="reset-pose" icon="reset" />
+      <CommandButton page={page} id="remove-handle" icon="remove" />
+    </div>
+  );
+}

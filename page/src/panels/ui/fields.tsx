@@ -1,0 +1,275 @@
+import { useId, useRef, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { formatNumber, parseQuantity, type Quantity, type Unit } from "../../app/units";
+
+interface NumberFieldProps {
+  label: string;
+  value: number;
+  onChange: (value: number) => void;
+  quantity?: Quantity;
+  unit?: Unit;
+  /** Shown behind the number. */
+  suffix?: string;
+  step?: number;
+  min?: number;
+  max?: number;
+  integer?: boolean;
+  disabled?: boolean;
+  digits?: number;
+  labelledBy?: string;
+  tip?: string;
+}
+
+/** A number to type, with units and small calculations; up and down change it by a step (shift: ten, alt: a tenth). */
+export function NumberField(props: NumberFieldProps) {
+  const { label, value, onChange, quantity = "number", unit = "none", suffix, step = 1, disabled } = props;
+  const [typed, setTyped] = useState<string | null>(null);
+  const shown = formatNumber(value, props.digits ?? 4);
+  const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
+  const bad = parsed === undefined;
+  const confirm = () => {
+    if (typed !== null && parsed !== undefined && typed.trim() !== shown) onChange(clamp(parsed, props));
+    setTyped(null);
+  };
+  const leave = (event: KeyboardEvent) => {
+    event.stopPropagation();
+    if (typed === null && event.target instanceof HTMLElement) event.target.blur();
+    setTyped(null);
+  };
+  const onKeyDown = (event: KeyboardEvent) => {
+    if (event.key === "Enter") confirm();
+    if (event.key === "Escape") leave(event);
+    if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
+    event.preventDefault();
+    const by = (event.key === "ArrowUp" ? 1 : -1) * step * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
+    const next = clamp((parsed ?? value) + by, props);
+    setTyped(null);
+    onChange(Number(next.toPrecision(12)));
+  };
+  return (
+    <span class={`number ${bad ? "bad" : ""} ${disabled === true ? "disabled" : ""}`} data-tip={props.tip}>
+      <input
+        type="text"
+        inputMode="decimal"
+        spellcheck={false}
+        autocomplete="off"
+        aria-label={props.labelledBy === undefined ? label : undefined}
+        aria-labelledby={props.labelledBy}
+        aria-invalid={bad}
+        disabled={disabled}
+        value={typed ?? shown}
+        onFocus={(event) => event.currentTarget.select()}
+        onInput={(event) => setTyped(event.currentTarget.value)}
+        onKeyDown={onKeyDown}
+        onBlur={confirm}
+      />
+      {suffix !== undefined && suffix !== "" && <span class="suffix">{suffix}</span>}
+    </span>
+  );
+}
+
+function clamp(value: number, { min = -Infinity, max = Infinity, integer }: NumberFieldProps): number {
+  const inside = Math.min(max, Math.max(min, value));
+  return integer === true ? Math.round(inside) : inside;
+}
+
+interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
+  min: number;
+  max: number;
+  /** Where the track ends, when numbers beyond may be typed. */
+  softMin?: number;
+  softMax?: number;
+  /** Steps grow with the value; 0 stays reachable. */
+  logarithmic?: boolean;
+  help?: string;
+  /** While it is dragged; `onChange` comes at the end. */
+  onInput?: (value: number) => void;
+  children?: ComponentChildren;
+}
+
+const positions = 1000;
+
+/** A named slider with a number field. */
+export function Slider(props: SliderProps) {
+  const id = useId();
+  const [dragged, setDragged] = useState<number | null>(null);
+  const low = props.softMin ?? props.min;
+  const high = props.softMax ?? props.max;
+  const track = new Track(low, high, props.logarithmic === true);
+  const value = dragged ?? props.value;
+  const take = (position: number): number => {
+    const raw = track.value(position / positions);
+    return props.integer === true ? Math.round(raw) : Number(raw.toPrecision(3));
+  };
+  const end = () => {
+    if (dragged !== null && dragged !== props.value) props.onChange(dragged);
+    setDragged(null);
+  };
+  return (
+    <div class={`row slider ${props.disabled === true ? "disabled" : ""}`} data-tip={props.help}>
+      <label id={id}>{props.label}</label>
+      <input
+        type="range"
+        min={0}
+        max={positions}
+        step={props.integer === true && !track.logarithmic ? positions / Math.max(1, high - low) : 1}
+        aria-labelledby={id}
+        aria-valuetext={formatNumber(value)}
+        disabled={props.disabled}
+        value={Math.round(positions * track.position(value))}
+        style={{ "--at": `${100 * track.position(value)}%` }}
+        onInput={(event) => {
+          const next = take(Number(event.currentTarget.value));
+          setDragged(next);
+          props.onInput?.(next);
+        }}
+        onChange={end}
+      />
+      <NumberField {...props} value={value} labelledBy={id} tip={undefined} />
+    </div>
+  );
+}
+
+/** Places of numbers on a slider, 0 to 1. */
+export class Track {
+  private readonly floor: number;
+
+  constructor(
+    readonly low: number,
+    readonly high: number,
+    readonly logarithmic: boolean,
+  ) {
+    this.floor = low > 0 ? low : high / 1e4;
+  }
+
+  value(position: number): number {
+    if (!this.logarithmic) return this.low + position * (this.high - this.low);
+    if (position <= 0) return this.low;
+    return this.floor * (this.high / this.floor) ** position;
+  }
+  position(value: number): number {
+    const raw = this.logarithmic
+      ? value <= this.floor
+        ? 0
+        : Math.log(value / this.floor) / Math.log(this.high / this.floor)
+      : (value - this.low) / (this.high - this.low);
+    return Math.min(1, Math.max(0, raw));
+  }
+}
+
+interface ToggleProps {
+  label: string;
+  value: boolean;
+  onChange: (value: boolean) => void;
+  help?: string;
+  keys?: string;
+  disabled?: boolean;
+}
+
+export function Toggle({ label, value, onChange, help, keys, disabled }: ToggleProps) {
+  return (
+    <label class={`row toggle ${disabled === true ? "disabled" : ""}`} data-tip={help} data-keys={keys}>
+      <span>{label}</span>
+      <input
+        type="checkbox"
+        role="switch"
+        checked={value}
+        disabled={disabled}
+        onChange={(event) => onChange(event.currentTarget.checked)}
+      />
+    </label>
+  );
+}
+
+export interface Choice<Value extends string> {
+  value: Value;
+  label: string;
+  help?: string;
+}
+
+interface SelectProps<Value extends string> {
+  label: string;
+  value: Value;
+  choices: readonly Choice<Value>[];
+  onChange: (value: Value) => void;
+  help?: string;
+  disabled?: boolean;
+}
+
+export function Select<Value extends string>(props: SelectProps<Value>) {
+  const id = useId();
+  return (
+    <div class="row" data-tip={props.help}>
+      <label for={id}>{props.label}</label>
+      <select
+        id={id}
+        value={props.value}
+        disabled={props.disabled}
+        onChange={(event) => {
+          const chosen = props.choices.find((choice) => choice.value === event.currentTarget.value);
+          if (chosen !== undefined) props.onChange(chosen.value);
+        }}
+      >
+        {props.choices.map((choice) => (
+          <option key={choice.value} value={choice.value}>
+            {choice.label}
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+/** Few choices side by side; arrows go between them. */
+export function Segments<Value extends string>(props: SelectProps<Value> & { hideLabel?: boolean }) {
+  const id = useId();
+  return (
+    <div class={`row segments ${props.hideLabel === true ? "wide" : ""}`} data-tip={props.help}>
+      <span id={id} class={props.hideLabel === true ? "hidden" : "label"}>
+        {props.label}
+      </span>
+      <div role="radiogroup" aria-labelledby={id}>
+        {props.choices.map((choice) => (
+          <label key={choice.value} data-tip={choice.help} class={choice.value === props.value ? "chosen" : ""}>
+            <input
+              type="radio"
+              name={id}
+              checked={choice.value === props.value}
+              disabled={props.disabled}
+              onChange={() => props.onChange(choice.value)}
+            />
+            {choice.label}
+          </label>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+/** A name that is changed in its place: enter confirms, escape leaves it as it was. */
+export function NameField({ name, onRename, onEnd }: { name: string; onRename: (to: string) => void; onEnd: () => void }) {
+  const ended = useRef(false);
+  const end = (to: string | null) => {
+    if (ended.current) return;
+    ended.current = true;
+    if (to !== null && to !== "" && to !== name) onRename(to);
+    onEnd();
+  };
+  return (
+    <input
+      class="name-field"
+      type="text"
+      aria-label={`New name of ${name}`}
+      autoFocus
+      defaultValue={name}
+      onFocus={(event) => event.currentTarget.select()}
+      onClick={(event) => event.stopPropagation()}
+      onKeyDown={(event) => {
+        event.stopPropagation();
+        if (event.key === "Enter") end(event.currentTarget.value.trim());
+        if (event.key === "Escape") end(null);
+      }}
+      onBlur={(event) => end(event.currentTarget.value.trim())}
+    />
+  );
+}

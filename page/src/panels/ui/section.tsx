@@ -1,0 +1,51 @@
+import type { ComponentChildren } from "preact";
+import { useId } from "preact/hooks";
+import { remembered } from "../../app/remembered";
+import { Icon } from "./icon";
+
+interface SectionProps {
+  title: string;
+  /** One line that says what it is for. */
+  hint: string;
+  /** Beside the title: a count, a state. */
+  badge?: ComponentChildren;
+  startsOpen?: boolean;
+  children: ComponentChildren;
+}
+
+/** A part of the side that folds; whether it is open is remembered. */
+export function Section({ title, hint, badge, startsOpen = false, children }: SectionProps) {
+  const open = remembered(`section ${title}`, startsOpen);
+  const id = useId();
+  return (
+    <section class={`section ${open.value ? "open" : ""}`} aria-label={title}>
+      <h3>
+        <button type="button" aria-expanded={open.value} aria-controls={id} onClick={() => (open.value = !open.value)}>
+          <Icon name={open.value ? "down" : "right"} size={14} />
+          <span>{title}</span>
+          {badge !== undefined && <span class="badge">{badge}</span>}
+        </button>
+      </h3>
+      {open.value && (
+        <div class="section-body" id={id}>
+          <p class="hint">{hint}</p>
+          {children}
+        </div>
+      )}
+    </section>
+  );
+}
+
+/** What is seldom needed. */
+export function More({ label, children }: { label: string; children: ComponentChildren }) {
+  const open = remembered(`more ${label}`, false);
+  return (
+    <div class="more">
+      <button type="button" class="more-button" aria-expanded={open.value} onClick={() => (open.value = !open.value)}>
+        <Icon name={open.value ? "down" : "right"} size={12} />
+        {label}
+      </button>
+      {open.value && children}
+    </div>
+  );
+}

@@ -1,0 +1,130 @@
+import { effect } from "@preact/signals";
+import { Vector3 } from "three";
+import type { GraftView } from "../view/graft_view";
+import type { Hit } from "../view/picking";
+import type { Spot } from "./eye";
+import { runsLeft } from "./graft_plane_math";
+import { linesThrough, onOverlay, set, show, svg } from "./svg";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+
+const stepPx = 9; // between vertices of the curve
+const closePx = 16;
+
+/** Draws a closed curve on the surface, in one stroke or in several with turns of the view between, to cut along. */
+export class CutCurveTool implements Tool {
+  readonly cursor = "crosshair";
+  private readonly path = svg("path", { class: "cut-curve", display: "none" });
+  private readonly first = svg("circle", { class: "cut-first", r: 7, display: "none" });
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly view: GraftView,
+  ) {
+    bench.viewport.overlay.append(this.path, this.first);
+    bench.viewport.onFrame.add(() => this.draw());
+    effect(() => {
+      void [this.graft.cutCurve.value, this.graft.tool.value, this.graft.mode.value];
+      bench.viewport.requestRender();
+    });
+  }
+
+  private get graft() {
+    return this.bench.editor.graft;
+  }
+
+  hover(pointer: Pointer, hit: Hit | undefined): void {
+    const { value: curve } = this.graft.cutCurve;
+    if (this.isAtFirst(pointer.spot)) this.bench.status.say("Close the curve here", pointer.spot);
+    else if (hit === undefined) this.bench.status.clear();
+    else if (curve?.closed === true) this.bench.status.say("Enter keeps what is inside", pointer.spot);
+    else if (curve === null) this.bench.status.say("Draw a closed curve on the surface", pointer.spot);
+    else this.bench.status.say("Go on drawing; Enter closes the curve", pointer.spot);
+  }
+  leave(): void {
+    this.bench.status.clear();
+  }
+
+  press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    if (this.isAtFirst(pointer.spot)) return { move: () => undefined, end: () => this.close(), cancel: () => undefined };
+    if (hit === undefined) return undefined;
+    const before = this.graft.cutCurve.value;
+    const goesOn = before !== null && !before.closed && before.mesh === hit.surface.id;
+    const vertices = goesOn ? [...before.vertices] : [];
+    let last: Spot | undefined;
+    const add = ({ spot }: Pointer) => {
+      if (last !== undefined && Math.hypot(spot.x - last.x, spot.y - last.y) < stepPx) return;
+      const under = this.bench.viewport.pick(spot.x, spot.y);
+      if (under?.surface !== hit.surface || vertices.includes(under.vertex)) return;
+      last = spot;
+      vertices.push(under.vertex);
+      this.graft.cutCurve.value = { mesh: hit.surface.id, vertices: [...vertices], closed: false };
+    };
+    add(pointer);
+    return {
+      move: add,
+      end: ({ spot }) => {
+        if (vertices.length > 4 && this.isAtFirst(spot)) this.close();
+      },
+      cancel: () => (this.graft.cutCurve.value = before),
+    };
+  }
+
+  confirm(): boolean {
+    const { value: curve } = this.graft.cutCurve;
+    if (curve === null || curve.vertices.length < 3) return false;
+    if (curve.closed) void this.graft.cut("above");
+    else this.close();
+    return true;
+  }
+  escape(): boolean {
+    if (this.graft.cutCurve.value === null) return false;
+    this.graft.cutCurve.value = null;
+    return true;
+  }
+  takeKey({ key }: KeyboardEvent): boolean {
+    const { value: curve } = this.graft.cutCurve;
+    if (curve === null || (key !== "Backspace" && key !== "Delete")) return false;
+    const vertices = curve.vertices.slice(0, curve.closed ? undefined : -1);
+    this.graft.cutCurve.value = vertices.length === 0 ? null : { ...curve, vertices, closed: false };
+    return true;
+  }
+
+  // It runs so that what it goes around, as it is seen, is at its left hand, which the engine calls above.
+  private close(): void {
+    const { value: curve } = this.graft.cutCurve;
+    if (curve === null || curve.vertices.length < 3) return;
+    const spots = this.spots().map(({ x, y }): [number, number] => [x, y]);
+    const vertices = runsLeft(spots) ? curve.vertices : [...curve.vertices].reverse();
+    this.graft.cutCurve.value = { ...curve, vertices, closed: true };
+  }
+
+  private isAtFirst(spot: Spot): boolean {
+    const { value: curve } = this.graft.cutCurve;
+    if (curve === null || curve.closed || curve.vertices.length < 3) return false;
+    const [first] = this.spots();
+    return first !== undefined && Math.hypot(first.x - spot.x, first.y - spot.y) < closePx;
+  }
+
+  private spots(): Spot[] {
+    const { value: curve } = this.graft.cutCurve;
+    if (curve === null) return [];
+    const place = new Vector3();
+    return curve.vertices.flatMap((v) => {
+      const at = this.view.place(curve.mesh, v, place);
+      return at === undefined ? [] : [this.bench.viewport.project(at)];
+    });
+  }
+
+  private draw(): void {
+    const { cutCurve, mode, tool } = this.graft;
+    const isShown = mode.value === "graft" && tool.value === "stroke" && cutCurve.value !== null;
+    show(this.path, isShown);
+    show(this.first, isShown && cutCurve.value?.closed === false && cutCurve.value.vertices.length > 2);
+    if (!isShown) return;
+    const spots = onOverlay(this.bench.viewport.overlay, this.spots());
+    const closed = cutCurve.value?.closed === true;
+    set(this.path, { d: linesThrough(spots, closed), class: `cut-curve${closed ? " closed" : ""}` });
+    const [first] = spots;
+    if (first !== undefined) set(this.first, { cx: first.x, cy: first.y });
+  }
+}

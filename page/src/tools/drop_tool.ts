@@ -1,0 +1,142 @@
+import type { Graft } from "../app/graft";
+import type { GraftFields } from "../app/graft_step";
+import type { GraftView } from "../view/graft_view";
+import type { Hit } from "../view/picking";
+import { meetSurface } from "../view/picking";
+import type { Spot } from "./eye";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+
+/** Where a part is dropped, and how. */
+interface Drop {
+  point: [number, number, number];
+  spinDeg: number;
+  size: number | undefined;
+}
+
+/** A part follows the pointer over the surface, spins and scales, and is grafted where it is let go. */
+export class DropTool implements Tool {
+  readonly cursor = "copy";
+  private drop: Drop | undefined;
+  private spot: Spot | undefined;
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly view: GraftView,
+  ) {}
+
+  private get graft(): Graft {
+    return this.bench.editor.graft;
+  }
+
+  hover({ spot }: Pointer, _hit: Hit | undefined): void {
+    this.spot = spot;
+    const point = this.pointUnder(spot);
+    if (point === undefined) {
+      this.bench.status.say("Point at the surface", spot);
+      return;
+    }
+    this.drop = { spinDeg: 0, size: undefined, ...this.drop, point };
+    this.show();
+  }
+
+  leave(): void {
+    this.bench.status.clear();
+  }
+
+  /** A click grafts it there. */
+  press(pointer: Pointer): Stroke | undefined {
+    this.hover(pointer, undefined);
+    if (this.pointUnder(pointer.spot) === undefined) return undefined;
+    return {
+      move: (at) => this.hover(at, undefined),
+      end: (at) => {
+        this.hover(at, undefined);
+        void this.finish();
+      },
+      cancel: () => this.giveUp(),
+    };
+  }
+
+  wheel(event: WheelEvent): boolean {
+    if (this.drop === undefined) return false;
+    const step = Math.max(-3, Math.min(3, (event.deltaY || event.deltaX) / 100));
+    if (event.shiftKey || event.ctrlKey) this.scale(Math.exp(-0.1 * step));
+    else this.spin(7.5 * step);
+    return true;
+  }
+
+  takeKey({ key, shiftKey }: KeyboardEvent): boolean {
+    if (this.drop === undefined) return false;
+    const back = shiftKey ? -1 : 1;
+    if (key.toLowerCase() === "r") this.spin(15 * back);
+    else if (key.toLowerCase() === "s") this.scale(1.1 ** back);
+    else return false;
+    return true;
+  }
+
+  escape(): boolean {
+    this.giveUp();
+    return true;
+  }
+
+  private spin(byDeg: number): void {
+    if (this.drop === undefined) return;
+    const turned = this.drop.spinDeg + byDeg;
+    this.drop.spinDeg = turned - 360 * Math.round(turned / 360);
+    this.show();
+  }
+  private scale(by: number): void {
+    if (this.drop === undefined) return;
+    const now = this.drop.size ?? this.graft.report.value?.size ?? 1;
+    this.drop.size = Number((now * by).toPrecision(4));
+    this.show();
+  }
+
+  private fields(): GraftFields | undefined {
+    const { drop } = this;
+    const source = this.graft.dropped.value?.name;
+    if (drop === undefined || source === undefined) return undefined;
+    const at = { point: drop.point, ...(drop.spinDeg === 0 ? {} : { spin_deg: drop.spinDeg }) };
+    return { source, at, size: drop.size ?? null };
+  }
+
+  private show(): void {
+    const fields = this.fields();
+    if (fields === undefined || this.drop === undefined || this.spot === undefined) return;
+    this.graft.drag(fields);
+    const size = this.drop.size === undefined ? "own size" : `× ${this.drop.size.toPrecision(3)}`;
+    this.bench.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (shift+wheel, S) · Esc leaves it`, this.spot);
+  }
+
+  /** Grafts it where it is. */
+  async finish(): Promise<void> {
+    const fields = this.fields();
+    if (fields === undefined) return this.giveUp();
+    this.graft.dropped.value = null;
+    this.end();
+    await this.graft.set(fields);
+  }
+  giveUp(): void {
+    if (this.graft.dropped.value !== null) void this.graft.leaveDropped();
+    this.end();
+  }
+  get hasPlace(): boolean {
+    return this.drop !== undefined;
+  }
+  private end(): void {
+    this.drop = undefined;
+    this.bench.status.clear();
+    if (this.graft.tool.value === "drop") this.graft.tool.value = "loops";
+  }
+
+  // On the target itself, which is hidden while it is shown what comes of it.
+  private pointUnder({ x, y }: Spot): [number, number, number] | undefined {
+    const { viewport } = this.bench;
+    const target = this.graft.kept.value?.target ?? this.graft.model.value?.name;
+    const surface = viewport.surfaceOf(this.graft.named(target)?.mesh ?? -1);
+    if (surface === undefined) return undefined;
+    const ray = viewport.rayAt(x, y).applyMatrix4(this.view.targetStand.clone().invert());
+    const point = meetSurface(surface, viewport.treeOf(surface), ray)?.point;
+    return point === undefined ? undefined : [point.x, point.y, point.z];
+  }
+}

@@ -1,0 +1,35 @@
+import type { Hit } from "../view/picking";
+import { BrushTool } from "./select_tools";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+
+/** Paints what of a part stays as it is, where it keeps its pose. */
+export class FixedTool implements Tool {
+  readonly cursor = "crosshair";
+  private readonly brush: BrushTool;
+
+  constructor(private readonly bench: Bench) {
+    this.brush = new BrushTool(bench);
+  }
+
+  hover(pointer: Pointer): void {
+    this.brush.hover(pointer);
+  }
+  leave(): void {
+    this.brush.leave();
+  }
+
+  press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    const { graft } = this.bench.editor;
+    if (hit === undefined || hit.surface.id !== graft.source.value?.mesh) return undefined;
+    const stroke = this.brush.press(pointer, hit);
+    return (
+      stroke && {
+        ...stroke,
+        end: (at) => {
+          stroke.end(at);
+          void graft.set({ fixed: true });
+        },
+      }
+    );
+  }
+}

@@ -1,0 +1,226 @@
+// A move, a turn or a scale of a handle, from the pointer's way or from a number that was typed.
+import { Plane as ThreePlane, Quaternion, Vector3 } from "three";
+import type { Eye, Spot } from "./eye";
+import { NumberEntry } from "./number_entry";
+import { centreOf, moved, scaled, turned, type Placement } from "./pose_math";
+
+export type Axis = 0 | 1 | 2;
+export type Act = "move" | "turn" | "scale";
+
+/**
+ * What a gesture does: along (or about) one of the gizmo's axes, across it (in the plane of the two others), or free:
+ * a move in the plane of the page, a turn about the line of sight, the same scale in all directions.
+ */
+export interface Grip {
+  readonly act: Act;
+  readonly axis: Axis | "free";
+  readonly across?: boolean;
+}
+
+/** Steps to snap to. */
+export interface Steps {
+  readonly move: number;
+  readonly turnDeg: number;
+  readonly scale: number;
+}
+
+const leastScale = 0.01; // what a drag scales to at least; smaller and mirrored ones are typed
+const leastRadiusPx = 40; // a scale that starts nearer to the centre would be jumpy
+const edgeOn = 0.2; // cosine below which a ring's plane says little about where the pointer is
+
+export class Gesture {
+  readonly number = new NumberEntry();
+  /** Steps to snap to; undefined: as the pointer says. */
+  steps: Steps | undefined;
+  private first: Spot;
+  private last: Spot;
+  private turnDeg = 0;
+  private readonly centre: Vector3;
+
+  /** `axes`: a rotation whose columns are the gizmo's axes. The pointer starts at `spot`. */
+  constructor(
+    private grip: Grip,
+    readonly start: Placement,
+    private axes: Quaternion,
+    private readonly eye: Eye,
+    spot: Spot,
+  ) {
+    this.centre = centreOf(start);
+    this.first = this.last = spot;
+  }
+
+  get pointer(): Spot {
+    return this.last;
+  }
+
+  get doing(): Grip {
+    return this.grip;
+  }
+
+  pointAt(spot: Spot): void {
+    if (this.grip.act === "turn") this.turnDeg += this.turnBetween(this.last, spot);
+    this.last = spot;
+  }
+
+  /** Keeps to another axis, from where the gesture began. */
+  constrain(grip: Grip, axes: Quaternion): void {
+    this.grip = grip;
+    this.axes = axes;
+    this.turnDeg = grip.act === "turn" ? this.turnBetween(this.first, this.last) : 0;
+  }
+
+  /** Where the handle is by this gesture. */
+  placement(): Placement {
+    switch (this.grip.act) {
+      case "move":
+        return moved(this.start, this.shift());
+      case "turn":
+        return turned(this.start, { axis: this.turnAxis(), angleDeg: this.angleDeg() });
+      case "scale":
+        return scaled(this.start, this.factors(), this.axes);
+    }
+  }
+
+  /** What it does, in words: "Turn about X  30.0°". */
+  label(unit: string): string {
+    const typed = this.number.text === "" ? "" : `  [${this.number.text}]`;
+    const name = this.grip.axis === "free" ? "" : "XYZ".charAt(this.grip.axis);
+    const digits = (value: number) => (Math.abs(value) >= 100 ? value.toFixed(1) : value.toPrecision(3));
+    if (this.grip.act === "turn") {
+      const angle = this.angleDeg();
+      const turns = Math.abs(angle) >= 360 ? ` (${(angle / 360).toFixed(2)} turns)` : "";
+      return `Turn${name && ` about ${name}`}  ${angle.toFixed(1)}°${turns}${typed}`;
+    }
+    const where = name && (this.grip.across === true ? ` across ${name}` : ` along ${name}`);
+    if (this.grip.act === "scale") return `Scale${where}  × ${this.factor().toFixed(3)}${typed}`;
+    const shift = this.shift();
+    const length = name && this.grip.across !== true ? shift.dot(this.axisOf(this.grip.axis)) : shift.length();
+    return `Move${where}  ${digits(length)}${unit && ` ${unit}`}${typed}`;
+  }
+
+  angleDeg(): number {
+    return this.number.value ?? snapTo(this.turnDeg, this.steps?.turnDeg);
+  }
+
+  /** In the world: what a turn goes about. */
+  turnAxis(): Vector3 {
+    return this.grip.axis === "free" ? this.eye.towards(this.centre).negate() : this.axisOf(this.grip.axis);
+  }
+
+  /** From the centre to where the pointer began, of length 1, in the plane of the turn. */
+  startDirection(): Vector3 {
+    const axis = this.turnAxis();
+    const isEdgeOn = Math.abs(axis.dot(this.eye.towards(this.centre))) < edgeOn;
+    const from = isEdgeOn ? this.eye.towards(this.centre).negate() : this.placeIn(axis, this.first).sub(this.centre);
+    from.addScaledVector(axis, -from.dot(axis));
+    return from.lengthSq() < 1e-20 ? from.set(1, 0, 0).cross(axis).normalize() : from.normalize();
+  }
+
+  private axisOf(axis: Axis | "free"): Vector3 {
+    return new Vector3(+(axis === 0 || axis === "free"), +(axis === 1), +(axis === 2)).applyQuaternion(this.axes);
+  }
+
+  private shift(): Vector3 {
+    const typed = this.number.value;
+    if (typed !== undefined) return this.axisOf(this.typedAxis()).multiplyScalar(typed);
+    const { axis, across } = this.grip;
+    if (axis !== "free" && across !== true) {
+      const along = this.axisOf(axis);
+      const length = this.placeAlong(along, this.last) - this.placeAlong(along, this.first);
+      return along.multiplyScalar(snapTo(length, this.steps?.move));
+    }
+    const normal = axis === "free" ? this.eye.towards(this.centre) : this.axisOf(axis);
+    const shift = this.placeIn(normal, this.last).sub(this.placeIn(normal, this.first));
+    return this.steps === undefined ? shift : this.snapped(shift);
+  }
+
+  // A number for a plane, or for the page's plane, is along the plane's first axis.
+  private typedAxis(): Axis | "free" {
+    return this.grip.across === true && this.grip.axis === 0 ? 1 : this.grip.across === true ? 0 : this.grip.axis;
+  }
+
+  private snapped(shift: Vector3): Vector3 {
+    const inAxes = shift.clone().applyQuaternion(this.axes.clone().invert());
+    const step = this.steps?.move;
+    return inAxes
+      .set(snapTo(inAxes.x, step), snapTo(inAxes.y, step), snapTo(inAxes.z, step))
+      .applyQuaternion(this.axes);
+  }
+
+  private factor(): number {
+    const typed = this.number.value;
+    if (typed !== undefined) return Math.abs(typed) < 1e-3 ? 1e-3 : typed;
+    const c = this.eye.project(this.centre);
+    const { axis, across } = this.grip;
+    const direction = axis === "free" || across === true ? undefined : this.onPage(this.axisOf(axis));
+    const reach = (spot: Spot) =>
+      direction === undefined
+        ? Math.hypot(spot.x - c.x, spot.y - c.y)
+        : (spot.x - c.x) * direction.x + (spot.y - c.y) * direction.y;
+    const from = reach(this.first);
+    const usable = Math.max(Math.abs(from), leastRadiusPx) * (from < 0 ? -1 : 1);
+    const factor = 1 + (reach(this.last) - from) / usable;
+    const least = Math.max(leastScale, this.steps?.scale ?? 0);
+    return Math.max(least, snapTo(factor, this.steps?.scale));
+  }
+
+  private factors(): Vector3 {
+    const f = this.factor();
+    const { axis, across } = this.grip;
+    if (axis === "free") return new Vector3(f, f, f);
+    const factors = across === true ? new Vector3(f, f, f) : new Vector3(1, 1, 1);
+    return factors.setComponent(axis, across === true ? 1 : f);
+  }
+
+  // The direction of an axis on the page, of length 1.
+  private onPage(axis: Vector3): Spot {
+    const length = 50 * this.eye.worldPerPixel(this.centre);
+    const a = this.eye.project(this.centre.clone().addScaledVector(axis, -length));
+    const b = this.eye.project(this.centre.clone().addScaledVector(axis, length));
+    const size = Math.hypot(b.x - a.x, b.y - a.y);
+    return size < 1e-6 ? { x: 1, y: 0 } : { x: (b.x - a.x) / size, y: (b.y - a.y) / size };
+  }
+
+  // How far along the axis through the centre a place on the page is.
+  private placeAlong(axis: Vector3, spot: Spot): number {
+    const { origin, direction } = this.eye.rayAt(spot);
+    const cosine = axis.dot(direction);
+    if (1 - cosine * cosine < 0.01) {
+      const c = this.eye.project(this.centre); // it points at the eye: up is along
+      return (c.y - spot.y) * this.eye.worldPerPixel(this.centre);
+    }
+    const between = this.centre.clone().sub(origin);
+    return (cosine * between.dot(direction) - between.dot(axis)) / (1 - cosine * cosine);
+  }
+
+  private placeIn(normal: Vector3, spot: Spot): Vector3 {
+    const plane = new ThreePlane().setFromNormalAndCoplanarPoint(normal, this.centre);
+    const at = this.eye.rayAt(spot).intersectPlane(plane, new Vector3());
+    return at ?? this.centre.clone();
+  }
+
+  // The turn from one place on the page to another, degrees, the short way round.
+  private turnBetween(from: Spot, to: Spot): number {
+    const axis = this.turnAxis();
+    const facing = axis.dot(this.eye.towards(this.centre));
+    if (Math.abs(facing) < edgeOn) return this.turnAlongEdge(axis, from, to);
+    const a = this.placeIn(axis, from).sub(this.centre);
+    const b = this.placeIn(axis, to).sub(this.centre);
+    return (Math.atan2(a.clone().cross(b).dot(axis), a.dot(b)) * 180) / Math.PI;
+  }
+
+  // A ring that is seen from its edge is a line: along it, a ring's radius is a radian.
+  private turnAlongEdge(axis: Vector3, from: Spot, to: Spot): number {
+    const sight = this.eye.towards(this.centre);
+    const line = this.onPage(sight.cross(axis).normalize());
+    const way = (to.x - from.x) * line.x + (to.y - from.y) * line.y;
+    return ((way / ringRadiusPx) * 180) / Math.PI;
+  }
+}
+
+/** Of the gizmo's rings. */
+export const ringRadiusPx = 66;
+
+function snapTo(value: number, step: number | undefined): number {
+  return step === undefined || step <= 0 ? value : Math.round(value / step) * step;
+}

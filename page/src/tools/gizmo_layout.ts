@@ -1,0 +1,159 @@
+// Where the parts of the gizmo are on the page, and which of them is under the pointer. No state, no document.
+import { Quaternion, Vector3 } from "three";
+import type { Eye, Spot } from "./eye";
+import { ringRadiusPx, type Axis, type Grip } from "./gesture";
+
+export type PartKind = "arrow" | "square" | "ring" | "box" | "ball" | "knob" | "view-ring";
+
+/** A part that can be dragged. `outline` is what is drawn and what is near the pointer. */
+export interface Part {
+  readonly id: string;
+  readonly kind: PartKind;
+  readonly grip: Grip;
+  readonly axis: Axis | "free";
+  readonly outline: readonly Spot[];
+  readonly closed: boolean;
+  /** The point that tells whether the part is hidden by the model. */
+  readonly place: Vector3;
+}
+
+export interface Layout {
+  readonly centre: Spot;
+  readonly parts: readonly Part[];
+}
+
+const allAxes: readonly Axis[] = [0, 1, 2];
+const arrowPx = { from: 15, to: 92 };
+const squarePx = { from: 24, to: 42 };
+const boxPx = 112;
+export const viewRingPx = 136;
+const endOn = 0.97; // cosine above which an arrow points at the eye, and is a dot
+const edgeOn = 0.15; // cosine below which a square is a line
+const around = 64; // points of a circle
+
+/** The gizmo at `centre` along the columns of `axes`, always of one size on the page. */
+export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
+  const pixel = eye.worldPerPixel(centre);
+  const sight = eye.towards(centre);
+  const along = allAxes.map((k) => new Vector3(+(k === 0), +(k === 1), +(k === 2)).applyQuaternion(axes));
+  const of = (k: Axis): Vector3 => along[k] as Vector3;
+  const place = (...steps: [Vector3, number][]) =>
+    steps.reduce((at, [axis, px]) => at.addScaledVector(axis, px * pixel), centre.clone());
+  const at = (...steps: [Vector3, number][]): Spot => eye.project(place(...steps));
+  const c = eye.project(centre);
+  const parts: Part[] = [];
+  const add = (part: Omit<Part, "id">) =>
+    parts.push({ ...part, id: part.axis === "free" ? part.kind : `${part.kind}-${"xyz".charAt(part.axis)}` });
+
+  const ball: Grip = { act: "move", axis: "free" };
+  add({ kind: "ball", grip: ball, axis: "free", outline: [c], closed: false, place: centre });
+  const knobPx = viewRingPx * Math.SQRT1_2;
+  const knob = { x: c.x + knobPx, y: c.y - knobPx };
+  const all: Grip = { act: "scale", axis: "free" };
+  add({ kind: "knob", grip: all, axis: "free", outline: [knob], closed: false, place: centre });
+  for (const k of allAxes) {
+    if (Math.abs(of(k).dot(sight)) > endOn) continue;
+    const end = place([of(k), boxPx]);
+    const stretch: Grip = { act: "scale", axis: k };
+    add({ kind: "box", grip: stretch, axis: k, outline: [eye.project(end)], closed: false, place: end });
+    const shaft = [at([of(k), arrowPx.from]), at([of(k), arrowPx.to])];
+    add({ kind: "arrow", grip: { act: "move", axis: k }, axis: k, outline: shaft, closed: false,
+          place: place([of(k), arrowPx.to]) });
+  }
+  for (const k of allAxes) {
+    if (Math.abs(of(k).dot(sight)) < edgeOn) continue;
+    const u = of(((k + 1) % 3) as Axis);
+    const v = of(((k + 2) % 3) as Axis);
+    const { from, to } = squarePx;
+    const corners = [[from, from], [to, from], [to, to], [from, to]] as const;
+    const outline = corners.map(([a, b]) => at([u, a], [v, b]));
+    add({ kind: "square", grip: { act: "move", axis: k, across: true }, axis: k, outline, closed: true,
+          place: place([u, to], [v, to]) });
+  }
+  for (const k of allAxes) {
+    const outline = circle(at, of(k), sight, ringRadiusPx, Math.PI);
+    add({ kind: "ring", grip: { act: "turn", axis: k }, axis: k, outline, closed: false, place: centre });
+  }
+  const round = Array.from({ length: around }, (_, i): Spot => {
+    const angle = (2 * Math.PI * i) / around;
+    return { x: c.x + viewRingPx * Math.cos(angle), y: c.y + viewRingPx * Math.sin(angle) };
+  });
+  const roll: Grip = { act: "turn", axis: "free" };
+  add({ kind: "view-ring", grip: roll, axis: "free", outline: round, closed: true, place: centre });
+  return { centre: c, parts };
+}
+
+/** A ring around `axis`; of the half that faces the eye where `span` is π, all of it where it is 2π. */
+export function circle(
+  at: (...steps: [Vector3, number][]) => Spot,
+  axis: Vector3,
+  sight: Vector3,
+  radiusPx: number,
+  span: number,
+): Spot[] {
+  const side = sight.clone().cross(axis);
+  const aside = Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
+  if (side.lengthSq() < 1e-6) side.crossVectors(axis, aside);
+  side.normalize();
+  const near = side.clone().cross(axis);
+  if (near.dot(sight) > 0) near.negate();
+  const facesUs = Math.abs(axis.dot(sight)) > 0.98; // all of it is to be seen
+  const half = facesUs ? Math.PI : span / 2;
+  const points = Math.round((around * half) / Math.PI);
+  return Array.from({ length: points + 1 }, (_, i) => {
+    const angle = -half + (2 * half * i) / points;
+    return at([near, radiusPx * Math.cos(angle)], [side, radiusPx * Math.sin(angle)]);
+  });
+}
+
+// The first of these that is near enough is what a press takes.
+const order: readonly [PartKind, number][] = [
+  ["ball", 9],
+  ["knob", 12],
+  ["box", 10],
+  ["arrow", 8],
+  ["square", 3],
+  ["ring", 7],
+  ["view-ring", 7],
+];
+
+/** The part under the pointer; `generosity` widens it, for fingers. */
+export function partAt(layout: Layout, spot: Spot, generosity = 1): Part | undefined {
+  for (const [kind, tolerance] of order) {
+    const near = layout.parts
+      .filter((part) => part.kind === kind)
+      .map((part) => ({ part, distance: distanceTo(part, spot) }))
+      .sort((a, b) => a.distance - b.distance)[0];
+    if (near !== undefined && near.distance <= tolerance * generosity) return near.part;
+  }
+  return undefined;
+}
+
+function distanceTo({ outline, closed, kind }: Part, spot: Spot): number {
+  if (kind === "square" && isInside(outline, spot)) return 0;
+  const last = outline[outline.length - 1];
+  if (last === undefined) return Infinity;
+  let least = Math.hypot(last.x - spot.x, last.y - spot.y);
+  outline.forEach((a, i) => {
+    const b = outline[i + 1] ?? (closed ? outline[0] : undefined);
+    if (b !== undefined) least = Math.min(least, distanceToSegment(spot, a, b));
+  });
+  return least;
+}
+
+export function distanceToSegment(p: Spot, a: Spot, b: Spot): number {
+  const dx = b.x - a.x;
+  const dy = b.y - a.y;
+  const length = dx * dx + dy * dy;
+  const t = length === 0 ? 0 : Math.min(1, Math.max(0, ((p.x - a.x) * dx + (p.y - a.y) * dy) / length));
+  return Math.hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
+}
+
+function isInside(polygon: readonly Spot[], { x, y }: Spot): boolean {
+  let inside = false;
+  polygon.forEach((a, i) => {
+    const b = polygon[(i + 1) % polygon.length] as Spot;
+    if (a.y > y !== b.y > y && x < a.x + ((y - a.y) / (b.y - a.y)) * (b.x - a.x)) inside = !inside;
+  });
+  return inside;
+}

@@ -1,0 +1,174 @@
+import { Quaternion, Vector3 } from "three";
+import type { Eye, Spot } from "./eye";
+import { ringRadiusPx, type Act, type Gesture } from "./gesture";
+import { circle, layOut, viewRingPx, type Layout, type Part } from "./gizmo_layout";
+import { linesThrough, onOverlay, set, show, svg } from "./svg";
+
+/** What the gizmo looks like now. */
+export interface Appearance {
+  readonly centre: Vector3;
+  readonly axes: Quaternion;
+  /** The part under the pointer. */
+  readonly hovered: string | undefined;
+  /** The gesture that goes on, and where it began. */
+  readonly gesture: { readonly gesture: Gesture; readonly from: Vector3; readonly axes: Quaternion } | undefined;
+  readonly movesPivot: boolean;
+  /** What can be done; absent: all. */
+  readonly acts: readonly Act[] | undefined;
+  isHidden(part: Part): boolean;
+}
+
+/** Draws the gizmo on the overlay: lines with a halo, so that it can be read on any surface, light or dark. */
+export class GizmoView {
+  readonly element = svg("g", { class: "gizmo", display: "none" });
+  private readonly guide = svg("path", { class: "guide" });
+  private readonly sector = svg("path", { class: "sector" });
+  private readonly cross = svg("path", { d: "M-13 0H13M0 -13V13" });
+  private readonly pivot = svg("g", { class: "pivot" }, svg("circle", { r: 7 }), this.cross);
+  private readonly parts = new Map<string, SVGGElement>();
+
+  constructor(
+    private readonly overlay: SVGSVGElement,
+    private readonly eye: Eye,
+  ) {
+    this.element.append(this.guide, this.sector, this.pivot);
+    overlay.append(this.element);
+  }
+
+  hide(): void {
+    show(this.element, false);
+  }
+
+  /** Draws it, and returns where its parts are on the page. */
+  draw(look: Appearance): Layout | undefined {
+    const whole = layOut(look.centre, look.axes, this.eye);
+    const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.acts?.includes(grip.act) !== false) };
+    const isInSight = !this.eye.project(look.centre).behind;
+    show(this.element, isInSight);
+    if (!isInSight) return undefined;
+    const active = look.gesture === undefined ? undefined : partOf(look.gesture.gesture);
+    const shown = new Set<string>();
+    for (const part of layout.parts) {
+      if (look.movesPivot || (active !== undefined && part.id !== active)) continue;
+      shown.add(part.id);
+      this.drawPart(part, layout, part.id === (active ?? look.hovered), look.isHidden(part));
+    }
+    for (const [id, element] of this.parts) show(element, shown.has(id));
+    this.drawPivot(layout, look.movesPivot);
+    this.drawGuides(look);
+    return layout;
+  }
+
+  private drawPart(part: Part, layout: Layout, isHot: boolean, isHidden: boolean): void {
+    const element = this.elementOf(part);
+    const axis = part.axis === "free" ? "free" : "xyz".charAt(part.axis);
+    set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " covered" : ""}` });
+    const outline = onOverlay(this.overlay, part.outline);
+    const [c] = onOverlay(this.overlay, [layout.centre]) as [Spot];
+    const d = part.kind === "view-ring" ? circlePath(c, viewRingPx) : shapeOf(part, outline, c);
+    for (const path of element.children) set(path, { d });
+  }
+
+  private elementOf(part: Part): SVGGElement {
+    const known = this.parts.get(part.id);
+    if (known !== undefined) return known;
+    const made = svg("g", { "data-part": part.id }, svg("path", { class: "halo" }), svg("path", { class: "line" }));
+    this.parts.set(part.id, made);
+    this.element.append(made);
+    return made;
+  }
+
+  private drawPivot(layout: Layout, isShown: boolean): void {
+    const [c] = onOverlay(this.overlay, [layout.centre]) as [Spot];
+    show(this.pivot, isShown);
+    set(this.pivot, { transform: `translate(${c.x} ${c.y})` });
+  }
+
+  // The line or the ring along which a gesture goes, and how far a turn is.
+  private drawGuides({ gesture, centre }: Appearance): void {
+    show(this.guide, gesture !== undefined);
+    show(this.sector, gesture?.gesture.doing.act === "turn");
+    if (gesture === undefined) return;
+    const { act, axis } = gesture.gesture.doing;
+    const name = axis === "free" ? "free" : "xyz".charAt(axis);
+    set(this.guide, { class: `guide axis-${name}` });
+    if (act === "turn") this.drawSector(gesture.gesture, centre, name);
+    else if (axis === "free" && act === "scale")
+      set(this.guide, { d: linesThrough([...this.spots(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
+    else if (axis === "free") set(this.guide, { d: linesThrough(this.spots(gesture.from, centre)) });
+    else {
+      const along = new Vector3().setComponent(axis, 1).applyQuaternion(gesture.axes);
+      along.multiplyScalar(2000 * this.eye.worldPerPixel(centre));
+      const ends = this.spots(gesture.from.clone().sub(along), gesture.from.clone().add(along));
+      set(this.guide, { d: linesThrough(ends) });
+    }
+  }
+
+  private drawSector(gesture: Gesture, centre: Vector3, name: string): void {
+    const pixel = this.eye.worldPerPixel(centre);
+    const radius = gesture.doing.axis === "free" ? viewRingPx : ringRadiusPx;
+    const at = (...steps: [Vector3, number][]) =>
+      this.eye.project(steps.reduce((sum, [v, px]) => sum.addScaledVector(v, px * pixel), centre.clone()));
+    const axis = gesture.turnAxis();
+    const ring = circle(at, axis, this.eye.towards(centre), radius, 2 * Math.PI);
+    set(this.guide, { d: linesThrough(onOverlay(this.overlay, ring), true) });
+    const first = gesture.startDirection();
+    const side = axis.clone().cross(first);
+    const angle = (Math.sign(gesture.angleDeg()) * Math.min(360, Math.abs(gesture.angleDeg())) * Math.PI) / 180;
+    const spots = [at()];
+    for (let i = 0; i <= 48; ++i) {
+      const turned = (angle * i) / 48;
+      spots.push(at([first, radius * Math.cos(turned)], [side, radius * Math.sin(turned)]));
+    }
+    set(this.sector, { class: `sector axis-${name}`, d: linesThrough(onOverlay(this.overlay, spots), true) });
+  }
+
+  private spots(...places: Vector3[]): Spot[] {
+    return onOverlay(this.overlay, places.map((place) => this.eye.project(place)));
+  }
+}
+
+/** The part whose gesture this is; free turns and scales by keys have theirs as well. */
+function partOf(gesture: Gesture): string {
+  const { act, axis, across } = gesture.doing;
+  const kinds = { move: across === true ? "square" : "arrow", turn: "ring", scale: "box" } as const;
+  const free = { move: "ball", turn: "view-ring", scale: "knob" } as const;
+  return axis === "free" ? free[act] : `${kinds[act]}-${"xyz".charAt(axis)}`;
+}
+
+function shapeOf(part: Part, outline: readonly Spot[], centre: Spot): string {
+  const [first, second] = outline;
+  if (first === undefined) return "";
+  switch (part.kind) {
+    case "ball":
+      return circlePath(first, 7);
+    case "knob":
+      return cornerPath(first) + squarePath({ x: first.x + 2, y: first.y - 2 }, 7);
+    case "box":
+      return squarePath(first, 5);
+    case "arrow":
+      return second === undefined ? "" : linesThrough(outline) + headPath(centre, second);
+    default:
+      return linesThrough(outline, part.closed);
+  }
+}
+
+function circlePath({ x, y }: Spot, r: number): string {
+  return `M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
+}
+
+function squarePath({ x, y }: Spot, half: number): string {
+  return `M${x - half} ${y - half}h${2 * half}v${2 * half}h${-2 * half}Z`;
+}
+
+function cornerPath({ x, y }: Spot): string {
+  return `M${x - 7} ${y + 7}v-9M${x - 7} ${y + 7}h9`;
+}
+
+// The head of an arrow that comes from `from`: at `tip`, a triangle on the page.
+function headPath(from: Spot, tip: Spot): string {
+  const size = Math.hypot(tip.x - from.x, tip.y - from.y) || 1;
+  const [x, y] = [(tip.x - from.x) / size, (tip.y - from.y) / size];
+  const base = { x: tip.x - 11 * x, y: tip.y - 11 * y };
+  return linesThrough([{ x: base.x - 5 * y, y: base.y + 5 * x }, tip, { x: base.x + 5 * y, y: base.y - 5 * x }], true);
+}

@@ -1,0 +1,141 @@
+import { Matrix4, Vector3 } from "three";
+import type { Editor } from "../app/editor";
+import type { Vector3Tuple, Rows4 } from "../app/graft_step";
+import type { GraftActions } from "../app/page";
+import { matrixOfRows, rowsOfMatrix } from "../view/graft_view";
+import type { Viewport } from "../view/viewport";
+import type { DropTool } from "./drop_tool";
+import type { Pointer } from "./tool";
+
+const dragPx = 7; // a press that moves farther is a drag
+
+/** What the graft panel asks of the tools. */
+export class GraftPanelActions implements GraftActions {
+  constructor(
+    private readonly editor: Editor,
+    private readonly viewport: Viewport,
+    private readonly dropTool: DropTool,
+  ) {}
+
+  dragPart(add: () => Promise<string | undefined>, press: PointerEvent): void {
+    if (press.button !== 0 || this.editor.graft.kept.value !== undefined) return;
+    let going: Promise<boolean> | undefined;
+    let last: PointerEvent = press;
+    const move = (event: PointerEvent) => {
+      last = event;
+      const far = Math.hypot(event.clientX - press.clientX, event.clientY - press.clientY);
+      if (going === undefined && far > dragPx) going = this.begin(add, () => this.follow(last));
+      if (this.editor.graft.dropped.value !== null) this.follow(event);
+    };
+    const end = () => {
+      window.removeEventListener("pointermove", move);
+      window.removeEventListener("pointerup", up);
+      window.removeEventListener("pointercancel", up);
+    };
+    const up = (event: PointerEvent) => {
+      end();
+      if (going === undefined) return;
+      window.addEventListener("click", swallow, { capture: true, once: true }); // of the thumbnail
+      setTimeout(() => window.removeEventListener("click", swallow, { capture: true }));
+      void going.then((begun) => (begun ? this.finish(event) : undefined));
+    };
+    window.addEventListener("pointermove", move);
+    window.addEventListener("pointerup", up);
+    window.addEventListener("pointercancel", up);
+  }
+
+  async dropByClick(add: () => Promise<string | undefined>): Promise<void> {
+    if (this.editor.graft.kept.value === undefined) await this.begin(add);
+  }
+
+  private async begin(add: () => Promise<string | undefined>, then = () => {}): Promise<boolean> {
+    const { graft } = this.editor;
+    const before = new Set(graft.parts.value.map((part) => part.name));
+    const name = await add();
+    if (name === undefined) return false;
+    graft.tool.value = "drop";
+    graft.dropped.value = { name, isNew: !before.has(name) };
+    then();
+    return true;
+  }
+
+  private follow(event: PointerEvent): void {
+    if (this.isOverView(event)) this.dropTool.hover(pointerOf(event), undefined);
+  }
+  private async finish(event: PointerEvent): Promise<void> {
+    if (this.editor.graft.dropped.value === null) return; // given up
+    if (this.isOverView(event) && this.dropTool.hasPlace) await this.dropTool.finish();
+    else this.dropTool.giveUp();
+  }
+  private isOverView(event: PointerEvent): boolean {
+    return document.elementFromPoint(event.clientX, event.clientY) === this.viewport.canvas;
+  }
+
+  layPlane(mesh: number, axis: 0 | 1 | 2): void {
+    const surface = this.viewport.surfaceOf(mesh);
+    if (surface === undefined) return;
+    const normal: Vector3Tuple = [0, 0, 0];
+    normal[axis] = 1;
+    this.editor.graft.tool.value = "plane";
+    this.editor.graft.cutPlane.value = { mesh, plane: { point: this.middleOf(mesh), normal } };
+    this.viewport.requestRender();
+  }
+  planePlace(): { offset: number; reach: number } | undefined {
+    const { value: cut } = this.editor.graft.cutPlane;
+    const surface = this.viewport.surfaceOf(cut?.mesh ?? -1);
+    if (cut === null || surface === undefined) return undefined;
+    const normal = new Vector3(...cut.plane.normal);
+    const size = surface.box.max.clone().sub(surface.box.min);
+    const reach = 0.5 * (Math.abs(normal.x) * size.x + Math.abs(normal.y) * size.y + Math.abs(normal.z) * size.z);
+    const offset = new Vector3(...cut.plane.point).sub(new Vector3(...this.middleOf(cut.mesh))).dot(normal);
+    return { offset: Math.abs(offset) < 1e-6 * reach ? 0 : offset, reach };
+  }
+  movePlane(offset: number): void {
+    const { cutPlane } = this.editor.graft;
+    const place = this.planePlace();
+    if (cutPlane.value === null || place === undefined) return;
+    const { mesh, plane } = cutPlane.value;
+    const point = new Vector3(...plane.point).addScaledVector(new Vector3(...plane.normal), offset - place.offset);
+    cutPlane.value = { mesh, plane: { point: point.toArray(), normal: plane.normal } };
+    this.viewport.requestRender();
+  }
+
+  middleOf(mesh: number): Vector3Tuple {
+    return this.viewport.surfaceOf(mesh)?.sphere().center.toArray() ?? [0, 0, 0];
+  }
+
+  /** Without the mirror, which comes before it. */
+  foundPose(): Rows4 | null {
+    const { report, step } = this.editor.graft;
+    const found = report.value?.transform;
+    if (found === undefined) return null;
+    const whole = matrixOfRows(found);
+    const { mirror } = step.value ?? {};
+    if (mirror === undefined) return rowsOfMatrix(whole);
+    return rowsOfMatrix(whole.multiply(reflection(new Vector3(...mirror.point), new Vector3(...mirror.normal).normalize())));
+  }
+}
+
+function swallow(event: MouseEvent): void {
+  event.stopPropagation();
+  event.preventDefault();
+}
+
+function pointerOf(event: PointerEvent): Pointer {
+  return {
+    spot: { x: event.clientX, y: event.clientY },
+    shift: event.shiftKey,
+    ctrl: event.ctrlKey || event.metaKey,
+    alt: event.altKey,
+  };
+}
+
+function reflection(point: Vector3, n: Vector3): Matrix4 {
+  const linear = new Matrix4().set(
+    1 - 2 * n.x * n.x, -2 * n.x * n.y, -2 * n.x * n.z, 0,
+    -2 * n.x * n.y, 1 - 2 * n.y * n.y, -2 * n.y * n.z, 0,
+    -2 * n.x * n.z, -2 * n.y * n.z, 1 - 2 * n.z * n.z, 0,
+    0, 0, 0, 1,
+  );
+  return linear.setPosition(n.clone().multiplyScalar(2 * point.dot(n)));
+}

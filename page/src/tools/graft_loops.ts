@@ -1,0 +1,302 @@
+import { effect } from "@preact/signals";
+import { Vector3 } from "three";
+import type { LoopRef } from "../app/graft";
+import { meetingsOf, withDotAt, withMatch, withoutDot, type DotRef, type Meeting } from "../app/graft_step";
+import { areInOrder, meetingPlace, nearestPlace } from "../app/loop_curve";
+import { cssColour, pairColour } from "../app/graft_colours";
+import type { GraftView } from "../view/graft_view";
+import type { Spot } from "./eye";
+import { onOverlay, set, show, svg } from "./svg";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+
+const nearPx = { loop: 14, dot: 11 };
+
+/** An end of a dot: on the source's loop or on the target's. */
+interface End extends DotRef {
+  readonly side: 0 | 1; // of the source, of the target
+  readonly mesh: number;
+  readonly vertex: number;
+}
+
+/** Pairs loops by clicks, and drags what meets along them. */
+export class LoopPairTool implements Tool {
+  readonly cursor = "default";
+  private readonly element = svg("g", { class: "graft-dots" });
+  private readonly dots = new Map<string, SVGGElement>();
+  private pointer: Pointer | undefined;
+  private hot: End | undefined;
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly view: GraftView,
+  ) {
+    bench.viewport.overlay.append(this.element);
+    bench.viewport.onFrame.add(() => this.draw());
+    effect(() => {
+      const { pairs, dot, report, activePair } = this.graft;
+      void [pairs.value, dot.value, report.value, activePair.value];
+      bench.viewport.requestRender();
+    });
+  }
+
+  private get graft() {
+    return this.bench.editor.graft;
+  }
+
+  hover(pointer: Pointer): void {
+    this.pointer = pointer;
+    const { canvas } = this.bench.viewport;
+    const end = this.endAt(pointer.spot);
+    if (this.hot?.pair !== end?.pair || this.hot?.dot !== end?.dot || this.hot?.side !== end?.side) {
+      this.hot = end;
+      this.bench.viewport.requestRender();
+    }
+    const near = end === undefined ? this.loopAt(pointer.spot) : undefined;
+    this.graft.hovered.value = near?.ref ?? null;
+    canvas.style.cursor = end !== undefined ? "grab" : near !== undefined ? "pointer" : "default";
+    if (end !== undefined) this.bench.status.say(wordsOfDot(end), pointer.spot);
+    else if (near !== undefined) this.bench.status.say(this.wordsOfLoop(near.ref), pointer.spot);
+    else this.bench.status.clear();
+  }
+
+  leave(): void {
+    this.hot = undefined;
+    this.graft.hovered.value = null;
+    this.bench.status.clear();
+  }
+
+  press(pointer: Pointer): Stroke | undefined {
+    this.pointer = pointer;
+    const end = this.endAt(pointer.spot);
+    if (end !== undefined) return this.dragEnd(end);
+    const near = this.loopAt(pointer.spot);
+    if (near === undefined) {
+      this.graft.dot.value = null;
+      return undefined;
+    }
+    return {
+      move: () => undefined,
+      end: () => this.click(near.ref),
+      cancel: () => undefined,
+    };
+  }
+
+  private click(ref: LoopRef): void {
+    const pair = this.pairOf(ref);
+    if (pair >= 0) this.graft.activePair.value = pair;
+    void this.graft.pick(ref);
+  }
+
+  /** A double click on a loop that is paired adds a match there. */
+  confirm(): boolean {
+    const near = this.pointer && this.loopAt(this.pointer.spot);
+    const index = near === undefined ? -1 : this.pairOf(near.ref);
+    if (near === undefined || index < 0) return false;
+    this.graft.picked.value = null;
+    const meeting = this.meetingAt(near.ref, near.vertex, index);
+    if (meeting === undefined) return false;
+    const pairs = withMatch(this.graft.pairs.value, index, meeting, this.graft.startOf(index));
+    this.graft.dot.value = { pair: index, dot: pairs[index]?.matches.length ?? 0 };
+    void this.graft.setPairs(pairs);
+    return true;
+  }
+
+  escape(): boolean {
+    if (this.graft.picked.value === null && this.graft.dot.value === null) return false;
+    this.graft.picked.value = this.graft.dot.value = null;
+    return true;
+  }
+
+  takeKey({ key }: KeyboardEvent): boolean {
+    const { value: dot } = this.graft.dot;
+    if (dot === null || (key !== "Delete" && key !== "Backspace")) return false;
+    this.graft.dot.value = null;
+    void this.graft.setPairs(withoutDot(this.graft.pairs.value, dot));
+    return true;
+  }
+
+  /** Drags one end along its loop, from vertex to vertex; what would cross is not taken. */
+  private dragEnd(end: End): Stroke {
+    const before = this.graft.pairs.value;
+    this.graft.dot.value = { pair: end.pair, dot: end.dot };
+    const curves = before[end.pair] && this.graft.curvesOf(before[end.pair] as (typeof before)[number]);
+    const curve = end.side === 0 ? curves?.source : curves?.target;
+    let { vertex } = end;
+    return {
+      move: ({ spot }) => {
+        const next = curve && this.nearestVertex(end.mesh, curve.vertices, spot);
+        if (next === undefined || next === vertex) return;
+        const meeting = this.movedMeeting(end, next);
+        if (meeting === undefined) return;
+        vertex = next;
+        this.graft.dragPairs(withDotAt(before, end, meeting));
+      },
+      end: () => void this.graft.keepDragged(),
+      cancel: () => void this.graft.forgetDragged(),
+    };
+  }
+
+  private movedMeeting(end: End, vertex: number): Meeting | undefined {
+    const pair = this.graft.pairs.value[end.pair];
+    const curves = pair && this.graft.curvesOf(pair);
+    if (pair === undefined || curves === undefined) return undefined;
+    const all = meetingsOf(pair, this.graft.startOf(end.pair));
+    const old = all[end.dot];
+    if (old === undefined) return undefined;
+    const meeting: Meeting = end.side === 0 ? [vertex, old[1]] : [old[0], vertex];
+    const known = all.map((other, i) => (i === end.dot ? meeting : other)).filter((other) => other !== undefined);
+    return areInOrder(curves.source, curves.target, known) ? meeting : undefined;
+  }
+
+  // What a vertex meets as it is shown: by the lines of the preview where there is one, else by length.
+  private meetingAt(ref: LoopRef, vertex: number, index: number): Meeting | undefined {
+    const pair = this.graft.pairs.value[index];
+    const curves = pair && this.graft.curvesOf(pair);
+    const start = this.graft.startOf(index);
+    if (curves === undefined || start === undefined) return undefined;
+    const onSource = ref.mesh === this.graft.source.value?.mesh && curves.source.has(vertex);
+    if (onSource) {
+      const place = meetingPlace(curves.source, curves.target, start, vertex);
+      return place === undefined ? undefined : [vertex, curves.target.vertexAt(place - Math.floor(place))];
+    }
+    const place = meetingPlace(curves.target, curves.source, [start[1], start[0]], vertex);
+    return place === undefined ? undefined : [curves.source.vertexAt(place - Math.floor(place)), vertex];
+  }
+
+  private pairOf(ref: LoopRef): number {
+    const source = this.graft.source.value?.mesh;
+    const target = this.graft.target.value?.mesh;
+    return this.graft.pairs.value.findIndex(
+      ({ sourceLoop, targetLoop }) =>
+        (ref.mesh === source && ref.loop === sourceLoop) || (ref.mesh === target && ref.loop === targetLoop),
+    );
+  }
+
+  /** The loop under the pointer, and its vertex there. */
+  private loopAt(spot: Spot): { ref: LoopRef; vertex: number } | undefined {
+    let best: { ref: LoopRef; vertex: number } | undefined;
+    let least: number = nearPx.loop;
+    for (const ref of this.view.clickable()) {
+      const vertices = this.graft.loops.value.get(ref.mesh)?.[ref.loop]?.vertices ?? new Uint32Array();
+      const { index, distance } = nearestPlace(this.spotsOf(ref.mesh, vertices), spot.x, spot.y);
+      if (index < 0 || distance >= least) continue;
+      least = distance;
+      best = { ref, vertex: vertices[index] as number };
+    }
+    return best;
+  }
+
+  private nearestVertex(mesh: number, vertices: Uint32Array, { x, y }: Spot): number | undefined {
+    const { index } = nearestPlace(this.spotsOf(mesh, vertices), x, y);
+    return vertices[index];
+  }
+
+  // Where vertices are on the page; along edges, for coarse loops, halves as well would be too much: vertices are it.
+  private spotsOf(mesh: number, vertices: Uint32Array): Float64Array {
+    const spots = new Float64Array(2 * vertices.length).fill(Infinity);
+    const place = new Vector3();
+    vertices.forEach((v, i) => {
+      if (this.view.place(mesh, v, place) === undefined) return;
+      const { x, y, behind } = this.bench.viewport.project(place);
+      if (!behind) spots.set([x, y], 2 * i);
+    });
+    return spots;
+  }
+
+  private ends(): End[] {
+    const { source, target, pairs, mode, tool, preview, arrangement } = this.graft;
+    if (mode.value !== "graft" || tool.value !== "loops") return [];
+    const meshes = [source.value?.mesh ?? -1, target.value?.mesh ?? -1] as const;
+    const seen = [this.view.isSeen(meshes[0]), this.view.isSeen(meshes[1]) || (preview.value !== null && arrangement.value !== "apart")];
+    return pairs.value.flatMap((pair, index) =>
+      meetingsOf(pair, this.graft.startOf(index)).flatMap((meeting, dot) =>
+        ([0, 1] as const).flatMap((side): End[] => {
+          const [mesh, vertex] = [meshes[side], meeting?.[side]];
+          return vertex === undefined || seen[side] !== true ? [] : [{ pair: index, dot, side, mesh, vertex }];
+        }),
+      ),
+    );
+  }
+
+  private endAt(spot: Spot): End | undefined {
+    let best: End | undefined;
+    let least: number = nearPx.dot;
+    for (const end of this.ends()) {
+      const place = this.view.place(end.mesh, end.vertex);
+      if (place === undefined) continue;
+      const { x, y, behind } = this.bench.viewport.project(place);
+      const distance = Math.hypot(x - spot.x, y - spot.y);
+      if (behind || distance > least) continue;
+      least = distance;
+      best = end;
+    }
+    return best;
+  }
+
+  private draw(): void {
+    const ends = this.ends();
+    const wanted = new Set(ends.map(keyOf));
+    for (const [key, element] of this.dots)
+      if (!wanted.has(key)) {
+        element.remove();
+        this.dots.delete(key);
+      }
+    for (const end of ends) this.drawEnd(end);
+  }
+
+  private drawEnd(end: End): void {
+    const place = this.view.place(end.mesh, end.vertex);
+    const element = this.elementOf(end);
+    const at = place && this.bench.viewport.project(place);
+    show(element, at !== undefined && !at.behind);
+    if (at === undefined) return;
+    const [spot] = onOverlay(this.bench.viewport.overlay, [at]) as [Spot];
+    const { value: dot } = this.graft.dot;
+    const isHot = this.hot !== undefined && keyOf(this.hot) === keyOf(end);
+    const isChosen = dot?.pair === end.pair && dot.dot === end.dot;
+    const given = end.dot > 0 || this.graft.pairs.value[end.pair]?.start !== undefined;
+    set(element, {
+      transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`,
+      class: `graft-dot${end.dot === 0 ? " start" : ""}${isHot ? " hot" : ""}${isChosen ? " chosen" : ""}${given ? "" : " found"}`,
+      style: `--own: ${cssColour(pairColour(end.pair))}`,
+    });
+  }
+
+  // A start is a rhombus with its pair's number, a match a circle.
+  private elementOf(end: End): SVGGElement {
+    const key = keyOf(end);
+    const known = this.dots.get(key);
+    if (known !== undefined) return known;
+    const shape = end.dot === 0 ? svg("path", { d: "M0 -10L10 0L0 10L-10 0Z" }) : svg("circle", { r: 6 });
+    const made = svg("g", {}, shape);
+    if (end.dot === 0) {
+      const label = svg("text", { y: 4 });
+      label.textContent = String(end.pair + 1);
+      made.append(label);
+    }
+    this.dots.set(key, made);
+    this.element.append(made);
+    return made;
+  }
+
+  private wordsOfLoop(ref: LoopRef): string {
+    const loop = this.graft.loops.value.get(ref.mesh)?.[ref.loop];
+    const thing = this.graft.byMesh(ref.mesh);
+    if (loop === undefined || thing === undefined) return "";
+    const { value: unit } = this.bench.viewport.settings.unit;
+    const length = Number(loop.length.toPrecision(3)).toString();
+    const what = `${thing.name}, loop ${ref.loop + 1}: ${loop.vertices.length} vertices, ${length}${unit === "none" ? "" : ` ${unit}`} around`;
+    if (this.pairOf(ref) >= 0) return `${what} · double click: a match here`;
+    const { value: picked } = this.graft.picked;
+    return picked !== null && picked.mesh !== ref.mesh ? `${what} · click to pair` : what;
+  }
+}
+
+function keyOf({ pair, dot, side }: End): string {
+  return `${pair} ${dot} ${side}`;
+}
+
+function wordsOfDot({ pair, dot }: End): string {
+  const what = dot === 0 ? `Start of pair ${pair + 1}` : `Match ${dot} of pair ${pair + 1}`;
+  return `${what} · drag it along the loop, Delete ${dot === 0 ? "finds it again" : "takes it away"}`;
+}

@@ -1,0 +1,220 @@
+import { effect } from "@preact/signals";
+import { Matrix4, Vector3 } from "three";
+import type { Editor } from "../app/editor";
+import type { Handle } from "../protocol";
+import type { Surface } from "../view/surface";
+import type { Viewport } from "../view/viewport";
+import type { GraphStore } from "./graph_store";
+import { atRest, matrixOf, mirrored, placementOf, poseOf, type Placement, type Plane } from "./pose_math";
+
+/** The handle that the gizmo is at. */
+export interface ActiveHandle {
+  readonly name: string;
+  readonly placement: Placement;
+  readonly defaultPivot: Vector3;
+  /** How far the region around it goes, along edges; undefined: it has none of its own. */
+  readonly reach: number | undefined;
+  readonly vertices: Uint32Array;
+}
+
+/** A handle that the engine has not told of yet: it can be dragged at once. */
+interface Painted {
+  readonly pivot: Vector3;
+  readonly vertices: Uint32Array;
+}
+
+/** Makes handles and moves them: what is shown at once, what the engine streams, and what the document has in the end. */
+export class HandleControl {
+  private readonly painted = new Map<string, Painted>();
+  /** Where handles are while the document does not have it yet. */
+  private readonly ahead = new Map<string, Placement>();
+  /** Pivots of sheared handles, which the document has no place for. */
+  private readonly pivots = new Map<string, Vector3>();
+  private scheduled = false;
+
+  constructor(
+    private readonly editor: Editor,
+    private readonly viewport: Viewport,
+    private readonly graphs: GraphStore,
+  ) {
+    effect(() => this.followDocument());
+  }
+
+  get active(): ActiveHandle | undefined {
+    const name = this.editor.tools.activeHandle.value;
+    const surface = this.viewport.main;
+    if (name === null || surface === undefined) return undefined;
+    const painted = this.painted.get(name);
+    const handle = this.editor.state.value?.handles.find((known) => known.name === name);
+    if (handle !== undefined) return this.ofDocument(handle, surface) ?? this.ofPainted(name, painted);
+    return this.ofPainted(name, painted);
+  }
+
+  /** All handles' names: of the document, and those to come. */
+  get names(): string[] {
+    const known = this.editor.state.value?.handles.map(({ name }) => name) ?? [];
+    return [...new Set([...known, ...this.painted.keys()])];
+  }
+
+  /** The plane of symmetry, if there is one. */
+  get plane(): Plane | undefined {
+    const plane = this.editor.state.value?.symmetry?.plane;
+    if (plane === undefined) return undefined;
+    return { point: new Vector3(...plane.point), normal: new Vector3(...plane.normal).normalize() };
+  }
+
+  activate(name: string | null): void {
+    this.editor.tools.activeHandle.value = name;
+    this.viewport.requestRender();
+  }
+
+  /** The handle that holds a vertex. */
+  handleAt(surface: Surface, vertex: number): string | undefined {
+    for (const [name, vertices] of surface.handles) if (vertices.includes(vertex)) return name;
+    return undefined;
+  }
+
+  /** Makes a handle of these vertices. Its gizmo is there at once, while the engine still sets up. */
+  async paint(surface: Surface, vertices: Uint32Array): Promise<void> {
+    const held = new Set<number>();
+    for (const others of surface.handles.values()) for (const v of others) held.add(v);
+    const own = vertices.filter((v) => !held.has(v));
+    await this.add(surface, own.length > 0 ? own : vertices, (name) =>
+      this.editor.ask({ do: "paint-handle", vertices: [...vertices], name }),
+    );
+  }
+
+  /** Makes a handle along a path of vertices, in their order. */
+  async addCurve(surface: Surface, path: Uint32Array, closed: boolean): Promise<void> {
+    const reach = 0.15 * surface.box.diagonal;
+    await this.add(surface, path, (name) =>
+      this.editor.ask({
+        do: "handle", what: "add", name, shape: "curve", closed, select: { indices: [...path] }, reach,
+      }),
+    );
+  }
+
+  /** Makes a handle of what is selected. */
+  async addSelected(): Promise<void> {
+    const surface = this.viewport.main;
+    if (surface === undefined) return;
+    const vertices: number[] = [];
+    surface.selection.forEach((is, v) => is !== 0 && vertices.push(v));
+    if (vertices.length === 0) return;
+    await this.paint(surface, Uint32Array.from(vertices));
+    void this.editor.ask({ do: "select", how: "set", what: { indices: [] } });
+  }
+
+  /** Where a handle is for now: in the next picture, and by what the engine streams. */
+  show(name: string, placement: Placement): void {
+    this.ahead.set(name, placement);
+    this.viewport.requestRender();
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(() => {
+      this.scheduled = false;
+      const latest = this.ahead.get(name);
+      const handle = this.active;
+      if (latest === undefined || handle === undefined || handle.name !== name) return;
+      this.viewport.showPoses(this.mapsBy(name, latest));
+      this.editor.drag({ [name]: poseOf(latest, handle.defaultPivot) });
+    });
+  }
+
+  /** Where a handle is from now on. */
+  async commit(name: string, placement: Placement): Promise<void> {
+    const handle = this.active;
+    if (handle === undefined || handle.name !== name) return;
+    this.ahead.set(name, placement);
+    this.pivots.set(name, placement.pivot.clone());
+    this.viewport.showPoses(this.mapsBy(name, placement));
+    await this.editor.pose({ [name]: poseOf(placement, handle.defaultPivot) });
+    if (this.ahead.get(name) === placement) this.ahead.delete(name);
+    this.viewport.requestRender();
+  }
+
+  /** Puts a handle back to where a gesture found it. */
+  revert(name: string, placement: Placement): void {
+    this.show(name, placement);
+    requestAnimationFrame(() => {
+      if (this.ahead.get(name) === placement) this.ahead.delete(name);
+    });
+  }
+
+  resetPose(): void {
+    const handle = this.active;
+    if (handle !== undefined) void this.commit(handle.name, atRest(handle.defaultPivot));
+  }
+
+  remove(): void {
+    const handle = this.active;
+    if (handle === undefined) return;
+    this.activate(null);
+    void this.editor.ask({ do: "handle", what: "remove", name: handle.name });
+  }
+
+  private async add(surface: Surface, vertices: Uint32Array, ask: (name: string) => Promise<unknown>): Promise<void> {
+    const name = this.freeName();
+    this.painted.set(name, { vertices, pivot: this.pivotOf(surface, vertices) });
+    this.activate(name);
+    const done = await ask(name);
+    this.painted.delete(name);
+    if (done === undefined && this.editor.tools.activeHandle.value === name) this.activate(null);
+    this.viewport.requestRender();
+  }
+
+  /** What moves with a handle: itself, and its twin beyond the plane of symmetry. */
+  private mapsBy(name: string, placement: Placement): Map<string, Matrix4> {
+    const maps = new Map([[name, matrixOf(placement)]]);
+    const { plane } = this;
+    const twin = this.editor.state.value?.symmetry?.twins.find(({ of }) => of === name);
+    if (plane !== undefined && twin !== undefined) maps.set(twin.name, matrixOf(mirrored(placement, plane)));
+    return maps;
+  }
+
+  private ofPainted(name: string, painted: Painted | undefined): ActiveHandle | undefined {
+    if (painted === undefined) return undefined;
+    const placement = this.ahead.get(name) ?? atRest(painted.pivot);
+    return { name, placement, defaultPivot: painted.pivot, reach: undefined, vertices: painted.vertices };
+  }
+
+  private ofDocument(handle: Handle, surface: Surface): ActiveHandle | undefined {
+    const at = handle.pivot ?? handle.centre;
+    if (at === undefined) return undefined;
+    const defaultPivot = new Vector3(...at);
+    const known = placementOf(handle.pose, defaultPivot);
+    if (known === undefined) return undefined;
+    const pivot = this.pivots.get(handle.name);
+    const asTold = known.kind === "affine" && pivot !== undefined ? { ...known, pivot } : known;
+    return {
+      name: handle.name,
+      placement: this.ahead.get(handle.name) ?? asTold,
+      defaultPivot,
+      reach: handle.reach,
+      vertices: surface.handles.get(handle.name) ?? new Uint32Array(),
+    };
+  }
+
+  /** The centre of the rim, at rest: where the engine has it, too. */
+  private pivotOf(surface: Surface, vertices: Uint32Array): Vector3 {
+    const rim = this.graphs.of(surface)?.rim(vertices) ?? vertices;
+    const sum = new Vector3();
+    const place = new Vector3();
+    for (const v of rim) sum.add(place.fromArray(surface.rest, 3 * v));
+    return sum.divideScalar(rim.length).applyMatrix4(new Matrix4().setPosition(...surface.offset));
+  }
+
+  private freeName(): string {
+    const taken = new Set([...this.names, ...(this.editor.state.value?.groups.map(({ name }) => name) ?? [])]);
+    for (let number = 1; ; ++number) if (!taken.has(`handle ${number}`)) return `handle ${number}`;
+  }
+
+  private followDocument(): void {
+    const { activeHandle } = this.editor.tools;
+    const name = activeHandle.value;
+    const state = this.editor.state.value;
+    const isGone = state?.handles.every((handle) => handle.name !== name) ?? true;
+    if (name !== null && isGone && !this.painted.has(name)) activeHandle.value = null;
+    this.viewport.requestRender();
+  }
+}

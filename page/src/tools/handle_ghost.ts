@@ -1,0 +1,32 @@
+import type { Viewport } from "../view/viewport";
+import type { HandleControl } from "./handle_control";
+import { matrixOf } from "./pose_math";
+import type { Preview } from "./preview";
+
+/** The handle's own vertices where a gesture takes them: seen at once, also while the engine still sets up. */
+export class HandleGhost {
+  private shown: string | undefined;
+
+  constructor(
+    private readonly viewport: Viewport,
+    private readonly control: HandleControl,
+    private readonly preview: Preview,
+    private readonly isGoing: () => boolean,
+  ) {
+    viewport.onFrame.add(() => this.draw());
+  }
+
+  private draw(): void {
+    const handle = this.control.active;
+    const surface = this.viewport.main;
+    if (handle === undefined || surface === undefined || !this.isGoing()) {
+      if (this.shown !== undefined) this.preview.hide();
+      this.shown = undefined;
+      return;
+    }
+    const map = matrixOf(handle.placement);
+    if (this.shown === handle.name) return this.preview.place(surface, map);
+    this.shown = handle.name;
+    this.preview.show(surface, handle.vertices, map);
+  }
+}

@@ -1,0 +1,223 @@
+import type { Hit } from "../view/picking";
+import { linesThrough, onOverlay, set, show, svg } from "./svg";
+import { BrushRing, BrushStroke } from "./select_tools";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { Surface } from "../view/surface";
+import type { Spot } from "./eye";
+
+/** A click on a handle picks it up, whatever the tool. */
+function pickUp(bench: Bench, hit: Hit): Stroke | undefined {
+  const name = bench.control.handleAt(hit.surface, hit.vertex);
+  if (name === undefined || name === bench.editor.tools.activeHandle.value) return undefined;
+  return { move: () => undefined, end: () => bench.control.activate(name), cancel: () => undefined };
+}
+
+/** Says what a click on a handle would pick up. */
+function sayHandle(bench: Bench, { spot }: Pointer, hit: Hit | undefined): boolean {
+  const name = hit === undefined ? undefined : bench.control.handleAt(hit.surface, hit.vertex);
+  if (name === undefined || name === bench.editor.tools.activeHandle.value) bench.status.clear();
+  else bench.status.say(name, spot);
+  return name !== undefined;
+}
+
+/** No tool: a drag turns the view, a click on a handle picks it up. */
+export class NavigateTool implements Tool {
+  readonly cursor = "grab";
+  constructor(private readonly bench: Bench) {}
+
+  hover(pointer: Pointer, hit: Hit | undefined): void {
+    sayHandle(this.bench, pointer, hit);
+  }
+  leave(): void {
+    this.bench.status.clear();
+  }
+  press(_pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    return hit === undefined ? undefined : pickUp(this.bench, hit);
+  }
+}
+
+/** Paints what is to be held; where the stroke ends there is a handle with its gizmo. */
+export class PaintTool implements Tool {
+  readonly cursor = "crosshair";
+  private readonly ring: BrushRing;
+
+  constructor(private readonly bench: Bench) {
+    this.ring = new BrushRing(bench);
+  }
+
+  hover(pointer: Pointer, hit: Hit | undefined): void {
+    if (sayHandle(this.bench, pointer, hit)) this.ring.hide();
+    else this.ring.show(pointer);
+  }
+  leave(): void {
+    this.ring.hide();
+    this.bench.status.clear();
+    this.bench.preview.hide();
+  }
+
+  press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    if (hit === undefined) return undefined;
+    if (this.bench.control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.bench, hit);
+    const { control, preview } = this.bench;
+    const { surface } = hit;
+    const stroke = new BrushStroke(this.bench, surface, pointer.spot);
+    const paint = (at: Pointer) => {
+      this.ring.show(at);
+      if (stroke.to(at.spot).length > 0) preview.show(surface, stroke.painted);
+    };
+    paint(pointer);
+    return {
+      move: paint,
+      end: () => {
+        this.ring.hide();
+        void control.paint(surface, stroke.vertices).finally(() => preview.hide());
+      },
+      cancel: () => preview.hide(),
+    };
+  }
+}
+
+/** A handle of one vertex, by a click. */
+export class VertexTool implements Tool {
+  readonly cursor = "pointer";
+  private readonly dot = svg("circle", { class: "vertex-dot", r: 5, display: "none" });
+
+  constructor(private readonly bench: Bench) {
+    bench.viewport.overlay.append(this.dot);
+  }
+
+  hover(pointer: Pointer, hit: Hit | undefined): void {
+    const isHeld = sayHandle(this.bench, pointer, hit);
+    show(this.dot, hit !== undefined && !isHeld);
+    if (hit === undefined) return;
+    const { viewport } = this.bench;
+    const [at] = onOverlay(viewport.overlay, [viewport.project(hit.surface.place(hit.vertex))]) as [Spot];
+    set(this.dot, { cx: at.x, cy: at.y });
+  }
+  leave(): void {
+    show(this.dot, false);
+    this.bench.status.clear();
+  }
+
+  press(_pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    if (hit === undefined) return undefined;
+    const { control } = this.bench;
+    if (control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.bench, hit);
+    return {
+      move: () => undefined,
+      end: () => {
+        this.leave();
+        void control.paint(hit.surface, Uint32Array.of(hit.vertex));
+      },
+      cancel: () => undefined,
+    };
+  }
+}
+
+/** A handle along edges: clicks give its points, the way between is the shortest. */
+export class CurveTool implements Tool {
+  readonly cursor = "crosshair";
+  private surface: Surface | undefined;
+  private clicked: number[] = [];
+  private path: number[] = []; // through what was clicked
+  private ahead: Uint32Array = new Uint32Array(); // to where the pointer is
+  private closes = false;
+  private readonly line = svg("path", { class: "curve", display: "none" });
+  private readonly rest = svg("path", { class: "curve ahead", display: "none" });
+  private readonly dots = svg("g", { class: "curve-dots" });
+
+  constructor(private readonly bench: Bench) {
+    bench.viewport.overlay.append(this.line, this.rest, this.dots);
+    bench.viewport.onFrame.add(() => this.draw());
+  }
+
+  hover({ spot }: Pointer, hit: Hit | undefined): void {
+    const { status, graphs } = this.bench;
+    const last = this.clicked[this.clicked.length - 1];
+    this.closes = this.isAtFirst(spot);
+    const isSame = hit?.surface === (this.surface ?? hit?.surface);
+    const to = this.closes ? this.clicked[0] : isSame ? hit?.vertex : undefined;
+    const surface = this.surface ?? hit?.surface;
+    const graph = surface === undefined ? undefined : graphs.of(surface);
+    const path = to === undefined || last === undefined ? undefined : graph?.path(last, to);
+    this.ahead = path ?? Uint32Array.of(...(to === undefined ? [] : [to]));
+    if (this.closes) status.say("Click to close the curve", spot);
+    else if (this.clicked.length > 1) status.say("Enter or a double click ends the curve", spot);
+    else status.clear();
+    this.bench.viewport.requestRender();
+  }
+  leave(): void {
+    this.ahead = new Uint32Array();
+    this.bench.status.clear();
+    this.bench.viewport.requestRender();
+  }
+
+  press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    if (hit === undefined && !this.isAtFirst(pointer.spot)) return undefined;
+    return { move: () => undefined, end: () => this.click(pointer, hit), cancel: () => undefined };
+  }
+
+  /** Ends the curve. */
+  confirm(): boolean {
+    if (this.path.length < 2) return false;
+    this.finish(false);
+    return true;
+  }
+  /** Takes the last point back. */
+  escape(): boolean {
+    if (this.clicked.length === 0) return false;
+    this.clear();
+    return true;
+  }
+
+  private click(pointer: Pointer, hit: Hit | undefined): void {
+    this.hover(pointer, hit);
+    if (this.closes) return this.finish(true);
+    if (hit === undefined) return;
+    const last = this.clicked[this.clicked.length - 1];
+    if (hit.vertex === last) return void this.confirm(); // the second click of two
+    if (last !== undefined && this.ahead[0] !== last) return; // no way there
+    this.surface = hit.surface;
+    this.clicked.push(hit.vertex);
+    this.path.push(...(last === undefined ? [hit.vertex] : this.ahead.slice(1)));
+    this.ahead = new Uint32Array();
+    this.bench.viewport.requestRender();
+  }
+
+  private finish(closed: boolean): void {
+    const { surface } = this;
+    if (surface === undefined) return;
+    const whole = closed ? [...this.path, ...this.ahead.slice(1, -1)] : this.path;
+    const path = Uint32Array.from(new Set(whole));
+    this.clear();
+    void this.bench.control.addCurve(surface, path, closed);
+  }
+
+  private clear(): void {
+    this.clicked = [];
+    this.path = [];
+    this.surface = undefined;
+    this.leave();
+  }
+
+  private isAtFirst(spot: Spot): boolean {
+    const [first] = this.clicked;
+    if (first === undefined || this.clicked.length < 3 || this.surface === undefined) return false;
+    const at = this.bench.viewport.project(this.surface.place(first));
+    return Math.hypot(at.x - spot.x, at.y - spot.y) < 12;
+  }
+
+  private draw(): void {
+    const surface = this.surface ?? this.bench.viewport.main;
+    const isShown = surface !== undefined && (this.clicked.length > 0 || this.ahead.length > 0);
+    for (const element of [this.line, this.rest, this.dots]) show(element, isShown);
+    if (surface === undefined || !isShown) return;
+    const { viewport } = this.bench;
+    const spots = (vertices: Iterable<number>) =>
+      onOverlay(viewport.overlay, Array.from(vertices, (v) => viewport.project(surface.place(v))));
+    set(this.line, { d: linesThrough(spots(this.path)) });
+    set(this.rest, { d: linesThrough(spots(this.ahead)) });
+    const ends = spots([...this.clicked, ...this.ahead.slice(-1)]);
+    this.dots.replaceChildren(...ends.map(({ x, y }) => svg("circle", { cx: x, cy: y, r: 4.5 })));
+  }
+}

@@ -1,0 +1,144 @@
+import { Matrix4, Quaternion, Vector3 } from "three";
+import type { Cut, Graft } from "../app/graft";
+import type { GraftView } from "../view/graft_view";
+import type { Viewport } from "../view/viewport";
+import type { Eye, Spot } from "./eye";
+import type { Act } from "./gesture";
+import { planeThroughLine, type CutPlane } from "./graft_plane_math";
+import type { Movable, Moved } from "./movable";
+import { axesOf, centreOf, type Placement } from "./pose_math";
+import { linesThrough, onOverlay, set, show, svg } from "./svg";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { Hit } from "../view/picking";
+
+const name = "cutting plane";
+const up = new Vector3(0, 0, 1);
+
+/** The cutting plane in the world, and moved and turned by the gizmo. */
+export class PlaneControl implements Movable {
+  readonly acts: readonly Act[] = ["move", "turn"];
+
+  constructor(
+    private readonly viewport: Viewport,
+    private readonly graft: Graft,
+    private readonly view: GraftView,
+  ) {}
+
+  get active(): Moved | undefined {
+    const { mode, tool, cutPlane } = this.graft;
+    if (mode.value !== "graft" || tool.value !== "plane" || cutPlane.value === null) return undefined;
+    const { point, normal } = this.inWorld(cutPlane.value);
+    const turn = new Quaternion().setFromUnitVectors(up, normal);
+    const angle = 2 * Math.acos(Math.min(1, Math.abs(turn.w)));
+    const axis = new Vector3(turn.x, turn.y, turn.z).multiplyScalar(turn.w < 0 ? -1 : 1);
+    const placement: Placement = {
+      kind: "motion",
+      translate: new Vector3(),
+      turn: { axis: axis.lengthSq() > 0 ? axis.normalize() : up.clone(), angleDeg: (180 * angle) / Math.PI },
+      scale: new Vector3(1, 1, 1),
+      pivot: point,
+    };
+    return { name, placement, defaultPivot: point };
+  }
+
+  show(_name: string, placement: Placement): void {
+    const { value: cut } = this.graft.cutPlane;
+    if (cut === null) return;
+    const normal = up.clone().applyQuaternion(axesOf(placement));
+    this.set(cut.mesh, { point: centreOf(placement), normal });
+  }
+  async commit(_name: string, placement: Placement): Promise<void> {
+    this.show(name, placement);
+  }
+  revert(_name: string, placement: Placement): void {
+    this.show(name, placement);
+  }
+
+  /** From a plane in the world. */
+  set(mesh: number, { point, normal }: CutPlane): void {
+    const stand = this.view.standOf(mesh);
+    const own = point.clone().applyMatrix4(stand.clone().invert());
+    const turned = normalThrough(normal, stand.clone().invert());
+    this.graft.cutPlane.value = { mesh, plane: { point: own.toArray(), normal: turned.toArray() } };
+    this.viewport.requestRender();
+  }
+  /** Of a mesh, as it stands. */
+  middleOf(mesh: number): Vector3 | undefined {
+    return this.viewport.surfaceOf(mesh)?.sphere().center.applyMatrix4(this.view.standOf(mesh));
+  }
+  /** The diagonal of a mesh's box, as it stands. */
+  sizeOf(mesh: number): number {
+    const scale = Math.cbrt(Math.abs(this.view.standOf(mesh).determinant()));
+    return scale * (this.viewport.surfaceOf(mesh)?.box.diagonal ?? 1);
+  }
+  inWorld({ mesh, plane }: Cut): CutPlane {
+    const stand = this.view.standOf(mesh);
+    return { point: new Vector3(...plane.point).applyMatrix4(stand), normal: normalThrough(new Vector3(...plane.normal), stand) };
+  }
+}
+
+// Stands are similarities: normals turn as directions do.
+function normalThrough(normal: Vector3, matrix: Matrix4): Vector3 {
+  return normal.clone().transformDirection(matrix);
+}
+
+/** A stroke across a surface lays the cutting plane through it, along the view. */
+export class CutPlaneTool implements Tool {
+  readonly cursor = "crosshair";
+  private readonly line = svg("path", { class: "cut-line", display: "none" });
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly control: PlaneControl,
+  ) {
+    bench.viewport.overlay.append(this.line);
+  }
+
+  hover({ spot }: Pointer, hit: Hit | undefined): void {
+    if (hit === undefined) this.bench.status.clear();
+    else this.bench.status.say("Drag across to lay the plane", spot);
+  }
+  leave(): void {
+    this.bench.status.clear();
+    show(this.line, false);
+  }
+
+  press({ spot: first }: Pointer, hit: Hit | undefined): Stroke | undefined {
+    if (hit === undefined) return undefined;
+    const { overlay } = this.bench.viewport;
+    return {
+      move: ({ spot }) => {
+        show(this.line, true);
+        set(this.line, { d: linesThrough(onOverlay(overlay, [first, spot])) });
+        this.lay(hit, first, spot);
+      },
+      end: ({ spot }) => {
+        show(this.line, false);
+        this.lay(hit, first, spot);
+      },
+      cancel: () => show(this.line, false),
+    };
+  }
+
+  private lay(hit: Hit, first: Spot, last: Spot): void {
+    if (Math.hypot(last.x - first.x, last.y - first.y) < 12) return;
+    const { eye } = this.bench;
+    const [a, b] = [atDepthOf(eye, hit.point, first), atDepthOf(eye, hit.point, last)];
+    const plane = planeThroughLine(a, b, eye.towards(a), eye.towards(b));
+    if (plane !== undefined) this.control.set(hit.surface.id, this.throughMiddle(plane, hit));
+  }
+
+  // The gizmo belongs into the mesh, not before it: the plane's point nearest to the mesh's middle.
+  private throughMiddle({ point, normal }: CutPlane, hit: Hit): CutPlane {
+    const middle = this.control.middleOf(hit.surface.id) ?? point;
+    return { point: middle.addScaledVector(normal, point.clone().sub(middle).dot(normal)), normal };
+  }
+}
+
+/** The place on the page at the depth of a point. */
+function atDepthOf(eye: Eye, point: Vector3, spot: Spot): Vector3 {
+  const ray = eye.rayAt(spot);
+  const along = eye.towards(point);
+  const depth = point.clone().sub(ray.origin).dot(along) / ray.direction.dot(along);
+  return ray.origin.clone().addScaledVector(ray.direction, depth);
+}

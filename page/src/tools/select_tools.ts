@@ -1,0 +1,305 @@
+import { Vector3 } from "three";
+import type { AskedSelection } from "../protocol";
+import type { Hit } from "../view/picking";
+import type { Surface } from "../view/surface";
+import type { Spot } from "./eye";
+import { DabPath } from "./dab_path";
+import { linesThrough, onOverlay, set, show, svg } from "./svg";
+import { combineOf, type Bench, type Pointer, type Stroke, type Tool } from "./tool";
+
+/** A circle on the page: how large the brush is. */
+export class BrushRing {
+  private readonly circles = [svg("circle"), svg("circle")];
+  private readonly element = svg("g", { class: "brush-ring", display: "none" }, ...this.circles);
+
+  constructor(private readonly bench: Bench) {
+    bench.viewport.overlay.append(this.element);
+  }
+  show({ spot, ctrl, alt }: Pointer): void {
+    const [at] = onOverlay(this.bench.viewport.overlay, [spot]) as [Spot];
+    const r = this.bench.editor.tools.brushRadiusPx.value;
+    for (const circle of this.circles) set(circle, { cx: at.x, cy: at.y, r });
+    set(this.element, { class: `brush-ring${ctrl || alt ? " removes" : ""}` });
+    show(this.element, true);
+  }
+  hide(): void {
+    show(this.element, false);
+  }
+}
+
+/** Vertices under the brush along a stroke, each told once. */
+export class BrushStroke {
+  readonly painted = new Set<number>();
+  private readonly path: DabPath;
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly surface: Surface,
+    start: Spot,
+  ) {
+    this.path = new DabPath(start, 0.5 * bench.editor.tools.brushRadiusPx.value);
+  }
+
+  /** What comes under the brush on the way to a spot, that was not before. */
+  to(spot: Spot): Uint32Array {
+    const { tools } = this.bench.editor;
+    const fresh: number[] = [];
+    for (const { x, y } of this.path.to(spot)) {
+      const hit = this.bench.viewport.pick(x, y);
+      if (hit?.surface !== this.surface) continue;
+      const radius = tools.brushRadiusPx.value * this.bench.viewport.worldPerPixel(hit.point);
+      for (const v of this.bench.viewport.verticesNear(this.surface, hit, radius, tools.through.value))
+        if (!this.painted.has(v)) {
+          this.painted.add(v);
+          fresh.push(v);
+        }
+    }
+    return Uint32Array.from(fresh);
+  }
+
+  get vertices(): Uint32Array {
+    return Uint32Array.from(this.painted).sort();
+  }
+}
+
+export class BrushTool implements Tool {
+  readonly cursor = "crosshair";
+  private readonly ring: BrushRing;
+
+  constructor(private readonly bench: Bench) {
+    this.ring = new BrushRing(bench);
+  }
+
+  hover(pointer: Pointer): void {
+    this.ring.show(pointer);
+  }
+  leave(): void {
+    this.ring.hide();
+  }
+
+  press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    if (hit === undefined) return undefined;
+    const { surface } = hit;
+    const { editor } = this.bench;
+    const how = combineOf(this.bench, pointer);
+    const before = surface.selection.slice();
+    if (how === "set") surface.setSelection(new Uint32Array());
+    const stroke = new BrushStroke(this.bench, surface, pointer.spot);
+    const paint = (at: Pointer) => {
+      this.ring.show(at);
+      surface.markSelected(stroke.to(at.spot), how !== "remove");
+    };
+    paint(pointer);
+    return {
+      move: paint,
+      end: () => void editor.ask({ do: "select", mesh: editor.graft.nameOf(surface.id), how, what: { indices: [...stroke.vertices] } }),
+      cancel: () => surface.setSelection(selectedIn(before)),
+    };
+  }
+}
+
+/** Draws around what is to be selected: a lasso, or a rectangle. Begins beside the model, too. */
+export class OutlineTool implements Tool {
+  readonly cursor = "crosshair";
+  private readonly outline = svg("path", { class: "outline", display: "none" });
+
+  constructor(
+    private readonly bench: Bench,
+    private readonly isBox: boolean,
+  ) {
+    bench.viewport.overlay.append(this.outline);
+  }
+
+  hover(): void {}
+  leave(): void {
+    show(this.outline, false);
+  }
+
+  press(pointer: Pointer): Stroke | undefined {
+    const surface = this.bench.viewport.main;
+    if (surface === undefined) return undefined;
+    const spots = [pointer.spot];
+    const how = combineOf(this.bench, pointer);
+    const draw = ({ spot }: Pointer) => {
+      const [first = spot] = spots;
+      if (this.isBox) spots.splice(0, 4, first, { x: spot.x, y: first.y }, spot, { x: first.x, y: spot.y });
+      else spots.push(spot);
+      set(this.outline, { d: linesThrough(onOverlay(this.bench.viewport.overlay, spots), true) });
+      set(this.outline, { class: `outline${how === "remove" ? " removes" : ""}` });
+      show(this.outline, true);
+    };
+    return {
+      move: draw,
+      end: () => {
+        show(this.outline, false);
+        this.take(surface, spots, how);
+      },
+      cancel: () => show(this.outline, false),
+    };
+  }
+
+  private take(surface: Surface, spots: readonly Spot[], how: "set" | "add" | "remove"): void {
+    const polygon = spots.map(({ x, y }): [number, number] => [x, y]);
+    if (areaOf(spots) < 9) return; // a click
+    const { viewport, editor } = this.bench;
+    const vertices = viewport.verticesInPolygon(surface, polygon, editor.tools.through.value);
+    if (vertices.length === 0 && how !== "set") return;
+    if (how === "set") surface.setSelection(vertices);
+    else surface.markSelected(vertices, how === "add");
+    void editor.ask({ do: "select", how, what: { indices: [...vertices] } });
+  }
+}
+
+/** Takes a whole part by a click, and shows it before. */
+export abstract class ClickTool implements Tool {
+  readonly cursor = "pointer";
+  private shownKey: string | undefined;
+
+  constructor(protected readonly bench: Bench) {}
+
+  /** What a click here would take: a key by which it is known, its vertices, and what to ask for. */
+  protected abstract find(pointer: Pointer, hit: Hit | undefined): Found | undefined;
+
+  hover(pointer: Pointer, hit: Hit | undefined): void {
+    const found = this.find(pointer, hit);
+    if (found === undefined) return this.leave();
+    if (found.key !== this.shownKey) {
+      this.leave();
+      this.shownKey = found.key;
+      this.present(found);
+    }
+    const count = found.vertices === undefined ? "" : `: ${found.vertices.length.toLocaleString("en")} vertices`;
+    this.bench.status.say(`${found.words}${count}`, pointer.spot);
+  }
+  leave(): void {
+    this.shownKey = undefined;
+    this.bench.preview.hide();
+    this.bench.status.clear();
+  }
+
+  press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
+    const found = this.find(pointer, hit);
+    if (found === undefined) return undefined;
+    return {
+      move: () => undefined,
+      end: () => void this.bench.editor.ask({ do: "select", how: combineOf(this.bench, pointer), what: found.ask }),
+      cancel: () => undefined,
+    };
+  }
+
+  protected present({ surface, vertices }: Found): void {
+    if (vertices !== undefined) this.bench.preview.show(surface, vertices);
+  }
+}
+
+interface Found {
+  readonly key: string;
+  readonly surface: Surface;
+  readonly vertices: Uint32Array | undefined; // undefined: the page does not know yet
+  readonly words: string;
+  readonly ask: AskedSelection;
+}
+
+export class ConnectedTool extends ClickTool {
+  private last: { surface: Surface; vertices: Uint32Array; has: Uint8Array } | undefined;
+
+  protected find(_pointer: Pointer, hit: Hit | undefined): Found | undefined {
+    if (hit === undefined) return undefined;
+    const { surface, vertex } = hit;
+    const graph = this.bench.graphs.of(surface);
+    const first = graph?.first(vertex) ?? vertex;
+    if (graph !== undefined && (this.last?.surface !== surface || this.last.has[first] === 0)) {
+      const vertices = graph.component(vertex);
+      const has = new Uint8Array(surface.vertexCount);
+      for (const v of vertices) has[v] = 1;
+      this.last = { surface, vertices, has };
+    }
+    const vertices = graph === undefined ? undefined : this.last?.vertices;
+    const key = `part ${surface.id} ${vertices?.[0] ?? "?"}`;
+    return { key, surface, vertices, words: "Connected part", ask: { component_of: vertex } };
+  }
+}
+
+export class FloodTool extends ClickTool {
+  protected find(_pointer: Pointer, hit: Hit | undefined): Found | undefined {
+    if (hit === undefined) return undefined;
+    const { surface, vertex } = hit;
+    const angle = this.bench.editor.tools.floodAngleDeg.value;
+    const isQuick = surface.vertexCount < 300_000; // else it is seen after the click
+    const vertices = isQuick ? this.bench.graphs.of(surface)?.flood(vertex, angle) : undefined;
+    return {
+      key: `flood ${surface.id} ${vertex} ${angle} ${vertices?.length}`, surface, vertices,
+      words: `Up to ${angle}°`, ask: { flood: { vertex, angle_deg: angle } },
+    };
+  }
+}
+
+/** The rim of the hole nearest to the pointer, also where the pointer is in the hole. */
+export class LoopTool extends ClickTool {
+  private readonly line = svg("path", { class: "loop", display: "none" });
+
+  constructor(bench: Bench) {
+    super(bench);
+    bench.viewport.overlay.append(this.line);
+    bench.viewport.onFrame.add(() => this.draw());
+  }
+
+  private loop: { surface: Surface; vertices: Uint32Array } | undefined;
+
+  protected find({ spot }: Pointer): Found | undefined {
+    const surface = this.bench.viewport.main;
+    const graph = surface === undefined ? undefined : this.bench.graphs.of(surface);
+    if (surface === undefined || graph === undefined) return undefined;
+    let least = nearPx;
+    let found: { vertices: Uint32Array; vertex: number } | undefined;
+    const place = new Vector3();
+    for (const vertices of graph.loops)
+      for (const vertex of vertices) {
+        const { x, y, behind } = this.bench.viewport.project(surface.place(vertex, place));
+        const distance = Math.hypot(x - spot.x, y - spot.y);
+        if (behind || distance >= least) continue;
+        least = distance;
+        found = { vertices, vertex };
+      }
+    if (found === undefined) return undefined;
+    const { vertices, vertex } = found;
+    const key = `loop ${surface.id} ${vertices[0]}`;
+    return { key, surface, vertices, words: "Boundary loop", ask: { loop_of: vertex } };
+  }
+
+  protected override present(found: Found): void {
+    this.loop = found.vertices === undefined ? undefined : { surface: found.surface, vertices: found.vertices };
+    this.draw();
+  }
+  override leave(): void {
+    super.leave();
+    this.loop = undefined;
+    this.draw();
+  }
+
+  private draw(): void {
+    show(this.line, this.loop !== undefined);
+    if (this.loop === undefined) return;
+    const { surface, vertices } = this.loop;
+    const spots = Array.from(vertices, (v) => this.bench.viewport.project(surface.place(v)));
+    set(this.line, { d: linesThrough(onOverlay(this.bench.viewport.overlay, spots), true) });
+  }
+}
+
+const nearPx = 120; // how far from a loop it is still meant
+
+function selectedIn(flags: Uint8Array): Uint32Array {
+  const found: number[] = [];
+  flags.forEach((flag, v) => flag !== 0 && found.push(v));
+  return Uint32Array.from(found);
+}
+
+/** Of a closed outline, square pixels. */
+function areaOf(spots: readonly Spot[]): number {
+  let twice = 0;
+  spots.forEach((a, i) => {
+    const b = spots[(i + 1) % spots.length] as Spot;
+    twice += a.x * b.y - b.x * a.y;
+  });
+  return Math.abs(twice) / 2;
+}

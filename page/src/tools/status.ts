@@ -1,0 +1,33 @@
+import type { Spot } from "./eye";
+import { onOverlay, set, show, svg } from "./svg";
+
+/** A line of text beside the pointer: what a gesture does, what a click would take. */
+export class Status {
+  private readonly text = svg("text", { x: 9, y: 17 });
+  private readonly back = svg("rect", { rx: 6, height: 25 });
+  private readonly element = svg("g", { class: "tool-status", display: "none" }, this.back, this.text);
+
+  constructor(private readonly overlay: SVGSVGElement) {
+    overlay.append(this.element);
+  }
+
+  say(words: string, { x, y }: Spot): void {
+    overlayLast(this.overlay, this.element);
+    show(this.element, true);
+    if (this.text.textContent !== words) this.text.textContent = words;
+    const width = this.text.getComputedTextLength() + 18;
+    set(this.back, { width });
+    const [at] = onOverlay(this.overlay, [{ x: x + 22, y: y + 22 }]) as [Spot];
+    const left = Math.max(4, Math.min(at.x, this.overlay.clientWidth - width - 4));
+    const top = Math.max(4, Math.min(at.y, this.overlay.clientHeight - 30));
+    set(this.element, { transform: `translate(${left} ${top})` });
+  }
+
+  clear(): void {
+    show(this.element, false);
+  }
+}
+
+function overlayLast(overlay: SVGSVGElement, element: SVGElement): void {
+  if (overlay.lastElementChild !== element) overlay.append(element);
+}

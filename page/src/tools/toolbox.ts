@@ -1,0 +1,297 @@
+import { effect, untracked } from "@preact/signals";
+import type { ToolActions } from "../app/commands";
+import type { Editor } from "../app/editor";
+import type { GraftTool } from "../app/graft";
+import type { ToolName } from "../app/tool_settings";
+import type { Hit } from "../view/picking";
+import type { Viewport } from "../view/viewport";
+import { eyeOf, type Spot } from "./eye";
+import type { GraftView } from "../view/graft_view";
+import { CutCurveTool } from "./cut_curve_tool";
+import { DropTool } from "./drop_tool";
+import { FixedTool } from "./fixed_tool";
+import { Gizmo } from "./gizmo";
+import { GraftPanelActions } from "./graft_actions";
+import { LoopPairTool } from "./graft_loops";
+import { GraphStore } from "./graph_store";
+import { CurveTool, NavigateTool, PaintTool, VertexTool } from "./handle_tools";
+import { HandleControl } from "./handle_control";
+import { HandleGhost } from "./handle_ghost";
+import { FirstActive } from "./movable";
+import { PartControl } from "./part_control";
+import { CutPlaneTool, PlaneControl } from "./plane_control";
+import { PlaneView } from "./plane_view";
+import { Preview } from "./preview";
+import { ReachRing } from "./reach_ring";
+import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
+import { Status } from "./status";
+import { SymmetryPlane } from "./symmetry_plane";
+import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import "./tools.css";
+
+/** Gives the pointer to the gizmo, to the active tool, or to the navigation. */
+export class ToolBox implements ToolActions {
+  readonly control: HandleControl;
+  private readonly bench: Bench;
+  private readonly gizmo: Gizmo;
+  private readonly reach: ReachRing;
+  private readonly tools: Record<ToolName, Tool>;
+  private readonly graftTools: Record<GraftTool, Tool>;
+  readonly graft: GraftPanelActions;
+  private tool: Tool;
+  private stroke: Stroke | undefined;
+  private taken: number | undefined; // the pointer that drags
+  private pointer: Pointer = { spot: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
+  private waiting: PointerEvent | undefined; // the last move, until the next frame
+
+  constructor(
+    private readonly editor: Editor,
+    private readonly viewport: Viewport,
+    graftView: GraftView,
+  ) {
+    const graphs = new GraphStore();
+    this.control = new HandleControl(editor, viewport, graphs);
+    const eye = eyeOf(viewport);
+    const status = new Status(viewport.overlay);
+    const preview = new Preview(viewport, graphs, 0xffa02e, 0.55);
+    this.bench = { editor, viewport, eye, graphs, control: this.control, status, preview };
+    const part = new PartControl(viewport, editor.graft);
+    const plane = new PlaneControl(viewport, editor.graft, graftView);
+    this.gizmo = new Gizmo(editor, viewport, new FirstActive([plane, part, this.control]), eye, status);
+    const drop = new DropTool(this.bench, graftView);
+    this.graft = new GraftPanelActions(editor, viewport, drop);
+    new PlaneView(viewport, plane, editor.graft);
+    this.graftTools = {
+      loops: new LoopPairTool(this.bench, graftView),
+      plane: new CutPlaneTool(this.bench, plane),
+      stroke: new CutCurveTool(this.bench, graftView),
+      fixed: new FixedTool(this.bench),
+      drop,
+    };
+    this.reach = new ReachRing(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
+    new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
+    new SymmetryPlane(viewport, this.control);
+    this.tools = this.makeTools();
+    this.tool = this.tools.navigate;
+  }
+
+  /** Takes the pointer's events of the canvas; the view must be attached. */
+  attach(): void {
+    const { canvas } = this.viewport;
+    canvas.addEventListener("pointerdown", (event) => this.press(event));
+    canvas.addEventListener("pointermove", (event) => this.follow(event));
+    canvas.addEventListener("pointerup", (event) => this.release(event));
+    canvas.addEventListener("pointercancel", () => this.giveUp());
+    canvas.addEventListener("lostpointercapture", () => this.giveUp());
+    canvas.addEventListener("pointerleave", () => this.stroke === undefined && this.tool.leave());
+    canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
+    effect(() => {
+      const { mode, tool } = this.editor.graft;
+      const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[this.editor.tools.tool.value];
+      untracked(() => this.take(next));
+    });
+    effect(() => {
+      if (this.editor.graft.mode.value === "graft") this.editor.tools.activeHandle.value = null;
+    });
+    effect(() => this.prepare());
+    effect(() => {
+      const { gizmoSpace, movesPivot, activeHandle, brushRadiusPx } = this.editor.tools;
+      void [gizmoSpace.value, movesPivot.value, activeHandle.value, brushRadiusPx.value];
+      this.viewport.requestRender();
+    });
+  }
+
+  /** Keys that a gesture takes before commands: axes, numbers. */
+  takeKey(event: KeyboardEvent): boolean {
+    return this.gizmo.takeKey(event) || this.tool.takeKey?.(event) === true;
+  }
+
+  escape(): void {
+    const { tools } = this.editor;
+    if (this.gizmo.isGoing) return this.giveUp();
+    if (this.stroke !== undefined) return this.giveUp();
+    if (this.tool.escape?.() === true) return;
+    if (tools.movesPivot.value) tools.movesPivot.value = false;
+    else if (tools.activeHandle.value !== null) this.control.activate(null);
+    else tools.tool.value = "navigate";
+  }
+  confirm(): void {
+    if (this.gizmo.isGoing) this.finishGesture();
+    else this.tool.confirm?.();
+  }
+  canConfirm(): boolean {
+    return this.gizmo.isGoing || this.tool.confirm !== undefined;
+  }
+  beginGesture(kind: "move" | "turn" | "scale"): void {
+    this.gizmo.beginModal(kind, this.pointer.spot);
+  }
+  togglePivot(): void {
+    const { movesPivot } = this.editor.tools;
+    movesPivot.value = !movesPivot.value;
+  }
+  resetPivot(): void {
+    this.gizmo.resetPivot();
+  }
+  resetPose(): void {
+    this.control.resetPose();
+  }
+  removeHandle(): void {
+    this.control.remove();
+  }
+  handleFromSelection(): void {
+    void this.control.addSelected();
+  }
+  stepHandle(by: 1 | -1): void {
+    const { names } = this.control;
+    const at = names.indexOf(this.editor.tools.activeHandle.value ?? "");
+    const next = at < 0 ? (by > 0 ? 0 : names.length - 1) : (at + by + names.length) % names.length;
+    this.control.activate(names[next] ?? null);
+  }
+  resizeBrush(factor: number): void {
+    const { brushRadiusPx } = this.editor.tools;
+    brushRadiusPx.value = Math.round(10 * Math.min(300, Math.max(3, brushRadiusPx.value * factor))) / 10;
+    this.tool.hover(this.pointer, undefined);
+  }
+
+  private makeTools(): Record<ToolName, Tool> {
+    const { bench } = this;
+    return {
+      navigate: new NavigateTool(bench),
+      handle: new PaintTool(bench),
+      vertex: new VertexTool(bench),
+      curve: new CurveTool(bench),
+      brush: new BrushTool(bench),
+      lasso: new OutlineTool(bench, false),
+      box: new OutlineTool(bench, true),
+      connected: new ConnectedTool(bench),
+      loop: new LoopTool(bench),
+      flood: new FloodTool(bench),
+    };
+  }
+
+  private take(tool: Tool): void {
+    this.giveUp();
+    if (tool !== this.tool) this.tool.escape?.();
+    this.tool.leave();
+    this.tool = tool;
+    this.viewport.canvas.style.cursor = this.tool.cursor;
+  }
+
+  // Begins what tools look up later, as soon as there is a model.
+  private prepare(): void {
+    void this.editor.state.value?.model.mesh;
+    const { main } = this.viewport;
+    if (main !== undefined) this.bench.graphs.of(main);
+  }
+
+  private press(event: PointerEvent): void {
+    this.pointer = pointerOf(event);
+    if (this.gizmo.isModal) {
+      event.preventDefault();
+      if (event.button === 0) this.finishGesture();
+      else this.giveUp();
+      return;
+    }
+    if (event.button !== 0 || this.taken !== undefined || this.viewport.settings.before.value) return;
+    const stroke = this.strokeFor(event);
+    if (stroke === undefined) return;
+    event.preventDefault(); // the navigation leaves it alone
+    document.activeElement instanceof HTMLElement && document.activeElement.blur();
+    this.stroke = stroke;
+    this.taken = event.pointerId;
+    this.viewport.canvas.setPointerCapture(event.pointerId);
+  }
+
+  private strokeFor(event: PointerEvent): Stroke | undefined {
+    const generosity = event.pointerType === "mouse" ? 1 : 2;
+    const { pointer } = this;
+    if (this.gizmo.press(pointer.spot, generosity)) {
+      this.tool.leave();
+      return {
+        move: (at) => this.gizmo.follow(at.spot, at.ctrl),
+        end: () => this.gizmo.end(),
+        cancel: () => this.gizmo.cancel(),
+      };
+    }
+    if (this.reach.hover(pointer.spot, generosity)) return this.reach.press(pointer);
+    return this.tool.press(pointer, this.hitUnder(pointer.spot));
+  }
+
+  private follow(event: PointerEvent): void {
+    const isFirst = this.waiting === undefined;
+    this.waiting = event;
+    if (isFirst) requestAnimationFrame(() => this.followNow());
+  }
+
+  private followNow(): void {
+    const event = this.waiting;
+    this.waiting = undefined;
+    if (event === undefined) return;
+    this.pointer = pointerOf(event);
+    if (this.gizmo.isModal) this.gizmo.follow(this.pointer.spot, this.pointer.ctrl);
+    else if (this.stroke !== undefined) this.stroke.move(this.pointer);
+    else if (event.buttons === 0) this.hover();
+  }
+
+  private hover(): void {
+    const { spot } = this.pointer;
+    const { canvas } = this.viewport;
+    if (this.gizmo.hover(spot) || this.reach.hover(spot)) {
+      this.tool.leave();
+      canvas.style.cursor = "pointer";
+      return;
+    }
+    const hit = this.hitUnder(spot);
+    canvas.style.cursor = hit === undefined && !(this.tool instanceof OutlineTool) ? "default" : this.tool.cursor;
+    this.tool.hover(this.pointer, hit);
+  }
+
+  private release(event: PointerEvent): void {
+    const { stroke } = this;
+    if (stroke === undefined || event.pointerId !== this.taken) return;
+    this.followNow();
+    this.pointer = pointerOf(event);
+    this.stroke = this.taken = undefined;
+    if (this.gizmo.isGoing) this.gizmo.follow(this.pointer.spot, this.pointer.ctrl);
+    stroke.end(this.pointer);
+  }
+
+  private finishGesture(): void {
+    this.stroke = this.taken = undefined;
+    this.gizmo.end();
+  }
+
+  private giveUp(): void {
+    const { stroke } = this;
+    this.stroke = this.taken = undefined;
+    if (stroke !== undefined) stroke.cancel();
+    else this.gizmo.cancel();
+  }
+
+  private wheel(event: WheelEvent): void {
+    if (this.tool.wheel?.(event) === true) {
+      event.preventDefault();
+      event.stopPropagation();
+      return;
+    }
+    if (!event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.pointer = pointerOf(event);
+    this.resizeBrush(Math.exp(-0.0015 * (event.deltaY || event.deltaX)));
+  }
+
+  private hitUnder({ x, y }: Spot): Hit | undefined {
+    return this.viewport.pick(x, y);
+  }
+}
+
+function pointerOf(event: MouseEvent): Pointer {
+  return {
+    spot: { x: event.clientX, y: event.clientY },
+    shift: event.shiftKey,
+    ctrl: event.ctrlKey || event.metaKey,
+    alt: event.altKey,
+  };
+}

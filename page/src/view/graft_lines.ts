@@ -1,0 +1,100 @@
+import { DoubleSide, Group, Mesh, ShaderMaterial, Vector3, type Matrix4 } from "three";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import type { BinaryFrame } from "../engine/binary_frame";
+import { pairColour } from "../app/graft_colours";
+import type { Surface } from "./surface";
+
+const mostLines = 90; // of a pair: more are a web
+
+/** What meets what: lines from the part's loops to their places on the target's. */
+export class MatchLines {
+  readonly object = new Group();
+  private line: LineSegments2 | undefined;
+
+  /** `place`: where a vertex of the source is shown; `stand`: of the target's coordinates. */
+  show(frame: BinaryFrame, place: (vertex: number) => Vector3 | undefined, stand: Matrix4): void {
+    this.hide();
+    const sources = frame.indices("line_sources") ?? new Uint32Array();
+    const places = frame.floats("line_places") ?? new Float32Array();
+    const pairs = frame.indices("line_pairs") ?? new Uint32Array();
+    const [ox = 0, oy = 0, oz = 0] = frame.header.offset ?? [];
+    const each = Math.max(1, Math.ceil(sources.length / (mostLines * (1 + Math.max(0, ...pairs)))));
+    const ends: number[] = [];
+    const colours: number[] = [];
+    for (let i = 0; i < sources.length; i += each) {
+      const from = place(sources[i] as number);
+      if (from === undefined) continue;
+      const to = new Vector3().fromArray(places, 3 * i).add(new Vector3(ox, oy, oz)).applyMatrix4(stand);
+      const colour = pairColour(pairs[i] ?? 0);
+      ends.push(...from, ...to);
+      colours.push(...colour, ...colour);
+    }
+    if (ends.length === 0) return;
+    const geometry = new LineSegmentsGeometry().setPositions(ends).setColors(colours);
+    const material = new LineMaterial({ linewidth: 1.3, vertexColors: true, transparent: true, opacity: 0.5, depthTest: false });
+    this.line = new LineSegments2(geometry, material);
+    this.line.frustumCulled = false;
+    this.object.add(this.line);
+  }
+
+  hide(): void {
+    if (this.line === undefined) return;
+    this.line.removeFromParent();
+    this.line.geometry.dispose();
+    this.line.material.dispose();
+    this.line = undefined;
+  }
+}
+
+/** A part as a veil: where it is now, while what comes of it is still on its way. */
+export class Ghost {
+  readonly object = new Group();
+  private mesh: Mesh | undefined;
+  private of: Surface | undefined;
+
+  constructor() {
+    this.object.matrixAutoUpdate = false;
+  }
+
+  show(surface: Surface, at: Matrix4): void {
+    if (this.of !== surface) {
+      this.hide();
+      this.of = surface;
+      this.mesh = new Mesh(surface.geometry, veil);
+      this.mesh.frustumCulled = false;
+      this.mesh.renderOrder = 3;
+      this.mesh.position.copy(surface.object.position);
+      this.object.add(this.mesh);
+    }
+    this.object.matrix.copy(at);
+    this.object.updateMatrixWorld(true);
+  }
+
+  hide(): void {
+    this.mesh?.removeFromParent();
+    this.mesh = undefined;
+    this.of = undefined;
+  }
+}
+
+const veil = new ShaderMaterial({
+  vertexShader: /* glsl */ `
+    varying vec3 shownNormal, seenFrom;
+    void main() {
+      vec4 seen = modelViewMatrix * vec4(position, 1.0);
+      shownNormal = normalMatrix * normal;
+      seenFrom = seen.xyz;
+      gl_Position = projectionMatrix * seen;
+    }`,
+  fragmentShader: /* glsl */ `
+    varying vec3 shownNormal, seenFrom;
+    void main() {
+      float facing = abs(dot(normalize(shownNormal), normalize(seenFrom)));
+      gl_FragColor = vec4(0.30, 0.55, 0.98, 0.12 + 0.55 * (1.0 - facing) * (1.0 - facing));
+    }`,
+  transparent: true,
+  depthWrite: false,
+  side: DoubleSide,
+});

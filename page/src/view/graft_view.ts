@@ -1,0 +1,232 @@
+import { effect, untracked } from "@preact/signals";
+import { Group, Matrix4, Vector3 } from "three";
+import type { Graft, LoopRef, Thing } from "../app/graft";
+import type { Rows4 } from "../app/graft_step";
+import type { BinaryFrame } from "../engine/binary_frame";
+import { standBeside, type Box } from "./beside";
+import { partColour, seamColour } from "../app/graft_colours";
+import { Ghost, MatchLines } from "./graft_lines";
+import { LoopLines } from "./loop_lines";
+import { writeTint } from "./roles";
+import type { Surface } from "./surface";
+import type { Viewport } from "./viewport";
+
+/** Shows parts beside the model, their loops, what meets what, and what comes of a graft. Follows `Graft`. */
+export class GraftView {
+  private readonly group = new Group(); // where the target is
+  private readonly loops: LoopLines;
+  private readonly lines = new MatchLines();
+  private readonly ghost = new Ghost();
+  private preview: { frame: BinaryFrame; surface: Surface } | undefined;
+  private framed = ""; // what was in the picture when it was framed last
+
+  constructor(
+    private readonly viewport: Viewport,
+    private readonly graft: Graft,
+  ) {
+    this.loops = new LoopLines(viewport);
+    this.group.matrixAutoUpdate = false;
+    viewport.scene.add(this.group, this.lines.object, this.ghost.object);
+    viewport.alsoShown = () => {
+      const surface = this.preview?.surface;
+      return surface?.object.visible === true ? [[surface, this.group.matrix]] : [];
+    };
+  }
+
+  /** From now on it follows. */
+  start(): void {
+    effect(() => this.viewport.parts.keep(new Set(this.graft.parts.value.map((part) => part.mesh))));
+    effect(() => {
+      if (this.graft.mode.value === "graft") void this.graft.needLoops();
+    });
+    effect(() => this.update());
+  }
+
+  /** Where a vertex of a mesh is shown, in the world. */
+  place(mesh: number, vertex: number, out = new Vector3()): Vector3 | undefined {
+    const surface = this.viewport.surfaceOf(mesh);
+    const stand = this.viewport.parts.get(mesh)?.stand;
+    if (surface === undefined) return undefined;
+    surface.place(vertex, out);
+    return stand === undefined ? out : out.applyMatrix4(stand);
+  }
+
+  /** The middle of a mesh's box, where it is shown. */
+  middleOf(mesh: number): Vector3 {
+    const middle = this.viewport.surfaceOf(mesh)?.sphere().center ?? new Vector3();
+    return middle.applyMatrix4(this.standOf(mesh));
+  }
+
+  /** How a mesh's own coordinates are mapped to where it is shown. */
+  standOf(mesh: number): Matrix4 {
+    return this.viewport.parts.get(mesh)?.stand ?? new Matrix4();
+  }
+
+  /** Whether a mesh itself is to be seen. */
+  isSeen(mesh: number): boolean {
+    const part = this.viewport.parts.get(mesh);
+    return part?.group.visible ?? this.viewport.surfaces.get(mesh)?.object.visible ?? false;
+  }
+
+  /** Loops that can be clicked now. */
+  clickable(): LoopRef[] {
+    return this.loops.refs();
+  }
+
+  /** The map of the target's coordinates to where they are shown. */
+  get targetStand(): Matrix4 {
+    return this.group.matrix;
+  }
+
+  private update(): void {
+    const { graft, viewport } = this;
+    void viewport.parts.changed.value;
+    const on = graft.mode.value === "graft";
+    const shows = this.shown(on);
+    for (const surface of viewport.surfaces.values()) surface.object.visible = !on || shows.has(surface.id);
+    for (const part of graft.parts.value) {
+      const shown = viewport.parts.get(part.mesh);
+      if (shown !== undefined) shown.group.visible = on && shows.has(part.mesh);
+    }
+    this.standParts(shows);
+    const target = viewport.parts.get(graft.target.value?.mesh ?? -1);
+    this.group.matrix.copy(target?.stand ?? new Matrix4());
+    this.group.updateMatrixWorld(true);
+    this.showPreview(on);
+    this.drawLoops(on, shows);
+    this.drawLines(on, shows);
+    this.drawGhost(on);
+    viewport.measure();
+    this.frameIfNew(on, shows);
+    viewport.requestRender();
+  }
+
+  /** The meshes that are shown themselves: all but those that went into what comes of them. */
+  private shown(on: boolean): Set<number> {
+    const { graft } = this;
+    const { value: model } = graft.model;
+    const all = [...(model === undefined ? [] : [model]), ...graft.parts.value.filter((part) => graft.isShown(part))];
+    const meshes = new Set(on ? all.map((thing) => thing.mesh) : [model?.mesh ?? -1]);
+    if (!on || graft.preview.value === null) return meshes;
+    const { value: arrangement } = graft.arrangement;
+    if (arrangement !== "apart") meshes.delete(graft.target.value?.mesh ?? -1);
+    if (arrangement === "result") meshes.delete(graft.source.value?.mesh ?? -1);
+    return meshes;
+  }
+
+  private standParts(shows: ReadonlySet<number>): void {
+    const { graft, viewport } = this;
+    const main = viewport.main;
+    if (main === undefined) return;
+    const posed = graft.step.value?.pose === "keep" ? graft.source.value?.mesh : undefined;
+    const beside = graft.parts.value.filter((part) => part.mesh !== posed && this.standsBeside(part, shows));
+    const surfaces = beside.map((part) => viewport.parts.get(part.mesh)).filter((part) => part !== undefined);
+    const stands = standBeside(boxOf(main), surfaces.map((part) => boxOf(part.surface)));
+    surfaces.forEach((part, i) => {
+      const { scale = 1, offset = [0, 0, 0] } = stands[i] ?? {};
+      part.stand = new Matrix4().makeScale(scale, scale, scale).setPosition(...offset);
+    });
+    const part = posed === undefined ? undefined : viewport.parts.get(posed);
+    if (part !== undefined) part.stand = this.posedAt();
+  }
+
+  // The part in the result keeps its place in the row, so that the others stay where they are.
+  private standsBeside(part: Thing, shows: ReadonlySet<number>): boolean {
+    return shows.has(part.mesh) || part.name === this.graft.step.value?.source || part.name === this.graft.step.value?.target;
+  }
+
+  /** Where a part that keeps its pose is, before it bends. */
+  private posedAt(): Matrix4 {
+    const rows = this.graft.transform.value ?? this.graft.step.value?.sourceTransform;
+    return rows === undefined ? new Matrix4() : matrixOfRows(rows);
+  }
+
+  private showPreview(on: boolean): void {
+    const { value: frame } = this.graft.preview;
+    if (this.preview !== undefined && this.preview.frame !== frame) {
+      this.group.remove(this.preview.surface.object);
+      this.preview.surface.dispose();
+      this.preview = undefined;
+    }
+    if (frame !== null && this.preview === undefined) {
+      const surface = this.viewport.surfaceFrom(frame);
+      surface.setTint(tintOf(frame, surface.vertexCount));
+      this.preview = { frame, surface };
+      this.group.add(surface.object);
+    }
+    if (this.preview !== undefined) this.preview.surface.object.visible = on && this.graft.arrangement.value !== "apart";
+  }
+
+  private drawLoops(on: boolean, shows: ReadonlySet<number>): void {
+    const { graft } = this;
+    const seen = new Map([...graft.loops.value].filter(([mesh]) => on && this.hasLoopsShown(mesh, shows)));
+    this.loops.show(seen, {
+      pairs: graft.pairs.value,
+      source: graft.source.value?.mesh,
+      target: graft.target.value?.mesh,
+      hovered: graft.hovered.value,
+      picked: graft.picked.value,
+    });
+  }
+
+  // The target's loops stay to be seen in the seam while its part stands beside.
+  private hasLoopsShown(mesh: number, shows: ReadonlySet<number>): boolean {
+    return shows.has(mesh) || (this.graft.arrangement.value === "both" && mesh === this.graft.target.value?.mesh);
+  }
+
+  private drawLines(on: boolean, shows: ReadonlySet<number>): void {
+    const { value: frame } = this.graft.preview;
+    const source = this.graft.source.value?.mesh ?? -1;
+    if (!on || frame === null || !shows.has(source)) return this.lines.hide();
+    this.lines.show(frame, (vertex) => this.place(source, vertex), this.group.matrix);
+  }
+
+  private drawGhost(on: boolean): void {
+    const { graft } = this;
+    const { value: rows } = graft.transform;
+    const source = this.viewport.surfaceOf(graft.source.value?.mesh ?? -1);
+    const moves = graft.dragged.value !== null && (graft.step.value?.at !== undefined || graft.step.value?.pose === "keep");
+    if (!on || !moves || rows === null || source === undefined) return this.ghost.hide();
+    this.ghost.show(source, this.group.matrix.clone().multiply(matrixOfRows(rows)));
+  }
+
+  /** Frames all when something else is shown than before. */
+  private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
+    if (this.graft.dragged.value !== null) return;
+    const there = [...shows].filter((mesh) => this.viewport.surfaceOf(mesh) !== undefined);
+    const key = on ? `${there.sort().join()} ${this.preview?.surface.object.visible === true}` : "";
+    if (key === this.framed) return;
+    const grew = this.framed !== "" || shows.size > 1;
+    this.framed = key;
+    if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));
+  }
+}
+
+export function rowsOfMatrix(matrix: Matrix4): Rows4 {
+  const e = matrix.clone().transpose().toArray();
+  const row = (i: 0 | 1 | 2 | 3): Rows4[0] => [e[4 * i] ?? 0, e[4 * i + 1] ?? 0, e[4 * i + 2] ?? 0, e[4 * i + 3] ?? 0];
+  return [row(0), row(1), row(2), row(3)];
+}
+
+export function matrixOfRows(rows: readonly (readonly number[])[]): Matrix4 {
+  return new Matrix4().fromArray(rows.flat()).transpose();
+}
+
+function boxOf(surface: Surface): Box {
+  const at = (corner: Vector3) => corner.clone().add(surface.object.position).toArray();
+  return { min: at(surface.box.min), max: at(surface.box.max) };
+}
+
+/** The part lightly in its colour, the seam strongly. */
+function tintOf(frame: BinaryFrame, vertices: number): Uint8Array {
+  const tint = new Uint8Array(4 * vertices);
+  const triangles = frame.indices("triangles") ?? new Uint32Array();
+  const origin = frame.bytes("origin") ?? new Uint8Array();
+  const paint = (kind: number, colour: typeof seamColour | typeof partColour, strength: number) => {
+    for (let t = 0; t < origin.length; ++t)
+      if (origin[t] === kind) for (let k = 0; k < 3; ++k) writeTint(tint, triangles[3 * t + k] ?? 0, colour, strength);
+  };
+  paint(1, partColour, 0.3);
+  paint(2, seamColour, 0.7);
+  return tint;
+}

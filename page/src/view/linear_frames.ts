@@ -1,0 +1,158 @@
+import { DataTexture, FloatType, Int32BufferAttribute, IntType, Matrix4, NearestFilter, RGBAFormat } from "three";
+import type { BufferGeometry, ExternalTexture, WebGLRenderer } from "three";
+import type { BinaryFrame } from "../engine/binary_frame";
+import { writeFrame, type DeformUniforms } from "./deform_shader";
+import { uploadArray } from "./weight_textures";
+
+/**
+ * The handles' maps that the vertex shader moves a surface by, and when: from `show` on, until the engine's own
+ * positions of the same poses are there.
+ */
+export class LinearFrames {
+  isShown = false;
+  /** Whether there are weights in the shader. */
+  isReady = false;
+  /** Where the document has the handles; `show` moves those that it is told of. */
+  committed: ReadonlyMap<string, Matrix4> = new Map();
+  /** The row of each vertex in the weights, and 1; 0 for those that stay. */
+  private readonly movers: Int32BufferAttribute;
+  private names: string[] = [];
+  private centre: readonly [number, number, number] = [0, 0, 0];
+  private scale = 1;
+  private frames: DataTexture | undefined;
+  private textures: ExternalTexture[] = [];
+  private renderer: WebGLRenderer | undefined;
+  /** Requests whose poses' numbers are not known yet, and the newest number. */
+  private unanswered = 0;
+  private newest = 0;
+  private exact = 0; // the newest that was streamed exactly
+
+  constructor(
+    private readonly uniforms: DeformUniforms,
+    geometry: BufferGeometry,
+    vertexCount: number,
+    private readonly offset: readonly [number, number, number],
+    private readonly onGiveWay: () => void,
+  ) {
+    this.movers = new Int32BufferAttribute(vertexCount, 1);
+    this.movers.gpuType = IntType;
+    geometry.setAttribute("mover", this.movers);
+  }
+
+  /**
+   * Kind `weights`, of handles in this order. Takes them to the graphics card, yields in between. Where they do not fit
+   * there, `isReady` stays false, and the engine's frames are what is shown.
+   */
+  *setWeights(frame: BinaryFrame, names: Iterable<string>, renderer: WebGLRenderer): Generator<void, void> {
+    this.forget();
+    this.renderer = renderer;
+    this.names = [...names];
+    const blocks = frame.floats("blocks");
+    const vertices = frame.indices("vertices");
+    const count = this.names.length;
+    if (blocks === undefined || vertices === undefined || count === 0) return;
+    const rows = (frame.header.width ?? 0) / (4 * count);
+    if (rows !== 1 && rows !== 4) return;
+    const maps = frame.floats("maps");
+    const weights = yield* this.upload(blocks, 4);
+    const basePositions = yield* this.upload(frame.floats("positions"), 3);
+    const baseNormals = rows === 4 ? yield* this.upload(frame.floats("normals"), 3) : null;
+    const baseMaps = maps?.length ? yield* this.upload(maps, 3) : null;
+    if (weights === undefined || basePositions === undefined || baseNormals === undefined || baseMaps === undefined)
+      return;
+    Object.assign(this.uniforms.weights, { value: weights });
+    Object.assign(this.uniforms.basePositions, { value: basePositions });
+    Object.assign(this.uniforms.baseNormals, { value: baseNormals });
+    Object.assign(this.uniforms.baseMaps, { value: baseMaps });
+    this.uniforms.hasMaps.value = baseMaps !== null;
+    this.uniforms.hasTurns.value = rows === 4;
+    this.uniforms.handleCount.value = count;
+    this.place(frame);
+    this.numberRows(vertices, frame.indices("rows"));
+    this.makeFrames(count);
+    this.isReady = true;
+  }
+
+  /** Handles' maps by name; the others are where the document has them. Returns whether the shader shows them. */
+  show(poses: ReadonlyMap<string, Matrix4>): boolean {
+    if (!this.isReady || this.frames === undefined) return false;
+    const data = this.frames.image.data as Float32Array;
+    this.names.forEach((name, h) => {
+      const pose = poses.get(name) ?? this.committed.get(name) ?? new Matrix4();
+      writeFrame(pose, this.centre, this.scale, data, 12 * h);
+    });
+    this.frames.needsUpdate = true;
+    this.isShown = true;
+    return true;
+  }
+
+  /** A request with poses is on its way; its answer tells the number of their frames. */
+  asked(): (pose: number) => void {
+    ++this.unanswered;
+    return (pose) => {
+      --this.unanswered;
+      this.newest = Math.max(this.newest, pose);
+      this.giveWay();
+    };
+  }
+
+  /** A frame of the engine is there. */
+  streamed(pose: number, quality: string | undefined): void {
+    if (quality === undefined || quality === "exact") this.exact = Math.max(this.exact, pose);
+    this.giveWay();
+  }
+
+  /** The exact frame of the newest poses takes the place of what the shader shows. */
+  private giveWay(): void {
+    if (this.unanswered > 0 || this.exact < this.newest || !this.isShown) return;
+    this.isShown = false;
+    this.onGiveWay();
+  }
+
+  /** Other handles, or none: the weights are of no use. */
+  forget(): void {
+    this.isShown = false;
+    this.isReady = false;
+    for (const texture of this.textures) {
+      this.renderer?.getContext().deleteTexture(texture.sourceTexture as WebGLTexture);
+      texture.dispose();
+    }
+    this.textures = [];
+    this.frames?.dispose();
+    this.frames = undefined;
+    for (const name of ["weights", "basePositions", "baseNormals", "baseMaps", "frames"])
+      Object.assign(this.uniforms[name] ?? {}, { value: null });
+  }
+
+  private *upload(values: Float32Array | undefined, components: 3 | 4): Generator<void, ExternalTexture | undefined> {
+    if (values === undefined || this.renderer === undefined) return undefined;
+    const texture = yield* uploadArray(this.renderer, values, components);
+    if (texture !== undefined) this.textures.push(texture);
+    return texture;
+  }
+
+  private place(frame: BinaryFrame): void {
+    this.centre = frame.header.offset ?? [0, 0, 0];
+    this.scale = frame.header.scale ?? 1;
+    const [x, y, z] = this.centre;
+    this.uniforms.weightsCentre.value.set(x - this.offset[0], y - this.offset[1], z - this.offset[2]);
+    this.uniforms.weightsScale.value = this.scale;
+  }
+
+  /** `rows`: of each of `vertices`, where it is not its own place in the list. */
+  private numberRows(vertices: Uint32Array, rows: Uint32Array | undefined): void {
+    const numbers = this.movers.array as Int32Array;
+    numbers.fill(0);
+    for (let i = 0; i < vertices.length; ++i)
+      numbers[vertices[i] as number] = 1 + (rows === undefined ? i : (rows[i] as number));
+    this.movers.needsUpdate = true;
+  }
+
+  private makeFrames(handles: number): void {
+    const data = new Float32Array(12 * handles);
+    this.frames = new DataTexture(data, 3 * handles, 1, RGBAFormat, FloatType);
+    this.frames.minFilter = NearestFilter;
+    this.frames.magFilter = NearestFilter;
+    this.uniforms.frames.value = this.frames;
+  }
+}

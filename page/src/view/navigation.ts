@@ -1,0 +1,320 @@
+import {
+  Box3,
+  MathUtils,
+  Matrix4,
+  OrthographicCamera,
+  PerspectiveCamera,
+  Quaternion,
+  Vector3,
+  type Sphere,
+} from "three";
+
+const fieldOfViewDeg = 32;
+
+/** From where the scene is seen: a target, a distance, and two angles of a turntable. */
+interface Stand {
+  target: Vector3;
+  distance: number;
+  yaw: number;
+  pitch: number;
+}
+
+/** What navigation needs of the view. */
+export interface Scenery {
+  requestRender(): void;
+  /** What lies there, to turn around and to come nearer to. */
+  placeUnder(clientX: number, clientY: number): Vector3 | undefined;
+  bounds(): Sphere;
+  fitUnder(clientX: number, clientY: number): void;
+}
+
+/**
+ * The camera on a turntable, moved by mouse, wheel, trackpad and fingers. Listens on the canvas's host, after tools:
+ * a left drag whose event they prevented is theirs.
+ */
+export class Navigation {
+  enabled = true;
+  isMoving = false;
+  readonly perspective = new PerspectiveCamera(fieldOfViewDeg, 1, 0.01, 1000);
+  readonly parallel = new OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
+  orthographic = false;
+  up: "y" | "z" = "z";
+  private stand: Stand = {
+    target: new Vector3(),
+    distance: 5,
+    yaw: MathUtils.degToRad(-35),
+    pitch: MathUtils.degToRad(20),
+  };
+  private journey: { from: Stand; to: Stand; start: number; ms: number } | undefined;
+  private readonly pointers = new Map<number, { x: number; y: number }>();
+  private drag: "orbit" | "pan" | undefined;
+  private host: HTMLElement | undefined;
+  private wheelPlace: { point: Vector3; until: number } | undefined;
+  private settle: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly scenery: Scenery) {}
+
+  get camera(): PerspectiveCamera | OrthographicCamera {
+    return this.orthographic ? this.parallel : this.perspective;
+  }
+  get target(): Vector3 {
+    return this.stand.target;
+  }
+  get distance(): number {
+    return this.stand.distance;
+  }
+  /** Of what is seen at the target, in the world. */
+  get viewHeight(): number {
+    return 2 * this.stand.distance * Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2));
+  }
+
+  attach(host: HTMLElement): void {
+    this.host = host;
+    host.style.touchAction = "none";
+    host.addEventListener("pointerdown", (event) => this.press(event));
+    host.addEventListener("pointermove", (event) => this.move(event));
+    host.addEventListener("pointerup", (event) => this.release(event));
+    host.addEventListener("pointercancel", (event) => this.release(event));
+    host.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    host.addEventListener("contextmenu", (event) => event.preventDefault());
+    host.addEventListener("dblclick", (event) => {
+      if (!event.defaultPrevented && this.isOnCanvas(event)) this.scenery.fitUnder(event.clientX, event.clientY);
+    });
+  }
+
+  /** Before each picture: brings the cameras where they belong. */
+  update(aspect: number): void {
+    if (this.journey !== undefined) this.travel(performance.now());
+    const { stand } = this;
+    const eye = this.eyeDirection(stand).multiplyScalar(stand.distance).add(stand.target);
+    const turn = this.orientation(stand);
+    const bounds = this.scenery.bounds();
+    const toCentre = eye.distanceTo(bounds.center);
+    const far = 1.02 * (toCentre + 4 * bounds.radius);
+    for (const camera of [this.perspective, this.parallel]) {
+      camera.position.copy(eye);
+      camera.quaternion.copy(turn);
+    }
+    this.perspective.aspect = aspect;
+    this.perspective.near = Math.max(
+      far * 1e-5,
+      Math.min(stand.distance * 0.05, 0.5 * Math.max(0, toCentre - bounds.radius)) || stand.distance * 0.01,
+    );
+    this.perspective.far = far;
+    const half = this.viewHeight / 2;
+    Object.assign(this.parallel, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
+    this.parallel.near = -far;
+    this.parallel.far = far;
+    this.perspective.updateProjectionMatrix();
+    this.parallel.updateProjectionMatrix();
+    this.perspective.updateMatrixWorld();
+    this.parallel.updateMatrixWorld();
+  }
+
+  /** Frames places of the world (3 numbers each), and `margin` around them, from where the camera looks, in a moment. */
+  fit(places: Float32Array, margin: number, animated = true): void {
+    const goal = this.goal();
+    const turn = this.orientation(goal);
+    const back = turn.clone().invert();
+    const box = new Box3();
+    const seen = new Vector3();
+    for (let i = 0; i < places.length; i += 3) box.expandByPoint(seen.fromArray(places, i).applyQuaternion(back));
+    if (box.isEmpty()) return;
+    const middle = box.getCenter(new Vector3());
+    const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.86; // leaves a rim
+    const aspect = this.perspective.aspect;
+    let distance = 0;
+    for (let i = 0; i < places.length; i += 3) {
+      seen.fromArray(places, i).applyQuaternion(back).sub(middle);
+      const half = Math.max((Math.abs(seen.x) + margin) / aspect, Math.abs(seen.y) + margin);
+      distance = Math.max(distance, half / slope + (this.orthographic ? 0 : seen.z + margin));
+    }
+    this.go({ ...goal, target: middle.applyQuaternion(turn), distance: Math.max(distance, 1e-30) }, animated);
+  }
+
+  /** Looks along a direction of the world; `up` decides where that is straight up or down. */
+  lookAlong(direction: Vector3, up?: Vector3, animated = true): void {
+    const [front, right, above] = this.axes();
+    const eye = direction.clone().normalize().negate();
+    const pitch = Math.asin(MathUtils.clamp(eye.dot(above), -1, 1));
+    const goal = this.goal();
+    let yaw = goal.yaw;
+    if (Math.abs(pitch) < MathUtils.degToRad(89.9)) yaw = Math.atan2(eye.dot(right), eye.dot(front));
+    else if (up !== undefined) {
+      const sign = pitch > 0 ? -1 : 1;
+      yaw = Math.atan2(sign * up.dot(right), sign * up.dot(front));
+    } else yaw = (Math.round(yaw / (Math.PI / 2)) * Math.PI) / 2;
+    yaw += 2 * Math.PI * Math.round((goal.yaw - yaw) / (2 * Math.PI));
+    this.go({ ...goal, yaw, pitch }, animated);
+  }
+
+  /** Turns by angles, as a drag does. */
+  orbit(yaw: number, pitch: number): void {
+    this.journey = undefined;
+    this.stand.yaw += yaw;
+    this.stand.pitch = MathUtils.clamp(this.stand.pitch + pitch, -Math.PI / 2, Math.PI / 2);
+    this.stir();
+  }
+
+  /** Moves the scene by pixels of the page. */
+  pan(dx: number, dy: number): void {
+    this.journey = undefined;
+    const perPixel = this.viewHeight / Math.max(1, this.host?.clientHeight ?? 1);
+    const turn = this.orientation(this.stand);
+    const shift = new Vector3(-dx * perPixel, dy * perPixel, 0).applyQuaternion(turn);
+    this.stand.target.add(shift);
+    this.stir();
+  }
+
+  /** Comes nearer (factor < 1) to a place, which stays where it is in the picture. */
+  zoom(factor: number, place: Vector3): void {
+    this.journey = undefined;
+    const { stand } = this;
+    const size = this.scenery.bounds().radius;
+    const next = MathUtils.clamp(stand.distance * factor, size * 1e-4, size * 60);
+    stand.target.lerp(place, 1 - next / stand.distance);
+    stand.distance = next;
+    this.stir();
+  }
+
+  /** The turntable's axes in the world: towards who looks from the front, to the right, up. */
+  axes(): [Vector3, Vector3, Vector3] {
+    return this.up === "z"
+      ? [new Vector3(0, -1, 0), new Vector3(1, 0, 0), new Vector3(0, 0, 1)]
+      : [new Vector3(0, 0, 1), new Vector3(1, 0, 0), new Vector3(0, 1, 0)];
+  }
+
+  orientation(stand: { yaw: number; pitch: number } = this.stand): Quaternion {
+    const [front, right, above] = this.axes();
+    const level = front.clone().multiplyScalar(Math.cos(stand.yaw)).addScaledVector(right, Math.sin(stand.yaw));
+    const x = right.clone().multiplyScalar(Math.cos(stand.yaw)).addScaledVector(front, -Math.sin(stand.yaw));
+    const y = above.clone().multiplyScalar(Math.cos(stand.pitch)).addScaledVector(level, -Math.sin(stand.pitch));
+    return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(x, y, this.eyeDirection(stand)));
+  }
+
+  private eyeDirection(stand: { yaw: number; pitch: number }): Vector3 {
+    const [front, right, above] = this.axes();
+    const level = front.multiplyScalar(Math.cos(stand.yaw)).addScaledVector(right, Math.sin(stand.yaw));
+    return level.multiplyScalar(Math.cos(stand.pitch)).addScaledVector(above, Math.sin(stand.pitch));
+  }
+
+  private goal(): Stand {
+    const { target, ...rest } = this.journey?.to ?? this.stand;
+    return { ...rest, target: target.clone() };
+  }
+
+  private go(to: Stand, animated: boolean): void {
+    const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
+    const { target, ...rest } = this.stand;
+    this.journey = {
+      from: { ...rest, target: target.clone() },
+      to,
+      start: performance.now(),
+      ms: animated && !still ? 220 : 0,
+    };
+    if (this.journey.ms === 0) this.travel(performance.now());
+    this.scenery.requestRender();
+  }
+
+  private travel(now: number): void {
+    if (this.journey === undefined) return;
+    const { from, to, start, ms } = this.journey;
+    const t = ms === 0 ? 1 : MathUtils.clamp((now - start) / ms, 0, 1);
+    const s = t * t * (3 - 2 * t);
+    this.stand.target.lerpVectors(from.target, to.target, s);
+    this.stand.distance = from.distance * (to.distance / from.distance) ** s;
+    this.stand.yaw = MathUtils.lerp(from.yaw, to.yaw, s);
+    this.stand.pitch = MathUtils.lerp(from.pitch, to.pitch, s);
+    if (t === 1) this.journey = undefined;
+    if (ms > 0) this.stir();
+  }
+
+  /** Something moves; a moment after the last time nothing does. */
+  private stir(): void {
+    this.isMoving = true;
+    clearTimeout(this.settle);
+    this.settle = setTimeout(() => this.rest(), 180);
+    this.scenery.requestRender();
+  }
+  private rest(): void {
+    if (this.drag !== undefined) {
+      this.settle = setTimeout(() => this.rest(), 180);
+      return;
+    }
+    this.isMoving = false;
+    this.scenery.requestRender();
+  }
+
+  private isOnCanvas(event: Event): boolean {
+    return event.target instanceof HTMLCanvasElement;
+  }
+
+  private press(event: PointerEvent): void {
+    if (!this.enabled || !this.isOnCanvas(event)) return;
+    if (event.defaultPrevented && event.button === 0 && event.pointerType === "mouse") return;
+    if (event.pointerType === "touch") this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (event.defaultPrevented && this.pointers.size < 2) return;
+    const pans = event.button === 2 || (event.button === 1 && event.shiftKey) || (event.button === 0 && event.shiftKey);
+    this.drag = pans ? "pan" : "orbit";
+    this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    (event.target as Element).setPointerCapture(event.pointerId); // the canvas's, so that its clicks stay its own
+    if (event.button === 1) event.preventDefault();
+  }
+
+  private move(event: PointerEvent): void {
+    const last = this.pointers.get(event.pointerId);
+    if (last === undefined || this.drag === undefined) return;
+    const dx = event.clientX - last.x;
+    const dy = event.clientY - last.y;
+    if (this.pointers.size === 2) this.pinch(event, last);
+    else if (this.drag === "pan") this.pan(dx, dy);
+    else this.orbit(-dx * 0.0075, dy * 0.0075);
+    last.x = event.clientX;
+    last.y = event.clientY;
+  }
+
+  /** Two fingers: their middle pans, their distance zooms. */
+  private pinch(event: PointerEvent, last: { x: number; y: number }): void {
+    const other = [...this.pointers.values()].find((pointer) => pointer !== last);
+    if (other === undefined) return;
+    const before = Math.hypot(last.x - other.x, last.y - other.y);
+    const after = Math.hypot(event.clientX - other.x, event.clientY - other.y);
+    this.pan((event.clientX - last.x) / 2, (event.clientY - last.y) / 2);
+    if (before > 10 && after > 10)
+      this.zoom(before / after, this.onTargetPlane((event.clientX + other.x) / 2, (event.clientY + other.y) / 2));
+  }
+
+  private release(event: PointerEvent): void {
+    if (!this.pointers.delete(event.pointerId)) return;
+    if (this.pointers.size === 0) this.drag = undefined;
+  }
+
+  private wheel(event: WheelEvent): void {
+    if (!this.enabled || !this.isOnCanvas(event)) return;
+    event.preventDefault();
+    if (event.shiftKey || (!event.ctrlKey && event.deltaMode === 0 && event.deltaX !== 0)) {
+      this.pan(-(event.deltaX || event.deltaY), event.shiftKey ? 0 : -event.deltaY);
+      return;
+    }
+    const unit = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1;
+    const now = performance.now();
+    if (this.wheelPlace === undefined || now > this.wheelPlace.until)
+      this.wheelPlace = {
+        point:
+          this.scenery.placeUnder(event.clientX, event.clientY) ?? this.onTargetPlane(event.clientX, event.clientY),
+        until: 0,
+      };
+    this.wheelPlace.until = now + 250;
+    const delta = MathUtils.clamp(unit * event.deltaY, -300, 300);
+    this.zoom(Math.exp(delta * (event.ctrlKey ? 0.01 : 0.0016)), this.wheelPlace.point);
+  }
+
+  /** The place in the picture's plane through the target. */
+  private onTargetPlane(clientX: number, clientY: number): Vector3 {
+    const box = this.host?.getBoundingClientRect();
+    if (box === undefined) return this.stand.target.clone();
+    const x = (clientX - box.left - box.width / 2) * (this.viewHeight / box.height);
+    const y = (box.top + box.height / 2 - clientY) * (this.viewHeight / box.height);
+    return new Vector3(x, y, 0).applyQuaternion(this.orientation()).add(this.stand.target);
+  }
+}

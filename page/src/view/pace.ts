@@ -1,0 +1,77 @@
+import type { WebGLRenderer } from "three";
+import type { Detail } from "./pipeline";
+
+const slowMs = 50; // a picture that takes longer is made with less detail while something moves
+
+/**
+ * When pictures are made, and how finely: the next one when the last one is done, so that none wait in a row; less detail
+ * while something moves, where full detail takes long.
+ */
+export class Pace {
+  /** Of the last pictures at rest and in motion, from the call to the card's end. */
+  restMs = 0;
+  movingMs = 0;
+  private wanted = false;
+  private busy = false;
+  private readonly recent: number[] = [];
+
+  constructor(
+    private readonly draw: () => void,
+    private readonly drawn: (medianMs: number) => void,
+  ) {}
+
+  request(): void {
+    if (this.wanted) return;
+    this.wanted = true;
+    if (!this.busy) requestAnimationFrame(() => this.begin());
+  }
+
+  /** What full detail is, for a card as quick as this one. */
+  detail(moving: boolean, mayReduce: boolean, occlusion: boolean): Detail {
+    const full = { scale: 1, samples: this.restMs > 6 * slowMs ? 0 : 4, occlusion };
+    if (!moving || !mayReduce || this.restMs <= slowMs) return full;
+    return { scale: this.movingMs > slowMs ? 0.5 : 0.75, samples: 0, occlusion: false };
+  }
+  /** Whether a coarse version of a large mesh is shown in its place. */
+  wantsCoarse(moving: boolean, mayReduce: boolean): boolean {
+    return moving && mayReduce && this.restMs > slowMs;
+  }
+
+  /** Tells when the card is done with what was drawn since `start`. */
+  finish(renderer: WebGLRenderer, start: number, moving: boolean): void {
+    this.busy = true;
+    void cardIsIdle(renderer).then(() => this.end(performance.now() - start, moving));
+  }
+
+  private begin(): void {
+    this.wanted = false;
+    this.draw();
+  }
+
+  private end(ms: number, moving: boolean): void {
+    this.busy = false;
+    if (moving) this.movingMs = this.movingMs === 0 ? ms : 0.7 * this.movingMs + 0.3 * ms;
+    else this.restMs = ms;
+    this.recent.push(ms);
+    if (this.recent.length > 31) this.recent.shift();
+    const sorted = [...this.recent].sort((a, b) => a - b);
+    this.drawn(sorted[sorted.length >> 1] ?? 0);
+    if (this.wanted) requestAnimationFrame(() => this.begin());
+  }
+}
+
+/** Resolves once the card has done all that it was told to; until then, telling it more may stop the page. */
+export function cardIsIdle(renderer: WebGLRenderer): Promise<void> {
+  const gl = renderer.getContext() as WebGL2RenderingContext;
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  return new Promise((resolve) => {
+    const look = () => {
+      const isBusy = fence !== null && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED;
+      if (isBusy && !gl.isContextLost()) return void setTimeout(look, 3);
+      if (fence !== null) gl.deleteSync(fence);
+      resolve();
+    };
+    setTimeout(look, 1);
+  });
+}

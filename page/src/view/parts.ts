@@ -1,0 +1,102 @@
+import { signal } from "@preact/signals";
+import { Group, Matrix4, Ray, Sphere, Vector3, type Scene } from "three";
+import { meetSurface, type Hit } from "./picking";
+import type { PickTree } from "./pick_tree";
+import type { Surface } from "./surface";
+
+/** A part, and where it stands: its own coordinates are mapped by `stand`, for the view alone. */
+export class Part {
+  readonly group = new Group();
+  /** Lines along its loops, which may be shown where the part itself is not. */
+  readonly loops = new Group();
+
+  constructor(readonly surface: Surface) {
+    for (const group of [this.group, this.loops]) group.matrixAutoUpdate = false;
+    this.group.add(surface.object);
+  }
+
+  get stand(): Matrix4 {
+    return this.group.matrix;
+  }
+  set stand(to: Matrix4) {
+    for (const group of [this.group, this.loops]) {
+      group.matrix.copy(to);
+      group.updateMatrixWorld(true);
+    }
+  }
+
+  sphere(): Sphere {
+    return this.surface.sphere().applyMatrix4(this.stand);
+  }
+
+  /** What a ray of the world meets, in the world. */
+  meet(ray: Ray, tree: PickTree): (Hit & { distance: number }) | undefined {
+    const inverse = this.stand.clone().invert();
+    const own = new Ray(ray.origin.clone().applyMatrix4(inverse), ray.direction.clone().transformDirection(inverse));
+    const hit = meetSurface(this.surface, tree, own);
+    if (hit === undefined) return undefined;
+    const point = hit.point.applyMatrix4(this.stand);
+    return { ...hit, point, normal: hit.normal.transformDirection(this.stand), distance: point.distanceTo(ray.origin) };
+  }
+}
+
+/** The meshes beside the model, by their numbers. */
+export class Parts {
+  /** Counts parts that came. */
+  readonly changed = signal(0);
+  private readonly byMesh = new Map<number, Part>();
+
+  constructor(
+    private readonly scene: Scene,
+    private readonly onRemove: (surface: Surface) => void,
+  ) {}
+
+  get(mesh: number): Part | undefined {
+    return this.byMesh.get(mesh);
+  }
+  all(): IterableIterator<Part> {
+    return this.byMesh.values();
+  }
+  shown(): Part[] {
+    return [...this.byMesh.values()].filter((part) => part.group.visible);
+  }
+  of(surface: Surface): Part | undefined {
+    const part = this.byMesh.get(surface.id);
+    return part?.surface === surface ? part : undefined;
+  }
+
+  /** Hidden, until it is said where it stands. */
+  add(surface: Surface): void {
+    this.remove(surface.id);
+    const part = new Part(surface);
+    part.group.visible = false;
+    this.byMesh.set(surface.id, part);
+    this.scene.add(part.group, part.loops);
+    ++this.changed.value;
+  }
+
+  /** Forgets all others. */
+  keep(meshes: ReadonlySet<number>): void {
+    for (const mesh of [...this.byMesh.keys()]) if (!meshes.has(mesh)) this.remove(mesh);
+  }
+
+  private remove(mesh: number): void {
+    const part = this.byMesh.get(mesh);
+    if (part === undefined) return;
+    this.byMesh.delete(mesh);
+    this.scene.remove(part.group, part.loops);
+    this.onRemove(part.surface);
+    part.surface.dispose();
+  }
+}
+
+/** The hit, a length and a place, as `part` has them in its own coordinates. */
+export function inOwn(part: Part, hit: Hit, radius: number, eye: Vector3): { hit: Hit; radius: number; eye: Vector3 } {
+  const inverse = part.stand.clone().invert();
+  const scale = Math.cbrt(Math.abs(inverse.determinant()));
+  return {
+    hit: { ...hit, point: hit.point.clone().applyMatrix4(inverse) },
+    radius: radius * scale,
+    eye: eye.clone().applyMatrix4(inverse),
+  };
+}

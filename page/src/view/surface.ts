@@ -1,0 +1,501 @@
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Group,
+  Mesh,
+  Sphere,
+  Vector3,
+  type IUniform,
+  type LineSegments,
+  type Matrix4,
+} from "three";
+import type { ShaderMaterial, WebGLRenderer } from "three";
+import type { BinaryFrame } from "../engine/binary_frame";
+import { deformUniforms } from "./deform_shader";
+import type { HeatMap } from "../app/view_settings";
+import { detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
+import { surfaceLines } from "./lines";
+import { LinearFrames } from "./linear_frames";
+import { NormalsOfPart } from "./normals";
+import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
+import { Slices } from "./slices";
+import { mergedIndices, runsOf, sameList, spanOfChange } from "./spans";
+import { surfaceMaterial, type LookUniforms } from "./surface_material";
+
+/** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
+export class Surface {
+  /** Stands at `offset`; its children draw the surface. */
+  readonly object = new Group();
+  readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
+  readonly geometry = new BufferGeometry();
+  readonly id: number;
+  readonly vertexCount: number;
+  readonly triangles: Uint32Array;
+  /** Of the place of vertices at rest, and where they are shown, relative to `offset` (3 numbers a vertex). */
+  readonly rest: Float32Array;
+  readonly offset: readonly [number, number, number];
+  /** Of the box at rest, in the model's units. */
+  readonly box = { min: new Vector3(), max: new Vector3(), diagonal: 1 };
+  /** 255 where a vertex is selected. */
+  readonly selection: Uint8Array;
+  region: Uint32Array = new Uint32Array();
+  fixed: Uint32Array = new Uint32Array();
+  readonly handles = new Map<string, Uint32Array>();
+  /** Counts changes of `positions`. */
+  version = 0;
+  readonly deform = deformUniforms();
+  readonly linear: LinearFrames;
+  readonly own: Record<string, IUniform>;
+  readonly slices = new Slices();
+  readonly uv: Float32Array | undefined;
+  readonly colours: Float32Array | undefined;
+  private readonly fine: BufferAttribute;
+  private coarse: BufferAttribute | undefined;
+  private edges: Uint32Array | undefined;
+  private wire: LineSegments | undefined;
+  private boundary: LineSegments | undefined;
+  private wantsWire = false;
+  /** Called when something was changed that a picture shows. */
+  onChange: () => void = () => undefined;
+
+  private shown: Float32Array;
+  private heatMap: HeatMap = "none";
+  private stretchOf: StretchOf = "area";
+  private heatVersion = -1;
+  private seam: Uint32Array = new Uint32Array();
+  /** What the colours of the heat map stand for; null: there is none. */
+  legend: Legend | null = null;
+  private ownPositions: Float32Array | undefined;
+  private ownNormals: Float32Array | undefined;
+  private shownNormals: Float32Array;
+  private readonly restNormals: Float32Array;
+  private readonly tint: Uint8Array;
+  private selected: Uint32Array = new Uint32Array();
+  private moved: NormalsOfPart | undefined;
+  private movedList: Uint32Array | undefined; // which vertices the last frame had
+  private normalsVersion = 0;
+  private isBefore = false;
+
+  constructor(
+    frame: BinaryFrame,
+    private readonly look: LookUniforms,
+  ) {
+    this.id = frame.header.mesh;
+    this.rest = frame.floats("positions") ?? new Float32Array();
+    this.shown = this.rest; // one array until something moves
+    this.vertexCount = this.rest.length / 3;
+    this.offset = frame.header.offset ?? [0, 0, 0];
+    this.triangles = frame.indices("triangles") ?? new Uint32Array();
+    this.restNormals = frame.floats("normals") ?? new Float32Array(this.rest.length);
+    this.shownNormals = this.restNormals;
+    this.uv = frame.floats("uv");
+    this.colours = frame.floats("colours");
+    this.selection = new Uint8Array(this.vertexCount);
+    this.tint = new Uint8Array(4 * this.vertexCount);
+    this.measure();
+    this.own = {
+      checkSize: { value: this.box.diagonal / 40 },
+      heatColours: { value: null },
+      heatRange: { value: [0, 1] },
+      hasHeat: { value: false },
+    };
+    this.linear = new LinearFrames(this.deform, this.geometry, this.vertexCount, this.offset, () => {
+      this.deform.linear.value = false;
+      this.onChange();
+    });
+    this.fine = new BufferAttribute(this.triangles, 1);
+    this.makeGeometry();
+    this.mesh = new Mesh(this.geometry, surfaceMaterial(look, this.deform, this.own));
+    this.mesh.frustumCulled = false;
+    if (this.uv !== undefined) this.mesh.material.defines["HAS_UV"] = 1;
+    if (this.colours !== undefined) this.mesh.material.defines["HAS_COLOURS"] = 1;
+    this.object.add(this.mesh);
+    this.object.position.set(...this.offset);
+  }
+
+  /** Where vertices are shown (while handles move in the shader: what the engine sent last). */
+  get positions(): Float32Array {
+    return this.isBefore ? this.rest : this.shown;
+  }
+  get normals(): Float32Array {
+    return this.isBefore ? this.restNormals : this.shownNormals;
+  }
+  get triangleCount(): number {
+    return this.triangles.length / 3;
+  }
+
+  /** The sphere around it, in the world. */
+  sphere(): Sphere {
+    const centre = this.box.min.clone().add(this.box.max).multiplyScalar(0.5).add(this.object.position);
+    return new Sphere(centre, Math.max(1e-30, 0.5 * this.box.diagonal));
+  }
+
+  /** Of the box at rest. */
+  get size(): Vector3 {
+    return this.box.max.clone().sub(this.box.min);
+  }
+
+  /** A vertex's place in the world, as it is shown. */
+  place(vertex: number, out = new Vector3()): Vector3 {
+    return out.fromArray(this.positions, 3 * vertex).add(this.object.position);
+  }
+
+  /** Places in the world of some thousand vertices, or of these: 3 numbers each. */
+  sample(vertices?: Uint32Array): Float32Array {
+    const count = vertices?.length ?? this.vertexCount;
+    const every = Math.max(1, Math.floor(count / 8000));
+    const places = new Float32Array(3 * Math.ceil(count / every));
+    const place = new Vector3();
+    for (let i = 0; i * every < count; ++i)
+      this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
+    return places;
+  }
+
+  /** The mesh as the step found it, or as it is. */
+  setBefore(before: boolean): void {
+    if (this.isBefore === before) return;
+    this.isBefore = before;
+    this.useAttributes();
+    this.deform.linear.value = !before && this.linear.isShown;
+    ++this.version;
+    this.renewHeat();
+    this.onChange();
+  }
+
+  /** Kind `frame`: positions, of all vertices or of those that it lists. */
+  showFrame(frame: BinaryFrame): void {
+    const sent = frame.floats("positions") ?? new Float32Array();
+    const vertices = frame.indices("vertices");
+    if (vertices?.length === 0) return this.showRest(frame);
+    this.ownShown(!sameList(vertices, this.movedList));
+    if (vertices === undefined) this.shown.set(sent);
+    else this.scatter(sent, vertices);
+    ++this.version;
+    this.upload("position", vertices);
+    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
+    this.renewNormals(vertices);
+    this.renewHeat();
+    this.onChange();
+  }
+
+  /** Nothing moves. */
+  private showRest(frame: BinaryFrame): void {
+    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
+    if (this.shown === this.rest) return;
+    this.slices.stop("normals");
+    this.shown = this.rest;
+    this.shownNormals = this.restNormals;
+    this.moved = undefined;
+    this.movedList = undefined;
+    ++this.version;
+    this.useAttributes();
+    this.renewHeat();
+    this.onChange();
+  }
+
+  /** Kind `weights`: once they are on the graphics card, `showPoses` moves the surface in the vertex shader. */
+  setWeights(frame: BinaryFrame, renderer: WebGLRenderer): void {
+    this.slices.start("weights", this.linear.setWeights(frame, this.handles.keys(), renderer));
+  }
+
+  /** Handles' maps by name, shown at once where there are weights. Returns whether there are. */
+  showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
+    if (!this.linear.show(poses)) return false;
+    this.deform.linear.value = !this.isBefore;
+    this.onChange();
+    return true;
+  }
+
+  /** What is selected, from now on: ascending. */
+  setSelection(vertices: Uint32Array): void {
+    for (const v of this.selected) this.selection[v] = 0;
+    for (const v of vertices) this.selection[v] = 255;
+    this.uploadSpan("selection", spanOfChange(this.selected, vertices));
+    this.selected = vertices;
+    this.onChange();
+  }
+
+  /** Shows vertices as selected, or not, until the engine tells what is: for tools, while they paint. */
+  markSelected(vertices: Uint32Array, selected: boolean): void {
+    if (vertices.length === 0) return;
+    let least = Infinity;
+    let most = 0;
+    for (const v of vertices) {
+      this.selection[v] = selected ? 255 : 0;
+      least = Math.min(least, v);
+      most = Math.max(most, v);
+    }
+    this.selected = mergedIndices(this.selected, vertices);
+    this.uploadSpan("selection", [least, most]);
+    this.onChange();
+  }
+
+  /** Kind `roles`: region, fixed part and handles. */
+  setRoles(frame: BinaryFrame): void {
+    this.region = frame.indices("region") ?? new Uint32Array();
+    this.fixed = frame.indices("fixed") ?? new Uint32Array();
+    this.handles.clear();
+    for (const name of frame.names())
+      if (name.startsWith("handle: ")) this.handles.set(name.slice(8), frame.indices(name) ?? new Uint32Array());
+    this.linear.forget();
+    this.deform.linear.value = false;
+    this.slices.start("tint", this.paintRoles());
+  }
+
+  /** Draws nothing, but brings one attribute after the other to the card, so that the first picture need not. */
+  *attributesAlone(): Generator<BufferGeometry, void> {
+    const alone = (set: (geometry: BufferGeometry) => void) => {
+      const geometry = new BufferGeometry();
+      set(geometry);
+      geometry.boundingSphere = this.geometry.boundingSphere;
+      geometry.setDrawRange(0, 0);
+      return geometry;
+    };
+    for (const attribute of Object.values(this.geometry.attributes))
+      yield alone((geometry) => geometry.setAttribute("alone", attribute));
+    yield alone((geometry) => geometry.setIndex(this.fine));
+  }
+
+  /** Colours vertices in place of their roles: 4 bytes each, as `writeTint` makes them. */
+  setTint(tint: Uint8Array): void {
+    this.tint.set(tint);
+    this.uploadSpan("tint", [0, this.vertexCount - 1]);
+    this.onChange();
+  }
+
+  dispose(): void {
+    this.slices.stopAll();
+    this.linear.forget();
+    for (const drawn of [this.mesh, this.wire, this.boundary]) {
+      drawn?.geometry.dispose();
+      (drawn?.material as ShaderMaterial | undefined)?.dispose();
+    }
+  }
+
+  private measure(): void {
+    const { min, max } = this.box;
+    min.setScalar(Infinity);
+    max.setScalar(-Infinity);
+    const p = this.rest;
+    for (let i = 0; i < p.length; i += 3) {
+      const x = p[i] as number;
+      const y = p[i + 1] as number;
+      const z = p[i + 2] as number;
+      if (x < min.x) min.x = x;
+      if (x > max.x) max.x = x;
+      if (y < min.y) min.y = y;
+      if (y > max.y) max.y = y;
+      if (z < min.z) min.z = z;
+      if (z > max.z) max.z = z;
+    }
+    if (!(min.x <= max.x)) {
+      min.setScalar(0);
+      max.setScalar(0);
+    }
+    this.box.diagonal = min.distanceTo(max);
+  }
+
+  private makeGeometry(): void {
+    const { geometry } = this;
+    geometry.setIndex(this.fine);
+    geometry.boundingSphere = this.sphere(); // so that three.js does not look for it
+    geometry.setAttribute("tint", new BufferAttribute(this.tint, 4, true));
+    geometry.setAttribute("selection", new BufferAttribute(this.selection, 1, true));
+    if (this.uv !== undefined) geometry.setAttribute("uv", new BufferAttribute(this.uv, 2));
+    if (this.colours !== undefined) geometry.setAttribute("colours", new BufferAttribute(this.colours, 3));
+    this.useAttributes();
+  }
+
+  private readonly attributes = new Map<Float32Array, BufferAttribute>();
+  private attributeOf(array: Float32Array): BufferAttribute {
+    const known = this.attributes.get(array) ?? new BufferAttribute(array, 3);
+    this.attributes.set(array, known);
+    return known;
+  }
+  private useAttributes(): void {
+    for (const geometry of [this.geometry, this.wire?.geometry, this.boundary?.geometry]) {
+      geometry?.setAttribute("position", this.attributeOf(this.positions));
+      geometry?.setAttribute("normal", this.attributeOf(this.normals));
+    }
+  }
+
+  /** For shading and heat maps that look at the rest shape: `rest` as an attribute. */
+  needRest(): void {
+    if (this.geometry.hasAttribute("rest")) return;
+    this.geometry.setAttribute("rest", this.attributeOf(this.rest));
+    this.mesh.material.defines["HAS_REST"] = 1;
+    this.mesh.material.needsUpdate = true;
+  }
+
+  /** A coarse version of `triangles`, for while a picture has to be quick. */
+  setCoarse(triangles: Uint32Array): void {
+    this.coarse = new BufferAttribute(triangles, 1);
+  }
+  showCoarse(coarse: boolean): void {
+    this.geometry.setIndex(coarse ? (this.coarse ?? this.fine) : this.fine);
+    if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
+  }
+
+  /** Colours for numbers of vertices, which follow what is shown. */
+  showHeat(map: HeatMap, of: StretchOf): void {
+    if (map === this.heatMap && of === this.stretchOf && (map === "none" || this.heatVersion >= 0)) return;
+    this.heatMap = map;
+    this.stretchOf = of;
+    this.heatVersion = -1;
+    if (map !== "none") return this.renewHeat();
+    this.slices.stop("heat");
+    Object.assign(this.own["hasHeat"] ?? {}, { value: false });
+    this.legend = null;
+    this.onChange();
+  }
+
+  /** Vertices of a seam, for the heat map that shows it. */
+  setSeam(vertices: Uint32Array): void {
+    this.seam = vertices;
+    this.heatVersion = -1;
+    if (this.heatMap === "seam") this.renewHeat();
+  }
+
+  private renewHeat(): void {
+    if (this.heatMap !== "none" && !this.slices.isRunning("heat")) this.slices.start("heat", this.followHeat());
+  }
+
+  private *followHeat(): Generator<void, void> {
+    while (this.heatVersion !== this.version) {
+      const version = this.version;
+      const values = yield* this.heatValues();
+      this.heatVersion = version;
+      if (values === undefined) return;
+      const range = heatRange(this.heatMap, values);
+      this.geometry.setAttribute("heat", this.heatAttribute(values));
+      Object.assign(this.own["heatRange"] ?? {}, { value: range });
+      Object.assign(this.own["heatColours"] ?? {}, { value: heatTexture(this.heatMap) });
+      Object.assign(this.own["hasHeat"] ?? {}, { value: true });
+      this.legend = legendOf(this.heatMap, this.stretchOf, range);
+      this.onChange();
+    }
+  }
+
+  private heatAttribute(values: Float32Array): BufferAttribute {
+    const known = this.geometry.getAttribute("heat") as BufferAttribute | undefined;
+    if (known === undefined) {
+      this.mesh.material.defines["HAS_HEAT"] = 1;
+      this.mesh.material.needsUpdate = true;
+      return new BufferAttribute(values, 1);
+    }
+    (known.array as Float32Array).set(values);
+    known.needsUpdate = true;
+    return known;
+  }
+
+  private *heatValues(): Generator<void, Float32Array | undefined> {
+    if (this.heatMap === "stretch") return yield* stretchOf(this.stretchOf, this.rest, this.positions, this.triangles);
+    if (this.heatMap === "seam") {
+      const values = new Float32Array(this.vertexCount);
+      for (const v of this.seam) values[v] = 1;
+      return values;
+    }
+    if (this.edges === undefined) return undefined; // the worker looks for them
+    return yield* detailOf(this.positions, this.edges);
+  }
+
+  /** Each edge once, and those of the boundary: two vertices each. */
+  setEdges(edges: Uint32Array, boundary: Uint32Array): void {
+    this.edges = edges;
+    if (boundary.length > 0) {
+      this.boundary = surfaceLines(this.geometry, boundary, this.deform, this.look.boundaryColour, 0.95);
+      this.boundary.renderOrder = 3;
+      this.object.add(this.boundary);
+    }
+    this.showWire(this.wantsWire);
+    if (this.heatMap === "detail") {
+      this.heatVersion = -1;
+      this.renewHeat();
+    }
+    this.onChange();
+  }
+  showWire(wire: boolean): void {
+    this.wantsWire = wire;
+    if (wire && this.wire === undefined && this.edges !== undefined) {
+      this.wire = surfaceLines(this.geometry, this.edges, this.deform, this.look.wireColour, 0.32);
+      this.object.add(this.wire);
+    }
+    if (this.wire !== undefined) this.wire.visible = wire;
+  }
+
+  /** Arrays for what is shown apart from rest; what other frames moved is as at rest again. */
+  private ownShown(others: boolean): void {
+    const isOwn = this.shown !== this.rest;
+    if (isOwn && !others) return;
+    this.ownPositions ??= new Float32Array(this.rest.length);
+    this.ownNormals ??= new Float32Array(this.rest.length);
+    this.shown = this.ownPositions;
+    this.shownNormals = this.ownNormals;
+    this.shown.set(this.rest);
+    this.shownNormals.set(this.restNormals);
+    this.upload("position", undefined);
+    this.upload("normal", undefined);
+    if (!isOwn) this.useAttributes();
+  }
+
+  private scatter(sent: Float32Array, vertices: Uint32Array): void {
+    const { shown } = this;
+    for (let i = 0; i < vertices.length; ++i) {
+      const v = 3 * (vertices[i] as number);
+      shown[v] = sent[3 * i] as number;
+      shown[v + 1] = sent[3 * i + 1] as number;
+      shown[v + 2] = sent[3 * i + 2] as number;
+    }
+  }
+
+  /** Normals follow the positions, in slices where that takes long; a newer frame waits for its turn. */
+  private renewNormals(vertices: Uint32Array | undefined): void {
+    if (!sameList(vertices, this.movedList) || (this.moved === undefined && !this.slices.isRunning("normals"))) {
+      this.movedList = vertices;
+      this.moved = undefined;
+      this.slices.start("normals", this.followNormals());
+    } else if (!this.slices.isRunning("normals")) {
+      this.slices.start("normals", this.followNormals());
+    }
+  }
+
+  private *followNormals(): Generator<void, void> {
+    this.moved ??= yield* NormalsOfPart.find(this.triangles, this.vertexCount, this.movedList);
+    while (this.normalsVersion !== this.version) {
+      this.normalsVersion = this.version;
+      yield* this.moved.update(this.shown, this.shownNormals);
+      this.upload("normal", this.moved.vertices);
+      this.onChange();
+    }
+  }
+
+  private *paintRoles(): Generator<void, void> {
+    const { tint } = this;
+    tint.fill(0);
+    const depth = this.region.length === 0 ? undefined : yield* depthInRegion(this.rest, this.triangles, this.region);
+    this.region.forEach((v, i) => writeTint(tint, v, regionColour, 0.75 * Math.min(1, 0.1 + 1.9 * (depth?.[i] ?? 1))));
+    for (const v of this.fixed) writeTint(tint, v, fixedColour, 0.25);
+    let order = 0;
+    for (const vertices of this.handles.values()) {
+      for (const v of vertices) writeTint(tint, v, handleColour(order), 0.85);
+      ++order;
+    }
+    this.uploadSpan("tint", [0, this.vertexCount - 1]);
+    this.onChange();
+  }
+
+  private upload(name: "position" | "normal", vertices: Uint32Array | undefined): void {
+    const array = name === "position" ? this.shown : this.shownNormals;
+    const attribute = this.attributeOf(array);
+    if (vertices === undefined) attribute.addUpdateRange(0, array.length);
+    else for (const [first, last] of runsOf(vertices)) attribute.addUpdateRange(3 * first, 3 * (last - first + 1));
+    attribute.needsUpdate = true;
+  }
+
+  private uploadSpan(name: "selection" | "tint", span: readonly [number, number] | undefined): void {
+    if (span === undefined || span[1] < span[0]) return;
+    const attribute = this.geometry.getAttribute(name) as BufferAttribute;
+    attribute.addUpdateRange(attribute.itemSize * span[0], attribute.itemSize * (span[1] - span[0] + 1));
+    attribute.needsUpdate = true;
+  }
+}

@@ -1,0 +1,115 @@
+import { Matrix4, Vector3 } from "three";
+import type { Navigation } from "./navigation";
+
+/** From which side something is seen. */
+export type Side = "front" | "back" | "left" | "right" | "top" | "bottom";
+
+/** What a side's view looks along, and what is up in it, on a turntable with these axes (front, right, up). */
+export function viewFrom(side: Side, [front, right, above]: readonly Vector3[]): { direction: Vector3; up: Vector3 } {
+  const to = {
+    front,
+    back: front?.clone().negate(),
+    right,
+    left: right?.clone().negate(),
+    top: above,
+    bottom: above?.clone().negate(),
+  };
+  const eye = to[side] ?? new Vector3(0, 0, 1);
+  const upright = side === "top" ? front?.clone().negate() : side === "bottom" ? front : above;
+  return { direction: eye.clone().negate(), up: upright?.clone() ?? new Vector3(0, 1, 0) };
+}
+
+const sides: readonly Side[] = ["front", "back", "right", "left", "top", "bottom"];
+const half = 29; // pixels
+
+/** A cube in a corner that turns with the view: its faces, edges and corners are directions to look from. */
+export class ViewCube {
+  readonly element = document.createElement("div");
+  private readonly turning = document.createElement("div");
+  private builtFor = "";
+  private press: { x: number; y: number; moved: boolean } | undefined;
+
+  constructor(
+    private readonly navigation: Navigation,
+    private readonly look: (direction: Vector3, up?: Vector3) => void,
+  ) {
+    this.element.className = "view-cube";
+    this.element.title = "Click a side, an edge or a corner to look from there; drag to turn the view";
+    this.turning.className = "view-cube-turning";
+    this.element.append(this.turning);
+    this.element.addEventListener("pointerdown", (event) => this.begin(event));
+    this.element.addEventListener("pointermove", (event) => this.drag(event));
+    this.element.addEventListener(
+      "pointerup",
+      () => (this.press = this.press?.moved === true ? this.press : undefined),
+    );
+    this.element.addEventListener("click", (event) => this.swallow(event), true);
+  }
+
+  /** Turns as the view is turned. */
+  update(): void {
+    if (this.builtFor !== this.navigation.up) this.build();
+    const m = new Matrix4().makeRotationFromQuaternion(this.navigation.orientation().invert());
+    this.turning.style.transform = matrix3d(new Matrix4().makeScale(1, -1, 1).multiply(m));
+  }
+
+  private build(): void {
+    this.builtFor = this.navigation.up;
+    this.turning.replaceChildren(...sides.map((side) => this.face(side)));
+  }
+
+  private face(side: Side): HTMLElement {
+    const { direction, up } = viewFrom(side, this.navigation.axes());
+    const normal = direction.negate();
+    const right = new Vector3().crossVectors(up, normal);
+    const face = document.createElement("div");
+    face.className = "view-cube-face";
+    const place = new Matrix4()
+      .makeBasis(right, up.clone().negate(), normal)
+      .setPosition(normal.clone().multiplyScalar(half));
+    face.style.transform = matrix3d(place);
+    for (let j = 1; j >= -1; --j)
+      for (let i = -1; i <= 1; ++i) {
+        const eye = normal.clone().addScaledVector(right, i).addScaledVector(up, j);
+        face.append(this.cell(i === 0 && j === 0 ? side : undefined, eye, up));
+      }
+    return face;
+  }
+
+  private cell(side: Side | undefined, eye: Vector3, up: Vector3): HTMLElement {
+    const button = document.createElement("button");
+    button.type = "button";
+    if (side === undefined) button.tabIndex = -1;
+    else {
+      button.textContent = side[0]?.toUpperCase() + side.slice(1);
+      button.setAttribute("aria-label", `Look from the ${side}`);
+    }
+    button.addEventListener("click", () => this.look(eye.clone().negate(), up));
+    return button;
+  }
+
+  private begin(event: PointerEvent): void {
+    this.press = { x: event.clientX, y: event.clientY, moved: false };
+  }
+
+  private drag(event: PointerEvent): void {
+    const { press } = this;
+    if (press === undefined || event.buttons === 0) return;
+    const dx = event.clientX - press.x;
+    const dy = event.clientY - press.y;
+    if (!press.moved && Math.hypot(dx, dy) < 4) return;
+    if (!press.moved) this.element.setPointerCapture(event.pointerId);
+    Object.assign(press, { x: event.clientX, y: event.clientY, moved: true });
+    this.navigation.orbit(-dx * 0.02, dy * 0.02);
+  }
+
+  /** The click at the end of a drag is none. */
+  private swallow(event: Event): void {
+    if (this.press?.moved === true) event.stopPropagation();
+    this.press = undefined;
+  }
+}
+
+function matrix3d(matrix: Matrix4): string {
+  return `matrix3d(${matrix.elements.map((x) => x.toFixed(6)).join(",")})`;
+}

@@ -1,0 +1,517 @@
+import { effect, signal } from "@preact/signals";
+import {
+  BufferGeometry,
+  ColorManagement,
+  Group,
+  LinearSRGBColorSpace,
+  Matrix4,
+  Points,
+  Ray,
+  Scene,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import type { OrthographicCamera, PerspectiveCamera } from "three";
+import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import type { ViewSettings } from "../app/view_settings";
+import type { DocumentState } from "../protocol";
+import { Background, Ground, themes, type Theme } from "./backdrop";
+import type { Legend } from "./heat";
+import { Navigation } from "./navigation";
+import { cardIsIdle, Pace } from "./pace";
+import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
+import { inOwn, Parts } from "./parts";
+import { PickTree } from "./pick_tree";
+import { Pipeline } from "./pipeline";
+import type { Polygon } from "./polygon";
+import { matrixOfPose } from "./pose_matrix";
+import { readPositions } from "./read_back";
+import { Surface } from "./surface";
+import { ViewCube, viewFrom, type Side } from "./view_cube";
+import { ViewNotes } from "./view_notes";
+import "./view.css";
+import { seenVertices, type Sight } from "./visibility";
+import { lookUniforms, shadings } from "./surface_material";
+
+ColorManagement.enabled = false; // colours are written as they are shown
+
+/** The three-dimensional view: surfaces by their numbers, the camera, and what is picked and drawn there. */
+export class Viewport {
+  readonly scene = new Scene();
+  /** Drawn on top of everything: the gizmo. */
+  readonly helpers = new Group();
+  readonly surfaces = new Map<number, Surface>();
+  /** What else is shown, and where it stands: for the measure of all. */
+  alsoShown: () => [Surface, Matrix4][] = () => [];
+  /** What there is beside the model, to be grafted. */
+  readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
+  readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  readonly navigation: Navigation;
+  /** Called before each picture. */
+  readonly onFrame = new Set<() => void>();
+  /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
+  readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
+
+  /** What the colours of the heat map stand for. */
+  readonly legend = signal<Legend | null>(null);
+
+  private readonly trees = new Map<Surface, PickTree>();
+  private readonly look = lookUniforms();
+  private readonly helpersScene = new Scene();
+  private renderer: WebGLRenderer | undefined;
+  private host: HTMLElement | undefined;
+  private pipeline: Pipeline | undefined;
+  private readonly background = new Background();
+  private readonly ground = new Ground();
+  private readonly notes = new ViewNotes();
+  private readonly cube: ViewCube;
+  private readonly pace = new Pace(
+    () => this.render(),
+    (frameMs) => (this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs }),
+  );
+  private ball = new Sphere(new Vector3(), 1);
+  private fileName = "";
+  private posesTimer: ReturnType<typeof setTimeout> | undefined;
+  private posesMove = 0; // until when handles count as moving
+
+  constructor(readonly settings: ViewSettings) {
+    this.helpersScene.add(this.helpers);
+    this.scene.add(this.background.mesh, this.ground.mesh);
+    this.navigation = new Navigation({
+      requestRender: () => this.requestRender(),
+      placeUnder: (x, y) => this.pick(x, y)?.point,
+      bounds: () => this.ball,
+      fitUnder: (x, y) => this.fitUnder(x, y),
+    });
+    this.cube = new ViewCube(this.navigation, (direction, up) => this.lookAlong(direction, up));
+  }
+
+  get camera(): PerspectiveCamera | OrthographicCamera {
+    return this.navigation.camera;
+  }
+  get canvas(): HTMLCanvasElement {
+    if (this.renderer === undefined) throw new Error("the view is not attached yet");
+    return this.renderer.domElement;
+  }
+  /** The model; parts come beside it. */
+  get main(): Surface | undefined {
+    return this.surfaces.values().next().value;
+  }
+  get orthographic(): boolean {
+    return this.settings.orthographic.value;
+  }
+  set orthographic(is: boolean) {
+    this.settings.orthographic.value = is;
+  }
+
+  attach(host: HTMLElement): void {
+    const renderer = new WebGLRenderer({ antialias: false, powerPreference: "high-performance" });
+    renderer.outputColorSpace = LinearSRGBColorSpace;
+    renderer.autoClear = false;
+    renderer.debug.checkShaderErrors = import.meta.env.DEV; // to look for them waits for the compiler
+    this.renderer = renderer;
+    this.pipeline = new Pipeline(renderer);
+    this.host = host;
+    Object.assign(renderer.domElement.style, { display: "block", position: "absolute", inset: "0" });
+    Object.assign(this.overlay.style, {
+      position: "absolute",
+      inset: "0",
+      width: "100%",
+      height: "100%",
+      pointerEvents: "none",
+      overflow: "hidden",
+    });
+    host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
+    effect(() => this.notes.showLegend(this.legend.value));
+    this.navigation.attach(host);
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+    this.followSettings();
+  }
+
+  /** Shows what the engine sent. */
+  show(frame: BinaryFrame): void {
+    if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.parts.add(this.surfaceFrom(frame));
+    else if (frame.kind === FrameKind.mesh) this.setMesh(this.surfaceFrom(frame));
+    const surface = this.surfaceOf(frame.header.mesh);
+    if (frame.kind === FrameKind.selection) this.deselectOthers(surface);
+    if (frame.kind === FrameKind.frame) surface?.showFrame(frame);
+    if (frame.kind === FrameKind.weights && this.renderer !== undefined) surface?.setWeights(frame, this.renderer);
+    if (frame.kind === FrameKind.selection) surface?.setSelection(frame.indices("vertices") ?? new Uint32Array());
+    if (frame.kind === FrameKind.roles) surface?.setRoles(frame);
+    this.requestRender();
+  }
+
+  /** A surface that is shown as all others are, but nowhere yet. */
+  surfaceFrom(frame: BinaryFrame): Surface {
+    const surface = new Surface(frame, this.look);
+    surface.onChange = () => this.requestRender();
+    return surface;
+  }
+
+  /** Of the model, or of a part. */
+  surfaceOf(mesh: number): Surface | undefined {
+    return this.surfaces.get(mesh) ?? this.parts.get(mesh)?.surface;
+  }
+
+  private deselectOthers(surface: Surface | undefined): void {
+    const all = [...this.surfaces.values(), ...[...this.parts.all()].map((part) => part.surface)];
+    for (const other of all) if (other !== surface) other.setSelection(new Uint32Array());
+  }
+
+  private forgetTree(surface: Surface): void {
+    this.trees.get(surface)?.dispose();
+    this.trees.delete(surface);
+  }
+
+  /** Where the document has the handles: for those that `showPoses` is not told of. */
+  setDocument(state: DocumentState): void {
+    if (state.name !== this.fileName) {
+      const was = this.navigation.up;
+      this.fileName = state.name;
+      this.setUp();
+      if (was !== this.navigation.up) this.fit("all", false);
+    }
+    const surface = this.surfaces.get(state.model.mesh) ?? this.main;
+    if (surface === undefined) return;
+    const poses = new Map<string, Matrix4>();
+    for (const handle of state.handles) {
+      const matrix = matrixOfPose(handle.pose, handle.pivot);
+      if (matrix !== undefined) poses.set(handle.name, matrix);
+    }
+    surface.linear.committed = poses;
+  }
+
+  /** A request with poses is sent; what is returned is to be told the number in its answer (0: there is none). */
+  posesAsked(): (pose: number) => void {
+    return this.main?.linear.asked() ?? (() => undefined);
+  }
+
+  /** Handles' maps for now (world, 4x4), by the vertex shader. Returns whether there are weights for that. */
+  showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
+    this.posesMove = performance.now() + 250;
+    clearTimeout(this.posesTimer);
+    this.posesTimer = setTimeout(() => this.requestRender(), 260);
+    return this.main?.showPoses(poses) ?? false;
+  }
+
+  /** Where the vertex shader puts the model's vertices (3 numbers each, relative to its offset). */
+  readPositions(): Promise<Float32Array> {
+    if (this.renderer === undefined || this.main === undefined) return Promise.reject(new Error("nothing is shown"));
+    return readPositions(this.renderer, this.main);
+  }
+
+  /** What is shown under a place of the page. */
+  pick(clientX: number, clientY: number): Hit | undefined {
+    const ray = this.rayAt(clientX, clientY);
+    let nearest: (Hit & { distance: number }) | undefined;
+    for (const surface of this.surfaces.values()) {
+      if (!surface.object.visible) continue;
+      const hit = meetSurface(surface, this.treeOf(surface), ray);
+      if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
+    }
+    for (const part of this.parts.shown()) {
+      const hit = part.meet(ray, this.treeOf(part.surface));
+      if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
+    }
+    return nearest;
+  }
+
+  /** Vertices in a polygon (pixels of the page); not `through`: those that face the eye and are not hidden. */
+  verticesInPolygon(surface: Surface, polygon: Polygon, through: boolean): Uint32Array {
+    const found = verticesInPolygon(surface, this.projectionOf(surface), polygon);
+    if (through) return found;
+    return seenVertices(surface, found, this.treeOf(surface), {
+      ...this.sight(),
+      rayAt: (x, y) => this.rayAt(x, y),
+    });
+  }
+
+  /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
+  verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
+    const part = this.parts.of(surface);
+    const seen = { hit, radius, eye: this.eyeFor(hit.point) };
+    const own = part === undefined ? seen : inOwn(part, hit, radius, seen.eye);
+    return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
+  }
+
+  /** Of the world, for a pixel of the page at the depth of `point`. */
+  worldPerPixel(point: Vector3): number {
+    const height = Math.max(1, this.host?.clientHeight ?? 1);
+    const { navigation } = this;
+    if (navigation.orthographic) return navigation.viewHeight / height;
+    const depth = point.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
+    return (Math.abs(depth) * navigation.viewHeight) / (navigation.distance * height);
+  }
+
+  /** Where a place of the world is on the page; `behind` the camera. */
+  project(point: Vector3): { x: number; y: number; behind: boolean } {
+    const box = this.box();
+    const behind = point.clone().applyMatrix4(this.camera.matrixWorldInverse).z > 0 && !this.navigation.orthographic;
+    const p = point.clone().project(this.camera);
+    return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height, behind };
+  }
+
+  /** The ray of the world through a place of the page. */
+  rayAt(clientX: number, clientY: number): Ray {
+    const box = this.box();
+    const at = new Vector2((2 * (clientX - box.left)) / box.width - 1, 1 - (2 * (clientY - box.top)) / box.height);
+    const far = new Vector3(at.x, at.y, 0.5).unproject(this.camera);
+    if (!this.navigation.orthographic) {
+      const origin = this.camera.position.clone();
+      return new Ray(origin, far.sub(origin).normalize());
+    }
+    const along = new Vector3(0, 0, -1).applyQuaternion(this.camera.quaternion);
+    return new Ray(new Vector3(at.x, at.y, -1).unproject(this.camera), along);
+  }
+
+  /** Frames everything, or some vertices of the model, as they are shown. */
+  fit(what: "all" | Uint32Array = "all", animated = true): void {
+    const { main } = this;
+    if (main === undefined) return;
+    if (what !== "all" && what.length > 0) {
+      this.navigation.fit(main.sample(what), 0.02 * main.box.diagonal, animated);
+      return;
+    }
+    this.measure();
+    const samples = this.allShown().map(([surface, stand]) => transformed(surface.sample(), stand));
+    const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
+    samples.reduce((at, sample) => (all.set(sample, at), at + sample.length), 0);
+    this.navigation.fit(all, 1e-6 * main.box.diagonal, animated);
+  }
+
+  /** Looks along a direction of the world. */
+  lookAlong(direction: Vector3, up?: Vector3): void {
+    this.navigation.lookAlong(direction, up);
+  }
+
+  /** Looks at the model from a side of the turntable. */
+  lookFrom(side: Side): void {
+    const { direction, up } = viewFrom(side, this.navigation.axes());
+    this.lookAlong(direction, up);
+  }
+
+  requestRender(): void {
+    this.pace.request();
+  }
+
+  private render(): void {
+    const { renderer, host, pipeline, settings } = this;
+    if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
+    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the card
+    const start = performance.now();
+    this.navigation.update(host.clientWidth / host.clientHeight);
+    for (const call of this.onFrame) call();
+    this.cube.update();
+    this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
+    const moving = this.navigation.isMoving || start < this.posesMove;
+    const mayReduce = settings.lessWhileMoving.value;
+    const coarse = this.pace.wantsCoarse(moving, mayReduce);
+    for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
+    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
+    this.look.cavity.value = detail.occlusion ? 1 : 0;
+    const { viewHeight, distance, orthographic } = this.navigation;
+    pipeline.render(
+      this.scene,
+      this.camera,
+      detail,
+      0.09 * this.ball.radius,
+      orthographic ? viewHeight : viewHeight / distance,
+    );
+    renderer.clearDepth();
+    renderer.render(this.helpersScene, this.camera);
+    this.pace.finish(renderer, start, moving);
+  }
+
+  private resize(): void {
+    const { renderer, host } = this;
+    if (renderer === undefined || host === undefined) return;
+    renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    renderer.setSize(host.clientWidth, host.clientHeight);
+    this.requestRender();
+  }
+
+  private followSettings(): void {
+    const { settings, look } = this;
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    const isDark = signal(dark.matches);
+    dark.addEventListener("change", () => (isDark.value = dark.matches));
+    effect(() => {
+      const theme = settings.theme.value === "system" ? (isDark.value ? "dark" : "light") : settings.theme.value;
+      this.setTheme(themes[theme]);
+      look.shading.value = shadings[settings.shading.value];
+      look.showRoles.value = settings.showRoles.value;
+      this.navigation.orthographic = settings.orthographic.value;
+      // All are read, so that the effect follows them while nothing is shown yet, too.
+      const { before, wireframe, heatMap, stretchOf, ambientOcclusion } = settings;
+      for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
+      this.ground.mesh.visible = settings.grid.value;
+      for (const surface of this.surfaces.values()) this.applyTo(surface);
+      this.requestRender();
+    });
+    effect(() => {
+      settings.up.value;
+      settings.unit.value;
+      this.setUp();
+      this.requestRender();
+    });
+  }
+
+  private setTheme(theme: Theme): void {
+    this.host?.classList.toggle("view-dark", theme === themes.dark);
+    this.background.setTheme(theme);
+    this.ground.setTheme(theme);
+    this.look.wireColour.value.copy(theme.wire);
+    this.look.boundaryColour.value.copy(theme.boundary);
+  }
+
+  private applyTo(surface: Surface): void {
+    const { settings } = this;
+    surface.setBefore(settings.before.value);
+    surface.showWire(settings.wireframe.value);
+    surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
+    if (settings.shading.value === "texture") surface.needRest();
+  }
+
+  /** Which axis stands upright: as set, or as files of the kind have it. */
+  private setUp(): void {
+    const set = this.settings.up.value;
+    this.navigation.up = set === "auto" ? upOf(this.fileName) : set;
+    this.layGround();
+  }
+
+  /** Below the model, where it is lowest. */
+  private layGround(): void {
+    const { main } = this;
+    if (main === undefined) return;
+    const up = this.navigation.axes()[2];
+    const middle = main.box.min.clone().add(main.box.max).multiplyScalar(0.5);
+    if (this.navigation.up === "z") middle.z = main.box.min.z;
+    else middle.y = main.box.min.y;
+    this.ground.lay(middle.add(main.object.position), up, main.box.diagonal);
+  }
+
+  private setMesh(surface: Surface): void {
+    const first = this.main === undefined;
+    const before = this.main?.box;
+    for (const old of this.surfaces.values()) {
+      this.scene.remove(old.object);
+      this.forgetTree(old);
+      old.dispose();
+    }
+    this.surfaces.clear();
+    this.surfaces.set(surface.id, surface);
+    ++this.parts.changed.value;
+    void this.bringIn(surface);
+    surface.onChange = () => {
+      if (surface === this.main) this.legend.value = surface.legend;
+      this.requestRender();
+    };
+    this.applyTo(surface);
+    this.measure();
+    this.layGround();
+    const similar =
+      before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
+    this.navigation.update(this.box().width / Math.max(1, this.box().height));
+    if (first || !similar) this.fit("all", false);
+  }
+
+  /** Shows a new surface once its arrays are on the card, one after the other where they are large. */
+  private async bringIn(surface: Surface): Promise<void> {
+    if (surface.vertexCount > 200_000 && this.renderer !== undefined) await this.stage(surface, this.renderer);
+    if (this.surfaces.get(surface.id) !== surface) return;
+    this.scene.add(surface.object);
+    this.requestRender();
+    this.treeOf(surface);
+  }
+
+  private async stage(surface: Surface, renderer: WebGLRenderer): Promise<void> {
+    const stage = new Scene();
+    const carrier = new Points(new BufferGeometry(), this.background.mesh.material); // which is compiled already
+    carrier.frustumCulled = false;
+    stage.add(carrier);
+    for (const geometry of surface.attributesAlone()) {
+      await cardIsIdle(renderer);
+      if (this.surfaces.get(surface.id) !== surface) break;
+      carrier.geometry = geometry;
+      renderer.render(stage, this.camera);
+    }
+    await cardIsIdle(renderer);
+  }
+
+  /** What is to be seen, and where it stands. */
+  private allShown(): [Surface, Matrix4][] {
+    const model = [...this.surfaces.values()].filter((surface) => surface.object.visible);
+    const parts = this.parts.shown().map((part): [Surface, Matrix4] => [part.surface, part.stand]);
+    return [...model.map((surface): [Surface, Matrix4] => [surface, new Matrix4()]), ...parts, ...this.alsoShown()];
+  }
+
+  /** Takes the measure of all that is shown: for navigation and fitting. */
+  measure(): void {
+    const spheres = this.allShown().map(([surface, stand]) => surface.sphere().applyMatrix4(stand));
+    this.ball = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
+    for (const sphere of spheres.slice(1)) this.ball.union(sphere);
+  }
+
+  /** What finds places of a surface. */
+  treeOf(surface: Surface): PickTree {
+    const known = this.trees.get(surface) ?? new PickTree(surface);
+    this.trees.set(surface, known);
+    return known;
+  }
+
+  private fitUnder(clientX: number, clientY: number): void {
+    const hit = this.pick(clientX, clientY);
+    if (hit === undefined) return this.fit();
+    this.navigation.fit(Float32Array.from(hit.point.toArray()), 0.12 * hit.surface.box.diagonal);
+  }
+
+  private box(): DOMRect {
+    return this.canvas.getBoundingClientRect();
+  }
+
+  private eyeFor(point: Vector3): Vector3 {
+    if (!this.navigation.orthographic) return this.camera.position.clone();
+    const back = new Vector3(0, 0, 1).applyQuaternion(this.camera.quaternion);
+    return back.multiplyScalar(1e4 * this.ball.radius).add(point);
+  }
+
+  /** Functions of places that are asked for many, so they allocate nothing. */
+  private sight(): Pick<Sight, "towardsEye" | "depthOf" | "pixelOf"> {
+    const { camera } = this;
+    const box = this.box();
+    const toView = camera.matrixWorldInverse.clone();
+    const eye = this.camera.position.clone();
+    const back = new Vector3(0, 0, 1).applyQuaternion(camera.quaternion);
+    const p = new Vector3();
+    return {
+      towardsEye: (place, out) => (this.navigation.orthographic ? out.copy(back) : out.copy(eye).sub(place)),
+      depthOf: (place) => -p.copy(place).applyMatrix4(toView).z,
+      pixelOf: (place) => {
+        p.copy(place).project(camera);
+        return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
+      },
+    };
+  }
+
+  private projectionOf(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
+    const { camera } = this;
+    const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    const place = new Matrix4().makeTranslation(surface.object.position);
+    return { matrix: matrix.multiply(place).elements, box: this.box() };
+  }
+}
+
+/** The axis that stands upright in files of a kind: of those that do not say, what makers of such files mostly mean. */
+function upOf(fileName: string): "y" | "z" {
+  return /\.(obj|gltf|glb|ply|off)$/i.test(fileName) ? "y" : "z";
+}
+
+/** Places (3 numbers each) where a map takes them. */
+function transformed(places: Float32Array, map: Matrix4): Float32Array {
+  const place = new Vector3();
+  for (let at = 0; at + 2 < places.length; at += 3) place.fromArray(places, at).applyMatrix4(map).toArray(places, at);
+  return places;
+}

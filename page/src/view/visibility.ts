@@ -1,0 +1,102 @@
+import { Vector3, type Ray } from "three";
+import type { PickTree } from "./pick_tree";
+import type { Surface } from "./surface";
+
+const mostRays = 20_000; // for single vertices; for more of them a grid of depths is looked up
+
+/** What the view knows of a place: the ray to it, and its pixel of the page. */
+export interface Sight {
+  /** From a place to the eye, not unit. */
+  towardsEye(place: Vector3, out: Vector3): Vector3;
+  depthOf(place: Vector3): number;
+  pixelOf(place: Vector3): { x: number; y: number };
+  rayAt(x: number, y: number): Ray;
+}
+
+/** Those of `vertices` that face the eye and are not hidden behind the surface. */
+export function seenVertices(surface: Surface, vertices: Uint32Array, tree: PickTree, sight: Sight): Uint32Array {
+  const front = facing(surface, vertices, sight);
+  if (!tree.prepare()) return front;
+  if (front.length <= mostRays) return front.filter((v) => !isHidden(surface, v, tree, sight));
+  const depths = new DepthGrid(surface, front, tree, sight);
+  const place = new Vector3();
+  return front.filter((v) => depths.shows(surface.place(v, place)));
+}
+
+function facing(surface: Surface, vertices: Uint32Array, sight: Sight): Uint32Array {
+  const n = surface.normals;
+  const place = new Vector3();
+  const towards = new Vector3();
+  return vertices.filter((v) => {
+    sight.towardsEye(surface.place(v, place), towards);
+    const along = (n[3 * v] as number) * towards.x + (n[3 * v + 1] as number) * towards.y;
+    return along + (n[3 * v + 2] as number) * towards.z > 0;
+  });
+}
+
+function isHidden(surface: Surface, v: number, tree: PickTree, sight: Sight): boolean {
+  const place = surface.place(v);
+  const towards = sight.towardsEye(place, new Vector3()).normalize();
+  const start = place.sub(surface.object.position).addScaledVector(towards, 3e-4 * surface.box.diagonal);
+  return tree.raycast(start, towards) !== undefined;
+}
+
+/** How far the surface is from the eye, by a ray for every few pixels around some vertices. */
+class DepthGrid {
+  private readonly left: number;
+  private readonly top: number;
+  private readonly columns: number;
+  private readonly rows: number;
+  private readonly step: number;
+  private readonly depths: Float32Array;
+  private readonly slack: number;
+
+  constructor(
+    surface: Surface,
+    vertices: Uint32Array,
+    tree: PickTree,
+    private readonly sight: Sight,
+  ) {
+    let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
+    const place = new Vector3();
+    for (const v of vertices) {
+      const { x, y } = sight.pixelOf(surface.place(v, place));
+      left = Math.min(left, x);
+      right = Math.max(right, x);
+      top = Math.min(top, y);
+      bottom = Math.max(bottom, y);
+    }
+    this.step = Math.max(1.5, Math.sqrt(((right - left) * (bottom - top)) / mostRays));
+    this.left = left - this.step;
+    this.top = top - this.step;
+    this.columns = Math.ceil((right - left) / this.step) + 3;
+    this.rows = Math.ceil((bottom - top) / this.step) + 3;
+    this.slack = 0.004 * surface.box.diagonal;
+    this.depths = new Float32Array(this.columns * this.rows).fill(Infinity);
+    for (let i = 0; i < this.depths.length; ++i) {
+      const ray = sight.rayAt(
+        this.left + this.step * (i % this.columns),
+        this.top + this.step * Math.floor(i / this.columns),
+      );
+      const hit = tree.raycast(ray.origin.clone().sub(surface.object.position), ray.direction);
+      if (hit !== undefined) this.depths[i] = this.depthOf(ray.at(hit.distance, new Vector3()));
+    }
+  }
+
+  /** Whether the place lies at what is seen around its pixel, or before it. */
+  shows(place: Vector3): boolean {
+    const { x, y } = this.sight.pixelOf(place);
+    const column = Math.floor((x - this.left) / this.step);
+    const row = Math.floor((y - this.top) / this.step);
+    let deepest = 0;
+    for (let i = 0; i < 4; ++i) {
+      const depth = this.depths[(row + (i >> 1)) * this.columns + column + (i & 1)] ?? 0;
+      if (depth < Infinity) deepest = Math.max(deepest, depth);
+    }
+    return deepest === 0 || this.depthOf(place) <= deepest + this.slack;
+  }
+
+  private depthOf(place: Vector3): number {
+    return this.sight.depthOf(place);
+  }
+}

@@ -1,0 +1,380 @@
+import { afterEach, expect, test } from "vitest";
+import { run, Stage, type Person, type Point } from "./harness";
+
+let stage: Stage | undefined;
+afterEach(async () => {
+  await stage?.close();
+  stage = undefined;
+});
+
+async function open(options: Parameters<typeof Stage.open>[0] = {}): Promise<{ stage: Stage; person: Person }> {
+  stage = await Stage.open(options);
+  return { stage, person: stage.person };
+}
+
+/** Opens two coarse samples, the second as a part, in the mode Graft. */
+async function beside(model: string, part: string, resolution: number, starts = false): Promise<{ stage: Stage; person: Person }> {
+  const opened = await open();
+  await opened.stage.openSample(model, resolution);
+  await opened.person.page.getByRole("tab", { name: "Graft" }).click();
+  await opened.person.page.evaluate(
+    async ([sample, resolution, starts]) => {
+      await window.meshgraft.editor.graft.addPart({ sample, resolution }, starts);
+    },
+    [part, resolution, starts] as const,
+  );
+  await opened.person.page.waitForFunction(() => window.meshgraft.editor.graft.loops.value.size === 2);
+  await opened.person.page.waitForTimeout(600); // the view comes to rest
+  return opened;
+}
+
+/** Waits for what came of the graft as the document has it; the report. */
+async function grafted(person: Person) {
+  await person.page.waitForFunction(
+    () => {
+      const { editor } = window.meshgraft;
+      const { graft, state } = editor;
+      const report = graft.report.value;
+      return editor.isIdle() && graft.dragged.value === null && state.value?.graft != null && report !== null && report.graft === state.value.graft.graft && !report.dragged;
+    },
+    undefined,
+    { timeout: 90_000 },
+  );
+  return person.page.evaluate(() => window.meshgraft.editor.graft.report.value);
+}
+
+/** What `meshgraft info` says of the mesh as it is saved. */
+interface Info {
+  components: number;
+  loops: unknown[];
+  euler_characteristic: number;
+  closed: boolean;
+  manifold: boolean;
+  oriented: boolean;
+}
+
+async function saved(stage: Stage): Promise<Info> {
+  const file = stage.folder.file("saved.ply");
+  await stage.person.page.evaluate(async (mesh) => {
+    await window.meshgraft.editor.ask({ do: "save", mesh, overwrite: true });
+  }, file);
+  return JSON.parse(run("info", file, "--json")) as Info;
+}
+
+const watertight = { components: 1, loops: [], closed: true, manifold: true, oriented: true };
+
+/** Where a vertex of a mesh is on the page, part or model. */
+function spotOf(person: Person, mesh: number, vertex: number): Promise<Point> {
+  return person.page.evaluate(
+    ([mesh, vertex]) => {
+      const { viewport, graftView } = window.meshgraft;
+      const place = graftView.place(mesh, vertex);
+      if (place === undefined) throw new Error("there is no such mesh");
+      const { x, y } = viewport.project(place);
+      return [x, y] as const;
+    },
+    [mesh, vertex] as const,
+  );
+}
+
+/** A place on a loop that nothing hides: the vertex nearest to the eye. */
+function spotOnLoop(person: Person, mesh: number, loop: number): Promise<Point> {
+  return person.page.evaluate(
+    ([mesh, loop]) => {
+      const { viewport, graftView, editor } = window.meshgraft;
+      const vertices = editor.graft.loops.value.get(mesh)?.[loop]?.vertices ?? new Uint32Array();
+      let best: readonly [number, number] = [0, 0];
+      let nearest = Infinity;
+      for (const v of vertices) {
+        const place = graftView.place(mesh, v);
+        if (place === undefined) continue;
+        const far = place.distanceTo(viewport.camera.position);
+        if (far >= nearest) continue;
+        nearest = far;
+        const { x, y } = viewport.project(place);
+        best = [x, y];
+      }
+      return best;
+    },
+    [mesh, loop] as const,
+  );
+}
+
+const graftOf = (person: Person) => person.page.evaluate(() => window.meshgraft.editor.state.value?.graft?.step ?? null);
+
+test("grafts a head from a fresh page within five actions", async () => {
+  const { stage, person } = await open();
+  await person.click(/^bust/);
+  await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+  ++person.actions;
+  await person.page.getByRole("tab", { name: "Graft" }).click();
+  await person.click("Add head");
+  const report = await grafted(person);
+  expect(report?.error).toBeUndefined();
+  expect(report?.seam).toMatchObject({ manifold: true, oriented: true, closed: true });
+  await person.page.waitForTimeout(500);
+  await person.screenshot("graft-head-result");
+  await person.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  ++person.actions;
+  await person.settle();
+  expect(person.actions).toBeLessThanOrEqual(5);
+  expect(await saved(stage)).toMatchObject({ ...watertight, euler_characteristic: 2 });
+  expect(person.complaints).toEqual([]);
+});
+
+test("pairs the bracket's loops with the posts' by clicks", async () => {
+  const { stage, person } = await beside("posts", "bracket", 40);
+  const ids = await person.page.evaluate(() => window.meshgraft.editor.graft.things.value.map(({ mesh }) => mesh));
+  const [model, part] = ids as [number, number];
+  // Loops whose centres are nearest in the plane belong together.
+  const pairs = await person.page.evaluate(
+    async ([model, part]) => {
+      const { editor, viewport } = window.meshgraft;
+      const centre = (mesh: number, loop: number) => {
+        const vertices = editor.graft.loops.value.get(mesh)?.[loop]?.vertices ?? new Uint32Array();
+        const sum = [0, 0];
+        for (const v of vertices) for (const k of [0, 1]) sum[k]! += (viewport.surfaceOf(mesh)?.rest[3 * v + k] ?? 0) / vertices.length;
+        return sum as [number, number];
+      };
+      return [0, 1, 2, 3].map((loop) => {
+        const [x, y] = centre(model, loop);
+        const far = [0, 1, 2, 3].map((other) => {
+          const [u, v] = centre(part, other);
+          return Math.hypot(u - x, v - y);
+        });
+        return [loop, far.indexOf(Math.min(...far))] as const;
+      });
+    },
+    [model, part] as const,
+  );
+  await person.screenshot("graft-bracket-apart");
+  for (const [target, source] of pairs) {
+    await person.page.evaluate(() => (window.meshgraft.editor.graft.arrangement.value = "apart"));
+    await person.page.waitForTimeout(700);
+    const a = await spotOnLoop(person, model, target);
+    await person.page.mouse.move(...a);
+    await person.page.waitForFunction(() => window.meshgraft.editor.graft.hovered.value !== null);
+    await person.clickAt(a);
+    await person.page.waitForFunction(() => window.meshgraft.editor.graft.picked.value !== null);
+    await person.clickAt(await spotOnLoop(person, part, source));
+    await person.page.waitForFunction(() => window.meshgraft.editor.isIdle());
+  }
+  const report = await grafted(person);
+  const step = await graftOf(person);
+  expect((step as { pairs: unknown[] } | null)?.pairs).toHaveLength(4);
+  expect(report?.error).toBeUndefined();
+  await person.page.evaluate(() => (window.meshgraft.editor.graft.arrangement.value = "both"));
+  await person.page.waitForTimeout(900);
+  await person.screenshot("graft-bracket-paired");
+  await person.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await person.settle();
+  const result = await saved(stage);
+  expect(result).toMatchObject({ components: 1, loops: [], manifold: true, oriented: true });
+  expect(person.complaints).toEqual([]);
+}, 240_000);
+
+test("turns, twists, mirrors and reshapes while it shows what comes of it, and undoes all", async () => {
+  const { stage, person } = await beside("bust", "head", 40, true);
+  const first = await grafted(person);
+  expect(first?.error).toBeUndefined();
+  const slide = async (label: string, by: number) => {
+    const track = person.page.getByRole("slider", { name: label });
+    const box = await track.boundingBox();
+    if (box === null) throw new Error(`there is no slider ${label}`);
+    await person.stroke([[box.x + box.width / 2, box.y + box.height / 2], [box.x + box.width * (0.5 + by), box.y + box.height / 2]], { steps: 10 });
+    await grafted(person);
+  };
+  await slide("Normal angle", 0.1);
+  expect(await graftOf(person)).toMatchObject({ normal_angle_deg: expect.closeTo(18, -1) });
+  await slide("Twist", 0.25);
+  const twist = await person.page.evaluate(() => window.meshgraft.editor.graft.twistOf(0));
+  expect(Math.abs(twist - 90)).toBeLessThan(25);
+  await person.screenshot("graft-head-twisted");
+  await person.page.getByLabel("Mirror").selectOption("x");
+  const mirrored = await grafted(person);
+  const [a, b, c] = (mirrored?.transform ?? []) as number[][];
+  const det = (m: number[][]) =>
+    m[0]![0]! * (m[1]![1]! * m[2]![2]! - m[1]![2]! * m[2]![1]!) -
+    m[0]![1]! * (m[1]![0]! * m[2]![2]! - m[1]![2]! * m[2]![0]!) +
+    m[0]![2]! * (m[1]![0]! * m[2]![1]! - m[1]![1]! * m[2]![0]!);
+  expect(det([a!, b!, c!])).toBeLessThan(0);
+  await person.page.getByText("Bends", { exact: true }).click();
+  await grafted(person);
+  expect(await graftOf(person)).toMatchObject({ shape: "ft05" });
+  for (let i = 0; i < 12; ++i) {
+    if ((await person.page.evaluate(() => window.meshgraft.editor.state.value?.undo)) === null) break;
+    await person.press("Control+z");
+    await person.page.waitForFunction(() => window.meshgraft.editor.isIdle());
+  }
+  const left = await person.page.evaluate(() => {
+    const { state, graft } = window.meshgraft.editor;
+    return { undo: state.value?.undo, parts: state.value?.parts.length, graft: state.value?.graft, preview: graft.preview.value };
+  });
+  expect(left).toEqual({ undo: null, parts: 0, graft: null, preview: null });
+  await person.screenshot("graft-undone");
+  expect(stage.person.complaints).toEqual([]);
+}, 240_000);
+
+test("drags what meets along the loop, adds a match and takes it away", async () => {
+  const { person } = await beside("bust", "head", 40, true);
+  await grafted(person);
+  await person.page.getByText("Apart", { exact: true }).click();
+  await person.page.waitForTimeout(900);
+  const { part, start, loop } = await person.page.evaluate(() => {
+    const { graft } = window.meshgraft.editor;
+    const part = graft.source.value?.mesh ?? -1;
+    return { part, start: graft.startOf(0) ?? [0, 0], loop: [...(graft.loops.value.get(part)?.[0]?.vertices ?? [])] };
+  });
+  const at = loop.indexOf(start[0]);
+  const path = [0, 1, 2, 3, 4].map((k) => loop[(at + k) % loop.length] as number);
+  const spots = [];
+  for (const v of path) spots.push(await spotOf(person, part, v));
+  await person.stroke(spots, { steps: 3 });
+  await grafted(person);
+  const moved = await person.page.evaluate(() => window.meshgraft.editor.graft.startOf(0));
+  expect(moved?.[0]).toBe(path[4]);
+  await person.screenshot("graft-start-dragged");
+  const other = await spotOf(person, part, loop[(at + Math.floor(loop.length / 2)) % loop.length] as number);
+  await person.page.mouse.dblclick(...other);
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.pairs.value[0]?.matches.length === 1);
+  await grafted(person);
+  await person.press("Delete");
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.pairs.value[0]?.matches.length === 0);
+  expect(person.complaints).toEqual([]);
+}, 240_000);
+
+test("keeps the pose of a part that the gizmo puts in its place, and what is painted fixed", async () => {
+  const { person } = await beside("bust", "head", 40, true);
+  await grafted(person);
+  await person.page.getByText("Keep", { exact: true }).click();
+  await grafted(person);
+  const before = (await graftOf(person)) as { source_transform: number[][] };
+  const ball = person.page.locator('.gizmo [data-part="arrow-z"] .halo');
+  const box = await ball.boundingBox();
+  if (box === null) throw new Error("there is no gizmo");
+  const grip: Point = [box.x + box.width / 2, box.y + 14];
+  await person.stroke([grip, [grip[0], grip[1] - 25]], { steps: 8 });
+  const report = await grafted(person);
+  const after = (await graftOf(person)) as { source_transform: number[][] };
+  expect(after.source_transform[2]![3]! - before.source_transform[2]![3]!).toBeGreaterThan(0.01);
+  await person.screenshot("graft-kept-pose");
+  expect(report?.graft).toBeGreaterThan(0);
+  await person.click("Paint what stays");
+  await person.page.waitForTimeout(900);
+  const part = await person.page.evaluate(() => window.meshgraft.editor.graft.source.value?.mesh ?? -1);
+  const face = await person.page.evaluate((mesh) => {
+    const { viewport, graftView } = window.meshgraft;
+    const place = graftView.middleOf(mesh);
+    const { x, y } = viewport.project(place);
+    return [x, y] as const;
+  }, part);
+  await person.stroke([face, [face[0] + 25, face[1]]]);
+  await grafted(person);
+  expect(await graftOf(person)).toHaveProperty("fixed");
+  await person.screenshot("graft-fixed-painted");
+  expect(person.complaints).toEqual([]);
+}, 240_000);
+
+test("cuts by a plane and along a curve, and keeps the other side instead", async () => {
+  const { stage, person } = await open();
+  await stage.openSample("octopus", 40);
+  await person.page.getByRole("tab", { name: "Graft" }).click();
+  await person.click("Cut by a plane");
+  const middle = await person.page.evaluate(() => {
+    const { viewport, graftView } = window.meshgraft;
+    const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
+    return [x, y] as const;
+  });
+  await person.stroke([[middle[0] - 60, middle[1]], [middle[0] + 60, middle[1]]]);
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.cutPlane.value !== null);
+  await person.screenshot("cut-plane");
+  const faces = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.faces ?? 0);
+  await person.click("Keep blue side");
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.lastCut.value !== null);
+  await person.settle();
+  const cut = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model);
+  expect(cut?.faces).toBeLessThan(faces);
+  expect(cut?.loops).toBeGreaterThan(0);
+  await person.screenshot("cut-plane-done");
+  await person.page.evaluate(() => window.meshgraft.editor.graft.cutOtherwise());
+  await person.settle();
+  const other = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.faces ?? 0);
+  expect(other).not.toBe(cut?.faces);
+  await person.press("Control+z");
+  await person.settle();
+  await person.click("Cut along a curve");
+  const c = await person.page.evaluate(() => {
+    const { viewport, graftView } = window.meshgraft;
+    const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
+    return [x, y - 60] as const;
+  });
+  const round = Array.from({ length: 25 }, (_, i): Point => [c[0] + 32 * Math.cos((i * Math.PI) / 12), c[1] + 28 * Math.sin((i * Math.PI) / 12)]);
+  await person.stroke(round, { steps: 3 });
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.cutCurve.value?.closed === true);
+  await person.screenshot("cut-curve");
+  await person.press("Enter");
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.lastCut.value !== null);
+  await person.settle();
+  const piece = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model);
+  expect(piece?.loops).toBe(1);
+  expect(piece?.faces).toBeLessThan(faces / 2);
+  await person.screenshot("cut-curve-done");
+  expect(person.complaints).toEqual([]);
+}, 240_000);
+
+test("drops a part from the library onto the surface", async () => {
+  const { stage, person } = await open();
+  await stage.openSample("torus", 40);
+  await person.page.getByRole("tab", { name: "Graft" }).click();
+  const card = await person.page.getByRole("button", { name: "Add cylinder" }).boundingBox();
+  if (card === null) throw new Error("the library is not shown");
+  await person.page.mouse.move(card.x + 30, card.y + 30);
+  await person.page.mouse.down();
+  await person.page.mouse.move(500, 420, { steps: 5 });
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
+  await person.page.keyboard.press("Escape");
+  await person.page.mouse.up();
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
+  await person.page.evaluate(async () => {
+    await window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false);
+  });
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
+  await person.page.waitForTimeout(900);
+  const row = await person.page.getByRole("button", { name: "Graft head" }).boundingBox();
+  if (row === null) throw new Error("the part is not listed");
+  const spot = await person.page.evaluate(() => {
+    const { viewport } = window.meshgraft;
+    const surface = viewport.main!;
+    let best: readonly [number, number] = [0, 0];
+    let nearest = Infinity;
+    for (let v = 0; v < surface.vertexCount; v += 3) {
+      const place = surface.place(v);
+      const far = place.distanceTo(viewport.camera.position);
+      if (far >= nearest) continue;
+      nearest = far;
+      const { x, y } = viewport.project(place);
+      best = [x, y];
+    }
+    return best;
+  });
+  await person.page.mouse.move(row.x + 20, row.y + 12);
+  await person.page.mouse.down();
+  await person.page.mouse.move(spot[0] + 60, spot[1] - 20, { steps: 6 });
+  await person.page.mouse.move(...spot, { steps: 6 });
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.dragged.value?.at != null);
+  await person.page.keyboard.press("r");
+  await person.page.mouse.wheel(0, 100);
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.transform.value !== null);
+  await person.page.waitForTimeout(600);
+  await person.screenshot("drop-dragged");
+  await person.page.mouse.up();
+  const report = await grafted(person);
+  expect(report?.error).toBeUndefined();
+  expect(await graftOf(person)).toMatchObject({ source: "head", at: { spin_deg: 22.5 } });
+  await person.page.waitForTimeout(800);
+  await person.screenshot("drop-done");
+  await person.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await person.settle();
+  expect(await saved(stage)).toMatchObject({ ...watertight, euler_characteristic: 0 });
+  expect(person.complaints).toEqual([]);
+}, 240_000);

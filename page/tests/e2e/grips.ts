@@ -1,0 +1,111 @@
+// Where the gizmo's parts are on the page, and what the document and the model hold.
+import type { Pose } from "../../src/protocol";
+import { placesOf, run, type Person, type Point, type Stage } from "./harness";
+
+/** Opens a built-in model without what an earlier test left on it. */
+export async function openFresh(stage: Stage, sample: string, resolution?: number): Promise<void> {
+  await stage.openSample(sample, resolution);
+  await stage.person.page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    if (editor.offer.value === null) return;
+    await editor.ask({ do: "discard" });
+    editor.offer.value = null;
+  });
+  await stage.person.settle();
+}
+
+/** A built-in model's places, as it is without an edit. */
+export function sampled(stage: Stage, name: string): Float64Array {
+  const file = stage.folder.file(`${name}.obj`);
+  run("sample", name, "-o", file);
+  return placesOf(file);
+}
+
+/** A place where a part of the gizmo can be taken: "knob", "ring-z", "arrow-x" … */
+export async function gripOf(person: Person, part: string): Promise<Point> {
+  const selector = `.gizmo:not([display]) > [data-part="${part}"]:not([display])`;
+  await person.page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  await person.page.waitForSelector(selector, { state: "attached" });
+  return person.page.evaluate((id) => {
+    const line = document.querySelector<SVGPathElement>(`[data-part="${id}"] .line`);
+    const map = line?.getScreenCTM();
+    if (line === null || map === null || map === undefined) throw new Error(`no ${id}`);
+    const share = id.startsWith("ring") ? 0.5 : id === "view-ring" ? 0.3 : id.startsWith("arrow") ? 0.45 : undefined;
+    if (share !== undefined) {
+      const at = line.getPointAtLength(share * line.getTotalLength()).matrixTransform(map);
+      return [at.x, at.y] as const;
+    }
+    const box = line.getBBox();
+    const middle = new DOMPoint(box.x + box.width / 2, box.y + box.height / 2).matrixTransform(map);
+    return [middle.x, middle.y] as const;
+  }, part);
+}
+
+/** A place on the page near a vertex, with the model all around it: where a person would aim. */
+export async function aimAt(person: Person, vertex: number): Promise<Point> {
+  const [x, y] = await person.screenOf(vertex);
+  const at = await person.page.evaluate(([x, y]) => {
+    const { viewport } = window.meshgraft;
+    const isOn = (dx: number, dy: number) => viewport.pick(x + dx, y + dy) !== undefined;
+    for (let radius = 0; radius <= 40; radius += 4)
+      for (let k = 0; k < 16; ++k) {
+        const [dx, dy] = [radius * Math.cos((k * Math.PI) / 8), radius * Math.sin((k * Math.PI) / 8)];
+        if (isOn(dx, dy) && isOn(dx - 5, dy) && isOn(dx + 5, dy) && isOn(dx, dy + 5) && isOn(dx, dy - 5))
+          return [x + dx, y + dy] as const;
+      }
+    return undefined;
+  }, [x, y] as const);
+  if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
+  return at;
+}
+
+export function poseOf(person: Person, handle = "handle 1"): Promise<Pose | undefined> {
+  return person.page.evaluate(
+    (name) => window.meshgraft.editor.state.value?.handles.find((known) => known.name === name)?.pose,
+    handle,
+  );
+}
+
+/** Vertices of a handle, as the engine tells. */
+export function verticesOf(person: Person, handle = "handle 1"): Promise<number[]> {
+  return person.page.evaluate((name) => [...(window.meshgraft.viewport.main?.handles.get(name) ?? [])], handle);
+}
+
+export function selectedIn(person: Person): Promise<number[]> {
+  return person.page.evaluate(() => {
+    const found: number[] = [];
+    window.meshgraft.viewport.main?.selection.forEach((is, v) => is !== 0 && found.push(v));
+    return found;
+  });
+}
+
+/** The vertex farthest along a direction. */
+export function farthest(places: Float64Array, along: readonly [number, number, number]): number {
+  let best = 0;
+  let most = -Infinity;
+  for (let v = 0; 3 * v < places.length; ++v) {
+    const far = along.reduce((sum, part, k) => sum + part * (places[3 * v + k] as number), 0);
+    if (far > most) [best, most] = [v, far];
+  }
+  return best;
+}
+
+export function placeOf(places: Float64Array, v: number): [number, number, number] {
+  return [places[3 * v] as number, places[3 * v + 1] as number, places[3 * v + 2] as number];
+}
+
+export function centreOf(places: Float64Array, vertices: readonly number[]): [number, number, number] {
+  const sum: [number, number, number] = [0, 0, 0];
+  for (const v of vertices) placeOf(places, v).forEach((part, k) => (sum[k] = (sum[k] as number) + part / vertices.length));
+  return sum;
+}
+
+export function distance(a: readonly number[], b: readonly number[]): number {
+  return Math.hypot(...a.map((part, k) => part - (b[k] as number)));
+}
+
+/** Mean distance from their centre. */
+export function sizeOf(places: Float64Array, vertices: readonly number[]): number {
+  const centre = centreOf(places, vertices);
+  return vertices.reduce((sum, v) => sum + distance(placeOf(places, v), centre), 0) / vertices.length;
+}

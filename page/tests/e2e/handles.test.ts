@@ -1,0 +1,193 @@
+import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
+import { Stage, type Person } from "./harness";
+import { aimAt, centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled } from "./grips";
+import { sizeOf, verticesOf } from "./grips";
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open();
+});
+afterAll(() => stage.close());
+beforeEach(() => (stage.person.actions = 0));
+
+/** Vertices that moved by more than a thousandth of what moved most. */
+function moved(before: Float64Array, after: Float64Array): Set<number> {
+  const far = Array.from({ length: before.length / 3 }, (_, v) => distance(placeOf(before, v), placeOf(after, v)));
+  const most = Math.max(...far);
+  return new Set(far.flatMap((by, v) => (by > 1e-3 * most ? [v] : [])));
+}
+
+async function held(person: Person): Promise<void> {
+  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
+}
+
+test("makes a nose bigger in three actions", async () => {
+  const { person } = stage;
+  await openFresh(stage, "head");
+  const rest = sampled(stage, "head");
+  await person.page.keyboard.press("Numpad1");
+  await person.page.waitForTimeout(600);
+  const nose = await person.screenOf(farthest(rest, [0, -1, 0]));
+
+  await person.press("h");
+  await person.stroke([nose, [nose[0] + 8, nose[1] + 12]]);
+  const knob = await gripOf(person, "knob"); // while the engine still sets up
+  await person.stroke([knob, [knob[0] + 50, knob[1] - 50]]);
+  expect(person.actions).toBeLessThanOrEqual(3);
+
+  await person.settle();
+  await person.screenshot("tools-nose");
+  const pose = await poseOf(person);
+  const scale = typeof pose?.scale === "number" ? pose.scale : (pose?.scale?.[0] ?? NaN);
+  expect(scale).toBeGreaterThan(1.3);
+  const vertices = await verticesOf(person);
+  const saved = await stage.savedPlaces();
+  expect(vertices.length).toBeGreaterThan(5);
+  expect(sizeOf(saved, vertices) / sizeOf(rest, vertices)).toBeCloseTo(scale, 2);
+  expect(distance(centreOf(saved, vertices), centreOf(rest, vertices))).toBeLessThan(sizeOf(rest, vertices));
+  expect(moved(rest, saved).size).toBeLessThan(rest.length / 6); // the face around, and nothing else
+  expect(person.complaints).toEqual([]);
+});
+
+test("bends an arm in four actions, and takes it back", async () => {
+  const { person } = stage;
+  await openFresh(stage, "octopus");
+  const rest = sampled(stage, "octopus");
+  const tip = farthest(rest, [1, -0.3, 0]);
+  const at = await aimAt(person, tip);
+
+  await person.press("h");
+  await person.stroke([at, [at[0] - 6, at[1] + 4]]);
+  await held(person);
+  const ball = await gripOf(person, "ball");
+  await person.stroke([ball, [ball[0] + 20, ball[1] - 90]]);
+  const ring = await gripOf(person, "view-ring");
+  await person.stroke([ring, [ring[0] + 40, ring[1] + 30]]);
+  expect(person.actions).toBeLessThanOrEqual(4);
+
+  await person.settle();
+  await person.screenshot("tools-arm");
+  const pose = await poseOf(person);
+  expect(pose?.translate).toBeDefined();
+  expect(Math.abs(pose?.rotate?.angle_deg ?? 0)).toBeGreaterThan(5);
+  const bent = await stage.savedPlaces();
+  const vertices = await verticesOf(person);
+  const [dx, dy, dz] = pose?.translate ?? [0, 0, 0];
+  const goal = centreOf(rest, vertices).map((part, k) => part + ([dx, dy, dz][k] as number));
+  expect(distance(centreOf(bent, vertices), goal)).toBeLessThan(0.5 * sizeOf(rest, vertices));
+  expect(sizeOf(bent, vertices)).toBeCloseTo(sizeOf(rest, vertices), 4);
+
+  for (const _ of ["turn", "move", "paint"]) await person.press("Control+z");
+  await person.settle();
+  expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.handles.length)).toBe(0);
+  const strayed = await person.page.evaluate(() => {
+    const surface = window.meshgraft.viewport.main;
+    return surface?.positions.reduce((most, x, i) => Math.max(most, Math.abs(x - (surface.rest[i] ?? NaN))), 0);
+  });
+  expect(strayed).toBe(0);
+});
+
+test("turns twice round, by axis and number; escape leaves it as it was", async () => {
+  const { person } = stage;
+  await openFresh(stage, "octopus");
+  const rest = sampled(stage, "octopus");
+  const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
+  await person.press("h");
+  await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
+  await held(person);
+  await person.settle();
+
+  for (const key of ["r", "z", "7", "2", "0", "Enter"]) await person.press(key);
+  await person.settle();
+  expect((await poseOf(person))?.rotate).toEqual({ axis: [0, 0, 1], angle_deg: 720 });
+  await person.press("r");
+  await person.press("z");
+  for (const key of ["9", "0", "Enter"]) await person.press(key);
+  await person.settle();
+  expect((await poseOf(person))?.rotate?.angle_deg).toBe(810);
+
+  const before = await poseOf(person);
+  await person.press("g");
+  await person.page.mouse.move(700, 300, { steps: 5 });
+  await person.screenshot("tools-move-by-key");
+  await person.press("Escape");
+  await person.settle();
+  expect(await poseOf(person)).toEqual(before);
+
+  const vertices = await verticesOf(person);
+  const saved = await stage.savedPlaces();
+  // A turn of 810° leaves the handle's vertices where one of 90° does.
+  const [px, py] = await person.page.evaluate(
+    () => window.meshgraft.editor.state.value?.handles[0]?.pivot ?? ([0, 0, 0] as const),
+  );
+  for (const v of vertices.slice(0, 50)) {
+    const [x, y, z] = placeOf(rest, v);
+    const goal = [px - (y - py), py + (x - px), z];
+    expect(distance(placeOf(saved, v), goal)).toBeLessThan(1e-5);
+  }
+});
+
+test("snaps, scales one axis, and moves the pivot without moving the handle", async () => {
+  const { person } = stage;
+  await openFresh(stage, "octopus");
+  const rest = sampled(stage, "octopus");
+  const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
+  await person.press("h");
+  await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
+  await held(person);
+  await person.settle();
+
+  await person.press("Shift+S");
+  const arrow = await gripOf(person, "arrow-z");
+  await person.stroke([arrow, [arrow[0] + 3, arrow[1] - 47]]);
+  await person.press("Shift+S");
+  await person.settle();
+  const [x, y, z] = (await poseOf(person))?.translate ?? [1, 1, 0];
+  const diagonal = await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.diagonal ?? 0);
+  expect([x, y]).toEqual([0, 0]);
+  expect((100 * z) / diagonal).toBeGreaterThan(2);
+  expect((100 * z) / diagonal).toBeCloseTo(Math.round((100 * z) / diagonal), 9);
+
+  const box = await gripOf(person, "box-x");
+  await person.stroke([box, [box[0] + 30, box[1] - 5]]);
+  await person.settle();
+  const scale = (await poseOf(person))?.scale;
+  expect(scale).toEqual([expect.any(Number), 1, 1]);
+  expect((scale as number[])[0]).toBeGreaterThan(1.1);
+
+  const still = await stage.savedPlaces();
+  const ball = await gripOf(person, "ball");
+  await person.press("d");
+  await person.screenshot("tools-pivot");
+  await person.stroke([ball, [ball[0] - 40, ball[1] + 60]]);
+  await person.press("d");
+  await person.settle();
+  expect((await poseOf(person))?.pivot).toBeDefined();
+  const after = await stage.savedPlaces();
+  for (const v of await verticesOf(person)) expect(distance(placeOf(after, v), placeOf(still, v))).toBeLessThan(1e-6);
+  expect(person.complaints).toEqual([]);
+});
+
+test("drags the reach of a handle", async () => {
+  const { person } = stage;
+  await openFresh(stage, "octopus");
+  const rest = sampled(stage, "octopus");
+  const at = await person.screenOf(farthest(rest, [0, -0.2, 1]));
+  await person.press("h");
+  await person.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
+  await held(person);
+  await person.settle();
+  const reach = () => person.page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.reach ?? 0);
+  const region = () => person.page.evaluate(() => window.meshgraft.viewport.main?.region.length ?? 0);
+  const [before, inside] = [await reach(), await region()];
+  const knob = await person.page.evaluate(() => {
+    const box = document.querySelector(".reach-knob")?.getBoundingClientRect() ?? new DOMRect();
+    return [box.x + box.width / 2, box.y + box.height / 2] as const;
+  });
+  await person.stroke([knob, [knob[0] + 40, knob[1] + 40]]);
+  await person.page.waitForFunction((was) => window.meshgraft.editor.state.value?.handles[0]?.reach !== was, before);
+  await person.settle();
+  await person.screenshot("tools-reach");
+  expect(await reach()).toBeGreaterThan(1.2 * before);
+  expect(await region()).toBeGreaterThan(inside);
+});

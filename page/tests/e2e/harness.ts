@@ -1,0 +1,212 @@
+// Starts the program and its page in Chromium, and does there what a person would.
+import { execFileSync, spawn, type ChildProcess } from "node:child_process";
+import { createHash } from "node:crypto";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { chromium, type Browser, type Page } from "playwright-core";
+import type { Editor } from "../../src/app/editor";
+import type { GraftView } from "../../src/view/graft_view";
+import type { Viewport } from "../../src/view/viewport";
+
+declare global {
+  interface Window {
+    meshgraft: { editor: Editor; graftView: GraftView; viewport: Viewport };
+  }
+}
+
+const program = resolve(process.env["MESHGRAFT_PROGRAM"] ?? "../build/release/meshgraft");
+const screenshots = resolve(process.env["MESHGRAFT_SCREENSHOTS"] ?? "../out/editor");
+const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
+
+// Without a display or a GPU, and without a word to anyone.
+const browserArguments = [
+  "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic",
+];
+
+/** Runs the program with these arguments, and returns what it prints. Throws where it fails. */
+export function run(...words: string[]): string {
+  return execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+}
+
+/** A folder of its own for a test; `remove` takes it away. */
+export class Folder {
+  readonly path = mkdtempSync(join(tmpdir(), "meshgraft-page-"));
+  file(name: string): string {
+    return join(this.path, name);
+  }
+  remove(): void {
+    rmSync(this.path, { recursive: true, force: true });
+  }
+}
+
+export function hashOf(file: string): string {
+  return createHash("sha256").update(readFileSync(file)).digest("hex");
+}
+
+/** Places of an OBJ file's vertices, 3 numbers each. */
+export function placesOf(file: string): Float64Array {
+  const numbers: number[] = [];
+  for (const line of readFileSync(file, "utf8").split("\n"))
+    if (line.startsWith("v ")) numbers.push(...line.split(/\s+/).slice(1, 4).map(Number));
+  return Float64Array.from(numbers);
+}
+
+/** `meshgraft edit`, running. */
+export class Engine {
+  private constructor(
+    readonly process: ChildProcess,
+    readonly url: string,
+  ) {}
+
+  static start(words: string[]): Promise<Engine> {
+    const child = spawn(program, ["edit", "--no-browser", ...words], { stdio: ["ignore", "pipe", "inherit"] });
+    return new Promise((resolve, reject) => {
+      let printed = "";
+      child.stdout.setEncoding("utf8").on("data", (text: string) => {
+        printed += text;
+        const url = /^http\S+(?=\s)/.exec(printed)?.[0];
+        if (url !== undefined) resolve(new Engine(child, url));
+      });
+      child.once("exit", (code) => reject(new Error(`meshgraft edit ended with ${code}`)));
+      child.once("error", reject);
+    });
+  }
+
+  /** Ends it; resolves with its status, or null where the signal ended it. */
+  stop(signal: NodeJS.Signals = "SIGINT"): Promise<number | null> {
+    if (this.process.exitCode !== null || this.process.signalCode !== null) return Promise.resolve(this.process.exitCode);
+    const ended = new Promise<number | null>((resolve) => this.process.once("exit", (code) => resolve(code)));
+    this.process.kill(signal);
+    return ended;
+  }
+}
+
+export type Point = readonly [number, number];
+
+/** The page, and a person at it. */
+export class Person {
+  /** Clicks, strokes and keys so far: what it took to get somewhere. */
+  actions = 0;
+  readonly complaints: string[] = [];
+
+  constructor(readonly page: Page) {
+    page.on("pageerror", (error) => this.complaints.push(String(error)));
+    page.on("console", (message) => {
+      if (message.type() === "error") this.complaints.push(message.text());
+    });
+  }
+
+  async click(name: string | RegExp): Promise<void> {
+    ++this.actions;
+    await this.page.getByRole("button", { name, exact: typeof name === "string" }).first().click();
+  }
+
+  async press(keys: string): Promise<void> {
+    ++this.actions;
+    await this.page.keyboard.press(keys);
+  }
+
+  async clickAt(at: Point, options: { shift?: boolean } = {}): Promise<void> {
+    ++this.actions;
+    if (options.shift === true) await this.page.keyboard.down("Shift");
+    await this.page.mouse.click(...at);
+    if (options.shift === true) await this.page.keyboard.up("Shift");
+  }
+
+  /** A stroke through these points with a button held. */
+  async stroke(points: readonly Point[], options: { button?: "left" | "middle" | "right"; steps?: number } = {}): Promise<void> {
+    ++this.actions;
+    const [first, ...rest] = points;
+    if (first === undefined) throw new Error("a stroke without points");
+    await this.page.mouse.move(...first);
+    await this.page.mouse.down({ button: options.button ?? "left" });
+    for (const point of rest) await this.page.mouse.move(...point, { steps: options.steps ?? 6 });
+    await this.page.mouse.up({ button: options.button ?? "left" });
+  }
+
+  /** Where a vertex of the model is on the page, as it is shown now. */
+  screenOf(vertex: number): Promise<Point> {
+    return this.page.evaluate((v) => {
+      const { viewport } = window.meshgraft;
+      const surface = viewport.main;
+      if (surface === undefined) throw new Error("nothing is shown");
+      const at = surface.object.localToWorld(
+        surface.object.position.clone().set(surface.positions[3 * v] ?? 0, surface.positions[3 * v + 1] ?? 0, surface.positions[3 * v + 2] ?? 0),
+      );
+      const { x, y } = viewport.project(at);
+      return [x, y] as const;
+    }, vertex);
+  }
+
+  /** Waits until the engine has done all that it was asked, and what is shown is exact. */
+  async settle(): Promise<void> {
+    await this.page.waitForFunction(
+      () => {
+        const { editor } = window.meshgraft;
+        if (editor.state.value === null) return false;
+        const stage = editor.live.value.stage;
+        return editor.isIdle() && (editor.state.value.counts === null || stage === undefined || ["ready", "proxy-only", "failed"].includes(stage));
+      },
+      undefined,
+      { timeout: 90_000 },
+    );
+  }
+
+  async screenshot(name: string): Promise<void> {
+    mkdirSync(screenshots, { recursive: true });
+    await this.page.screenshot({ path: join(screenshots, `${name}.png`) });
+  }
+}
+
+/** An engine, a browser and a page for one test; `close` ends all. */
+export class Stage {
+  private constructor(
+    readonly folder: Folder,
+    readonly browser: Browser,
+    public engine: Engine,
+    readonly person: Person,
+  ) {}
+
+  static async open(options: { models?: string[]; size?: { width: number; height: number }; dark?: boolean } = {}): Promise<Stage> {
+    const folder = new Folder();
+    const engine = await Engine.start(["--folder", folder.path, ...(options.models ?? [])]);
+    const browser = await chromium.launch({ executablePath: browserPath, args: browserArguments });
+    const page = await browser.newPage({
+      viewport: options.size ?? { width: 1280, height: 800 },
+      colorScheme: options.dark === true ? "dark" : "light",
+    });
+    const person = new Person(page);
+    await page.goto(engine.url);
+    await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    return new Stage(folder, browser, engine, person);
+  }
+
+  /** Opens a built-in model without a word: for tests of what comes after. */
+  async openSample(sample: string, resolution?: number): Promise<void> {
+    await this.person.page.evaluate(
+      async ([sample, resolution]) => {
+        await window.meshgraft.editor.ask({ do: "open", sample, ...(resolution === undefined ? {} : { resolution }) });
+      },
+      [sample, resolution] as const,
+    );
+    await this.person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+    await this.person.settle();
+  }
+
+  /** Saves the mesh and returns its places; the model's own where nothing was done. */
+  async savedPlaces(): Promise<Float64Array> {
+    const file = this.folder.file("saved.obj");
+    await this.person.page.evaluate(async (mesh) => {
+      await window.meshgraft.editor.ask({ do: "save", mesh, overwrite: true });
+    }, file);
+    return placesOf(file);
+  }
+
+  async close(): Promise<void> {
+    await this.browser.close();
+    await this.engine.stop();
+    this.folder.remove();
+  }
+}

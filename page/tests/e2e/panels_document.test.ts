@@ -1,0 +1,191 @@
+import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
+import { Stage } from "./harness";
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open();
+  stage.person.page.setDefaultTimeout(15_000);
+});
+afterAll(() => stage.close());
+beforeEach(async () => {
+  await stage.openSample("bar", 8);
+  await stage.person.page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    if (editor.offer.value !== null) await editor.ask({ do: "discard" }); // what the test before left
+    editor.offer.value = null;
+    editor.messages.value = [];
+    editor.tools.activeHandle.value = null;
+  });
+});
+
+function state() {
+  return stage.person.page.evaluate(() => window.meshgraft.editor.state.value);
+}
+async function select(z: number): Promise<void> {
+  await stage.person.page.evaluate(async (z) => {
+    await window.meshgraft.editor.ask({ do: "select", how: "set", what: { half_space: { point: [0, 0, z], normal: [0, 0, 1] } } });
+  }, z);
+}
+async function makeHandle(above = 3): Promise<void> {
+  await select(above);
+  await stage.person.click("Make handle");
+  await stage.person.page.getByLabel("Move X").waitFor();
+  await stage.person.settle();
+}
+async function section(title: string): Promise<void> {
+  const button = stage.person.page.locator(".side").getByRole("button", { name: new RegExp(`^${title}`) }).first();
+  if ((await button.getAttribute("aria-expanded")) === "false") await button.click();
+}
+async function type(label: string, text: string): Promise<void> {
+  const field = stage.person.page.getByRole("textbox", { name: label, exact: true }).first();
+  await field.fill(text);
+  await field.press("Enter");
+  await stage.person.settle();
+}
+
+test("a handle is posed by numbers with units, renamed, put back and removed", async () => {
+  const { person } = stage;
+  await makeHandle();
+  await type("Move X", "5 cm");
+  await type("Turn angle", "2 turns");
+  await type("Scale", "150 %");
+  expect((await state())?.handles[0]?.pose).toEqual({
+    translate: [50, 0, 0], rotate: { axis: [0, 0, 1], angle_deg: 720 }, scale: [1.5, 1.5, 1.5],
+  });
+  await type("Move Y", "nonsense");
+  expect((await state())?.handles[0]?.pose.translate).toEqual([50, 0, 0]);
+  await person.screenshot("panels-pose");
+
+  await person.click(/^More for handle/);
+  await person.page.getByRole("menuitem", { name: "Rename" }).click();
+  await person.page.getByLabel(/^New name of/).fill("end");
+  await person.press("Enter");
+  await person.page.getByRole("button", { name: /^end/ }).waitFor();
+  await person.click("Put back");
+  await person.settle();
+  expect((await state())?.handles[0]?.pose).toEqual({});
+  await person.click("More for end");
+  await person.page.getByRole("menuitem", { name: "Remove" }).click();
+  await person.page.getByText("Paint over the part that you want to move.").first().waitFor();
+  expect((await state())?.handles).toEqual([]);
+});
+
+test("changes are undone and done again, and named", async () => {
+  const { person } = stage;
+  await makeHandle();
+  await type("Move X", "1");
+  const { page } = person;
+  const undo = page.getByRole("button", { name: "Undo" });
+  expect(await undo.getAttribute("data-tip")).toBe("Takes back: move");
+  await person.click("Undo");
+  await person.settle();
+  expect((await state())?.handles[0]?.pose).toEqual({});
+  expect(await page.getByRole("button", { name: "Redo" }).getAttribute("data-tip")).toBe("Does again: move");
+  await person.press("Control+Shift+z");
+  await person.settle();
+  expect((await state())?.handles[0]?.pose).toEqual({ translate: [1, 0, 0] });
+  await person.press("Control+z");
+  await person.press("Control+z");
+  await person.settle();
+  expect((await state())?.handles).toEqual([]);
+  expect(await undo.getAttribute("aria-disabled")).toBe("true");
+});
+
+test("methods switch, and show what applies to them", async () => {
+  const { person } = stage;
+  await makeHandle();
+  await type("Reach", "2.5");
+  await type("Turn angle", "90");
+  const frames = async (label: string) => {
+    await person.page.getByText(label, { exact: true }).click();
+    await person.page.waitForFunction((label) => {
+      const names: Record<string, string> = { Linear: "ft05", Natural: "corotational", "Smooth turns": "rotation-aware" };
+      return (window.meshgraft.editor.state.value?.settings as { method?: string }).method === names[label];
+    }, label);
+    await person.settle();
+    return stage.savedPlaces();
+  };
+  const linear = await frames("Linear");
+  expect(await person.page.getByLabel("Stiffness").count()).toBe(0);
+  const natural = await frames("Natural");
+  expect(await person.page.getByLabel("Stiffness").count()).toBeGreaterThan(0);
+  await frames("Smooth turns");
+  expect(await person.page.getByLabel("Smoothing").count()).toBe(0);
+  let difference = 0;
+  linear.forEach((x, i) => (difference = Math.max(difference, Math.abs(x - (natural[i] ?? 0)))));
+  expect(difference).toBeGreaterThan(0.01);
+});
+
+test("groups are saved, selected, coloured, used and removed", async () => {
+  const { person } = stage;
+  const { page } = person;
+  await section("Groups");
+  await select(1.5);
+  const selected = await page.evaluate(() => window.meshgraft.editor.selected.value);
+  await page.getByLabel("Name of the new group").fill("lid");
+  await person.press("Enter");
+  await page.getByRole("button", { name: "lid", exact: true }).waitFor();
+  await person.press("Alt+a");
+  await page.waitForFunction(() => window.meshgraft.editor.selected.value === 0);
+  await page.getByRole("button", { name: "lid", exact: true }).click();
+  await page.waitForFunction((count) => window.meshgraft.editor.selected.value === count, selected);
+  await page.getByLabel("Colour of lid").fill("#123456");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.groups[0]?.colour === "#123456");
+  await person.screenshot("panels-groups");
+  await person.click("More for lid");
+  await page.getByRole("menuitem", { name: "Make fixed" }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.undo === "fixed");
+  await person.click("More for lid");
+  await page.getByRole("menuitem", { name: "Remove" }).click();
+  await page.getByRole("alert").getByText(/in use/).waitFor();
+  await person.click("Close the message");
+  await person.press("Control+z");
+  await person.click("More for lid");
+  await page.getByRole("menuitem", { name: "Remove" }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.groups.length === 0);
+});
+
+test("steps are accepted, changed later, renamed and removed", async () => {
+  const { person } = stage;
+  const { page } = person;
+  await makeHandle();
+  await type("Move X", "1");
+  const one = await stage.savedPlaces();
+  await person.click("Accept");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.steps.length === 2);
+  await section("Steps");
+  await page.getByRole("button", { name: /^1\. Deform/ }).click();
+  await type("Move X", "2");
+  const two = await stage.savedPlaces();
+  const most = (places: Float64Array) => places.reduce((a, x, i) => (i % 3 === 0 ? Math.max(a, x) : a), -Infinity);
+  expect(most(two) - most(one)).toBeCloseTo(1, 4);
+  await person.screenshot("panels-steps");
+  await person.click("More for 1. Deform");
+  await page.getByRole("menuitem", { name: "Rename" }).click();
+  await page.getByLabel(/^New name of/).fill("lean");
+  await person.press("Enter");
+  await person.click("More for lean");
+  await page.getByRole("menuitem", { name: "Remove" }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.steps.length === 1);
+});
+
+test("symmetric editing has its plane", async () => {
+  const { person } = stage;
+  const { page } = person;
+  await section("Symmetry");
+  await page.getByRole("switch", { name: "Symmetric editing" }).check();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry !== null);
+  await page.locator(".section").filter({ hasText: "Symmetric editing" }).getByText("Z", { exact: true }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry?.plane.normal[2] === 1);
+  await makeHandle();
+  await page.getByText(/^Twins: handle 1/).waitFor();
+  await type("Move X", "1");
+  await person.screenshot("panels-symmetry");
+  const places = await stage.savedPlaces();
+  let low = -Infinity;
+  for (let i = 0; i < places.length; i += 3) if ((places[i + 2] ?? 0) < 0.9) low = Math.max(low, places[i] ?? 0);
+  expect(low).toBeGreaterThan(1);
+  await page.getByRole("switch", { name: "Symmetric editing" }).uncheck();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry === null);
+  expect(person.complaints).toEqual([]);
+});

@@ -1,0 +1,142 @@
+import { existsSync, readFileSync, truncateSync, writeFileSync } from "node:fs";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { hashOf, placesOf, run, Stage } from "./harness";
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open();
+  stage.person.page.setDefaultTimeout(15_000);
+});
+afterAll(() => stage.close());
+
+const upper = { half_space: { point: [0, 0, 1.5], normal: [0, 0, 1] } };
+
+async function moveTop(by: number): Promise<void> {
+  await stage.person.page.evaluate(
+    async ([select, by]) => {
+      const { editor } = window.meshgraft;
+      const has = editor.state.value?.handles.some(({ name }) => name === "top");
+      if (has !== true) await editor.ask({ do: "handle", what: "add", name: "top", select, reach: 1 });
+      await editor.pose({ top: { translate: [by, 0, 0] } });
+    },
+    [upper, by] as const,
+  );
+  await stage.person.settle();
+}
+
+test("an upload is refused before it is sent, cancelled, and opened", async () => {
+  const { person, folder } = stage;
+  const chooser = person.page.getByLabel("A model of this computer");
+
+  const big = folder.file("big.ply");
+  writeFileSync(big, "ply\n");
+  truncateSync(big, 2 ** 31);
+  let sent = 0;
+  await person.page.route("**/upload?*", (route) => {
+    ++sent;
+    void route.continue();
+  });
+  await chooser.setInputFiles(big);
+  await person.page.getByRole("alert").getByText(/are not sent through the browser/).waitFor();
+  expect(sent).toBe(0);
+  await person.screenshot("panels-upload-refused");
+  await person.click("Close the message");
+  await person.page.unroute("**/upload?*");
+
+  const model = folder.file("model.obj");
+  run("sample", "bar", "--resolution", "8", "-o", model);
+  await person.page.route("**/upload?*", () => undefined); // an engine that is slow to take it
+  await chooser.setInputFiles(model);
+  await person.click("Cancel");
+  await person.page.getByText("model.obj").waitFor({ state: "hidden" });
+  await person.page.unroute("**/upload?*");
+  expect(await person.page.evaluate(() => window.meshgraft.editor.isOpen.value)).toBe(false);
+
+  await chooser.setInputFiles(model);
+  await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+  expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(placesOf(model).length / 3);
+});
+
+test("what is damaged is refused with its problem, and the page goes on", async () => {
+  const { person, folder } = stage;
+  const broken = folder.file("broken.ply");
+  writeFileSync(broken, "ply\nformat ascii 1.0\nelement vertex 3\nend_header\n");
+  await person.press("Control+o");
+  await person.page.getByRole("button", { name: /broken\.ply/ }).click();
+  await person.page.getByRole("alert").waitFor();
+  await person.press("Escape");
+  await person.click("Close the message");
+});
+
+test("saving asks where, then not again, and before it replaces", async () => {
+  const { person, folder } = stage;
+  await stage.openSample("bar", 8);
+  await moveTop(0.5);
+  await person.page.waitForFunction((title) => document.title === title, "● bar – meshgraft");
+  await person.press("Control+s");
+  await person.page.getByRole("dialog").getByRole("textbox").fill("my edit");
+  await person.press("Enter");
+  await person.page.getByText("Saved", { exact: true }).waitFor();
+  await person.screenshot("panels-saved");
+  const file = folder.file("my edit.json");
+  expect(JSON.parse(readFileSync(file, "utf8")).steps[0].handles[0].pose).toEqual({ translate: [0.5, 0, 0] });
+  await person.page.waitForFunction((title) => document.title === title, "bar – meshgraft");
+  await person.click("Close the message");
+
+  await moveTop(0.75);
+  await person.press("Control+s");
+  await person.page.getByText("Saved", { exact: true }).waitFor();
+  expect(JSON.parse(readFileSync(file, "utf8")).steps[0].handles[0].pose).toEqual({ translate: [0.75, 0, 0] });
+  await person.click("Close the message");
+
+  const other = folder.file("other.json");
+  writeFileSync(other, '{"format": "meshgraft-edit", "keep": "me"}');
+  const before = hashOf(other);
+  await person.press("Control+Shift+s");
+  await person.page.getByRole("dialog").getByRole("textbox").fill("other");
+  await person.page.getByRole("dialog").getByText("other.json").waitFor();
+  await person.press("Enter");
+  await person.page.getByText(/is there already/).waitFor();
+  await person.screenshot("panels-replace");
+  await person.click("Keep it");
+  expect(hashOf(other)).toBe(before);
+  await person.page.getByRole("dialog").getByRole("button", { name: "Save", exact: true }).click();
+  await person.click("Replace");
+  await person.page.getByText("Saved", { exact: true }).waitFor();
+  expect(JSON.parse(readFileSync(other, "utf8")).steps[0].handles[0].name).toBe("top");
+  await person.click("Close the message");
+});
+
+test("the mesh is exported as it is shown, also as a morph target", async () => {
+  const { person, folder } = stage;
+  await person.press("Control+e");
+  await person.page.getByLabel("Format").selectOption(".obj");
+  await person.page.getByRole("dialog").getByRole("textbox").fill("bent");
+  await person.screenshot("panels-export");
+  await person.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
+  await person.page.getByText("Exported", { exact: true }).waitFor();
+  const bent = placesOf(folder.file("bent.obj"));
+  const rest = folder.file("rest.obj");
+  run("sample", "bar", "--resolution", "8", "-o", rest);
+  const straight = placesOf(rest);
+  const shift = (v: number) => (bent[3 * v] ?? NaN) - (straight[3 * v] ?? NaN);
+  let held = 0;
+  for (let v = 0; v < straight.length / 3; ++v)
+    if ((straight[3 * v + 2] ?? 0) >= 1.5) {
+      ++held;
+      expect(shift(v)).toBeCloseTo(0.75, 5);
+    }
+  expect(held).toBeGreaterThan(8);
+  await person.click("Close the message");
+
+  await person.press("Control+e");
+  await person.page.getByLabel("Format").selectOption(".glb");
+  await person.page.getByRole("switch", { name: "As a morph target" }).check();
+  await person.page.getByLabel("Name of the target").fill("lean");
+  await person.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
+  await person.page.getByText("Exported", { exact: true }).waitFor();
+  const glb = folder.file("bar deformed.glb");
+  expect(existsSync(glb)).toBe(true);
+  expect(readFileSync(glb, "latin1")).toContain('"lean"');
+  expect(person.complaints).toEqual([]);
+});

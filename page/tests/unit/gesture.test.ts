@@ -1,0 +1,178 @@
+import { OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "three";
+import { describe, expect, it } from "vitest";
+import type { Eye, Spot } from "../../src/tools/eye";
+import { Gesture, type Axis, type Grip } from "../../src/tools/gesture";
+import { layOut, partAt } from "../../src/tools/gizmo_layout";
+import { NumberEntry } from "../../src/tools/number_entry";
+import { atRest, axesOf, centreOf, matrixOf, turned, type Motion, type Placement } from "../../src/tools/pose_math";
+import { CameraEye } from "./camera_eye";
+
+const box = { x: 10, y: 20, width: 1000, height: 800 } as DOMRect;
+
+function eyes(): Eye[] {
+  const perspective = new PerspectiveCamera(35, 1.25, 0.1, 100);
+  const orthographic = new OrthographicCamera(-2.5, 2.5, 2, -2, 0.1, 100);
+  return [perspective, orthographic].map((camera) => {
+    camera.position.set(4, 3, 5);
+    camera.lookAt(0, 0, 0);
+    camera.updateMatrixWorld();
+    camera.updateProjectionMatrix();
+    return new CameraEye(() => camera, () => ({ getBoundingClientRect: () => box }));
+  });
+}
+
+const rest = atRest(new Vector3(0.2, 0.1, -0.3));
+const tilted = turned(rest, { axis: new Vector3(1, 2, 2).normalize(), angleDeg: 50 });
+const world = new Quaternion();
+
+function begin(eye: Eye, grip: Grip, from: Vector3, start: Placement = rest, axes = world): Gesture {
+  return new Gesture(grip, start, axes, eye, eye.project(from));
+}
+
+function apart(a: Spot, b: Spot): number {
+  return Math.hypot(a.x - b.x, a.y - b.y);
+}
+
+describe("a move", () => {
+  it("keeps what was taken under the pointer", () => {
+    for (const eye of eyes())
+      for (const axis of [0, 1, 2, "free"] as const) {
+        const centre = centreOf(tilted);
+        const axes = axesOf(tilted);
+        const gesture = begin(eye, { act: "move", axis }, centre, tilted, axes);
+        const direction = axis === "free" ? eye.towards(centre).cross(new Vector3(0, 1, 0)).normalize()
+                                          : new Vector3().setComponent(axis, 1).applyQuaternion(axes);
+        const goal = centre.clone().addScaledVector(direction, 0.7);
+        gesture.pointAt(eye.project(goal));
+        expect(apart(eye.project(centreOf(gesture.placement())), eye.project(goal))).toBeLessThan(1e-6);
+        if (axis !== "free") expect(centreOf(gesture.placement()).distanceTo(goal)).toBeLessThan(1e-9);
+      }
+  });
+
+  it("in a plane stays in it", () => {
+    for (const eye of eyes()) {
+      const gesture = begin(eye, { act: "move", axis: 1, across: true }, centreOf(rest));
+      gesture.pointAt({ x: 600, y: 500 });
+      const shift = centreOf(gesture.placement()).sub(centreOf(rest));
+      expect(Math.abs(shift.y)).toBeLessThan(1e-12);
+      expect(shift.length()).toBeGreaterThan(0.1);
+    }
+  });
+
+  it("goes in steps, and by the number that is typed", () => {
+    const [eye] = eyes() as [Eye];
+    const gesture = begin(eye, { act: "move", axis: 0 }, centreOf(rest));
+    gesture.pointAt(eye.project(centreOf(rest).add(new Vector3(0.77, 0, 0))));
+    gesture.steps = { move: 0.25, turnDeg: 15, scale: 0.1 };
+    expect(centreOf(gesture.placement()).x - centreOf(rest).x).toBeCloseTo(0.75, 12);
+    for (const key of "-1.5") gesture.number.press(key);
+    expect(centreOf(gesture.placement()).x - centreOf(rest).x).toBeCloseTo(-1.5, 12);
+    expect(gesture.label("mm")).toBe("Move along X  -1.50 mm  [-1.5]");
+  });
+});
+
+describe("a turn", () => {
+  it("counts turns as the pointer goes round and round", () => {
+    for (const eye of eyes())
+      for (const [axis, sign] of [[0, 1], [1, 1], [2, 1], ["free", 1]] as [Axis | "free", number][]) {
+        const gesture = begin(eye, { act: "turn", axis }, new Vector3(9, 9, 9));
+        const normal = gesture.turnAxis();
+        const u = normal.clone().cross(new Vector3(0.3, 0.9, -0.2)).normalize();
+        const v = normal.clone().cross(u);
+        const onRing = (degrees: number) => {
+          const angle = (degrees * Math.PI) / 180;
+          return eye.project(centreOf(rest).addScaledVector(u, 0.4 * Math.cos(angle)).addScaledVector(v, 0.4 * Math.sin(angle)));
+        };
+        const turning = new Gesture({ act: "turn", axis }, rest, world, eye, onRing(0));
+        for (let degrees = 5; degrees <= 1000; degrees += 5) turning.pointAt(onRing(degrees));
+        expect(turning.angleDeg()).toBeCloseTo(sign * 1000, 3);
+        expect((turning.placement() as Motion).turn.angleDeg).toBeCloseTo(sign * 1000, 3);
+      }
+  });
+
+  it("goes on where its ring is seen from the edge", () => {
+    const [eye] = eyes() as [Eye];
+    const sight = eye.towards(centreOf(rest));
+    const axes = new Quaternion().setFromUnitVectors(new Vector3(1, 0, 0), sight.clone().cross(new Vector3(0, 1, 0)).normalize());
+    const ring: Grip = { act: "turn", axis: 0 };
+    const axis = new Vector3(1, 0, 0).applyQuaternion(axes);
+    const near = centreOf(rest).addScaledVector(sight, -0.1); // moves with the pointer when it turns
+    const gesture = begin(eye, ring, near, rest, axes);
+    const ahead = near.clone().addScaledVector(axis.clone().cross(sight).negate(), 0.05);
+    gesture.pointAt(eye.project(ahead));
+    expect(gesture.angleDeg()).toBeGreaterThan(1);
+    const moved = near.clone().applyMatrix4(matrixOf(gesture.placement())).sub(near);
+    expect(moved.dot(ahead.clone().sub(near))).toBeGreaterThan(0);
+  });
+});
+
+describe("a scale", () => {
+  it("doubles where the pointer is twice as far", () => {
+    for (const eye of eyes()) {
+      const c = eye.project(centreOf(rest));
+      const all = new Gesture({ act: "scale", axis: "free" }, rest, world, eye, { x: c.x + 60, y: c.y - 80 });
+      all.pointAt({ x: c.x + 120, y: c.y - 160 });
+      expect((all.placement() as Motion).scale.toArray()).toEqual([2, 2, 2].map((n) => expect.closeTo(n, 9)));
+      all.pointAt(c);
+      expect((all.placement() as Motion).scale.x).toBe(0.01);
+    }
+  });
+
+  it("of one axis leaves the others, and one across it leaves that one", () => {
+    const [eye] = eyes() as [Eye];
+    const gesture = begin(eye, { act: "scale", axis: 1 }, centreOf(rest));
+    gesture.number.press("3");
+    expect((gesture.placement() as Motion).scale.toArray()).toEqual([1, 3, 1]);
+    gesture.constrain({ act: "scale", axis: 1, across: true }, world);
+    expect((gesture.placement() as Motion).scale.toArray()).toEqual([3, 1, 3]);
+  });
+});
+
+describe("a typed number", () => {
+  it("takes digits, a point or a comma, a sign at any time, and takes back", () => {
+    const entry = new NumberEntry();
+    for (const key of [".", "5", "-"]) expect(entry.press(key)).toBe(true);
+    expect(entry.value).toBe(-0.5);
+    for (const key of ["Backspace", "2", ",", "5", "."]) entry.press(key);
+    expect(entry.text).toBe("-0.25");
+    expect(entry.press("x")).toBe(false);
+    for (let i = 0; i < 5; ++i) entry.press("Backspace");
+    expect(entry.value).toBeUndefined();
+    expect(entry.text).toBe("");
+  });
+});
+
+describe("the gizmo", () => {
+  it("gives each of its parts where it is drawn", () => {
+    for (const eye of eyes())
+      for (const axes of [world, axesOf(tilted)]) {
+        const layout = layOut(centreOf(rest), axes, eye);
+        expect(layout.parts.length).toBe(3 + 4 * 3);
+        for (const part of layout.parts.filter(({ kind }) => ["ball", "box", "knob"].includes(kind)))
+          expect(partAt(layout, part.outline[0] as Spot)?.id).toBe(part.id);
+        for (const part of layout.parts.filter(({ kind }) => kind === "arrow"))
+          expect(partAt(layout, part.outline[1] as Spot)?.id).toBe(part.id);
+        expect(partAt(layout, { x: layout.centre.x + 300, y: layout.centre.y })).toBeUndefined();
+      }
+  });
+
+  it("has the same size wherever it is", () => {
+    for (const eye of eyes())
+      for (const centre of [new Vector3(), new Vector3(-3, -2, -4)]) {
+        const layout = layOut(centre, world, eye);
+        const boxes = layout.parts.filter(({ kind }) => kind === "box").map(({ outline }) => outline[0] as Spot);
+        for (const spot of boxes) expect(apart(spot, layout.centre)).toBeLessThan(135);
+        expect(Math.max(...boxes.map((spot) => apart(spot, layout.centre)))).toBeGreaterThan(70);
+      }
+  });
+
+  it("hides arrows that point at the eye", () => {
+    const [eye] = eyes() as [Eye];
+    const centre = new Vector3();
+    const axes = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), eye.towards(centre).negate());
+    const ids = layOut(centre, axes, eye).parts.map(({ id }) => id);
+    expect(ids).not.toContain("arrow-z");
+    expect(ids).toContain("square-z");
+    expect(ids).not.toContain("square-x");
+  });
+});

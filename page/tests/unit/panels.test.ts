@@ -1,0 +1,142 @@
+import { readFileSync } from "node:fs";
+import { describe, expect, test } from "vitest";
+import type { Box } from "../../src/app/editor";
+import { handleColour, groupColour } from "../../src/app/colours";
+import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/handle_pose";
+import { liveWords, stageWords } from "../../src/app/live_words";
+import { applicable, backToUsual, fitting, settingsTable, type NumberSetting } from "../../src/app/method_settings";
+import { axisOfPlane, placeOf, planeAcross } from "../../src/app/mirror_plane";
+import { baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
+import { refusalOf, uploadLimit } from "../../src/app/upload";
+import { Track } from "../../src/panels/ui/fields";
+import type { DocumentState } from "../../src/protocol";
+
+describe("poses in numbers", () => {
+  test("what has no effect is left out, and turns are kept", () => {
+    const turned = withNumbers({}, { axis: [0, 1, 0], angleDeg: 720 });
+    expect(turned).toEqual({ rotate: { axis: [0, 1, 0], angle_deg: 720 } });
+    expect(withNumbers(turned, { translate: [1, 0, 0] })).toEqual({ ...turned, translate: [1, 0, 0] });
+    expect(withNumbers(turned, { angleDeg: 0 })).toEqual({});
+    expect(withNumbers({}, { scale: [2, 2, 2] })).toEqual({ scale: 2 });
+    expect(withNumbers({ scale: 2 }, { scale: [1, 1, 1] })).toEqual({});
+    expect(isAtRest({ pivot: [1, 2, 3] })).toBe(true);
+    expect(isAtRest(turned)).toBe(false);
+  });
+  test("numbers of a pose, and of one that has none", () => {
+    expect(numbersOf({ scale: 2 }, [1, 2, 3])).toEqual({
+      translate: [0, 0, 0], axis: [0, 0, 1], angleDeg: 0, scale: [2, 2, 2], pivot: [1, 2, 3],
+    });
+    expect(numbersOf({ curve: [[0, 0, 0], [1, 0, 0]] }, [0, 0, 0])).toBeUndefined();
+    expect(nameOfAxis([0, 3, 0])).toBe("y");
+    expect(nameOfAxis([0, -1, 0])).toBe("free");
+    expect(nameOfAxis([1, 1, 0])).toBe("free");
+  });
+});
+
+describe("settings of the method", () => {
+  const documented = readFileSync(new URL("../../../docs/edit-file.md", import.meta.url), "utf8");
+  const section = documented.slice(documented.indexOf("\n## Settings"), documented.indexOf("\n### Methods"));
+  test("are those of the edit file, each once", () => {
+    const names = [...section.matchAll(/^\| (`[^|]*`) \|/gm)].flatMap(([, cell]) => [...(cell ?? "").matchAll(/`(\w+)`/g)].map(([, name]) => name));
+    const offered = ["method", ...settingsTable.map(({ key }) => key)];
+    expect(new Set(offered)).toEqual(new Set(names));
+    expect(new Set(offered).size).toBe(offered.length);
+  });
+  test("only what applies to the method", () => {
+    const keys = (method: string) => applicable({ method }).map(({ key }) => key);
+    expect(keys("ft05")).not.toContain("stiffness");
+    expect(keys("rotation-aware")).toContain("stiffness");
+    expect(keys("rotation-aware")).not.toContain("smoothing_length_rel");
+    expect(keys("corotational")).toContain("smoothing_length_rel");
+    expect(applicable({ degenerate: "apex" }).map(({ key }) => key)).not.toContain("seed");
+  });
+  test("back to the usual changes what is not usual, and no method", () => {
+    expect(backToUsual({ method: "ft05", stiffness: 60, density: "ft05" })).toEqual({ density: "aware" });
+  });
+  test("a proxy has 50 vertices or is none", () => {
+    const proxy = settingsTable.find(({ key }) => key === "proxy") as NumberSetting;
+    expect([0, 3, 500].map((value) => fitting(proxy, value))).toEqual([0, 50, 500]);
+  });
+});
+
+describe("the status line", () => {
+  const state: DocumentState = {
+    event: "state", name: "bar", edit: "", model: { name: "a", mesh: 1, loops: 0, vertices: 8, faces: 12, diagonal: 1 }, steps: [], handles: [], groups: [],
+    counts: null, settings: {}, symmetry: null, notes: [], parts: [], graft: null, selected: 0, selected_on: "a", undo: null, redo: null, dirty: false,
+  };
+  const set: DocumentState = {
+    ...state, handles: [{ name: "a", shape: "region", pose: {} }], counts: { region: 4, fixed: 1, handle: 1, free: 2 },
+  };
+  test("says what to do, what is going on and what went wrong", () => {
+    expect(liveWords(null, { event: "live" }).tone).toBe("idle");
+    expect(liveWords(state, { event: "live" }).text).toBe("No handle yet");
+    expect(liveWords(set, { event: "live", stage: "starting" }).text).toBe("Getting ready");
+    expect(liveWords(set, { event: "live", stage: "ready", quality: "exact" }).text).toBe("Exact");
+    expect(liveWords(set, { event: "live", stage: "ready", quality: "reduced" }).text).toBe("Quick preview");
+    expect(liveWords(set, { event: "live", stage: "proxy-only" }).tone).toBe("warning");
+    const error = { code: "unsolvable" as const, problem: "nothing holds it", place: "", remedy: "Fix some." };
+    expect(liveWords(set, { event: "live", stage: "failed", error })).toEqual({ tone: "problem", text: "nothing holds it", explained: "Fix some." });
+  });
+  test("stages in common words, or their own", () => {
+    expect(stageWords("factorise")).toBe("solving the equations");
+    expect(stageWords("knitting")).toBe("knitting");
+  });
+});
+
+describe("files", () => {
+  test("names and folders", () => {
+    expect(baseName("/a/b/c.ply")).toBe("c.ply");
+    expect(folderOf("/a/b/c.ply")).toBe("/a/b");
+    expect(folderOf("/c.ply")).toBe("/");
+    expect(joined("/", "c")).toBe("/c");
+    expect(joined("/a", "c")).toBe("/a/c");
+    expect(stemOf("/a/b.tar.ply")).toBe("b.tar");
+    expect(withExtension("horse.ply", ".obj")).toBe("horse.obj");
+    expect(withExtension("horse v1.2", ".obj")).toBe("horse v1.2.obj");
+    expect(faultOfName("a/b")).toBeDefined();
+    expect(faultOfName(" ")).toBeDefined();
+    expect(faultOfName("a b")).toBeUndefined();
+  });
+  test("what is too big, empty or no model is refused before it is sent", () => {
+    expect(refusalOf({ name: "a.PLY", size: 10 })).toBeUndefined();
+    expect(refusalOf({ name: "a.ply", size: uploadLimit })).toBeUndefined();
+    expect(refusalOf({ name: "a.ply", size: uploadLimit + 1 })?.remedy).toContain("--folder");
+    expect(refusalOf({ name: "a.ply", size: 0 })?.problem).toContain("empty");
+    expect(refusalOf({ name: "a.json", size: 10 })?.problem).toContain("edit file");
+    expect(refusalOf({ name: "a.blend", size: 10 })?.remedy).toContain(".ply");
+  });
+  test("the limit is the server's", () => {
+    const server = readFileSync(new URL("../../../src/server/server.h", import.meta.url), "utf8");
+    expect(server).toContain("upload_limit = std::uint64_t{1} << 30");
+    expect(uploadLimit).toBe(2 ** 30);
+  });
+});
+
+describe("sliders", () => {
+  test.each([
+    [0, 10, false], [0, 1e4, true], [0.01, 5, true],
+  ])("from %d to %d go there and back", (low, high, logarithmic) => {
+    const track = new Track(low, high, logarithmic);
+    expect(track.value(0)).toBe(low);
+    expect(track.value(1)).toBeCloseTo(high, 6);
+    for (const position of [0.1, 0.5, 0.9]) expect(track.position(track.value(position))).toBeCloseTo(position, 9);
+    expect(track.position(2 * high)).toBe(1);
+    expect(track.position(low - 1)).toBe(0);
+  });
+});
+
+describe("the plane of symmetry", () => {
+  const box: Box = { low: [-1, 0, 2], high: [3, 4, 10] };
+  test("lies across an axis, in the middle at first", () => {
+    expect(planeAcross("x", box)).toEqual({ point: [1, 2, 6], normal: [1, 0, 0] });
+    expect(placeOf(planeAcross("z", box, 7), "z")).toBe(7);
+    expect(axisOfPlane({ point: [0, 0, 0], normal: [0, -2, 0] })).toBe("y");
+    expect(axisOfPlane({ point: [0, 0, 0], normal: [1, 1, 0] })).toBeUndefined();
+  });
+});
+
+test("colours of handles are told apart, and groups take what is free", () => {
+  expect(new Set([0, 1, 2, 3].map(handleColour)).size).toBe(4);
+  const first = groupColour([]);
+  expect(groupColour([first])).not.toBe(first);
+});

@@ -1,0 +1,12 @@
+import { defineConfig } from "vitest/config";
+
+// tests/unit: logic alone; tests/e2e: the built program, with its page in Chromium.
+export default defineConfig({
+  test: {
+    include: ["tests/**/*.test.ts"],
+    testTimeout: 120_000,
+    hookTimeout: 60_000,
+    fileParallelism: false,
+    reporters: ["verbose"],
+  },
+});

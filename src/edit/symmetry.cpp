@@ -1,0 +1,236 @@
+#include "symmetry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/merge/pose_source.h>
+
+#include "mesh/vertex_tree.h"
+
+namespace meshgraft {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& place, const std::string& problem, const std::string& remedy) {
+  throw Error(ErrorCode::input, problem, place, remedy);
+}
+
+// Vertices of faces, with a place.
+std::vector<Index> candidates_of(const SelectionContext& context) {
+  std::vector<Index> candidates;
+  for (Index v = 0; v < context.mesh.vertex_count(); ++v)
+    if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
+  return candidates;
+}
+
+// As that of the selection `mirror`.
+double box_diagonal(const Points& positions) {
+  Eigen::AlignedBox<double, 3> box;
+  for (const auto& point : positions.rowwise())
+    if (point.allFinite()) box.extend(point.transpose());
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+Eigen::RowVector3d image_of(const Eigen::Affine3d& reflection, const Points& points, Eigen::Index row) {
+  return (reflection * points.row(row).transpose()).transpose();
+}
+
+void sort_distinct(std::vector<Index>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+std::vector<Index> joined(const std::vector<Index>& a, const std::vector<Index>& b) {
+  std::vector<Index> both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+}  // namespace
+
+MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string place)
+    : context_(context),
+      place_(std::move(place)),
+      reflection_(meshgraft::reflection(symmetry.plane, place_ + ".normal")),
+      tolerance_rel_(symmetry.tolerance_rel),
+      diagonal_(box_diagonal(context.mesh.positions)),
+      partner_(static_cast<std::size_t>(context.mesh.vertex_count()), -1),
+      distance_(partner_.size(), -1.0) {
+  const Points& positions = context.mesh.positions;
+  const std::vector<Index> candidates = candidates_of(context);
+  const VertexTree tree(positions, candidates);
+  parallel_blocks(candidates.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto v = static_cast<std::size_t>(candidates[k]);
+      const auto found = tree.nearest(image_of(reflection_, positions, candidates[k]));
+      distance_[v] = found->distance;
+      if (found->distance <= tolerance_rel_ * diagonal_) partner_[v] = found->vertex;
+    }
+  });
+}
+
+Index MirrorMatch::required_partner(Index v, const std::string& where) const {
+  if (partner(v) >= 0) return partner(v);
+  if (image_distance(v) < 0)
+    fail(where, fmt::format("vertex {} is of no face, so it has no mirror image", v), "Leave it out.");
+  fail(where, fmt::format("vertex {} has no vertex at its mirror image", v), sufficient_tolerance({v}));
+}
+
+std::vector<Index> MirrorMatch::images(const std::vector<Index>& set) const {
+  std::vector<Index> found;
+  for (const Index v : set)
+    if (partner(v) >= 0) found.push_back(partner(v));
+  for (std::size_t v = 0; v < partner_.size(); ++v)
+    if (partner_[v] >= 0 && std::binary_search(set.begin(), set.end(), partner_[v]))
+      found.push_back(static_cast<Index>(v));
+  sort_distinct(found);
+  return found;
+}
+
+std::vector<Index> MirrorMatch::with_images(const std::vector<Index>& set) const {
+  return joined(set, images(set));
+}
+
+// In the order of the curve; where two of its vertices have one partner, that comes once.
+std::vector<Index> MirrorMatch::course_of_images(const Handle& handle, const std::string& where) const {
+  std::vector<Index> course;
+  for (const Index v : handle.vertices)
+    if (course.empty() || course.back() != partner(v)) course.push_back(partner(v));
+  if (handle.closed && course.size() > 1 && course.front() == course.back()) course.pop_back();
+  std::vector<Index> distinct = course;
+  sort_distinct(distinct);
+  if (distinct.size() != course.size())
+    fail(where, fmt::format("the mirror image of the curve '{}' comes back to a vertex", handle.name),
+         "Make 'symmetry.tolerance_rel' smaller, or give both curves without 'symmetry'.");
+  return course;
+}
+
+// Whether each of its vertices has one of them at its mirror image.
+bool MirrorMatch::is_own_image(const Handle& handle) const {
+  const Points& positions = context_.mesh.positions;
+  const VertexTree tree(positions, handle.vertices);
+  return std::all_of(handle.vertices.begin(), handle.vertices.end(), [&](Index v) {
+    return tree.nearest(image_of(reflection_, positions, v))->distance <= tolerance_rel_ * diagonal_;
+  });
+}
+
+void MirrorMatch::require_partners(const Handle& handle, const std::string& where) const {
+  std::vector<Index> lost;
+  for (const Index v : handle.vertices)
+    if (partner(v) < 0) lost.push_back(v);
+  if (lost.empty()) return;
+  std::sort(lost.begin(), lost.end());
+  fail(
+      where,
+      fmt::format("{} of the {} vertices of the handle '{}' have no vertex at their mirror image, the first is "
+                  "{}",
+                  lost.size(), handle.vertices.size(), handle.name, lost.front()),
+      sufficient_tolerance(lost));
+}
+
+std::string MirrorMatch::sufficient_tolerance(const std::vector<Index>& vertices) const {
+  double farthest = 0;
+  for (const Index v : vertices) farthest = std::max(farthest, image_distance(v));
+  if (!(diagonal_ > 0)) return "Leave them out.";
+  // Rounded up to two digits.
+  const double needed = farthest / diagonal_;
+  const double unit = std::pow(10.0, std::floor(std::log10(std::max(needed, 1e-12))) - 1);
+  return fmt::format("A 'symmetry.tolerance_rel' of {:.2g} finds one for each; or leave them out.",
+                     std::ceil(needed / unit) * unit);
+}
+
+std::optional<Handle> MirrorMatch::twin_of(Handle& handle, const std::string& where) const {
+  require_partners(handle, where);
+  std::vector<Index> held = handle.vertices;
+  std::sort(held.begin(), held.end());
+  const bool has_order = handle.shape != HandleShape::region;
+  if (is_own_image(handle)) {
+    if (!has_order) handle.vertices = with_images(held);
+    return std::nullopt;
+  }
+  Handle twin = handle;
+  twin.name = handle.name + ", mirrored";
+  twin.vertices = has_order ? course_of_images(handle, where) : images(held);
+  const auto shared = std::count_if(twin.vertices.begin(), twin.vertices.end(),
+                                    [&](Index v) { return std::binary_search(held.begin(), held.end(), v); });
+  if (shared > 0)
+    fail(where,
+         fmt::format("the handle '{}' overlaps its mirror image, in {} of {} vertices", handle.name, shared,
+                     held.size()),
+         "Keep it on one side of the plane, or make it its own mirror image: the 'union' of it and its "
+         "'mirror'.");
+  return twin;
+}
+
+std::vector<Index> MirrorMatch::without_partner(const std::vector<Index>& set) const {
+  std::vector<Index> lost;
+  for (const Index v : set)
+    if (partner(v) < 0 && image_distance(v) >= 0) lost.push_back(v);
+  return lost;
+}
+
+std::string MirrorMatch::note_about(const std::vector<Index>& without_partner, std::size_t of) const {
+  return fmt::format(
+      "{} of the region's {} vertices have no vertex at their mirror image, the first is {}: there the result "
+      "is "
+      "not symmetric. {}",
+      without_partner.size(), of, without_partner.front(), sufficient_tolerance(without_partner));
+}
+
+namespace {
+
+// The map alone, and its turns: a turn right round is a different one the other way round.
+bool is_symmetric_map(const HandlePose& pose, const Eigen::Vector3d& at, const Eigen::Affine3d& reflection) {
+  constexpr double rounding = 1e-9;
+  const HandlePose image = reflected(pose, reflection);
+  if (pose.rotation) {
+    const Eigen::Vector3d turn = pose.rotation->angle() * pose.rotation->axis();
+    const Eigen::Vector3d turn_of_image = image.rotation->angle() * image.rotation->axis();
+    if ((turn - turn_of_image).norm() > rounding * (1 + turn.norm())) return false;
+  }
+  const double off = (image.transform.linear() - pose.transform.linear()).norm();
+  const Eigen::Vector3d moved = pose.transform * at;
+  return off <= rounding * (1 + pose.transform.linear().norm()) &&
+         (image.transform * at - moved).norm() <= rounding * (at.norm() + moved.norm());
+}
+
+}  // namespace
+
+bool is_symmetric(const HandlePose& pose, const Handle& handle, const Points& rest,
+                  const Eigen::Affine3d& reflection) {
+  if (!pose.curve) return is_symmetric_map(pose, rest.row(handle.vertices[0]).transpose(), reflection);
+  constexpr double rounding = 1e-9;
+  std::map<Index, Eigen::Index> row_of;
+  for (std::size_t k = 0; k < handle.vertices.size(); ++k)
+    row_of[handle.vertices[k]] = static_cast<Eigen::Index>(k);
+  const VertexTree tree(rest, handle.vertices);
+  const Points& course = *pose.curve;
+  const double size = (course.colwise().maxCoeff() - course.colwise().minCoeff()).norm();
+  return std::all_of(row_of.begin(), row_of.end(), [&](const auto& entry) {
+    const auto partner = tree.nearest(image_of(reflection, rest, entry.first));
+    const double off =
+        (image_of(reflection, course, entry.second) - course.row(row_of.at(partner->vertex))).norm();
+    return off <= rounding * size + 10 * partner->distance;
+  });
+}
+
+HandlePose twin_pose(const PoseSpec& spec, const HandlePose& pose, const Handle& twin, const Points& rest,
+                     const Eigen::Affine3d& reflection) {
+  const auto* redrawn = std::get_if<PoseSpec::Redrawn>(&spec.kind);
+  if (redrawn == nullptr) return reflected(pose, reflection);
+  Points polyline = redrawn->polyline;
+  for (Eigen::Index k = 0; k < polyline.rows(); ++k)
+    polyline.row(k) = image_of(reflection, redrawn->polyline, k);
+  HandlePose image;
+  image.curve = redraw_curve(twin, rest, polyline);
+  return image;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,179 @@
+#include "graft_actions.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+namespace meshgraft::editor {
+
+namespace {
+
+Json empty_step(const std::string& mesh) {
+  return {
+      {"kind", "deform"}, {"mesh", mesh}, {"region", {{"indices", Json::array()}}}, {"handles", Json::array()}};
+}
+
+bool is_taken(const EditFile& edit, const std::string& name) {
+  return std::any_of(edit.inputs.begin(), edit.inputs.end(),
+                     [&](const EditInput& input) { return input.name == name; }) ||
+         std::any_of(edit.steps.begin(), edit.steps.end(),
+                     [&](const EditStep& step) { return outcome_of(step) == name; });
+}
+
+bool uses(const Json& step, const std::string& name) {
+  const auto is_named = [&](const char* field) { return step.contains(field) && step[field] == name; };
+  return is_named("mesh") || is_named("target") || is_named("source") || is_named("result");
+}
+
+bool is_alone_about(const EditStep& step, const std::string& name) {
+  return !std::holds_alternative<MergeStep>(step.action) && mesh_of(step) == name && outcome_of(step) == name;
+}
+
+// What is worked on from then on: the model as the step in work leaves it; a step that does nothing goes.
+std::string end_step_in_work(Json& document, const EditFile& edit) {
+  const DeformStep* step = deform_in_work(edit);
+  const std::string model = model_of(edit);
+  if (step == nullptr) return step_in_work(edit) ? outcome_of(edit.steps.back()) : model;
+  if (is_ready(*step)) return outcome_of(edit.steps.back());
+  document["steps"].erase(document["steps"].size() - 1);
+  return model;
+}
+
+// The only part that no graft has taken yet.
+std::string only_part(const EditFile& edit) {
+  std::vector<std::string> parts;
+  for (const EditInput& input : edit.inputs)
+    if (input.name != model_of(edit) && !is_grafted(edit, input.name)) parts.push_back(input.name);
+  if (parts.size() == 1) return parts.front();
+  if (parts.empty())
+    throw Error(ErrorCode::input, "there is no part to graft", "source",
+                "Add one, or name one that was grafted.");
+  throw Error(ErrorCode::input, fmt::format("which of the {} parts is grafted is not clear", parts.size()),
+              "source", "Name one.");
+}
+
+void exchange(Json& object, const char* one, const char* other) {
+  Json first = object.value(one, Json()), second = object.value(other, Json());
+  for (const auto& [key, value] : {std::pair{one, &second}, std::pair{other, &first}}) {
+    object.erase(key);
+    if (!value->is_null()) object[key] = *value;
+  }
+}
+
+void reverse_all(Json& matches) {
+  for (Json& match : matches) std::swap(match[0], match[1]);
+}
+
+}  // namespace
+
+void require_no_graft(const EditFile& edit, const std::string& what) {
+  if (merge_in_work(edit) != nullptr)
+    throw Error(ErrorCode::usage, "a graft is in work", what, "Accept the graft, or cancel it, first.");
+}
+
+std::string add_part(Json& document, const EditFile& edit, const Json& input, const std::string& name,
+                     bool may_number) {
+  std::string free = name;
+  for (int number = 2; may_number && is_taken(edit, free); ++number) free = fmt::format("{} {}", name, number);
+  if (is_taken(edit, free))
+    throw Error(ErrorCode::input, fmt::format("the name '{}' is already taken", name), "name", "Take another.");
+  document["inputs"][free] = input;
+  return free;
+}
+
+void remove_part(Json& document, const EditFile& edit, const std::string& name) {
+  if (name == model_of(edit))
+    throw Error(ErrorCode::input, fmt::format("'{}' is the model", name), "name",
+                "Make another part the model first.");
+  if (!document["inputs"].contains(name))
+    throw Error(ErrorCode::input, fmt::format("there is no part named '{}' that was added", name), "name");
+  Json kept = Json::array();
+  for (std::size_t i = 0; i < edit.steps.size(); ++i)
+    if (!is_alone_about(edit.steps[i], name)) kept.push_back(document["steps"][i]);
+  if (std::any_of(kept.begin(), kept.end(), [&](const Json& step) { return uses(step, name); }))
+    throw Error(ErrorCode::input, fmt::format("'{}' is part of the edit", name), "name",
+                "Undo what was made with it.");
+  document["steps"] = std::move(kept);
+  document["inputs"].erase(name);
+}
+
+void edit_part(Json& document, const EditFile& edit, const std::string& name) {
+  if (!is_taken(edit, name))
+    throw Error(ErrorCode::input, fmt::format("there is no part named '{}'", name), "name");
+  end_step_in_work(document, edit);
+  document["steps"].push_back(empty_step(name));
+}
+
+void add_cut(Json& document, const EditFile& edit, Json step) {
+  Json& steps = document["steps"];
+  const DeformStep* deform = deform_in_work(edit);
+  if (deform != nullptr && step["mesh"] != deform->mesh && step["mesh"] != outcome_of(edit.steps.back())) {
+    steps.insert(steps.end() - 1, std::move(step));  // what is done with the model goes on
+    return;
+  }
+  const bool of_model = step["mesh"] == model_of(edit);
+  const std::string model = end_step_in_work(document, edit);
+  if (of_model) step["mesh"] = model;
+  steps.push_back(std::move(step));
+  steps.push_back(empty_step(model));
+}
+
+bool is_grafted(const EditFile& edit, const std::string& name) {
+  const std::size_t count = edit.steps.size() - (merge_in_work(edit) != nullptr ? 1 : 0);
+  for (std::size_t i = 0; i < count; ++i)
+    if (const auto* merge = std::get_if<MergeStep>(&edit.steps[i].action))
+      if (merge->source == name) return true;
+  return false;
+}
+
+void set_graft(Json& document, const EditFile& edit, const Json& fields) {
+  if (merge_in_work(edit) == nullptr) {
+    const std::string source =
+        fields.contains("source") ? Json(fields["source"]).get<std::string>() : only_part(edit);
+    const std::string model = end_step_in_work(document, edit);
+    document["steps"].push_back({{"kind", "merge"}, {"target", model}, {"source", source}});
+  }
+  Json& step = document["steps"].back();
+  for (const auto& [name, value] : fields.items())
+    if (value.is_null())
+      step.erase(name);
+    else if (name == "settings" && value.is_object() && step.contains(name))
+      step[name].update(value);
+    else
+      step[name] = value;
+  for (const char* side : {"target", "source"})
+    if (!step.contains(side))
+      throw Error(ErrorCode::input, "a graft has a target and a source", side, "Name one.");
+  if (step["target"] == step["source"])
+    throw Error(ErrorCode::input, "a mesh cannot be grafted onto itself", "source",
+                "Add it once more as a part.");
+}
+
+void cancel_graft(Json& document, const EditFile& edit) {
+  const MergeStep* merge = merge_in_work(edit);
+  if (merge == nullptr) throw Error(ErrorCode::usage, "no graft is in work", "graft");
+  Json& steps = document["steps"];
+  steps.erase(steps.size() - 1);
+  steps.push_back(empty_step(merge->target));
+}
+
+void swap_graft(Json& document, const EditFile& edit) {
+  if (merge_in_work(edit) == nullptr) throw Error(ErrorCode::usage, "no graft is in work", "graft");
+  Json& step = document["steps"].back();
+  exchange(step, "target", "source");
+  for (const char* field :
+       {"at", "mirror", "source_transform", "align", "fixed", "reach", "features", "size", "result", "counts"})
+    step.erase(field);
+  if (step.contains("matches")) reverse_all(step["matches"]);
+  if (!step.contains("pairs")) return;
+  for (Json& pair : step["pairs"]) {
+    exchange(pair, "source_loop", "target_loop");
+    if (pair.contains("start")) std::swap(pair["start"][0], pair["start"][1]);
+    if (pair.contains("matches")) reverse_all(pair["matches"]);
+  }
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,118 @@
+#include "graft_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mesh_frames.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+enum class Origin : std::uint8_t { target = 0, source = 1, seam = 2 };
+
+// Per triangle. The result has the target's vertices first, then the source's.
+std::vector<std::uint8_t> origins(const MergeOutcome& merge, const Triangulation& surface, Index faces) {
+  Index first_of_source = std::numeric_limits<Index>::max();
+  for (const Index v : merge.source_map.new_index)
+    if (v >= 0) first_of_source = std::min(first_of_source, v);
+  std::vector<std::uint8_t> is_seam(static_cast<std::size_t>(faces), 0);
+  for (const Index face : merge.new_faces) is_seam[static_cast<std::size_t>(face)] = 1;
+  std::vector<std::uint8_t> found;
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    Origin origin = surface.triangles(t, 0) < first_of_source ? Origin::target : Origin::source;
+    if (is_seam[static_cast<std::size_t>(surface.face[static_cast<std::size_t>(t)])] != 0)
+      origin = Origin::seam;
+    found.push_back(static_cast<std::uint8_t>(origin));
+  }
+  return found;
+}
+
+void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVector3d& offset) {
+  std::vector<Index> sources, pairs;
+  std::vector<float> places;
+  for (std::size_t p = 0; p < report.pairs.size(); ++p) {
+    const PairReport& pair = report.pairs[p];
+    sources.insert(sources.end(), pair.met.begin(), pair.met.end());
+    pairs.resize(sources.size(), static_cast<Index>(p));
+    const std::vector<float> there = relative_to(offset, pair.places);
+    places.insert(places.end(), there.begin(), there.end());
+  }
+  frame.add("line_sources", sources);
+  frame.add("line_places", places);
+  frame.add("line_pairs", pairs);
+}
+
+Json pair_json(const PairReport& pair) {
+  return {{"start", {pair.start.source, std::max(Index{0}, pair.start.target)}},
+          {"confidence", pair.confidence},
+          {"misfit_rel", pair.misfit_rel},
+          {"edge_ratio", pair.edge_ratio},
+          {"raggedness_deg", pair.raggedness_deg}};
+}
+
+Json seam_json(const SeamReport& seam) {
+  return {{"manifold", seam.manifold},
+          {"oriented", seam.oriented},
+          {"closed", seam.closed},
+          {"new_faces", seam.new_faces},
+          {"angle_p1_deg", seam.angle_p1_deg},
+          {"dihedral_p99_deg", seam.dihedral_p99_deg}};
+}
+
+Eigen::Affine3d map_of(const Similarity& similarity) {
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  map.linear() = similarity.scale * similarity.rotation;
+  map.translation() = similarity.translation;
+  return map;
+}
+
+}  // namespace
+
+Json matrix_json(const Eigen::Affine3d& map) {
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i)
+    rows.push_back({map.matrix()(i, 0), map.matrix()(i, 1), map.matrix()(i, 2), map.matrix()(i, 3)});
+  return rows;
+}
+
+std::vector<std::byte> graft_frame(const ShownGraft& graft) {
+  const Eigen::RowVector3d& offset = graft.target.offset;
+  const MergeOutcome& merge = *graft.report.merge;
+  BinaryFrame frame(BinaryFrame::Kind::graft, {{"graft", graft.number},
+                                               {"dragged", graft.dragged},
+                                               {"mesh", graft.target.id},
+                                               {"source", graft.source.id},
+                                               {"offset", {offset.x(), offset.y(), offset.z()}},
+                                               {"scale", 1.0},
+                                               {"vertices", graft.mesh.vertex_count()},
+                                               {"faces", graft.mesh.face_count()},
+                                               {"seconds", graft.report.seconds.total}});
+  const Triangulation surface = triangulate(graft.mesh, {.skip_out_of_range = true});
+  add_surface(frame, graft.mesh, surface.triangles, offset);
+  frame.add("origin", origins(merge, surface, graft.mesh.face_count()));
+  add_lines(frame, merge.report, offset);
+  return frame.bytes();
+}
+
+Json graft_fields(const ShownGraft& graft) {
+  const MergeOutcome& merge = *graft.report.merge;
+  const MergeReport& report = merge.report;
+  Json pairs = Json::array();
+  for (const PairReport& pair : report.pairs) pairs.push_back(pair_json(pair));
+  const Eigen::Affine3d map = map_of(report.shape.similarity) * merge.posing;
+  return {{"graft", graft.number},
+          {"dragged", graft.dragged},
+          {"seconds", graft.report.seconds.total},
+          {"transform", matrix_json(map)},
+          {"size", std::cbrt(std::abs(map.linear().determinant()))},
+          {"normal_angle_deg", merge.options.normal_angle_deg},
+          {"pairs", pairs},
+          {"seam", seam_json(report.seam)},
+          {"inverted", report.shape.inverted},
+          {"self_intersections", merge.self_intersections ? Json(*merge.self_intersections) : Json()},
+          {"notes", graft.report.notes}};
+}
+
+}  // namespace meshgraft::editor

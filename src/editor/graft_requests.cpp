@@ -1,0 +1,221 @@
+// The requests that concern parts, cuts and grafts.
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/samples/samples.h>
+
+#include "edit/sha256.h"
+#include "graft_actions.h"
+#include "graft_frames.h"
+#include "mesh_frames.h"
+#include "session.h"
+
+namespace meshgraft::editor {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<std::string_view, 18> merge_fields = {
+    "target",   "source",           "pose",        "shape",   "pairs", "matches",          "at",
+    "mirror",   "source_transform", "align",       "size",    "fixed", "normal_angle_deg", "reach",
+    "features", "smooth_boundary",  "fix_winding", "settings"};
+
+std::vector<std::string_view> graft_fields_and(std::initializer_list<std::string_view> others) {
+  std::vector<std::string_view> names(merge_fields.begin(), merge_fields.end());
+  names.insert(names.end(), others);
+  return names;
+}
+
+// As an edit in `folder` names it: from there on where it lies below.
+std::string path_from(const fs::path& folder, const fs::path& file) {
+  const fs::path relative = file.lexically_relative(folder);
+  const bool is_below = !relative.empty() && *relative.begin() != "..";
+  return is_below ? relative.string() : file.string();
+}
+
+// Length along the loop, and the centre of its edges.
+Json loop_json(const Points& points, const std::vector<Index>& loop) {
+  double length = 0;
+  Eigen::RowVector3d moment = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const Eigen::RowVector3d a = points.row(loop[k]), b = points.row(loop[(k + 1) % loop.size()]);
+    length += (b - a).norm();
+    moment += (b - a).norm() * (a + b) / 2;
+  }
+  const Eigen::RowVector3d centre = length > 0 ? (moment / length).eval() : points.row(loop.front()).eval();
+  return {{"vertices", loop.size()}, {"length", length}, {"centre", {centre.x(), centre.y(), centre.z()}}};
+}
+
+int count_ways(const json::Object& fields, std::initializer_list<std::string_view> ways) {
+  int count = 0;
+  for (const std::string_view way : ways) count += int{fields.has(way)};
+  return count;
+}
+
+}  // namespace
+
+// The object that the field `mesh` names; the model where there is none.
+std::shared_ptr<const Object> Worker::object_of(const json::Object& fields) {
+  std::string name;
+  fields.optional("mesh", [&](const json::Value& v) { name = v.name(); });
+  return open_one().object(name);
+}
+
+// The file that `path` or `upload` names.
+fs::path Worker::mesh_file(const json::Object& fields) {
+  const fs::path asked = fields.has("upload")
+                             ? shared_.upload_folder / fs::path(fields.required("upload").name()).filename()
+                             : fs::path(fields.required("path").name());
+  return shared_.folders.mesh_to_read(asked);
+}
+
+Json Worker::part(const json::Value& message, const Context& context) {
+  enum class What { add, remove, edit };
+  const json::Object fields(message, {"id", "do", "what", "path", "sample", "resolution", "upload", "name"});
+  const What what = fields.required("what").choice<What>(
+      {{"add", What::add}, {"remove", What::remove}, {"edit", What::edit}});
+  const EditFile& edit = open_one().document().edit;
+  Json document = open_one().document().json;
+  if (what == What::remove) {
+    remove_part(document, edit, fields.required("name").name());
+    return change("remove part", document, context);
+  }
+  if (what == What::edit) {
+    require_no_graft(edit, "part");
+    edit_part(document, edit, fields.required("name").name());
+    return change("edit part", document, context);
+  }
+  if (count_ways(fields, {"path", "sample", "upload"}) != 1)
+    message.fail("expected one of the fields 'path', 'sample' and 'upload'");
+  Json input;
+  std::string name;
+  if (fields.has("sample")) {
+    name = fields.required("sample").name();
+    input = {{"sample", name}};
+    fields.optional("resolution", [&](const json::Value& v) { input["resolution"] = v.integer_in(4, 4096); });
+  } else {
+    fs::path file = mesh_file(fields);
+    if (fields.has("upload")) file = open_one().kept_upload(file);
+    name = file.stem().empty() ? "part" : file.stem().string();
+    input = {{"file", path_from(edit.base_folder, file)}, {"sha256", sha256(read_file(file))}};
+  }
+  const bool is_named = fields.has("name");
+  if (is_named) name = fields.required("name").name();
+  const std::string part = add_part(document, edit, input, name, !is_named);
+  return change("add part", document, context, {{"name", part}});
+}
+
+Json Worker::loops(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do", "mesh"});
+  const std::shared_ptr<const Object> object = object_of(fields);
+  Json loops = Json::array();
+  for (const std::vector<Index>& loop : object->loops)
+    loops.push_back(loop_json(object->mesh().positions, loop));
+  outbox_.send(loops_frame(*object));
+  return {{"loops", loops}};
+}
+
+Json Worker::cut(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "mesh", "plane", "loop", "keep", "snap"});
+  const EditFile& edit = open_one().document().edit;
+  require_no_graft(edit, "cut");
+  Json step = {{"kind", "cut"}, {"mesh", object_of(fields)->name}};
+  for (const char* field : {"plane", "loop", "keep", "snap"})
+    fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
+  if (count_ways(fields, {"plane", "loop"}) != 1) message.fail("expected one of the fields 'plane' and 'loop'");
+  Json document = open_one().document().json;
+  add_cut(document, edit, std::move(step));
+  return change("cut", document, context);
+}
+
+// The fields of a merge step that a request has; `fixed` may stand for what is selected on the source.
+Json Worker::graft_fields_of(const json::Object& fields) {
+  Json given = Json::object();
+  for (const std::string_view name : merge_fields)
+    fields.optional(name, [&](const json::Value& v) { given[std::string(name)] = v.raw(); });
+  for (const char* side : {"target", "source"})
+    fields.optional(side, [&](const json::Value& v) { open_one().object(v.name()); });
+  return given;
+}
+
+// The document with a graft as `fields` say.
+Json Worker::with_graft(Json given) {
+  const EditFile& edit = open_one().document().edit;
+  Json document = open_one().document().json;
+  const bool means_selection = given.contains("fixed") && given["fixed"] == true;
+  if (means_selection) given.erase("fixed");
+  set_graft(document, edit, given);
+  Json& step = document["steps"].back();
+  if (means_selection) step["fixed"] = selected_on(step["source"]);
+  return document;
+}
+
+Json Worker::graft(const json::Value& message, const Context& context) {
+  enum class What { set, cancel, swap };
+  const json::Object fields(message, graft_fields_and({"id", "do", "what"}));
+  What what = What::set;
+  fields.optional("what", [&](const json::Value& v) {
+    what = v.choice<What>({{"set", What::set}, {"cancel", What::cancel}, {"swap", What::swap}});
+  });
+  const EditFile& edit = open_one().document().edit;
+  const Json given = graft_fields_of(fields);
+  if (what != What::set && !given.empty()) message.fail("there are no fields to go with 'what'");
+  const bool starts = merge_in_work(edit) == nullptr;
+  Json document = open_one().document().json;
+  if (what == What::set) document = with_graft(given);
+  if (what == What::cancel) cancel_graft(document, edit);
+  if (what == What::swap) swap_graft(document, edit);
+  open_one().change(what == What::cancel ? "cancel graft"
+                    : starts             ? "start graft"
+                                         : "graft",
+                    document, context);
+  tell_state();
+  return shown_graft();
+}
+
+Json Worker::graft_drag(const json::Value& message, const Context& context) {
+  const json::Object fields(message, graft_fields_and({"id", "do"}));
+  const Json given = graft_fields_of(fields);
+  open_one().drag_graft(given.empty() ? open_one().document().json : with_graft(given), context);
+  return shown_graft();
+}
+
+Json Worker::shown_graft() {
+  Json result = {{"graft", open_one().graft_number()}};
+  try {
+    if (const auto stand = open_one().drop_stand_of_last()) result["transform"] = matrix_json(*stand);
+  } catch (const Error&) {  // what is wrong with the place, the event `graft` tells
+  }
+  return result;
+}
+
+Json Worker::thumbnail(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do", "path", "sample", "upload", "mesh", "size"});
+  if (count_ways(fields, {"path", "sample", "upload", "mesh"}) != 1)
+    message.fail("expected one of the fields 'path', 'sample', 'upload' and 'mesh'");
+  Thumbnails::Task task;
+  task.request = {message.raw().at("id"), "thumbnail", {}};
+  fields.optional("size", [&](const json::Value& v) { task.size = static_cast<int>(v.integer_in(16, 512)); });
+  if (fields.has("mesh")) {
+    task.mesh = [scene = object_of(fields)->shared_scene](const Context&) {
+      return std::shared_ptr<const Mesh>(scene, &scene->mesh);
+    };
+  } else if (fields.has("sample")) {
+    task.mesh = [name = fields.required("sample").name()](const Context&) {
+      return std::make_shared<const Mesh>(make_sample(name));
+    };
+  } else {
+    task.mesh = [file = mesh_file(fields)](const Context& context) {
+      return std::make_shared<const Mesh>(read_mesh(file, context));
+    };
+  }
+  thumbnails_.push(std::move(task));
+  return Json(Json::value_t::discarded);
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,96 @@
+#include "graft_view.h"
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+#include "graft_frames.h"
+
+namespace meshgraft::editor {
+
+GraftView::GraftView(Outbox outbox) : outbox_(std::move(outbox)) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+}
+
+GraftView::~GraftView() {
+  clear();
+  thread_.request_stop();
+}
+
+std::int64_t GraftView::show(GraftJob job) {
+  const std::lock_guard lock(mutex_);
+  if (!job.dragged || running_dragged_ == false) running_stop_.request_stop();
+  if (!job.dragged) outcome_.reset();
+  waiting_ = Numbered{std::move(job), ++last_number_};
+  changed_.notify_all();
+  return last_number_;
+}
+
+void GraftView::clear() {
+  const std::lock_guard lock(mutex_);
+  running_stop_.request_stop();
+  waiting_.reset();
+  outcome_.reset();
+}
+
+std::shared_ptr<const Scene> GraftView::take_outcome() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(outcome_, nullptr);
+}
+
+void GraftView::work(const std::stop_token& stop) {
+  while (true) {
+    Numbered next;
+    std::stop_token superseded;
+    {
+      std::unique_lock lock(mutex_);
+      running_dragged_.reset();
+      if (!changed_.wait(lock, stop, [&] { return waiting_.has_value(); })) return;
+      next = std::move(*waiting_);
+      waiting_.reset();
+      running_dragged_ = next.job.dragged;
+      running_stop_ = {};
+      superseded = running_stop_.get_token();
+    }
+    run(next, superseded);
+  }
+}
+
+void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
+  const auto& [job, number] = numbered;
+  const EditFile& edit = job.document.edit;
+  const EditStep& step = edit.steps.back();
+  Context context;
+  context.stop_token = stop;
+  if (!job.dragged)
+    context.progress = [outbox = outbox_](std::string_view stage, double fraction) {
+      outbox.tell("progress", {{"of", nullptr}, {"stage", stage}, {"fraction", fraction}}, "graft progress");
+    };
+  std::vector<std::byte> frame;
+  std::shared_ptr<const Scene> outcome;
+  Json told = {{"graft", number}, {"dragged", job.dragged}};
+  try {
+    std::map<std::string, Scene> scenes{{job.target->name, job.target->scene()},
+                                        {job.source->name, job.source->scene()}};
+    const StepReport report =
+        run_step(edit, step, fmt::format("{}: steps[{}]", edit.place, edit.steps.size() - 1), scenes,
+                 {.estimate_condition = false}, context);
+    outcome = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
+    const ShownGraft shown{*job.target, *job.source, outcome->mesh, report, number, job.dragged};
+    frame = graft_frame(shown);
+    told = graft_fields(shown);
+  } catch (...) {
+    told["error"] = error_json(current_error());
+  }
+  const std::lock_guard lock(mutex_);
+  if (stop.stop_requested()) return;
+  if (!job.dragged) outcome_ = std::move(outcome);
+  if (!frame.empty()) outbox_.send(std::move(frame), "graft");
+  outbox_.tell("graft", std::move(told), "graft told");
+}
+
+}  // namespace meshgraft::editor

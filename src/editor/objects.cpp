@@ -1,0 +1,194 @@
+#include "objects.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "edit/sha256.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+void collect_words(const Json& json, std::set<std::string>& words) {
+  if (json.is_string()) words.insert(json.get<std::string>());
+  if (json.is_structured())
+    for (const Json& part : json) collect_words(part, words);
+}
+
+void find_box(Object& base) {
+  Eigen::RowVector3d least = Eigen::RowVector3d::Zero(), most = least;
+  bool any = false;
+  for (const auto& point : base.mesh().positions.rowwise()) {
+    if (!point.allFinite()) continue;
+    least = any ? least.cwiseMin(point).eval() : point.eval();
+    most = any ? most.cwiseMax(point).eval() : point.eval();
+    any = true;
+  }
+  base.offset = (least + most) / 2;
+  base.diagonal = (most - least).norm();
+}
+
+void find_selections(Object& base) {
+  const Scene& scene = base.scene();
+  const Finding* torn = scene.triage.find("duplicate-vertex");
+  if (torn != nullptr && !scene.is_cut) base.weld = weld_at(scene.mesh, torn->indices);
+  if (!base.weld.empty()) base.welded = welded(scene.mesh, base.weld);
+  base.selections.emplace(base.weld.empty() ? scene.mesh : base.welded, base.weld);
+  base.loops = base.weld.empty() ? base.selections->loops : boundary_loops(scene.mesh);
+}
+
+// Names of folders may be no UTF-8.
+std::string key_of(const Json& made_from) {
+  return sha256(made_from.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+// The meshes that a step starts from.
+std::vector<std::string> meshes_of(const EditStep& step) {
+  std::vector<std::string> names{mesh_of(step)};
+  if (const auto* merge = std::get_if<MergeStep>(&step.action)) names.push_back(merge->source);
+  return names;
+}
+
+// Of all meshes that there are, inputs first.
+std::vector<std::string> names_after(const EditFile& edit, std::size_t count) {
+  std::vector<std::string> names;
+  for (const EditInput& input : edit.inputs) names.push_back(input.name);
+  for (std::size_t i = 0; i < count; ++i)
+    if (std::find(names.begin(), names.end(), outcome_of(edit.steps[i])) == names.end())
+      names.push_back(outcome_of(edit.steps[i]));
+  return names;
+}
+
+}  // namespace
+
+Json selections_used(const Json& document, const Json& json) {
+  Json used = Json::object();
+  if (!document.contains("selections")) return used;
+  std::set<std::string> words;
+  collect_words(json, words);
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const auto& [name, selection] : document["selections"].items()) {
+      if (used.contains(name) || !words.contains(name)) continue;
+      used[name] = selection;
+      collect_words(selection, words);
+      grew = true;
+    }
+  }
+  return used;
+}
+
+const std::shared_ptr<const Object>& Stage::named(const std::string& name) const {
+  if (model->name == name) return model;
+  for (const auto& part : parts)
+    if (part->name == name) return part;
+  throw Error(ErrorCode::input, fmt::format("there is no object named '{}'", name), "mesh");
+}
+
+struct Objects::Keys {
+  std::string folder;
+  std::vector<std::string> steps;
+  const Document& document;
+
+  explicit Keys(const Document& document_) : folder(document_.edit.base_folder.string()), document(document_) {
+    const auto& all = document.edit.steps;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Json& step = document.json["steps"][i];
+      Json made_from = {step, selections_used(document.json, step), folder};
+      for (const std::string& name : meshes_of(all[i])) made_from.push_back(of(name, i));
+      steps.push_back(key_of(made_from));
+    }
+  }
+
+  std::optional<std::size_t> maker(const std::string& name, std::size_t count) const {
+    while (count > 0)
+      if (outcome_of(document.edit.steps[--count]) == name) return count;
+    return std::nullopt;
+  }
+
+  std::string of(const std::string& name, std::size_t count) const {
+    if (const auto step = maker(name, count)) return steps[*step];
+    return key_of({document.json["inputs"][name], folder});
+  }
+};
+
+std::shared_ptr<const Scene> Objects::input(const Document& document, const std::string& name, const Keys& keys,
+                                            const Context& context) {
+  const std::string key = keys.of(name, 0);
+  if (auto known = inputs_.find(key)) return known;
+  EditFile alone = document.edit;
+  std::erase_if(alone.inputs, [&](const EditInput& one) { return one.name != name; });
+  auto read = std::make_shared<const Scene>(std::move(load_inputs(alone, context).scenes.at(name)));
+  inputs_.put(key, read);
+  return read;
+}
+
+std::shared_ptr<const Scene> Objects::scene(const Document& document, const std::string& name,
+                                            std::size_t count, const Keys& keys, const Context& context) {
+  const std::optional<std::size_t> maker = keys.maker(name, count);
+  if (!maker) return input(document, name, keys, context);
+  const std::string& key = keys.steps[*maker];
+  if (auto known = scenes_.find(key)) return known;
+  const EditStep& step = document.edit.steps[*maker];
+  std::map<std::string, Scene> scenes;
+  for (const std::string& used : meshes_of(step))
+    scenes.insert_or_assign(used, *scene(document, used, *maker, keys, context));
+  run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.place, *maker), scenes,
+           {.estimate_condition = false}, context);
+  auto made = std::make_shared<const Scene>(std::move(scenes.at(name)));
+  scenes_.put(key, made);
+  return made;
+}
+
+std::shared_ptr<const Object> Objects::object(const std::string& name, const std::string& key,
+                                              std::shared_ptr<const Scene> scene) {
+  if (auto known = objects_.find(name + key)) return known;
+  const auto made = std::make_shared<Object>();
+  made->name = name;
+  made->shared_scene = std::move(scene);
+  made->id = ++last_id_;
+  find_box(*made);
+  find_selections(*made);
+  made->triangles = triangulate(made->mesh(), {.skip_out_of_range = true}).triangles;
+  objects_.put(name + key, made);
+  return made;
+}
+
+Stage Objects::before(const Document& document, const Context& context) {
+  const EditFile& edit = document.edit;
+  const std::size_t count = step_in_work(edit).value_or(edit.steps.size());
+  const Keys keys(document);
+  const std::string model = model_of(edit);
+  Stage stage;
+  for (const std::string& name : names_after(edit, count)) {
+    auto found = object(name, keys.of(name, count), scene(document, name, count, keys, context));
+    if (name == model)
+      stage.model = std::move(found);
+    else
+      stage.parts.push_back(std::move(found));
+  }
+  constexpr std::size_t most_undone = 3;
+  const std::size_t most = stage.parts.size() + 1 + most_undone;
+  inputs_.keep(edit.inputs.size() + most_undone);
+  scenes_.keep(most);
+  objects_.keep(most);
+  return stage;
+}
+
+std::shared_ptr<const Scene> Objects::after(const Document& document, std::size_t count,
+                                            const std::string& name, const Context& context) {
+  return scene(document, name, count, Keys(document), context);
+}
+
+void Objects::learn(const Document& document, std::shared_ptr<const Scene> outcome) {
+  const std::string key = Keys(document).steps.back();
+  if (!scenes_.find(key)) scenes_.put(key, std::move(outcome));
+}
+
+}  // namespace meshgraft::editor

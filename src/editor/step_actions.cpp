@@ -1,0 +1,79 @@
+// Changes of steps that need not be the one that is worked on.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+
+#include "document_actions.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+Json& step_at(Json& document, std::size_t index) {
+  Json& steps = document["steps"];
+  if (index >= steps.size())
+    throw Error(ErrorCode::input, fmt::format("there is no step {}; there are {}", index, steps.size()),
+                "index", "Steps are counted from 0.");
+  return steps[index];
+}
+
+void merge_fields(Json& into, const Json& changes) {
+  for (const auto& [name, value] : changes.items())
+    if (value.is_null())
+      into.erase(name);
+    else
+      into[name] = value;
+}
+
+// Wherever it stands: {"produced": {"step", "what"}}.
+void rename_producer(Json& json, const Json& from, const std::string& to) {
+  if (!json.is_structured()) return;
+  if (json.is_object() && json.contains("produced") && json["produced"].is_object() &&
+      json["produced"].value("step", Json()) == from)
+    json["produced"]["step"] = to;
+  for (Json& part : json) rename_producer(part, from, to);
+}
+
+}  // namespace
+
+void change_step(Json& document, std::size_t index, const StepChange& change) {
+  Json& step = step_at(document, index);
+  Json fields = change.fields;
+  if (fields.contains("settings") && fields["settings"].is_object()) {
+    merge_fields(step["settings"], fields["settings"]);
+    fields.erase("settings");
+  }
+  merge_fields(step, fields);
+  for (const auto& [name, pose] : change.poses.items()) {
+    const auto is_meant = [&, wanted = name](const Json& handle) { return handle["name"] == wanted; };
+    Json& handles = step["handles"];
+    const auto handle = std::find_if(handles.begin(), handles.end(), is_meant);
+    if (handle == handles.end())
+      throw Error(ErrorCode::input, fmt::format("step {} has no handle named '{}'", index, name), "poses");
+    (*handle)["pose"] = pose;
+  }
+}
+
+void remove_step(Json& document, std::size_t index) {
+  step_at(document, index);
+  if (document["steps"].size() == 1)
+    throw Error(ErrorCode::usage, "this is the only step", "index",
+                "Change it, or go back to the first state.");
+  document["steps"].erase(index);
+}
+
+void rename_step(Json& document, std::size_t index, const std::string& name) {
+  Json& step = step_at(document, index);
+  const Json before = step.value("name", Json());
+  if (name.empty())
+    step.erase("name");
+  else
+    step["name"] = name;
+  if (before.is_null() || name.empty()) return;
+  for (const char* part : {"selections", "steps"})
+    if (document.contains(part)) rename_producer(document[part], before, name);
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,60 @@
+// The requests that concern whole steps, and what of them holds for all of a step.
+#include <meshgraft/core/error.h>
+
+#include "session.h"
+
+namespace meshgraft::editor {
+
+namespace {
+
+// Through the middle of the model's box, across its x axis.
+Json default_plane(const Object& base) {
+  return {{"point", {base.offset.x(), base.offset.y(), base.offset.z()}}, {"normal", {1, 0, 0}}};
+}
+
+Json object_in(const json::Object& fields, std::string_view name) {
+  Json object = Json::object();
+  fields.optional(name, [&](const json::Value& value) {
+    if (!value.is_object()) value.fail("expected an object");
+    object = value.raw();
+  });
+  return object;
+}
+
+}  // namespace
+
+Json Worker::symmetry(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "plane", "tolerance_rel"});
+  Workspace& workspace = open_one();
+  Json document = workspace.document().json;
+  Json plane = default_plane(workspace.view().base());
+  fields.optional("plane", [&](const json::Value& value) {
+    if (!value.is_null()) json::Object(value, {"point", "normal"});
+    plane = value.raw();
+  });
+  if (!plane.is_null())
+    fields.optional("tolerance_rel",
+                    [&](const json::Value& value) { plane["tolerance_rel"] = value.positive_number(); });
+  set_symmetry(document, plane);
+  return change(plane.is_null() ? "symmetry off" : "symmetry", document, context);
+}
+
+Json Worker::step(const json::Value& message, const Context& context) {
+  enum class What { change, remove, rename };
+  const json::Object fields(message, {"id", "do", "what", "index", "fields", "poses", "name"});
+  const What what = fields.required("what").choice<What>(
+      {{"change", What::change}, {"remove", What::remove}, {"rename", What::rename}});
+  const auto index = static_cast<std::size_t>(fields.required("index").vertex());
+  Json document = open_one().document().json;
+  switch (what) {
+    case What::change:
+      change_step(document, index, {object_in(fields, "fields"), object_in(fields, "poses")});
+      return change("change step", document, context);
+    case What::remove: remove_step(document, index); return change("remove step", document, context);
+    case What::rename: break;
+  }
+  rename_step(document, index, fields.required("name").string());
+  return change("rename step", document, context);
+}
+
+}  // namespace meshgraft::editor

@@ -1,0 +1,104 @@
+#include "thumbnails.h"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+
+#include "binary_frame.h"
+#ifdef MESHGRAFT_HAS_RENDER
+#include "render/render.h"
+#endif
+
+namespace meshgraft::editor {
+
+namespace {
+
+constexpr std::size_t most_waiting = 10'000;  // as many as a folder's list has entries
+
+#ifdef MESHGRAFT_HAS_RENDER
+std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, const Context& context) {
+  const std::array shapes{render::Shape{&mesh, render::vertex_colours(mesh)}};
+  render::RenderOptions options;
+  options.width = options.height = size;
+  options.occlusion_rays = 8;
+  options.ground = false;
+  return render::png_bytes(render::render(shapes, options, context));
+}
+
+void require_pictures() {}
+#else
+std::vector<std::uint8_t> picture_of(const Mesh&, int, const Context&) { return {}; }
+
+void require_pictures() {
+  throw Error(ErrorCode::usage, "this build of meshgraft makes no pictures", "thumbnail",
+              "Build it with MESHGRAFT_WITH_RENDER.");
+}
+#endif
+
+}  // namespace
+
+Thumbnails::Thumbnails(Outbox outbox) : outbox_(std::move(outbox)) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+}
+
+Thumbnails::~Thumbnails() {
+  cancel(nullptr);
+  thread_.request_stop();
+}
+
+void Thumbnails::push(Task task) {
+  require_pictures();
+  const std::lock_guard lock(mutex_);
+  if (waiting_.size() >= most_waiting)
+    throw Error(ErrorCode::usage, "too many requests wait", "thumbnail", "Wait for their replies.");
+  waiting_.push_back(std::move(task));
+  changed_.notify_all();
+}
+
+std::vector<Request> Thumbnails::cancel(const Json& id) {
+  const std::lock_guard lock(mutex_);
+  if (id.is_null() || running_id_ == id) running_stop_.request_stop();
+  const auto is_meant = [&](const Task& task) { return id.is_null() || task.request.id == id; };
+  std::vector<Request> taken;
+  for (const Task& task : waiting_)
+    if (is_meant(task)) taken.push_back(task.request);
+  std::erase_if(waiting_, is_meant);
+  return taken;
+}
+
+void Thumbnails::work(const std::stop_token& stop) {
+  while (true) {
+    Task task;
+    std::stop_token cancelled;
+    {
+      std::unique_lock lock(mutex_);
+      running_id_ = nullptr;
+      if (!changed_.wait(lock, stop, [&] { return !waiting_.empty(); })) return;
+      task = std::move(waiting_.front());
+      waiting_.pop_front();
+      running_id_ = task.request.id;
+      running_stop_ = {};
+      cancelled = running_stop_.get_token();
+    }
+    make(task, cancelled);
+  }
+}
+
+void Thumbnails::make(const Task& task, const std::stop_token& stop) {
+  try {
+    Context context;
+    context.stop_token = stop;
+    const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, context);
+    BinaryFrame frame(BinaryFrame::Kind::thumbnail,
+                      {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
+    frame.add("png", picture);
+    outbox_.send(frame.bytes());
+    outbox_.reply(task.request.id, {{"bytes", picture.size()}});
+  } catch (...) {
+    outbox_.refuse(task.request.id, current_error());
+  }
+}
+
+}  // namespace meshgraft::editor

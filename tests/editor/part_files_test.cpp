@@ -1,0 +1,148 @@
+// Where parts come from, and what of them is kept.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <meshgraft/samples/samples.h>
+
+#include "graft_editor.h"
+
+namespace meshgraft::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PartFiles : public GraftEditor {
+ protected:
+  void SetUp() override {
+    write_mesh(make_sample("bust", 20), folder_ / "bust.ply");
+    fs::create_directory(folder_ / "library");
+    write_mesh(make_sample("head", 18), folder_ / "library" / "head.ply");
+  }
+  Json add(const char* where, const std::string& name) {
+    return page_.ask({{"do", "part"}, {"what", "add"}, {where, name}});
+  }
+  void open_bust_file() { page_.ask({{"do", "open"}, {"path", "bust.ply"}}); }
+};
+
+TEST_F(PartFiles, NamesAPartFromTheEditOn) {
+  open_bust_file();
+  EXPECT_EQ(add("path", "library/head.ply")["name"], "head");
+  const Frame frame = shown(graft({{"source", "head"}}));
+  fs::create_directory(folder_ / "edits");
+  page_.ask({{"do", "save"}, {"edit", "edits/graft.json"}});
+  const EditFile edit = read_edit_file(folder_ / "edits" / "graft.json");
+  EXPECT_EQ(edit.inputs[1].file, "../library/head.ply");
+  EXPECT_EQ(run_edit(edit).mesh.vertex_count(), frame.header["vertices"]);
+  EXPECT_EQ(page_.refusal({{"do", "save"}, {"mesh", "library/head.ply"}, {"overwrite", true}})["code"], "usage")
+      << "an input";
+}
+
+TEST_F(PartFiles, RefusesWaysOutOfItsFolders) {
+  const TemporaryFolder outside;
+  fs::copy_file(folder_ / "bust.ply", outside / "secret.ply");
+  const std::string secret = (outside / "secret.ply").string();
+  fs::create_symlink(secret, folder_ / "link.ply");
+  folder_.file("refers.obj", "mtllib ../" + outside.path().filename().string() +
+                                 "/secret.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  outside.file("secret.mtl", "newmtl a\n");
+  open_bust_file();
+  for (const std::string& path : {secret, std::string("link.ply"), std::string("../secret.ply"),
+                                  std::string("refers.obj"), std::string("/etc/passwd")}) {
+    EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "add"}, {"path", path}})["code"], "input") << path;
+    EXPECT_EQ(page_.refusal({{"do", "thumbnail"}, {"path", path}})["code"], "input") << path;
+  }
+  EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "add"}, {"upload", "../../etc/passwd"}})["code"], "io");
+  add("path", "library/head.ply");
+  const Json elsewhere = {{"file", (outside / "indices.txt").string()}};
+  for (const char* what : {"graft", "graft-drag"})
+    EXPECT_EQ(page_.refusal({{"do", what}, {"pose", "keep"}, {"fixed", elsewhere}})["code"], "input");
+}
+
+TEST_F(PartFiles, KeepsAnUploadBesideTheEdit) {
+  const std::string head = read_file(folder_ / "library" / "head.ply");
+  const std::string upload = page_.upload("arm.ply", head);
+  open_bust_file();
+  EXPECT_EQ(add("upload", upload)["name"], fs::path(upload).stem().string());
+  const Frame frame = shown(graft(Json::object()));
+  fs::create_directory(folder_ / "edits");
+  (void)std::ofstream(folder_ / "edits" / upload.c_str()).write("another", 7);
+  page_.ask({{"do", "save"}, {"edit", "edits/graft.json"}});
+  const EditFile edit = read_edit_file(folder_ / "edits" / "graft.json");
+  for (const EditInput& input : edit.inputs) {
+    if (input.name == "bust") continue;
+    EXPECT_EQ(read_file(folder_ / "edits" / input.file.c_str()), head) << input.file;
+  }
+  EXPECT_EQ(run_edit(edit).mesh.vertex_count(), frame.header["vertices"]);
+  EXPECT_EQ(page_.ask({{"do", "list"}, {"folder", folder_.path().string()}})["folders"],
+            (Json{"edits", "library"}))
+      << "what the journal keeps is not listed";
+}
+
+TEST_F(PartFiles, RestoresPartsAndGraftsAfterACrash) {
+  open_bust_file();
+  add("path", "library/head.ply");
+  page_.ask({{"do", "cut"},
+             {"mesh", "head"},
+             {"plane", {{"point", {0, 0, -0.3}}, {"normal", {0, 0, 1}}}},
+             {"keep", "above"}});
+  const std::string upload = page_.upload("other.ply", read_file(folder_ / "library" / "head.ply"));
+  add("upload", upload);
+  const std::vector<float> grafted = shown(graft({{"source", "head"}})).numbers.at("positions");
+  const fs::path journal = folder_ / "bust.ply.meshgraft-session";
+  // A machine that stops leaves the folder as it is; another program then takes it up.
+  const TemporaryFolder later;
+  fs::copy(folder_.path(), later.path(), fs::copy_options::recursive);
+  const RunningEditor next({later.path()});
+  Page page(next.url());
+  page.ask({{"do", "open"}, {"path", "bust.ply"}});
+  EXPECT_EQ(page.event("offer-restore")["changes"], 4);
+  page.ask({{"do", "restore"}});
+  const Json now = page.ask({{"do", "state"}});
+  EXPECT_EQ(now["parts"].size(), 2u);
+  EXPECT_EQ(now["graft"]["step"]["source"], "head");
+  EXPECT_EQ(page.frame(6).numbers.at("positions"), grafted);
+  page.ask({{"do", "accept"}});
+  page.ask({{"do", "save"}, {"edit", "graft.json"}});
+  page.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 8}});
+  EXPECT_FALSE(fs::exists(later / "bust.ply.meshgraft-session")) << "all is saved";
+  EXPECT_FALSE(fs::exists(later / "bust.ply.meshgraft-session.parts"));
+  EXPECT_EQ(run_edit(read_edit_file(later / "graft.json")).report.steps.size(), 2u);
+}
+
+TEST_F(PartFiles, MakesThumbnails) {
+  const int before_open = page_.send({{"do", "thumbnail"}, {"path", "library/head.ply"}, {"size", 48}});
+  const Json reply = page_.reply_to(before_open);
+  if (reply.contains("error")) {
+    EXPECT_EQ(reply["error"]["code"], "usage");
+    GTEST_SKIP() << "built without the renderer";
+  }
+  const Frame picture = page_.frame(8);
+  EXPECT_EQ(picture.header["of"], before_open);
+  const std::string& png = picture.bytes.at("png");
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x30\0\0\0\x30", 8)) << "width and height";
+  EXPECT_EQ(reply["result"]["bytes"], png.size());
+  open_bust_file();
+  EXPECT_GT(page_.ask({{"do", "thumbnail"}, {"mesh", "bust"}, {"size", 16}})["bytes"], 100);
+  EXPECT_GT(page_.ask({{"do", "thumbnail"}, {"sample", "bar"}, {"size", 16}})["bytes"], 100);
+  folder_.file("text.ply", "no mesh");
+  folder_.file("points.obj", "v 0 0 0\n");
+  for (const Json& request :
+       {Json{{"do", "thumbnail"}}, Json{{"do", "thumbnail"}, {"path", "text.ply"}},
+        Json{{"do", "thumbnail"}, {"path", "points.obj"}}, Json{{"do", "thumbnail"}, {"sample", "unicorn"}},
+        Json{{"do", "thumbnail"}, {"mesh", "none"}},
+        Json{{"do", "thumbnail"}, {"mesh", "bust"}, {"size", 9000}}})
+    EXPECT_EQ(page_.refusal(request)["code"], "input") << request;
+  std::vector<int> asked;
+  for (int k = 0; k < 30; ++k)
+    asked.push_back(page_.send({{"do", "thumbnail"}, {"path", "library/head.ply"}, {"size", 256}}));
+  EXPECT_EQ(page_.ask({{"do", "state"}})["name"], "bust.ply");
+  page_.ask({{"do", "cancel"}});
+  int cancelled = 0;
+  for (const int id : asked) cancelled += page_.reply_to(id).contains("error") ? 1 : 0;
+  EXPECT_GT(cancelled, 15) << "the state did not wait for them";
+}
+
+}  // namespace
+}  // namespace meshgraft::test

@@ -1,0 +1,113 @@
+// All that a page may ask, held against the schema of the messages.
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <sys/wait.h>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/samples/samples.h>
+
+#include "io/temporary_folder.h"
+#include "page_client.h"
+
+namespace meshgraft::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+void ask_all_of_deforming(Page& page, const fs::path& model) {
+  const Json turn = {{"rotate", {{"axis", {1, 0, 0}}, {"angle_deg", 40}}}, {"translate", {0.1, 0, 0}}};
+  page.ask({{"do", "list"}});
+  page.ask({{"do", "list"}, {"folder", model.parent_path().string()}});
+  page.ask({{"do", "open"}, {"path", model.string()}});
+  page.ask({{"do", "select"}, {"how", "set"}, {"what", {{"flood", {{"vertex", 0}, {"angle_deg", 30}}}}}});
+  page.ask({{"do", "select"}, {"how", "grow"}, {"rings", 1}});
+  page.ask({{"do", "select"}, {"how", "invert"}});
+  page.ask({{"do", "group"}, {"name", "rest"}, {"colour", "#ff8800"}});
+  page.ask({{"do", "group"}, {"name", "rest"}, {"remove", true}});
+  const std::vector<int> top = page.vertices([](double, double, double z) { return z > 3.7; });
+  page.ask({{"do", "paint-handle"}, {"vertices", top}, {"name", "top"}, {"reach", 2.0}});
+  page.ask({{"do", "reach"}, {"handle", "top"}, {"reach", 1.5}});
+  page.ask({{"do", "fixed"}, {"select", {{"half_space", {{"point", {0, 0, 2.5}}, {"normal", {0, 0, -1}}}}}}});
+  page.ask({{"do", "fixed"}, {"rim", true}});
+  page.ask({{"do", "region"}, {"select", {{"half_space", {{"point", {0, 0, 2}}, {"normal", {0, 0, 1}}}}}}});
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "drag"}, {"poses", {{"top", turn}}}});
+  page.exact(page.ask({{"do", "pose"}, {"poses", {{"top", turn}}}})["pose"]);
+  page.ask({{"do", "settings"}, {"settings", {{"method", "ft05"}}}});
+  page.frame(3);
+  page.ask({{"do", "handle"}, {"what", "rename"}, {"name", "top"}, {"to", "end"}});
+  page.ask({{"do", "symmetry"}});
+  page.ask({{"do", "symmetry"}, {"plane", nullptr}});
+  page.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"fields", {{"about", "bent"}}}});
+  page.ask({{"do", "step"}, {"what", "rename"}, {"index", 0}, {"name", "bend"}});
+  page.ask({{"do", "save"}, {"edit", "bar.json"}, {"mesh", "out.obj"}});
+  page.ask({{"do", "export"}, {"path", "out.glb"}, {"as", "morph-target"}, {"name", "bent"}});
+  page.ask({{"do", "accept"}});
+  page.ask({{"do", "step"}, {"what", "remove"}, {"index", 1}});
+  page.ask({{"do", "undo"}});
+  for (const char* what : {"undo", "redo", "reset", "state"}) page.ask({{"do", what}});
+}
+
+void ask_all_of_grafting(Page& page) {
+  const Json loop = {{"loop", 0}};
+  page.ask({{"do", "open"}, {"sample", "bust"}, {"resolution", 24}});
+  page.ask({{"do", "part"}, {"what", "add"}, {"sample", "head"}, {"resolution", 20}, {"name", "face"}});
+  page.ask({{"do", "part"}, {"what", "add"}, {"sample", "bar"}, {"resolution", 8}});
+  page.ask({{"do", "part"}, {"what", "edit"}, {"name", "bar"}});
+  page.ask({{"do", "part"}, {"what", "edit"}, {"name", "bust"}});
+  page.ask({{"do", "part"}, {"what", "remove"}, {"name", "bar"}});
+  page.ask({{"do", "loops"}, {"mesh", "face"}});
+  page.ask({{"do", "select"}, {"mesh", "face"}, {"how", "set"}, {"what", loop}});
+  page.ask({{"do", "cut"},
+            {"mesh", "face"},
+            {"plane", {{"point", {0, 0, -0.3}}, {"normal", {0, 0, 1}}}},
+            {"keep", "above"},
+            {"snap", 0.2}});
+  const auto told = [&](const Json& request) {
+    const Json number = page.ask(request)["graft"];
+    return page.event("graft", [&](const Json& event) { return event["graft"] >= number; });
+  };
+  EXPECT_TRUE(told({{"do", "graft"}, {"source", "face"}, {"target", "bust"}}).contains("seam"));
+  EXPECT_TRUE(
+      told({{"do", "graft"}, {"pairs", {{{"source_loop", loop}, {"target_loop", loop}}}}, {"size", 0.9}})
+          .contains("pairs"));
+  EXPECT_TRUE(told({{"do", "graft"}, {"what", "swap"}}).contains("transform"));
+  page.ask({{"do", "graft"}, {"what", "swap"}});
+  EXPECT_EQ(told({{"do", "graft-drag"}, {"normal_angle_deg", 20}})["dragged"], true);
+  EXPECT_TRUE(told({{"do", "graft-drag"}, {"pairs", nullptr}, {"at", {{"point", {9, 9, 9}}, {"spin_deg", 5}}}})
+                  .contains("error"));
+  page.ask({{"do", "state"}});
+  page.ask({{"do", "graft"}, {"what", "cancel"}});
+  page.ask({{"do", "graft"}, {"source", "face"}});
+  page.ask({{"do", "accept"}});
+  page.reply_to(page.send({{"do", "thumbnail"}, {"mesh", "face"}, {"size", 32}}));  // in any build
+}
+
+TEST(Protocol, IsSpokenAsItsSchemaSays) {
+  const TemporaryFolder folder;
+  const fs::path model = folder / "bar.ply";
+  write_mesh(make_sample("bar", 16), model);
+  const RunningEditor editor({folder.path()}, {model});
+  Page page(editor.url());
+  page.event("welcome");
+  ask_all_of_deforming(page, model);
+  ask_all_of_grafting(page);
+  page.ask({{"do", "cancel"}});
+  page.refusal({{"do", "restore"}});
+  page.refusal({{"do", "discard"}});
+  const fs::path file = folder.file("conversation.jsonl", page.conversation());
+  const std::string command = std::string(MESHGRAFT_PYTHON) +
+                              " " MESHGRAFT_SOURCE_DIR
+                              "/tests/editor/protocol_schema_test.py " MESHGRAFT_SOURCE_DIR " " +
+                              file.string();
+  const int status = std::system(command.c_str());
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "python3-jsonschema is missing";
+  EXPECT_EQ(status, 0);
+}
+
+}  // namespace
+}  // namespace meshgraft::test
