@@ -116,6 +116,7 @@ std::string add_handle(Json& document, const NewHandle& added) {
   if (added.name.empty()) handle["name"] = free_name(document, step, {});
   if (added.closed) handle["closed"] = *added.closed;
   if (!added.constrain.empty()) handle["constrain"] = added.constrain;
+  if (!added.pose.empty()) handle["pose"] = added.pose;
   if (added.reach) {
     const std::string selection = free_name(document, step, handle["name"]);
     document["selections"][selection] = added.select;

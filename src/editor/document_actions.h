@@ -21,6 +21,7 @@ struct NewHandle {
   std::optional<bool> closed{};
   std::optional<double> reach{};  ///< the region grows by what lies within it, model units along edges
   std::string constrain{};        ///< as an edit file has it; empty: both
+  Json pose = Json::object();     ///< as an edit file has it; empty: it stays where it is at rest
 };
 
 /// Returns its name.

@@ -155,6 +155,7 @@ Json Worker::paint_handle(const json::Value& message, const Context& context) {
   handle.reach = default_reach(vertices, base);
   fields.optional("reach", [&](const json::Value& v) { handle.reach = v.positive_number(); });
   fields.optional("name", [&](const json::Value& v) { handle.name = v.name(); });
+  handle.pose = workspace.view().pose_as_shown(vertices);
   Json document = workspace.document().json;
   const std::string name = add_handle(document, handle);
   return change("paint handle", document, context, {{"name", name}, {"reach", *handle.reach}});
@@ -209,6 +210,9 @@ Json Worker::handle(const json::Value& message, const Context& context) {
   fields.optional("closed", [&](const json::Value& v) { added.closed = v.boolean(); });
   fields.optional("constrain", [&](const json::Value& v) { added.constrain = v.name(); });
   fields.optional("reach", [&](const json::Value& v) { added.reach = v.positive_number(); });
+  const LiveView& view = open_one().view();
+  added.pose = view.pose_as_shown(select_vertices(json::Value(added.select, "select"), open_one().document(),
+                                                  view.base(), shared_.folders));
   const std::string name = add_handle(document, added);
   return change("add handle", document, context, {{"name", name}});
 }

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 
 #include <fmt/format.h>
 
@@ -39,6 +43,30 @@ bool shares_mesh(const Json& key, const Json& other) {
     return one.is_array() ? one[1].value("settings", Json()) : Json();
   };
   return key.is_array() && other.is_array() && key[0] == other[0] && settings_of(key) == settings_of(other);
+}
+
+// Places that are all but at rest are left there; those that do not tell a turn (fewer than three, or in a
+// line) are only moved along.
+Eigen::Affine3d nearest_similarity(const Points& rest, const Points& shown, double least) {
+  Eigen::Affine3d moved = Eigen::Affine3d::Identity();
+  if (rest.rows() == 0 || (shown - rest).rowwise().norm().maxCoeff() <= least) return moved;
+  const Eigen::RowVector3d from = rest.colwise().mean(), to = shown.colwise().mean();
+  moved.translation() = (to - from).transpose();
+  const Eigen::Vector3d spread = (rest.transpose().colwise() - from.transpose()).jacobiSvd().singularValues();
+  if (rest.rows() < 3 || spread(1) <= 1e-6 * spread(0)) return moved;
+  const Eigen::Affine3d similar(Eigen::umeyama(rest.transpose(), shown.transpose(), true));
+  return similar.linear().determinant() > 1e-9 ? similar : moved;
+}
+
+// As a pose of an edit file, x' = c + t + s R (x - c).
+Json motion_json(const Eigen::Affine3d& similarity, const Eigen::Vector3d& pivot) {
+  if (similarity.matrix().isIdentity(0)) return Json::object();
+  const double scale = std::cbrt(similarity.linear().determinant());
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(similarity.linear() / scale));
+  const Eigen::Vector3d translate = similarity * pivot - pivot, &axis = turn.axis();
+  return {{"translate", {translate.x(), translate.y(), translate.z()}},
+          {"rotate", {{"axis", {axis.x(), axis.y(), axis.z()}}, {"angle_deg", turn.angle() * 180 / EIGEN_PI}}},
+          {"scale", scale}};
 }
 
 ShownHandle shown_handle(const Handle& handle, const Points& rest, const IndexLists& rings) {
@@ -86,7 +114,10 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
   }
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
-  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model"));
+  if (base_->id != shown_mesh_) {
+    outbox_.send(mesh_frame(*base_, "model"));
+    exact_->forget();
+  }
   shown_mesh_ = base_->id;
   if (!plan.ready) return show_rest();
 
@@ -99,6 +130,7 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
 }
 
 void LiveView::show_rest() {
+  exact_->forget();
   region_ = {};
   handles_.clear();
   poses_.clear();
@@ -164,6 +196,7 @@ void LiveView::run_exactly(const Document& document, const Context& context) {
   const auto positions = std::make_shared<const Points>(scenes.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
   outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
+  exact_->take(frame.pose, frame);
   outbox_.send(position_frame(*base_, *moving_, frame), "frame");
   outbox_.tell("live",
                {{"stage", "ready"}, {"pose", frame.pose}, {"quality", "exact"}, {"seconds", frame.seconds}});
@@ -222,6 +255,7 @@ void LiveView::ExactFrame::expect(std::int64_t next) {
 
 void LiveView::ExactFrame::take(std::int64_t number, const LiveFrame& frame) {
   const std::lock_guard lock(mutex);
+  last = frame.positions;
   if (number != pose || frame.quality != FrameQuality::exact) return;
   positions = frame.positions;
   changed.notify_all();
@@ -232,6 +266,27 @@ void LiveView::ExactFrame::fail(std::int64_t number) {
   const std::lock_guard lock(mutex);
   failed = failed || number == 0 || number == pose;
   changed.notify_all();
+}
+
+void LiveView::ExactFrame::forget() {
+  const std::lock_guard lock(mutex);
+  last.reset();
+}
+
+Json LiveView::pose_as_shown(const std::vector<Index>& vertices) const {
+  std::shared_ptr<const Points> shown;
+  {
+    const std::lock_guard lock(exact_->mutex);
+    shown = exact_->last;
+  }
+  if (!shown) return Json::object();
+  const SelectionContext& selections = *base_->selections;
+  const Points& rest = selections.mesh.positions;
+  Handle handle;
+  for (const Index v : vertices) handle.vertices.push_back(base_->weld.of(v));
+  return motion_json(nearest_similarity(rest(handle.vertices, Eigen::all),
+                                        (*shown)(handle.vertices, Eigen::all), 1e-6 * base_->diagonal),
+                     handle_pivot(handle, rest, selections.rings));
 }
 
 void LiveView::show_document() {

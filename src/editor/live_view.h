@@ -47,6 +47,10 @@ class LiveView {
   std::int64_t drag(const std::map<std::string, PoseSpec>& poses);
   HandleShape shape_of(const std::string& handle) const;
 
+  /// The pose, as an edit file has it, by which vertices that become a handle stay about where they are shown:
+  /// the similarity nearest to what has become of them. Empty where nothing has.
+  Json pose_as_shown(const std::vector<Index>& vertices) const;
+
   /// What the document's steps leave, where the view knows it or is about to: it waits for an exact frame that
   /// is on its way. Null where only running the step tells. Throws Error(cancelled).
   std::shared_ptr<const Scene> outcome(const Document& document, const Context& context);
@@ -73,16 +77,18 @@ class LiveView {
   void mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const;
   void drag_to(const std::vector<HandlePose>& poses);
 
-  // The exact frame of the document's poses, which the deformer's thread leaves here.
+  // The exact frame of the document's poses, which the deformer's thread leaves here, and the last one of any.
   struct ExactFrame {
     std::mutex mutex;
     std::condition_variable changed;
     std::int64_t pose = 0;                    ///< that is waited for
     std::shared_ptr<const Points> positions;  ///< of it
+    std::shared_ptr<const Points> last;       ///< that was shown; null: all is at rest
     bool failed = false;
     void expect(std::int64_t next);
     void take(std::int64_t pose, const LiveFrame& frame);
     void fail(std::int64_t pose);
+    void forget();  ///< all is at rest
   };
   void show_document();
   std::shared_ptr<const Points> exact_positions(const Context& context);
@@ -102,7 +108,7 @@ class LiveView {
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
   std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
-  std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
+  std::unique_ptr<LiveDeformer> live_;    ///< last: it ends before what its callbacks use
 };
 
 }  // namespace meshgraft::editor

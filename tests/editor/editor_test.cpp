@@ -1,5 +1,7 @@
 // The editor's engine as a page sees it: through its socket.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -303,6 +305,45 @@ TEST(Editor, HasHandlesOfEveryShape) {
   EXPECT_EQ(shown, as_shown(run_edit(read_edit_file(folder / "shapes.json")).mesh.positions, page.offset()));
   page.ask({{"do", "handle"}, {"what", "remove"}, {"name", "belt"}});
   EXPECT_EQ(page.ask({{"do", "state"}})["handles"].size(), 1u);
+}
+
+TEST(Editor, HoldsAHandleWhereItIsShown) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_bar);
+  const std::vector<int> belt = page.vertices([](double, double, double z) { return z > 2.9 && z < 3.2; });
+  const std::vector<int> foot = page.vertices([](double, double, double z) { return z < 0.3; });
+  ASSERT_GT(belt.size(), 8u);
+  paint_top(page);
+  const std::vector<float> rest = page.shown();
+  const std::vector<float> bent = page.exact(pose_top(page)["pose"]);
+  const auto farthest = [&](const std::vector<float>& a, const std::vector<float>& b) {
+    double distance = 0;
+    for (const int v : belt)
+      for (int k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(3 * v + k);
+        distance = std::max(distance, static_cast<double>(std::abs(a[i] - b[i])));
+      }
+    return distance;
+  };
+  ASSERT_GT(farthest(bent, rest), 0.2) << "the belt moved";
+  const Json ways[] = {{{"do", "paint-handle"}, {"vertices", belt}, {"name", "belt"}, {"reach", 0.2}},
+                       {{"do", "handle"},
+                        {"what", "add"},
+                        {"select", {{"indices", belt}}},
+                        {"name", "belt"},
+                        {"shape", "region"}}};
+  for (const Json& way : ways) {
+    const std::vector<float>& held = page.exact(page.ask(way)["pose"]);
+    EXPECT_LT(farthest(held, bent), 0.04) << "it stays about where it was painted";
+    page.ask({{"do", "undo"}});
+  }
+  page.ask({{"do", "paint-handle"}, {"vertices", foot}, {"name", "foot"}});
+  const Json state = page.ask({{"do", "state"}});
+  EXPECT_EQ(state["handles"][1]["name"], "foot");
+  EXPECT_FALSE(state["handles"][1].contains("pose") && !state["handles"][1]["pose"].empty())
+      << "nothing moved it";
 }
 
 TEST(Editor, RemovesAHandleWithItsRegion) {
