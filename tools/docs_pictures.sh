@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures of README and docs again: each example before and after, and those of docs/method.md. make
-# docs-pictures builds the program first.
+# Makes the pictures of README and docs again: each example before and after, those of docs/method.md, and the tour of
+# docs/editor.md. make docs-pictures builds the program first.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=build/release/meshgraft
@@ -35,6 +35,8 @@ shapes head_on_bust "0.5 -1 0.35"
 shapes horns "0.5 -1 0.4"
 shapes dinosaur_bust "0.8 -1 0.3"
 shapes bracket_on_posts "0.5 -1 0.6"
+
+(cd page && MESHGRAFT_SCREENSHOTS=../docs/images node node_modules/vitest/vitest.mjs run tests/e2e/tour.test.ts)
 
 python3 tools/method_pictures.py "$program" docs/images
 python3 tools/defect_pictures.py "$program" docs/images

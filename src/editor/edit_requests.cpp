@@ -54,15 +54,8 @@ std::vector<Index> grown(const std::vector<Index>& selection, int rings, const O
   return inverted(grow_rings(inverted(selection, count), -rings, neighbours), count);
 }
 
-// Far enough to bend softly: a part of the model, and more than the handle itself.
-double default_reach(const std::vector<Index>& vertices, const Object& base) {
-  const Points& points = base.mesh().positions;
-  Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-  for (const Index v : vertices) centre += points.row(v) / static_cast<double>(vertices.size());
-  double radius = 0;
-  for (const Index v : vertices) radius = std::max(radius, (points.row(v) - centre).norm());
-  return std::max(0.15 * base.diagonal, 2 * radius);
-}
+// Of a new handle, as a part of the model's diagonal: far enough to bend softly.
+constexpr double default_reach = 0.15;
 
 std::vector<Index> held_already(const LiveView& view) {
   std::vector<Index> held;
@@ -152,7 +145,7 @@ Json Worker::paint_handle(const json::Value& message, const Context& context) {
   NewHandle handle;
   handle.shape = vertices.size() == 1 ? "vertex" : "region";
   handle.select = indices(vertices);
-  handle.reach = default_reach(vertices, base);
+  handle.reach = default_reach * base.diagonal;
   fields.optional("reach", [&](const json::Value& v) { handle.reach = v.positive_number(); });
   fields.optional("name", [&](const json::Value& v) { handle.name = v.name(); });
   handle.pose = workspace.view().pose_as_shown(vertices);

@@ -156,13 +156,6 @@ export class Editor {
     if (done !== undefined) this.tellFiles("Saved", done);
   }
 
-  /** A handle of what is selected; it becomes the active one. */
-  async holdSelection(): Promise<void> {
-    const diagonal = this.state.value?.model.diagonal ?? 1;
-    const made = await this.ask({ do: "handle", what: "add", reach: 0.15 * diagonal });
-    if (made?.name !== undefined) this.tools.activeHandle.value = made.name;
-  }
-
   /** Another colour for a group, and nothing else about it. */
   recolour(name: string, colour: string): Promise<Outcome | undefined> {
     return this.ask({ do: "group", name, colour, keep: true });

@@ -5,6 +5,7 @@ import { baseName, folderOf } from "../app/paths";
 import { recentIn } from "../app/recent";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
+import { Thumbnail } from "./graft_library";
 import { Button } from "./ui/button";
 import { Icon, Mark } from "./ui/icon";
 
@@ -64,11 +65,19 @@ function Models({ page, title, models }: { page: Page; title: string; models: re
   );
 }
 
+/** Of a model; an edit file's is an icon. */
+function CardPicture({ page, request }: { page: Page; request: OpenRequest }) {
+  if ("sample" in request && request.sample !== undefined) return <Thumbnail page={page} of={{ sample: request.sample }} size={48} />;
+  if ("path" in request && request.path !== undefined && !request.path.endsWith(".json"))
+    return <Thumbnail page={page} of={{ path: request.path }} size={48} />;
+  return <Icon name="edit" size={22} />;
+}
+
 function Card({ page, request, name, detail }: { page: Page; request: OpenRequest; name: string; detail: string }) {
   return (
     <li>
       <button type="button" class="card" onClick={() => void page.editor.open(request)}>
-        <Icon name={name.endsWith(".json") ? "edit" : "model"} size={22} />
+        <CardPicture page={page} request={request} />
         <span>
           <strong>{name}</strong>
           <small>{detail}</small>

@@ -9,13 +9,14 @@ const hints: Record<ToolName, string> = {
   handle: "Paint what to hold, then pull it by the arrows.",
   vertex: "Click a vertex to hold it.",
   curve: "Click along the curve; Enter ends it, its first point closes it.",
-  brush: "Paint to select. Shift adds, Alt takes away.",
-  lasso: "Draw around what to select. Shift adds, Alt takes away.",
-  box: "Drag a rectangle. Shift adds, Alt takes away.",
+  brush: "Paint to select.",
+  lasso: "Draw around what to select.",
+  box: "Drag a rectangle.",
   connected: "Click a part to select all of it that is connected.",
   loop: "Click near a hole to select its rim.",
   flood: "Click to select up to the next crease.",
 };
+const otherwise = { set: "Shift adds, Alt takes away.", add: "Alt takes away.", remove: "Shift adds." };
 const painting: readonly ToolName[] = ["handle", "brush"];
 const selecting: readonly ToolName[] = ["brush", "lasso", "box", "connected", "loop", "flood"];
 const seesThrough: readonly ToolName[] = ["handle", "brush", "lasso", "box"];
@@ -70,7 +71,9 @@ export function ToolOptions({ page }: { page: Page }) {
           />
         )}
         {seesThrough.includes(tool) && <CommandButton page={page} id="through" icon="through" />}
-        <span class="tool-hint">{hints[tool]}</span>
+        <span class="tool-hint">
+          {hints[tool]} {selecting.includes(tool) && otherwise[tools.combine.value]}
+        </span>
       </div>
       {selected > 0 && <SelectionLine page={page} selected={selected} />}
       {tools.activeHandle.value !== null && <HandleLine page={page} />}

@@ -154,9 +154,12 @@ export class Person {
     );
   }
 
+  /** A PNG, or a JPEG where the name ends so. */
   async screenshot(name: string): Promise<void> {
     mkdirSync(screenshots, { recursive: true });
-    await this.page.screenshot({ path: join(screenshots, `${name}.png`) });
+    const isJpeg = name.endsWith(".jpg");
+    const path = join(screenshots, isJpeg ? name : `${name}.png`);
+    await this.page.screenshot(isJpeg ? { path, type: "jpeg", quality: 85 } : { path });
   }
 }
 
