@@ -33,6 +33,7 @@ cat <<TXT
 The edited meshes (.ply) and the measurements (.report.json) lie beside them.
 
 Try next:
+  $program edit   (bend and graft by hand, in the browser: docs/editor.md)
   change an angle or a length in ${edits[0]} and run make demo again
   $program info $out/$first.ply
   $program sample --list
