@@ -11,9 +11,11 @@ const sizes = [
   ["100,000", 200],
   ["1,000,000", 625],
 ] as const;
+/** And how far the region goes, in diagonals of the model's box. */
 const methods = [
-  ["ft05", "ft05, in the shader"],
-  ["corotational", "corotational, streamed"],
+  ["ft05", "ft05, in the shader", 0.8],
+  ["ft05", "ft05, in the shader", 0.3],
+  ["corotational", "corotational, streamed", 0.3],
 ] as const;
 
 interface Shares {
@@ -108,8 +110,8 @@ async function heapOf(page: Page): Promise<number> {
   return usage.usedSize + (usage.backingStorageSize ?? 0);
 }
 
-async function makeHandle(page: Page, method: string): Promise<number> {
-  await page.evaluate(async (method) => {
+async function makeHandle(page: Page, method: string, reach: number): Promise<number> {
+  await page.evaluate(async ([method, reach]) => {
     const { editor, viewport } = window.meshgraft;
     const surface = viewport.main;
     if (surface === undefined) throw new Error("nothing is shown");
@@ -123,10 +125,10 @@ async function makeHandle(page: Page, method: string): Promise<number> {
     if (editor.offer.value !== null) await editor.ask({ do: "discard" });
     editor.offer.value = null;
     await editor.ask({ do: "reset" });
-    await editor.ask({ do: "paint-handle", vertices, reach: 0.4 * length, name: "tip" });
+    await editor.ask({ do: "paint-handle", vertices, reach: reach * length, name: "tip" });
     await editor.ask({ do: "settings", settings: { method } });
     editor.tools.activeHandle.value = "tip";
-  }, method);
+  }, [method, reach] as const);
   await page.waitForFunction(() => ["ready", "proxy-only"].includes(window.meshgraft.editor.live.value.stage ?? ""),
     undefined, { timeout: 240_000 });
   await page.waitForFunction(
@@ -159,8 +161,8 @@ async function dragTip(stage: Stage, seconds: number): Promise<Records> {
 
 async function measureDrags(stage: Stage, triangles: string): Promise<string[][]> {
   const rows: string[][] = [];
-  for (const [method, label] of methods) {
-    const moving = await makeHandle(stage.person.page, method);
+  for (const [method, label, reach] of methods) {
+    const moving = await makeHandle(stage.person.page, method, reach);
     const records = await dragTip(stage, 10);
     const shares = firstOfEach(records.pictures).flatMap((picture) => sharesOf(picture, records) ?? []);
     const column = (name: keyof Shares) => spread(shares.map((one) => one[name]));
@@ -179,6 +181,7 @@ function tellStretches(records: Records): void {
     const sum = all.reduce((a, b) => a + b, 0);
     process.stderr.write(`  ${kind}: ${all.length}, sum ${sum.toFixed(0)} ms, ${spread(all)}, most ${Math.max(0, ...all).toFixed(1)}\n`);
   }
+  for (const picture of records.pictures.slice(-8)) process.stderr.write(`  ${JSON.stringify(picture)}\n`);
   const qualities = [...new Set(records.arrivals.map(({ quality }) => quality))];
   for (const quality of qualities)
     process.stderr.write(`  frames ${quality}: ${records.arrivals.filter((one) => one.quality === quality).length}\n`);

@@ -70,9 +70,9 @@ export function recordStretches(): void {
     const isPointer = type.startsWith("pointer") && typeof listener === "function";
     listen.call(this, type, isPointer ? timed("pointer", listener as EventListener) : listener, options);
   };
-  for (const [of, name] of [[WebSocket, "onmessage"], [Worker, "onmessage"]] as const) {
-    const own = Object.getOwnPropertyDescriptor(of.prototype, name);
-    Object.defineProperty(of.prototype, name, {
+  for (const of of [WebSocket, Worker, MessagePort]) {
+    const own = Object.getOwnPropertyDescriptor(of.prototype, "onmessage");
+    Object.defineProperty(of.prototype, "onmessage", {
       ...own,
       set(call: Callback) {
         own?.set?.call(this, timed("message", call));

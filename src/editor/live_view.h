@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <map>
@@ -44,7 +45,8 @@ class LiveView {
   void show(const Document& document, Plan plan, const Context& context);
 
   /// Returns the pose's number, 0 where nothing can be dragged. Other handles are where the document has them.
-  std::int64_t drag(const std::map<std::string, PoseSpec>& poses);
+  /// With `exact_alone` other frames are told of and not sent: the page shows the handles' maps itself.
+  std::int64_t drag(const std::map<std::string, PoseSpec>& poses, bool exact_alone);
   HandleShape shape_of(const std::string& handle) const;
 
   /// What the document's steps leave, where the view knows it or is about to: it waits for an exact frame that
@@ -71,7 +73,7 @@ class LiveView {
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
   std::vector<HandlePose> poses_of(const DeformStep& step) const;
   void mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const;
-  void drag_to(const std::vector<HandlePose>& poses);
+  void drag_to(const std::vector<HandlePose>& poses, bool exact_alone = false);
 
   // The exact frame of the document's poses, which the deformer's thread leaves here.
   struct ExactFrame {
@@ -101,6 +103,7 @@ class LiveView {
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
+  const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
   std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
 };

@@ -128,10 +128,11 @@ export class Editor {
     return true;
   }
 
-  /** Where handles are for now: what the engine streams, and what the shader shows at once. */
-  drag(poses: Poses): void {
+  /** Where handles are for now. `isShown`, by the shader: then the engine need not stream but the exact frame. */
+  drag(poses: Poses, isShown = false): void {
     const answered = this.viewport.posesAsked();
-    this.connection.request({ do: "drag", poses }).then(
+    const frames = isShown && this.view.heatMap.value === "none" ? "exact" : "all";
+    this.connection.request({ do: "drag", poses, frames }).then(
       (outcome) => answered("pose" in outcome ? (outcome.pose ?? 0) : 0),
       () => answered(0),
     );

@@ -96,6 +96,11 @@ export class LinearFrames {
     };
   }
 
+  /** Whether a frame can take the place of what the shader shows. */
+  mayGiveWay(pose: number, quality: string | undefined): boolean {
+    return (quality === undefined || quality === "exact") && pose >= this.newest;
+  }
+
   /** A frame of the engine is there. */
   streamed(pose: number, quality: string | undefined): void {
     if (quality === undefined || quality === "exact") this.exact = Math.max(this.exact, pose);

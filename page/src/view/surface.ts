@@ -16,10 +16,10 @@ import type { HeatMap } from "../app/view_settings";
 import { detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
-import { NormalsOfPart } from "./normals";
 import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
 import { Slices } from "./slices";
-import { mergedIndices, runsOf, sameList, spanOfChange } from "./spans";
+import { mergedIndices, runsOf, spanOfChange } from "./spans";
+import { StreamedFrames } from "./streamed";
 import { surfaceMaterial, type LookUniforms } from "./surface_material";
 
 /** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
@@ -58,22 +58,16 @@ export class Surface {
   /** Called when something was changed that a picture shows. */
   onChange: () => void = () => undefined;
 
-  private shown: Float32Array;
   private heatMap: HeatMap = "none";
   private stretchOf: StretchOf = "area";
   private heatVersion = -1;
   private seam: Uint32Array = new Uint32Array();
   /** What the colours of the heat map stand for; null: there is none. */
   legend: Legend | null = null;
-  private ownPositions: Float32Array | undefined;
-  private ownNormals: Float32Array | undefined;
-  private shownNormals: Float32Array;
   private readonly restNormals: Float32Array;
+  private readonly streamed: StreamedFrames;
   private readonly tint: Uint8Array;
   private selected: Uint32Array = new Uint32Array();
-  private moved: NormalsOfPart | undefined;
-  private movedList: Uint32Array | undefined; // which vertices the last frame had
-  private normalsVersion = 0;
   private isBefore = false;
 
   constructor(
@@ -82,12 +76,15 @@ export class Surface {
   ) {
     this.id = frame.header.mesh;
     this.rest = frame.floats("positions") ?? new Float32Array();
-    this.shown = this.rest; // one array until something moves
     this.vertexCount = this.rest.length / 3;
     this.offset = frame.header.offset ?? [0, 0, 0];
     this.triangles = frame.indices("triangles") ?? new Uint32Array();
     this.restNormals = frame.floats("normals") ?? new Float32Array(this.rest.length);
-    this.shownNormals = this.restNormals;
+    this.streamed = new StreamedFrames(
+      { positions: this.rest, normals: this.restNormals, triangles: this.triangles },
+      this.slices,
+      { changed: (...vertices) => this.takeChanged(...vertices), shown: (shown) => this.noteShown(shown) },
+    );
     this.uv = frame.floats("uv");
     this.colours = frame.floats("colours");
     this.selection = new Uint8Array(this.vertexCount);
@@ -115,10 +112,10 @@ export class Surface {
 
   /** Where vertices are shown (while handles move in the shader: what the engine sent last). */
   get positions(): Float32Array {
-    return this.isBefore ? this.rest : this.shown;
+    return this.isBefore ? this.rest : this.streamed.positions;
   }
   get normals(): Float32Array {
-    return this.isBefore ? this.restNormals : this.shownNormals;
+    return this.isBefore ? this.restNormals : this.streamed.normals;
   }
   get triangleCount(): number {
     return this.triangles.length / 3;
@@ -164,31 +161,22 @@ export class Surface {
 
   /** Kind `frame`: positions, of all vertices or of those that it lists. */
   showFrame(frame: BinaryFrame): void {
-    const sent = frame.floats("positions") ?? new Float32Array();
-    const vertices = frame.indices("vertices");
-    if (vertices?.length === 0) return this.showRest(frame);
-    this.ownShown(!sameList(vertices, this.movedList));
-    if (vertices === undefined) this.shown.set(sent);
-    else this.scatter(sent, vertices);
-    ++this.version;
-    this.upload("position", vertices);
-    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
-    this.renewNormals(vertices);
-    this.renewHeat();
-    this.onChange();
+    const { pose = 0, quality } = frame.header;
+    if (frame.indices("vertices")?.length === 0) return this.showRest(frame);
+    if (!this.linear.isShown || this.linear.mayGiveWay(pose, quality)) this.streamed.show(frame);
   }
 
   /** Nothing moves. */
   private showRest(frame: BinaryFrame): void {
+    const wasAtRest = this.streamed.isAtRest;
+    this.streamed.showRest();
+    if (!wasAtRest) this.useAttributes();
+    this.noteShown(frame);
+  }
+
+  private noteShown(frame: BinaryFrame): void {
     this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
-    if (this.shown === this.rest) return;
-    this.slices.stop("normals");
-    this.shown = this.rest;
-    this.shownNormals = this.restNormals;
-    this.moved = undefined;
-    this.movedList = undefined;
     ++this.version;
-    this.useAttributes();
     this.renewHeat();
     this.onChange();
   }
@@ -423,52 +411,6 @@ export class Surface {
     if (this.wire !== undefined) this.wire.visible = wire;
   }
 
-  /** Arrays for what is shown apart from rest; what other frames moved is as at rest again. */
-  private ownShown(others: boolean): void {
-    const isOwn = this.shown !== this.rest;
-    if (isOwn && !others) return;
-    this.ownPositions ??= new Float32Array(this.rest.length);
-    this.ownNormals ??= new Float32Array(this.rest.length);
-    this.shown = this.ownPositions;
-    this.shownNormals = this.ownNormals;
-    this.shown.set(this.rest);
-    this.shownNormals.set(this.restNormals);
-    this.upload("position", undefined);
-    this.upload("normal", undefined);
-    if (!isOwn) this.useAttributes();
-  }
-
-  private scatter(sent: Float32Array, vertices: Uint32Array): void {
-    const { shown } = this;
-    for (let i = 0; i < vertices.length; ++i) {
-      const v = 3 * (vertices[i] as number);
-      shown[v] = sent[3 * i] as number;
-      shown[v + 1] = sent[3 * i + 1] as number;
-      shown[v + 2] = sent[3 * i + 2] as number;
-    }
-  }
-
-  /** Normals follow the positions, in slices where that takes long; a newer frame waits for its turn. */
-  private renewNormals(vertices: Uint32Array | undefined): void {
-    if (!sameList(vertices, this.movedList) || (this.moved === undefined && !this.slices.isRunning("normals"))) {
-      this.movedList = vertices;
-      this.moved = undefined;
-      this.slices.start("normals", this.followNormals());
-    } else if (!this.slices.isRunning("normals")) {
-      this.slices.start("normals", this.followNormals());
-    }
-  }
-
-  private *followNormals(): Generator<void, void> {
-    this.moved ??= yield* NormalsOfPart.find(this.triangles, this.vertexCount, this.movedList);
-    while (this.normalsVersion !== this.version) {
-      this.normalsVersion = this.version;
-      yield* this.moved.update(this.shown, this.shownNormals);
-      this.upload("normal", this.moved.vertices);
-      this.onChange();
-    }
-  }
-
   private *paintRoles(): Generator<void, void> {
     const { tint } = this;
     tint.fill(0);
@@ -484,8 +426,13 @@ export class Surface {
     this.onChange();
   }
 
-  private upload(name: "position" | "normal", vertices: Uint32Array | undefined): void {
-    const array = name === "position" ? this.shown : this.shownNormals;
+  private takeChanged(positions: Uint32Array | undefined, normals: Uint32Array | undefined): void {
+    this.upload(this.streamed.positions, positions);
+    this.upload(this.streamed.normals, normals);
+    if (positions === undefined) this.useAttributes();
+  }
+
+  private upload(array: Float32Array, vertices: Uint32Array | undefined): void {
     const attribute = this.attributeOf(array);
     if (vertices === undefined) attribute.addUpdateRange(0, array.length);
     else for (const [first, last] of runsOf(vertices)) attribute.addUpdateRange(3 * first, 3 * (last - first + 1));
