@@ -92,6 +92,10 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
   await page.waitForTimeout(3000);
   const longest = await page.evaluate(() => Math.max(0, ...window.records.longTasks));
   const heap = await heapOf(page);
+  if (process.env["MESHGRAFT_BENCH_DETAIL"] !== undefined) {
+    const long = await page.evaluate(() => window.records.stretches.filter(({ begin, end }) => end - begin > 20));
+    for (const { kind, begin, end } of long) process.stderr.write(`  ${kind} at ${begin.toFixed(0)}: ${(end - begin).toFixed(0)} ms\n`);
+  }
   const triangles = await page.evaluate(() => window.meshgraft.viewport.main?.triangleCount ?? 0);
   const row = [
     triangles.toLocaleString("en"),

@@ -86,7 +86,7 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
   }
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
-  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model"));
+  if (base_->id != shown_mesh_) outbox_.send(mesh_frame(*base_, "model", folders_));
   shown_mesh_ = base_->id;
   if (!plan.ready) return show_rest();
 

@@ -13,6 +13,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/live_deformer.h>
 
+#include "folders.h"
 #include "objects.h"
 #include "protocol.h"
 
@@ -29,7 +30,8 @@ struct ShownHandle {
 /// is what, and frames. Used on one thread.
 class LiveView {
  public:
-  explicit LiveView(Outbox outbox) : outbox_(std::move(outbox)) {}
+  /// `folders`: pictures of models are read from these alone.
+  LiveView(Outbox outbox, const Folders& folders) : outbox_(std::move(outbox)), folders_(folders) {}
 
   /// A document that can be shown. What is found to be wrong with it is thrown before anything changes.
   struct Plan {
@@ -90,6 +92,7 @@ class LiveView {
   std::shared_ptr<const Points> exact_positions(const Context& context);
 
   Outbox outbox_;
+  const Folders& folders_;
   std::shared_ptr<const Object> base_;
   Json key_;
   int shown_mesh_ = 0;

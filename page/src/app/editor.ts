@@ -2,6 +2,7 @@ import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
+import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft";
 import { Library } from "./library";
@@ -310,24 +311,13 @@ export class Editor {
     this.graft.take(frame);
     this.library.take(frame);
     if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
-    if (frame.kind === FrameKind.mesh && frame.header.role !== "part") this.box.value = boxOf(frame);
+    const model = this.viewport.main;
+    if (frame.kind === FrameKind.mesh && frame.header.role !== "part" && model !== undefined)
+      this.box.value = boxOf(model);
   }
 }
 
-function boxOf(frame: BinaryFrame): Box {
-  const positions = frame.floats("positions") ?? new Float32Array();
-  const low: Vector = [Infinity, Infinity, Infinity];
-  const high: Vector = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i + 2 < positions.length; i += 3)
-    for (const k of [0, 1, 2] as const) {
-      const x = positions[i + k] as number;
-      if (x < low[k]) low[k] = x;
-      if (x > high[k]) high[k] = x;
-    }
-  const { offset = [0, 0, 0] } = frame.header;
-  for (const k of [0, 1, 2] as const) {
-    low[k] += offset[k];
-    high[k] += offset[k];
-  }
-  return { low, high };
+function boxOf({ box, offset }: Surface): Box {
+  const inModel = (at: Surface["box"]["min"]): Vector => [at.x + offset[0], at.y + offset[1], at.z + offset[2]];
+  return { low: inModel(box.min), high: inModel(box.max) };
 }

@@ -52,6 +52,7 @@ export class Pace {
   }
 
   private begin(): void {
+    if (this.busy || !this.wanted) return; // asked for while one was drawn: `end` takes it up
     this.wanted = false;
     this.draw();
   }

@@ -68,6 +68,7 @@ export class StreamedFrames {
       const sent = frame.floats("positions") ?? new Float32Array();
       if (vertices === undefined) this.positions.set(sent);
       else scatter(sent, vertices, this.positions);
+      yield;
       yield* moved.update(this.positions, this.normals);
       this.listeners.changed(isOther ? undefined : vertices, isOther ? undefined : moved.vertices);
       this.listeners.shown(frame);
@@ -89,6 +90,7 @@ export class StreamedFrames {
     };
     this.moving = vertices;
     this.moved = yield* NormalsOfPart.find(rest.triangles, rest.positions.length / 3, vertices);
+    yield;
     ({ positions: this.positions, normals: this.normals } = this.own);
     this.positions.set(rest.positions);
     this.normals.set(rest.normals);

@@ -21,6 +21,7 @@ import { Slices } from "./slices";
 import { mergedIndices, runsOf, spanOfChange } from "./spans";
 import { StreamedFrames } from "./streamed";
 import { surfaceMaterial, type LookUniforms } from "./surface_material";
+import { TexturedSurface } from "./textured";
 
 /** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
 export class Surface {
@@ -49,6 +50,9 @@ export class Surface {
   readonly slices = new Slices();
   readonly uv: Float32Array | undefined;
   readonly colours: Float32Array | undefined;
+  private readonly textured: TexturedSurface | undefined;
+  private wantsTextures = false;
+  private painted = 0; // counts changes of tint and selection
   private readonly fine: BufferAttribute;
   private coarse: BufferAttribute | undefined;
   private edges: Uint32Array | undefined;
@@ -106,6 +110,7 @@ export class Surface {
     this.mesh.frustumCulled = false;
     if (this.uv !== undefined) this.mesh.material.defines["HAS_UV"] = 1;
     if (this.colours !== undefined) this.mesh.material.defines["HAS_COLOURS"] = 1;
+    this.textured = this.texturesOf(frame);
     this.object.add(this.mesh);
     this.object.position.set(...this.offset);
   }
@@ -254,6 +259,7 @@ export class Surface {
   dispose(): void {
     this.slices.stopAll();
     this.linear.forget();
+    this.textured?.dispose();
     for (const drawn of [this.mesh, this.wire, this.boundary]) {
       drawn?.geometry.dispose();
       (drawn?.material as ShaderMaterial | undefined)?.dispose();
@@ -315,11 +321,50 @@ export class Surface {
     this.mesh.material.needsUpdate = true;
   }
 
+  /** Its pictures, or checks where it has none. */
+  showTextures(textures: boolean): void {
+    this.wantsTextures = textures;
+    if (!textures || this.textured === undefined || this.textured.mesh !== undefined) return;
+    if (!this.slices.isRunning("textures")) this.slices.start("textures", this.makeTextures(this.textured));
+  }
+
+  private *makeTextures(textured: TexturedSurface): Generator<void, void> {
+    yield* textured.make();
+    this.onChange();
+  }
+
+  private followTextures(): void {
+    const drawn = this.textured?.mesh;
+    if (drawn === undefined) return;
+    drawn.visible = this.wantsTextures && this.own["hasHeat"]?.value !== true;
+    this.mesh.visible = !drawn.visible;
+    const asOf = `${this.version} ${this.painted} ${this.isBefore} ${this.linear.isReady}`;
+    if (drawn.visible) this.textured?.follow(asOf);
+  }
+
+  /** Undefined for a mesh that has neither places in pictures for its corners nor pictures. */
+  private texturesOf(frame: BinaryFrame): TexturedSurface | undefined {
+    const pictures = frame.indices("pictures");
+    const uv = frame.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
+    if (uv === undefined) return undefined;
+    const files = frame.names().filter((name) => name.startsWith("picture ")).flatMap((name) => frame.bytes(name) ?? []);
+    const makeMaterial = () => surfaceMaterial(this.look, this.deform, this.own);
+    return new TexturedSurface(this, uv, pictures, files, makeMaterial);
+  }
+
+  /** Of vertices, by corners. */
+  private cornersUv(): Float32Array | undefined {
+    const { uv, triangles } = this;
+    if (uv === undefined) return undefined;
+    return new Float32Array(2 * triangles.length).map((_, i) => uv[2 * (triangles[i >> 1] as number) + (i & 1)] as number);
+  }
+
   /** A coarse version of `triangles`, for while a picture has to be quick. */
   setCoarse(triangles: Uint32Array): void {
     this.coarse = new BufferAttribute(triangles, 1);
   }
   showCoarse(coarse: boolean): void {
+    this.followTextures();
     this.geometry.setIndex(coarse ? (this.coarse ?? this.fine) : this.fine);
     if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
   }
@@ -441,6 +486,7 @@ export class Surface {
 
   private uploadSpan(name: "selection" | "tint", span: readonly [number, number] | undefined): void {
     if (span === undefined || span[1] < span[0]) return;
+    ++this.painted;
     const attribute = this.geometry.getAttribute(name) as BufferAttribute;
     attribute.addUpdateRange(attribute.itemSize * span[0], attribute.itemSize * (span[1] - span[0] + 1));
     attribute.needsUpdate = true;

@@ -378,6 +378,7 @@ export class Viewport {
     surface.showWire(settings.wireframe.value);
     surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
     if (settings.shading.value === "texture") surface.needRest();
+    surface.showTextures(settings.shading.value === "texture");
   }
 
   /** Which axis stands upright: as set, or as files of the kind have it. */
