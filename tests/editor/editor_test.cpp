@@ -18,6 +18,7 @@
 #include "io/temporary_folder.h"
 #include "page_client.h"
 #include "support/defects.h"
+#include "support/mesh_families.h"
 
 namespace meshgraft::test {
 namespace {
@@ -120,7 +121,8 @@ TEST(Editor, SendsTheExactFrameAloneWhereThePageShowsTheOthers) {
 
 TEST(Editor, SendsALargeMeshInParts) {
   const TemporaryFolder folder;
-  write_mesh(make_sample("octopus", 180), folder / "large.ply");
+  const TestMesh sheet = grid(400, 400);
+  write_mesh(make_mesh(sheet.positions, sheet.triangles), folder / "large.ply");
   const Mesh mesh = read_mesh(folder / "large.ply");
   const RunningEditor editor({folder.path()});
   Page page(editor.url());

@@ -16,7 +16,7 @@ import type { HeatMap } from "../app/view_settings";
 import { detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
-import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
+import { depthInRegion, fixedColour, fixedStrength, handleColour, regionColour, regionStrength, writeTint } from "./roles";
 import { Slices } from "./slices";
 import { mergedIndices, runsOf, spanOfChange } from "./spans";
 import { StreamedFrames } from "./streamed";
@@ -460,8 +460,13 @@ export class Surface {
     const { tint } = this;
     tint.fill(0);
     const depth = this.region.length === 0 ? undefined : yield* depthInRegion(this.rest, this.triangles, this.region);
-    this.region.forEach((v, i) => writeTint(tint, v, regionColour, 0.75 * Math.min(1, 0.1 + 1.9 * (depth?.[i] ?? 1))));
     for (const v of this.fixed) writeTint(tint, v, fixedColour, 0.25);
+    const isFixed = new Set(this.fixed);
+    this.region.forEach((v, i) => {
+      const inside = depth?.[i] ?? 1;
+      if (isFixed.has(v)) writeTint(tint, v, fixedColour, fixedStrength(inside));
+      else writeTint(tint, v, regionColour, regionStrength(inside));
+    });
     let order = 0;
     for (const vertices of this.handles.values()) {
       for (const v of vertices) writeTint(tint, v, handleColour(order), 0.85);
