@@ -222,7 +222,8 @@ Json Worker::drag(const json::Value& message, const Context&) {
   for (const auto& [name, pose] : given.raw().items())
     poses[name] = parse_pose(given.member(name), view.shape_of(name));
   bool exact_alone = false;
-  fields.optional("frames", [&](const json::Value& v) { exact_alone = v.choice<bool>({{"all", false}, {"exact", true}}); });
+  fields.optional(
+      "frames", [&](const json::Value& v) { exact_alone = v.choice<bool>({{"all", false}, {"exact", true}}); });
   return {{"pose", view.drag(poses, exact_alone)}};
 }
 

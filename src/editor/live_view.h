@@ -108,7 +108,7 @@ class LiveView {
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
   const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
-  std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
+  std::unique_ptr<LiveDeformer> live_;    ///< last: it ends before what its callbacks use
 };
 
 }  // namespace meshgraft::editor

@@ -69,7 +69,8 @@ void add_corner_uv(BinaryFrame& frame, const Object& object) {
   frame.add("corner_uv", numbers);
 }
 
-// The bytes of a picture; empty where it may not be read, cannot, or is larger than any that is meant to be shown.
+// The bytes of a picture; empty where it may not be read, cannot, or is larger than any that is meant to be
+// shown.
 std::string picture_of(const MaterialTexture& texture, const Folders& folders) {
   constexpr std::size_t most = std::size_t{1} << 28;
   if (texture.file.empty()) return texture.bytes.size() <= most ? texture.bytes : std::string();

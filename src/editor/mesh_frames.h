@@ -13,8 +13,8 @@
 
 namespace meshgraft::editor {
 
-/// The mesh of an object: positions, triangles, normals, uv and colour where there are any, and the pictures of its
-/// materials that lie in `folders` or in its own file. `role` is "model" or "part".
+/// The mesh of an object: positions, triangles, normals, uv and colour where there are any, and the pictures of
+/// its materials that lie in `folders` or in its own file. `role` is "model" or "part".
 std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, const Folders& folders);
 
 /// Positions relative to `offset`, triangles, normals, uv and colours of a mesh.

@@ -131,7 +131,8 @@ TEST(Editor, SendsALargeMeshInParts) {
   EXPECT_GE(page.parts_seen(), 2u);
   EXPECT_EQ(frame.numbers["positions"], as_shown(mesh.positions, page.offset()));
   ASSERT_EQ(frame.indices["triangles"].size(), 3 * static_cast<std::size_t>(mesh.face_count()));
-  EXPECT_TRUE(std::equal(mesh.faces.corners().begin(), mesh.faces.corners().end(), frame.indices["triangles"].begin()));
+  EXPECT_TRUE(
+      std::equal(mesh.faces.corners().begin(), mesh.faces.corners().end(), frame.indices["triangles"].begin()));
 }
 
 TEST(Editor, SendsThePicturesOfItsFoldersAlone) {

@@ -90,8 +90,9 @@ TEST(Textures, AreReadFromAllPlacesThatGltfHasForThem) {
 
 TEST(Textures, ThatAreMalformedAreLeftOut) {
   const TemporaryFolder folder;
-  for (const char* image : {R"({"uri": "missing.png"})", R"({"uri": "https://example.org/a.png"})", R"({})",
-                            R"({"bufferView": 2})", R"({"bufferView": 9})", R"({"uri": "data:image/png;base64,!"})"}) {
+  for (const char* image :
+       {R"({"uri": "missing.png"})", R"({"uri": "https://example.org/a.png"})", R"({})", R"({"bufferView": 2})",
+        R"({"bufferView": 9})", R"({"uri": "data:image/png;base64,!"})"}) {
     put(folder / "model.gltf", gltf_with(image));
     EXPECT_TRUE(textures_of(read_mesh(folder / "model.gltf")).empty()) << image;
   }
