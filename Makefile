@@ -11,7 +11,7 @@ BENCH_ARGS ?=
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help demo edit test build install lint format bench asan tsan fuzz docs-pictures clean
+.PHONY: help demo edit test build install lint format bench bench-page asan tsan fuzz docs-pictures clean
 
 help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
@@ -48,6 +48,10 @@ bench: ## benchmarks, beside CGAL; all: into docs/performance.md; BENCH_ARGS='--
 	@cmake --preset bench && cmake --build --preset bench --target meshgraft_bench
 	@mkdir -p out && build/bench/bench/meshgraft_bench --benchmark_out=out/bench.json $(BENCH_ARGS)
 	@bench/report.py out/bench.json $(if $(BENCH_ARGS),,--into docs/performance.md)
+
+bench-page: build ## latency of the editor in the browser, as a Markdown table; SIZE=1000000: of one size alone
+	@tools/bootstrap.sh build test
+	@cd page && node_modules/.bin/vite-node bench/latency.ts $(SIZE)
 
 asan: ## the small tests under address and undefined-behaviour sanitizers
 	@tools/bootstrap.sh build test

@@ -43,6 +43,20 @@ std::vector<std::byte> BinaryFrame::bytes() const {
   return all;
 }
 
+ByteParts parts_of(std::span<const std::byte> frame) {
+  ByteParts parts;
+  for (std::size_t at = 0; at < frame.size(); at += part_bytes) {
+    const std::span<const std::byte> bytes = frame.subspan(at, std::min(part_bytes, frame.size() - at));
+    const std::array<char, 8> start{'M', 'G', 'F', 'P'};
+    const std::array<std::uint64_t, 2> numbers{at, frame.size()};
+    std::vector<std::byte>& part = parts.emplace_back(start.size() + sizeof numbers + bytes.size());
+    std::memcpy(part.data(), start.data(), start.size());
+    std::memcpy(part.data() + start.size(), numbers.data(), sizeof numbers);
+    std::memcpy(part.data() + start.size() + sizeof numbers, bytes.data(), bytes.size());
+  }
+  return parts;
+}
+
 std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points) {
   std::vector<float> values;
   values.reserve(static_cast<std::size_t>(points.size()));

@@ -49,6 +49,13 @@ class BinaryFrame {
   std::vector<std::byte> arrays_;
 };
 
+/// A browser puts a message together and copies it where the page runs, so that it stands still meanwhile.
+constexpr std::size_t part_bytes = std::size_t{1} << 22;
+
+/// A frame cut into messages of at most `part_bytes` and their head. In bytes, all little-endian: "MGFP", 0
+/// (uint32), where in the frame the part begins (uint64), the length of the frame (uint64), then the part.
+ByteParts parts_of(std::span<const std::byte> frame);
+
 /// Positions relative to `offset` in single precision, 3 numbers a point.
 std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points);
 

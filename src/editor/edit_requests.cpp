@@ -211,14 +211,17 @@ Json Worker::handle(const json::Value& message, const Context& context) {
 }
 
 Json Worker::drag(const json::Value& message, const Context&) {
-  const json::Object fields(message, {"id", "do", "poses"});
+  const json::Object fields(message, {"id", "do", "poses", "frames"});
   LiveView& view = open_one().view();
   const json::Value given = fields.required("poses");
   if (!given.is_object()) given.fail("expected a pose for each name of a handle");
   std::map<std::string, PoseSpec> poses;
   for (const auto& [name, pose] : given.raw().items())
     poses[name] = parse_pose(given.member(name), view.shape_of(name));
-  return {{"pose", view.drag(poses)}};
+  bool exact_alone = false;
+  fields.optional(
+      "frames", [&](const json::Value& v) { exact_alone = v.choice<bool>({{"all", false}, {"exact", true}}); });
+  return {{"pose", view.drag(poses, exact_alone)}};
 }
 
 Json Worker::pose(const json::Value& message, const Context& context) {

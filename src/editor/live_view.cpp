@@ -115,7 +115,7 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
   if (base_->id != shown_mesh_) {
-    outbox_.send(mesh_frame(*base_, "model"));
+    outbox_.send(mesh_frame(*base_, "model", folders_));
     exact_->forget();
   }
   shown_mesh_ = base_->id;
@@ -157,10 +157,11 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   if (!is_plain(step)) return;
 
   const auto on_frame = [outbox = outbox_, base = base_, moving = moving_, exact = exact_,
-                         first = last_pose_](LiveFrame frame) {
+                         exact_alone = exact_alone_, first = last_pose_](LiveFrame frame) {
     frame.pose += first;
     exact->take(frame.pose, frame);
-    outbox.send(position_frame(*base, *moving, frame), "frame");
+    if (frame.quality == FrameQuality::exact || !*exact_alone)
+      outbox.send(position_frame(*base, *moving, frame), "frame");
     Json fields = {{"pose", frame.pose}, {"quality", to_string(frame.quality)}, {"seconds", frame.seconds}};
     if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
     outbox.tell("live", std::move(fields), "live");
@@ -323,12 +324,13 @@ std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const C
   return std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
 }
 
-void LiveView::drag_to(const std::vector<HandlePose>& poses) {
+void LiveView::drag_to(const std::vector<HandlePose>& poses, bool exact_alone) {
+  *exact_alone_ = exact_alone;
   live_->drag(poses);
   ++last_pose_;
 }
 
-std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses) {
+std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses, bool exact_alone) {
   if (!live_) return 0;
   std::vector<HandlePose> dragged = poses_;
   for (const auto& [name, pose] : poses)
@@ -337,7 +339,7 @@ std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses) {
         dragged[h] = pose_of(pose, handles_[h]);
         mirror_pose(pose, h, dragged);
       }
-  drag_to(dragged);
+  drag_to(dragged, exact_alone);
   return last_pose_;
 }
 

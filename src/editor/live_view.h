@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <map>
@@ -12,6 +13,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/live_deformer.h>
 
+#include "folders.h"
 #include "objects.h"
 #include "protocol.h"
 
@@ -28,7 +30,8 @@ struct ShownHandle {
 /// is what, and frames. Used on one thread.
 class LiveView {
  public:
-  explicit LiveView(Outbox outbox) : outbox_(std::move(outbox)) {}
+  /// `folders`: pictures of models are read from these alone.
+  LiveView(Outbox outbox, const Folders& folders) : outbox_(std::move(outbox)), folders_(folders) {}
 
   /// A document that can be shown. What is found to be wrong with it is thrown before anything changes.
   struct Plan {
@@ -44,7 +47,8 @@ class LiveView {
   void show(const Document& document, Plan plan, const Context& context);
 
   /// Returns the pose's number, 0 where nothing can be dragged. Other handles are where the document has them.
-  std::int64_t drag(const std::map<std::string, PoseSpec>& poses);
+  /// With `exact_alone` other frames are told of and not sent: the page shows the handles' maps itself.
+  std::int64_t drag(const std::map<std::string, PoseSpec>& poses, bool exact_alone);
   HandleShape shape_of(const std::string& handle) const;
 
   /// The pose, as an edit file has it, by which vertices that become a handle stay about where they are shown:
@@ -75,7 +79,7 @@ class LiveView {
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
   std::vector<HandlePose> poses_of(const DeformStep& step) const;
   void mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const;
-  void drag_to(const std::vector<HandlePose>& poses);
+  void drag_to(const std::vector<HandlePose>& poses, bool exact_alone = false);
 
   // The exact frame of the document's poses, which the deformer's thread leaves here, and the last one of any.
   struct ExactFrame {
@@ -94,6 +98,7 @@ class LiveView {
   std::shared_ptr<const Points> exact_positions(const Context& context);
 
   Outbox outbox_;
+  const Folders& folders_;
   std::shared_ptr<const Object> base_;
   Json key_;
   int shown_mesh_ = 0;
@@ -107,6 +112,7 @@ class LiveView {
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
+  const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
   std::unique_ptr<LiveDeformer> live_;    ///< last: it ends before what its callbacks use
 };

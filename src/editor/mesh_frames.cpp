@@ -1,9 +1,15 @@
 #include "mesh_frames.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <string>
 
+#include <fmt/format.h>
+
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/io/textures.h>
 #include <meshgraft/mesh/normals.h>
 
 namespace meshgraft::editor {
@@ -41,7 +47,69 @@ void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangle
     frame.add("colours", to_floats(colour->values, colour->type == ScalarType::uint8 ? 255 : 1));
 }
 
-std::vector<std::byte> mesh_frame(const Object& object, std::string_view role) {
+namespace {
+
+// Of the corners of triangles, 2 numbers each.
+void add_corner_uv(BinaryFrame& frame, const Object& object) {
+  const Mesh& mesh = object.mesh();
+  const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
+  if (uv == nullptr || uv->components != 2) return;
+  std::vector<float> numbers;
+  numbers.reserve(static_cast<std::size_t>(2 * object.triangles.size()));
+  for (Index t = 0; t < object.triangles.rows(); ++t) {
+    const Index face = object.triangle_faces[static_cast<std::size_t>(t)];
+    const auto corners = mesh.faces[face];
+    for (int k = 0; k < 3; ++k) {
+      const auto corner = std::find(corners.begin(), corners.end(), object.triangles(t, k)) - corners.begin();
+      const auto at = static_cast<std::size_t>(2 * (mesh.faces.first_corner(face) + corner));
+      for (std::size_t i = 0; i < 2; ++i)
+        numbers.push_back(std::isfinite(uv->values[at + i]) ? static_cast<float>(uv->values[at + i]) : 0.0F);
+    }
+  }
+  frame.add("corner_uv", numbers);
+}
+
+// The bytes of a picture; empty where it may not be read, cannot, or is larger than any that is meant to be
+// shown.
+std::string picture_of(const MaterialTexture& texture, const Folders& folders) {
+  constexpr std::size_t most = std::size_t{1} << 28;
+  if (texture.file.empty()) return texture.bytes.size() <= most ? texture.bytes : std::string();
+  try {
+    const std::filesystem::path file = folders.inside(texture.file);
+    return std::filesystem::file_size(file) <= most ? read_file(file) : std::string();
+  } catch (const std::exception&) {
+    return {};  // the surface is shown without it
+  }
+}
+
+// Pictures, and which of them each triangle has.
+void add_textures(BinaryFrame& frame, const Object& object, const Folders& folders) {
+  const Attribute* material = object.mesh().find_attribute(Domain::face, "material");
+  if (material == nullptr) return;
+  std::vector<Index> picture_of_material(material->labels.size(), 0);
+  Index count = 0;
+  for (const MaterialTexture& texture : textures_of(object.mesh())) {
+    const auto label = std::find(material->labels.begin(), material->labels.end(), texture.material);
+    if (label == material->labels.end()) continue;
+    const std::string bytes = picture_of(texture, folders);
+    if (bytes.empty()) continue;
+    picture_of_material[static_cast<std::size_t>(label - material->labels.begin())] = ++count;
+    const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    frame.add(fmt::format("picture {}", count), std::span(begin, bytes.size()));
+  }
+  if (count == 0) return;
+  std::vector<Index> pictures;
+  for (const Index face : object.triangle_faces) {
+    const double value = material->values[static_cast<std::size_t>(face)];
+    const bool is_known = value >= 0 && value < static_cast<double>(picture_of_material.size());
+    pictures.push_back(is_known ? picture_of_material[static_cast<std::size_t>(value)] : 0);
+  }
+  frame.add("pictures", pictures);
+}
+
+}  // namespace
+
+std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, const Folders& folders) {
   Json header = header_of(object);
   header["name"] = object.name;
   header["role"] = role;
@@ -49,6 +117,8 @@ std::vector<std::byte> mesh_frame(const Object& object, std::string_view role) {
   header["faces"] = object.mesh().face_count();
   BinaryFrame frame(BinaryFrame::Kind::mesh, std::move(header));
   add_surface(frame, object.mesh(), object.triangles, object.offset);
+  add_corner_uv(frame, object);
+  add_textures(frame, object, folders);
   return frame.bytes();
 }
 

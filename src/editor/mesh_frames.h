@@ -8,13 +8,14 @@
 #include <meshgraft/deform/live_deformer.h>
 
 #include "binary_frame.h"
+#include "folders.h"
 #include "objects.h"
 
 namespace meshgraft::editor {
 
-/// The mesh of an object: positions, triangles, normals, and uv and colour where vertices have them. `role` is
-/// "model" or "part".
-std::vector<std::byte> mesh_frame(const Object& object, std::string_view role);
+/// The mesh of an object: positions, triangles, normals, uv and colour where there are any, and the pictures of
+/// its materials that lie in `folders` or in its own file. `role` is "model" or "part".
+std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, const Folders& folders);
 
 /// Positions relative to `offset`, triangles, normals, uv and colours of a mesh.
 void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangles,

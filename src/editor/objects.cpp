@@ -155,7 +155,9 @@ std::shared_ptr<const Object> Objects::object(const std::string& name, const std
   made->id = ++last_id_;
   find_box(*made);
   find_selections(*made);
-  made->triangles = triangulate(made->mesh(), {.skip_out_of_range = true}).triangles;
+  Triangulation surface = triangulate(made->mesh(), {.skip_out_of_range = true});
+  made->triangles = std::move(surface.triangles);
+  made->triangle_faces = std::move(surface.face);
   objects_.put(name + key, made);
   return made;
 }

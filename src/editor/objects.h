@@ -29,6 +29,7 @@ struct Object {
   std::optional<SelectionContext> selections;  ///< on the mesh, or on the welded one
   std::vector<std::vector<Index>> loops;       ///< of the mesh, as merge steps number them
   Triangles triangles;                         ///< of the mesh
+  std::vector<Index> triangle_faces;           ///< the face that each is a part of
   Eigen::RowVector3d offset;                   ///< the middle of its box
   double diagonal = 0;                         ///< of it
 

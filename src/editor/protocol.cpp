@@ -6,6 +6,7 @@
 
 #include <meshgraft/edit/edit_file.h>
 
+#include "binary_frame.h"
 #include "edit/json_value.h"
 
 namespace meshgraft::editor {
@@ -47,7 +48,12 @@ void Outbox::tell(std::string_view event, Json fields, std::string_view slot) co
 }
 
 void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
-  channel_->send_bytes(std::make_shared<const std::vector<std::byte>>(std::move(frame)), slot);
+  auto parts = std::make_shared<ByteParts>();
+  if (frame.size() <= part_bytes)
+    parts->push_back(std::move(frame));
+  else
+    *parts = parts_of(frame);
+  channel_->send_bytes(std::move(parts), slot);
 }
 
 Json error_json(const Error& error) {

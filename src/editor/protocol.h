@@ -33,6 +33,7 @@ class Outbox {
   void refuse(const Json& id, const Error& error) const;
   /// An event with a slot takes the place of an unsent one.
   void tell(std::string_view event, Json fields, std::string_view slot = {}) const;
+  /// A frame of more than `part_bytes` goes in parts.
   void send(std::vector<std::byte> frame, std::string_view slot = {}) const;
 
  private:

@@ -95,7 +95,7 @@ Workspace::Workspace(Document document, Source source, const Folders& folders, O
     : source_(std::move(source)),
       folders_(folders),
       outbox_(outbox),
-      view_(outbox),
+      view_(outbox, folders),
       graft_view_(std::move(outbox)),
       history_(document.text),
       saved_(document.text) {
@@ -135,7 +135,7 @@ void Workspace::show_parts(const Stage& next) {
            std::find(stage_.parts.begin(), stage_.parts.end(), object) != stage_.parts.end();
   };
   for (const auto& part : next.parts)
-    if (!is_known(part)) outbox_.send(mesh_frame(*part, "part"));
+    if (!is_known(part)) outbox_.send(mesh_frame(*part, "part", folders_));
 }
 
 // What the document's graft came to is not to be run again.

@@ -78,7 +78,7 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 class Mailbox : public Channel {
  public:
   struct Message {
-    std::variant<std::string, std::shared_ptr<const std::vector<std::byte>>> content;
+    std::variant<std::string, std::shared_ptr<const ByteParts>> content;
     std::string slot;
   };
 
@@ -88,8 +88,8 @@ class Mailbox : public Channel {
   void send_text(std::string text, std::string_view slot) override {
     put({std::move(text), std::string(slot)});
   }
-  void send_bytes(std::shared_ptr<const std::vector<std::byte>> bytes, std::string_view slot) override {
-    put({std::move(bytes), std::string(slot)});
+  void send_bytes(std::shared_ptr<const ByteParts> parts, std::string_view slot) override {
+    put({std::move(parts), std::string(slot)});
   }
 
   std::optional<Message> take() {
@@ -145,7 +145,6 @@ class Connection {
 
   /// Writes what comes into the mailbox until the socket closes.
   asio::awaitable<void> write() {
-    error_code failed;
     while (!closed_) {
       const std::optional<Mailbox::Message> message = mailbox_->take();
       if (!message) {
@@ -153,12 +152,14 @@ class Connection {
         co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, woken));
         continue;
       }
-      const auto* text = std::get_if<std::string>(&message->content);
-      const auto* bytes = std::get_if<std::shared_ptr<const std::vector<std::byte>>>(&message->content);
-      const asio::const_buffer content = text != nullptr ? asio::buffer(*text) : asio::buffer(**bytes);
-      socket_.text(text != nullptr);
-      co_await socket_.async_write(content, asio::redirect_error(asio::use_awaitable, failed));
-      if (failed) close();
+      if (const auto* text = std::get_if<std::string>(&message->content)) {
+        co_await write_one(asio::buffer(*text), true);
+        continue;
+      }
+      for (const auto& part : *std::get<std::shared_ptr<const ByteParts>>(message->content)) {
+        if (closed_) break;
+        co_await write_one(asio::buffer(part), false);
+      }
     }
   }
 
@@ -171,6 +172,13 @@ class Connection {
   }
 
  private:
+  asio::awaitable<void> write_one(asio::const_buffer content, bool is_text) {
+    error_code failed;
+    socket_.text(is_text);
+    co_await socket_.async_write(content, asio::redirect_error(asio::use_awaitable, failed));
+    if (failed) close();
+  }
+
   Socket socket_;
   asio::steady_timer wake_;
   std::shared_ptr<Mailbox> mailbox_;

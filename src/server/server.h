@@ -20,6 +20,9 @@ struct PageFile {
   std::string_view bytes;
 };
 
+/// Messages of bytes that belong together.
+using ByteParts = std::vector<std::vector<std::byte>>;
+
 /// One page's way to be told things. Safe to use from any thread, and after the page has gone.
 class Channel {
  public:
@@ -28,7 +31,8 @@ class Channel {
   /// Queues a message. One with a `slot` takes the place of an unsent one with the same slot: of frames that
   /// the page is too slow for, only the newest is sent.
   virtual void send_text(std::string text, std::string_view slot = {}) = 0;
-  virtual void send_bytes(std::shared_ptr<const std::vector<std::byte>> bytes, std::string_view slot = {}) = 0;
+  /// The same; a message each of `parts`, which stay together, and are sent or dropped together.
+  virtual void send_bytes(std::shared_ptr<const ByteParts> parts, std::string_view slot = {}) = 0;
 };
 
 /// What the server talks to on behalf of one page. Called on the server's thread, so calls must be short.

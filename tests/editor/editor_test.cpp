@@ -19,6 +19,7 @@
 #include "io/temporary_folder.h"
 #include "page_client.h"
 #include "support/defects.h"
+#include "support/mesh_families.h"
 
 namespace meshgraft::test {
 namespace {
@@ -102,6 +103,64 @@ TEST(Editor, DragsAndEndsWhereItWasDraggedLast) {
   const std::vector<float> shown = page.exact(dragged);
   EXPECT_EQ(saved(page, folder / "after.json"), before) << "a drag is no part of the document";
   EXPECT_EQ(page.exact(pose_top(page)["pose"]), shown);
+}
+
+TEST(Editor, SendsTheExactFrameAloneWhereThePageShowsTheOthers) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_bar);
+  paint_top(page);
+  page.ask({{"do", "settings"}, {"settings", {{"method", "ft05"}}}});
+  page.frame(3);
+  const Json moved = {{"top", {{"translate", {0.3, 0, 0}}}}};
+  const Json pose = page.ask({{"do", "drag"}, {"poses", moved}, {"frames", "exact"}})["pose"];
+  const Frame first = page.frame(2, [&](const Frame& frame) { return frame.header["pose"] == pose; });
+  EXPECT_EQ(first.header["quality"], "exact");
+  EXPECT_EQ(page.refusal({{"do", "drag"}, {"poses", moved}, {"frames", "few"}})["code"], "input");
+}
+
+TEST(Editor, SendsALargeMeshInParts) {
+  const TemporaryFolder folder;
+  const TestMesh sheet = grid(400, 400);
+  write_mesh(make_mesh(sheet.positions, sheet.triangles), folder / "large.ply");
+  const Mesh mesh = read_mesh(folder / "large.ply");
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask({{"do", "open"}, {"path", (folder / "large.ply").string()}});
+  Frame frame = page.frame(1);
+  EXPECT_GE(page.parts_seen(), 2u);
+  EXPECT_EQ(frame.numbers["positions"], as_shown(mesh.positions, page.offset()));
+  ASSERT_EQ(frame.indices["triangles"].size(), 3 * static_cast<std::size_t>(mesh.face_count()));
+  EXPECT_TRUE(
+      std::equal(mesh.faces.corners().begin(), mesh.faces.corners().end(), frame.indices["triangles"].begin()));
+}
+
+TEST(Editor, SendsThePicturesOfItsFoldersAlone) {
+  const TemporaryFolder folder, other;
+  const auto put = [](const fs::path& file, const std::string& content) { std::ofstream(file) << content; };
+  put(folder / "skin.png", "picture");
+  put(other / "secret.png", "secret");
+  put(folder / "looks.mtl", "newmtl a\nmap_Kd skin.png\n");
+  put(folder / "model.obj",
+      "mtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+      "usemtl a\nf 1/1 2/2 3/3 4/4\nusemtl b\nf 1/2 3/3 2/1\n");
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask({{"do", "open"}, {"path", (folder / "model.obj").string()}});
+  Frame frame = page.frame(1);
+  EXPECT_EQ(frame.bytes["picture 1"], "picture");
+  EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0}));
+  const std::vector<float>& uv = frame.numbers["corner_uv"];
+  ASSERT_EQ(uv.size(), 18u);
+  for (std::size_t c = 0; c < 6; ++c) {  // there UVs are the places
+    const auto v = static_cast<std::size_t>(frame.indices["triangles"][c]);
+    EXPECT_EQ(uv[2 * c], frame.numbers["positions"][3 * v] + 0.5F);
+    EXPECT_EQ(uv[2 * c + 1], frame.numbers["positions"][3 * v + 1] + 0.5F);
+  }
+  put(folder / "away.mtl", "newmtl a\nmap_Kd " + (other / "secret.png").string() + "\n");
+  put(folder / "away.obj", "mtllib away.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1 2 3\n");
+  EXPECT_EQ(page.refusal({{"do", "open"}, {"path", (folder / "away.obj").string()}})["code"], "input");
 }
 
 TEST(Editor, SendsTheWeightsOfTheLinearMethod) {

@@ -142,13 +142,24 @@ void Page::read() {
   }
   if (failed) throw std::runtime_error(failed.message());
   const std::string bytes = beast::buffers_to_string(buffer.data());
-  if (socket_->stream.got_binary()) return take_frame(bytes);
+  if (socket_->stream.got_binary()) return bytes.starts_with("MGFP") ? take_part(bytes) : take_frame(bytes);
   const Json message = Json::parse(bytes);
   note("engine", message);
   if (message.contains("event"))
     events_.push_back(message);
   else
     replies_[message["re"].is_number() ? message["re"].get<int>() : 0] = message;
+}
+
+void Page::take_part(const std::string& bytes) {
+  std::uint64_t at = 0, length = 0;
+  std::memcpy(&at, bytes.data() + 8, 8);
+  std::memcpy(&length, bytes.data() + 16, 8);
+  ASSERT_EQ(at, parts_.size());
+  parts_ += bytes.substr(24);
+  ++parts_seen_;
+  ASSERT_LE(parts_.size(), length);
+  if (parts_.size() == length) take_frame(std::exchange(parts_, {}));
 }
 
 void Page::take_frame(const std::string& bytes) {

@@ -76,9 +76,11 @@ class Page {
   /// All messages so far: {"from": "page" | "engine" | "header", "message"}, one line each.
   const std::string& conversation() const { return conversation_; }
   std::size_t waiting_frames() const { return frames_.size(); }
+  std::size_t parts_seen() const { return parts_seen_; }
 
  private:
   void read();
+  void take_part(const std::string& bytes);
   void take_frame(const std::string& bytes);
   void note(const char* from, const Json& message);
 
@@ -89,6 +91,8 @@ class Page {
   std::map<int, Json> replies_;
   std::vector<Json> events_;
   std::vector<Frame> frames_;
+  std::string parts_;  // of the frame that comes
+  std::size_t parts_seen_ = 0;
   std::vector<float> rest_, shown_;
   std::vector<double> offset_;
   int mesh_ = 0;

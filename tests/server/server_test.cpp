@@ -312,13 +312,15 @@ TEST(Server, DropsSupersededMessages) {
   // The tab does not read: what cannot be sent at once waits, the newest in each slot.
   constexpr int frames = 200;
   for (int frame = 0; frame < frames; ++frame)
-    channel->send_bytes(std::make_shared<std::vector<std::byte>>(1 << 20, static_cast<std::byte>(frame)),
+    channel->send_bytes(std::make_shared<ByteParts>(2, std::vector(1 << 19, static_cast<std::byte>(frame))),
                         "frame");
   channel->send_text("and done");
   std::vector<int> heard;
   for (std::string message = tab.hear(); message != "and done"; message = tab.hear())
     heard.push_back(static_cast<unsigned char>(message.at(0)));
   EXPECT_LT(heard.size(), frames / 2u);
+  ASSERT_EQ(heard.size() % 2, 0u);
+  for (std::size_t i = 0; i < heard.size(); i += 2) EXPECT_EQ(heard[i], heard[i + 1]);  // parts stay together
   EXPECT_EQ(heard.back(), frames - 1);
   EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end()));
 }

@@ -2,6 +2,7 @@ import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
+import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft";
 import { Library } from "./library";
@@ -128,10 +129,11 @@ export class Editor {
     return true;
   }
 
-  /** Where handles are for now: what the engine streams, and what the shader shows at once. */
-  drag(poses: Poses): void {
+  /** Where handles are for now. `isShown`, by the shader: then the engine need not stream but the exact frame. */
+  drag(poses: Poses, isShown = false): void {
     const answered = this.viewport.posesAsked();
-    this.connection.request({ do: "drag", poses }).then(
+    const frames = isShown && this.view.heatMap.value === "none" ? "exact" : "all";
+    this.connection.request({ do: "drag", poses, frames }).then(
       (outcome) => answered("pose" in outcome ? (outcome.pose ?? 0) : 0),
       () => answered(0),
     );
@@ -302,24 +304,13 @@ export class Editor {
     this.graft.take(frame);
     this.library.take(frame);
     if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
-    if (frame.kind === FrameKind.mesh && frame.header.role !== "part") this.box.value = boxOf(frame);
+    const model = this.viewport.main;
+    if (frame.kind === FrameKind.mesh && frame.header.role !== "part" && model !== undefined)
+      this.box.value = boxOf(model);
   }
 }
 
-function boxOf(frame: BinaryFrame): Box {
-  const positions = frame.floats("positions") ?? new Float32Array();
-  const low: Vector = [Infinity, Infinity, Infinity];
-  const high: Vector = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i + 2 < positions.length; i += 3)
-    for (const k of [0, 1, 2] as const) {
-      const x = positions[i + k] as number;
-      if (x < low[k]) low[k] = x;
-      if (x > high[k]) high[k] = x;
-    }
-  const { offset = [0, 0, 0] } = frame.header;
-  for (const k of [0, 1, 2] as const) {
-    low[k] += offset[k];
-    high[k] += offset[k];
-  }
-  return { low, high };
+function boxOf({ box, offset }: Surface): Box {
+  const inModel = (at: Surface["box"]["min"]): Vector => [at.x + offset[0], at.y + offset[1], at.z + offset[2]];
+  return { low: inModel(box.min), high: inModel(box.max) };
 }

@@ -14,6 +14,29 @@ export enum FrameKind {
 
 const types = { float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array } as const;
 
+const headLength = 24;
+
+/** Puts frames together that come in parts, one after another. */
+export class PartedFrames {
+  private whole = new Uint8Array();
+
+  /** The frame that a message is, or completes; undefined: parts of it are still to come. Throws where one is missing. */
+  take(message: ArrayBuffer): ArrayBuffer | undefined {
+    const head = new DataView(message);
+    if (message.byteLength < headLength || head.getUint32(0, true) !== 0x5046474d) return message;
+    const at = Number(head.getBigUint64(8, true));
+    const length = Number(head.getBigUint64(16, true));
+    if (at === 0) this.whole = new Uint8Array(length);
+    const part = new Uint8Array(message, headLength);
+    if (this.whole.length !== length) throw new Error("a part of a frame is missing");
+    this.whole.set(part, at);
+    if (at + part.length < length) return undefined;
+    const { buffer } = this.whole;
+    this.whole = new Uint8Array();
+    return buffer;
+  }
+}
+
 /** A binary message of the engine: its header, and its arrays, which lie in the message's own bytes. */
 export class BinaryFrame {
   private readonly arrays = new Map<string, Float32Array | Uint32Array | Uint8Array>();

@@ -1,5 +1,5 @@
 import type { EngineError, EngineEvent, Id, PageRequest, Reply, Result } from "../protocol";
-import { BinaryFrame } from "./binary_frame";
+import { BinaryFrame, PartedFrames } from "./binary_frame";
 
 /** A request that the engine refused: what is wrong, where, and what helps. */
 export class Refusal extends Error {
@@ -28,6 +28,7 @@ export class Connection {
   private last = 0;
   private readonly waiting = new Map<Id, { resolve: (result: Outcome) => void; reject: (why: Refusal) => void }>();
   private retryMs = 250;
+  private parts = new PartedFrames();
 
   constructor(
     private readonly address: string,
@@ -40,6 +41,7 @@ export class Connection {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.retryMs = 250;
+      this.parts = new PartedFrames();
       this.listeners.link("open");
     };
     socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
@@ -68,7 +70,8 @@ export class Connection {
 
   private receive(data: string | ArrayBuffer): void {
     if (typeof data !== "string") {
-      this.listeners.frame(BinaryFrame.parse(data));
+      const bytes = this.parts.take(data);
+      if (bytes !== undefined) this.listeners.frame(BinaryFrame.parse(bytes));
       return;
     }
     const message = JSON.parse(data) as Reply | EngineEvent;

@@ -108,17 +108,17 @@ export class HandleControl {
   /** Where a handle is for now: in the next picture, and by what the engine streams. */
   show(name: string, placement: Placement): void {
     this.ahead.set(name, placement);
-    this.viewport.requestRender();
-    if (this.scheduled) return;
+    if (this.scheduled) return this.viewport.requestRender();
     this.scheduled = true;
     requestAnimationFrame(() => {
       this.scheduled = false;
       const latest = this.ahead.get(name);
       const handle = this.active;
       if (latest === undefined || handle === undefined || handle.name !== name) return;
-      this.viewport.showPoses(this.mapsBy(name, latest));
-      this.editor.drag({ [name]: poseOf(latest, handle.defaultPivot) });
+      const isShown = this.viewport.showPoses(this.mapsBy(name, latest));
+      this.editor.drag({ [name]: poseOf(latest, handle.defaultPivot) }, isShown);
     });
+    this.viewport.requestRender(); // after it, so that the picture has the surface where the handle is
   }
 
   /** Where a handle is from now on. */

@@ -96,6 +96,19 @@ export class LinearFrames {
     };
   }
 
+  /** Of copies of vertices, for a surface that draws these. */
+  moversOf(vertices: Uint32Array): Int32BufferAttribute {
+    const copies = new Int32BufferAttribute(new Int32Array(vertices.length), 1);
+    vertices.forEach((v, i) => (copies.array[i] = this.movers.array[v] as number));
+    copies.gpuType = IntType;
+    return copies;
+  }
+
+  /** Whether a frame can take the place of what the shader shows. */
+  mayGiveWay(pose: number, quality: string | undefined): boolean {
+    return (quality === undefined || quality === "exact") && pose >= this.newest;
+  }
+
   /** A frame of the engine is there. */
   streamed(pose: number, quality: string | undefined): void {
     if (quality === undefined || quality === "exact") this.exact = Math.max(this.exact, pose);

@@ -12,12 +12,13 @@ export class NormalsOfPart {
   /** `moving`: vertices; undefined: all. Yields now and then. */
   static *find(triangles: Uint32Array, vertexCount: number, moving?: Uint32Array): Generator<void, NormalsOfPart> {
     if (moving === undefined) {
-      const all = new Uint32Array(vertexCount).map((_, v) => v);
-      return new NormalsOfPart(
-        triangles,
-        new Uint32Array(triangles.length / 3).map((_, f) => 3 * f),
-        all,
-      );
+      const vertices = new Uint32Array(vertexCount);
+      for (let v = 0; v < vertexCount; ++v) vertices[v] = v;
+      yield;
+      const faces = new Uint32Array(triangles.length / 3);
+      for (let f = 0; f < faces.length; ++f) faces[f] = 3 * f;
+      yield;
+      return new NormalsOfPart(triangles, faces, vertices);
     }
     const moves = new Uint8Array(vertexCount);
     for (const v of moving) moves[v] = 1;
@@ -35,8 +36,11 @@ export class NormalsOfPart {
   /** Writes the normals of `vertices` into `normals`. Yields now and then; until the end they are not of use. */
   *update(positions: Float32Array, normals: Float32Array): Generator<void, void> {
     const { triangles, faces, vertices } = this;
-    for (let i = 0; i < vertices.length; ++i)
-      normals.fill(0, 3 * (vertices[i] as number), 3 * (vertices[i] as number) + 3);
+    for (let i = 0; i < vertices.length; ++i) {
+      const at = 3 * (vertices[i] as number);
+      normals[at] = normals[at + 1] = normals[at + 2] = 0;
+      if (i % 262144 === 262143) yield;
+    }
     yield;
     for (let i = 0; i < faces.length; ++i) {
       addFace(positions, triangles, faces[i] as number, normals);

@@ -3,6 +3,13 @@ import type { Detail } from "./pipeline";
 
 const slowMs = 50; // a picture that takes longer is made with less detail while something moves
 
+/** Times of performance.now(): when a picture was begun, all drawing of it was called for, and the card was done. */
+export interface Drawn {
+  begin: number;
+  drawn: number;
+  end: number;
+}
+
 /**
  * When pictures are made, and how finely: the next one when the last one is done, so that none wait in a row; less detail
  * while something moves, where full detail takes long.
@@ -17,7 +24,7 @@ export class Pace {
 
   constructor(
     private readonly draw: () => void,
-    private readonly drawn: (medianMs: number) => void,
+    private readonly done: (picture: Drawn, medianMs: number) => void,
   ) {}
 
   request(): void {
@@ -40,22 +47,25 @@ export class Pace {
   /** Tells when the card is done with what was drawn since `start`. */
   finish(renderer: WebGLRenderer, start: number, moving: boolean): void {
     this.busy = true;
-    void cardIsIdle(renderer).then(() => this.end(performance.now() - start, moving));
+    const drawn = performance.now();
+    void cardIsIdle(renderer).then(() => this.end({ begin: start, drawn, end: performance.now() }, moving));
   }
 
   private begin(): void {
+    if (this.busy || !this.wanted) return; // asked for while one was drawn: `end` takes it up
     this.wanted = false;
     this.draw();
   }
 
-  private end(ms: number, moving: boolean): void {
+  private end(picture: Drawn, moving: boolean): void {
     this.busy = false;
+    const ms = picture.end - picture.begin;
     if (moving) this.movingMs = this.movingMs === 0 ? ms : 0.7 * this.movingMs + 0.3 * ms;
     else this.restMs = ms;
     this.recent.push(ms);
     if (this.recent.length > 31) this.recent.shift();
     const sorted = [...this.recent].sort((a, b) => a - b);
-    this.drawn(sorted[sorted.length >> 1] ?? 0);
+    this.done(picture, sorted[sorted.length >> 1] ?? 0);
     if (this.wanted) requestAnimationFrame(() => this.begin());
   }
 }

@@ -55,11 +55,12 @@ void main() {
   vec3 n = normalize(cross(across, up));
   float slant = dot(n, isParallel ? vec3(0, 0, 1) : normalize(-p));  // too little of it: the normal is a guess
   float radius = min(0.16, reachInPicture / (isParallel ? 1.0 : -p.z));
-  float turn = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+  float turn = 6.2831853 * noise, start = fract(3.0 * noise + 0.5);
   float sum = 0.0;
   const int count = 11;
   for (int i = 0; i < count; ++i) {
-    float far = (float(i) + 0.5) / float(count);
+    float far = (float(i) + start) / float(count);  // else pixels side by side look at the same rings, in blotches
     float angle = turn + 2.3999632 * float(i) * 1.7;
     vec2 shift = radius * far * vec2(cos(angle), sin(angle)) * vec2(pixel.x / pixel.y, 1.0);
     vec3 v = placeAt(at + shift) - p;

@@ -17,6 +17,16 @@ export function handleColour(order: number): readonly [number, number, number] {
   return handleColours[order % handleColours.length] ?? handleColours[0];
 }
 
+/** How strongly vertices of the region are tinted, by how far inside they lie (0 to 1). */
+export function regionStrength(inside: number): number {
+  return 0.75 * Math.min(1, 0.1 + 1.9 * inside);
+}
+
+/** The same of what stays. Not so the rim: two rings of triangles, which would be seen as a ragged streak. */
+export function fixedStrength(inside: number): number {
+  return 0.25 * Math.min(1, 6 * Math.max(0, inside - 0.12));
+}
+
 /** Writes a colour and how strongly it covers what lies below, premultiplied, into 4 bytes of vertex v. */
 export function writeTint(
   tint: Uint8Array,

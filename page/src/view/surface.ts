@@ -16,11 +16,12 @@ import type { HeatMap } from "../app/view_settings";
 import { detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
-import { NormalsOfPart } from "./normals";
-import { depthInRegion, fixedColour, handleColour, regionColour, writeTint } from "./roles";
+import { depthInRegion, fixedColour, fixedStrength, handleColour, regionColour, regionStrength, writeTint } from "./roles";
 import { Slices } from "./slices";
-import { mergedIndices, runsOf, sameList, spanOfChange } from "./spans";
+import { mergedIndices, runsOf, spanOfChange } from "./spans";
+import { StreamedFrames } from "./streamed";
 import { surfaceMaterial, type LookUniforms } from "./surface_material";
+import { TexturedSurface } from "./textured";
 
 /** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
 export class Surface {
@@ -49,6 +50,9 @@ export class Surface {
   readonly slices = new Slices();
   readonly uv: Float32Array | undefined;
   readonly colours: Float32Array | undefined;
+  private readonly textured: TexturedSurface | undefined;
+  private wantsTextures = false;
+  private painted = 0; // counts changes of tint and selection
   private readonly fine: BufferAttribute;
   private coarse: BufferAttribute | undefined;
   private edges: Uint32Array | undefined;
@@ -58,22 +62,16 @@ export class Surface {
   /** Called when something was changed that a picture shows. */
   onChange: () => void = () => undefined;
 
-  private shown: Float32Array;
   private heatMap: HeatMap = "none";
   private stretchOf: StretchOf = "area";
   private heatVersion = -1;
   private seam: Uint32Array = new Uint32Array();
   /** What the colours of the heat map stand for; null: there is none. */
   legend: Legend | null = null;
-  private ownPositions: Float32Array | undefined;
-  private ownNormals: Float32Array | undefined;
-  private shownNormals: Float32Array;
   private readonly restNormals: Float32Array;
+  private readonly streamed: StreamedFrames;
   private readonly tint: Uint8Array;
   private selected: Uint32Array = new Uint32Array();
-  private moved: NormalsOfPart | undefined;
-  private movedList: Uint32Array | undefined; // which vertices the last frame had
-  private normalsVersion = 0;
   private isBefore = false;
 
   constructor(
@@ -82,12 +80,15 @@ export class Surface {
   ) {
     this.id = frame.header.mesh;
     this.rest = frame.floats("positions") ?? new Float32Array();
-    this.shown = this.rest; // one array until something moves
     this.vertexCount = this.rest.length / 3;
     this.offset = frame.header.offset ?? [0, 0, 0];
     this.triangles = frame.indices("triangles") ?? new Uint32Array();
     this.restNormals = frame.floats("normals") ?? new Float32Array(this.rest.length);
-    this.shownNormals = this.restNormals;
+    this.streamed = new StreamedFrames(
+      { positions: this.rest, normals: this.restNormals, triangles: this.triangles },
+      this.slices,
+      { changed: (...vertices) => this.takeChanged(...vertices), shown: (shown) => this.noteShown(shown) },
+    );
     this.uv = frame.floats("uv");
     this.colours = frame.floats("colours");
     this.selection = new Uint8Array(this.vertexCount);
@@ -109,16 +110,17 @@ export class Surface {
     this.mesh.frustumCulled = false;
     if (this.uv !== undefined) this.mesh.material.defines["HAS_UV"] = 1;
     if (this.colours !== undefined) this.mesh.material.defines["HAS_COLOURS"] = 1;
+    this.textured = this.texturesOf(frame);
     this.object.add(this.mesh);
     this.object.position.set(...this.offset);
   }
 
   /** Where vertices are shown (while handles move in the shader: what the engine sent last). */
   get positions(): Float32Array {
-    return this.isBefore ? this.rest : this.shown;
+    return this.isBefore ? this.rest : this.streamed.positions;
   }
   get normals(): Float32Array {
-    return this.isBefore ? this.restNormals : this.shownNormals;
+    return this.isBefore ? this.restNormals : this.streamed.normals;
   }
   get triangleCount(): number {
     return this.triangles.length / 3;
@@ -164,31 +166,22 @@ export class Surface {
 
   /** Kind `frame`: positions, of all vertices or of those that it lists. */
   showFrame(frame: BinaryFrame): void {
-    const sent = frame.floats("positions") ?? new Float32Array();
-    const vertices = frame.indices("vertices");
-    if (vertices?.length === 0) return this.showRest(frame);
-    this.ownShown(!sameList(vertices, this.movedList));
-    if (vertices === undefined) this.shown.set(sent);
-    else this.scatter(sent, vertices);
-    ++this.version;
-    this.upload("position", vertices);
-    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
-    this.renewNormals(vertices);
-    this.renewHeat();
-    this.onChange();
+    const { pose = 0, quality } = frame.header;
+    if (frame.indices("vertices")?.length === 0) return this.showRest(frame);
+    if (!this.linear.isShown || this.linear.mayGiveWay(pose, quality)) this.streamed.show(frame);
   }
 
   /** Nothing moves. */
   private showRest(frame: BinaryFrame): void {
+    const wasAtRest = this.streamed.isAtRest;
+    this.streamed.showRest();
+    if (!wasAtRest) this.useAttributes();
+    this.noteShown(frame);
+  }
+
+  private noteShown(frame: BinaryFrame): void {
     this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
-    if (this.shown === this.rest) return;
-    this.slices.stop("normals");
-    this.shown = this.rest;
-    this.shownNormals = this.restNormals;
-    this.moved = undefined;
-    this.movedList = undefined;
     ++this.version;
-    this.useAttributes();
     this.renewHeat();
     this.onChange();
   }
@@ -266,6 +259,7 @@ export class Surface {
   dispose(): void {
     this.slices.stopAll();
     this.linear.forget();
+    this.textured?.dispose();
     for (const drawn of [this.mesh, this.wire, this.boundary]) {
       drawn?.geometry.dispose();
       (drawn?.material as ShaderMaterial | undefined)?.dispose();
@@ -327,11 +321,50 @@ export class Surface {
     this.mesh.material.needsUpdate = true;
   }
 
+  /** Its pictures, or checks where it has none. */
+  showTextures(textures: boolean): void {
+    this.wantsTextures = textures;
+    if (!textures || this.textured === undefined || this.textured.mesh !== undefined) return;
+    if (!this.slices.isRunning("textures")) this.slices.start("textures", this.makeTextures(this.textured));
+  }
+
+  private *makeTextures(textured: TexturedSurface): Generator<void, void> {
+    yield* textured.make();
+    this.onChange();
+  }
+
+  private followTextures(): void {
+    const drawn = this.textured?.mesh;
+    if (drawn === undefined) return;
+    drawn.visible = this.wantsTextures && this.own["hasHeat"]?.value !== true;
+    this.mesh.visible = !drawn.visible;
+    const asOf = `${this.version} ${this.painted} ${this.isBefore} ${this.linear.isReady}`;
+    if (drawn.visible) this.textured?.follow(asOf);
+  }
+
+  /** Undefined for a mesh that has neither places in pictures for its corners nor pictures. */
+  private texturesOf(frame: BinaryFrame): TexturedSurface | undefined {
+    const pictures = frame.indices("pictures");
+    const uv = frame.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
+    if (uv === undefined) return undefined;
+    const files = frame.names().filter((name) => name.startsWith("picture ")).flatMap((name) => frame.bytes(name) ?? []);
+    const makeMaterial = () => surfaceMaterial(this.look, this.deform, this.own);
+    return new TexturedSurface(this, uv, pictures, files, makeMaterial);
+  }
+
+  /** Of vertices, by corners. */
+  private cornersUv(): Float32Array | undefined {
+    const { uv, triangles } = this;
+    if (uv === undefined) return undefined;
+    return new Float32Array(2 * triangles.length).map((_, i) => uv[2 * (triangles[i >> 1] as number) + (i & 1)] as number);
+  }
+
   /** A coarse version of `triangles`, for while a picture has to be quick. */
   setCoarse(triangles: Uint32Array): void {
     this.coarse = new BufferAttribute(triangles, 1);
   }
   showCoarse(coarse: boolean): void {
+    this.followTextures();
     this.geometry.setIndex(coarse ? (this.coarse ?? this.fine) : this.fine);
     if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
   }
@@ -423,58 +456,17 @@ export class Surface {
     if (this.wire !== undefined) this.wire.visible = wire;
   }
 
-  /** Arrays for what is shown apart from rest; what other frames moved is as at rest again. */
-  private ownShown(others: boolean): void {
-    const isOwn = this.shown !== this.rest;
-    if (isOwn && !others) return;
-    this.ownPositions ??= new Float32Array(this.rest.length);
-    this.ownNormals ??= new Float32Array(this.rest.length);
-    this.shown = this.ownPositions;
-    this.shownNormals = this.ownNormals;
-    this.shown.set(this.rest);
-    this.shownNormals.set(this.restNormals);
-    this.upload("position", undefined);
-    this.upload("normal", undefined);
-    if (!isOwn) this.useAttributes();
-  }
-
-  private scatter(sent: Float32Array, vertices: Uint32Array): void {
-    const { shown } = this;
-    for (let i = 0; i < vertices.length; ++i) {
-      const v = 3 * (vertices[i] as number);
-      shown[v] = sent[3 * i] as number;
-      shown[v + 1] = sent[3 * i + 1] as number;
-      shown[v + 2] = sent[3 * i + 2] as number;
-    }
-  }
-
-  /** Normals follow the positions, in slices where that takes long; a newer frame waits for its turn. */
-  private renewNormals(vertices: Uint32Array | undefined): void {
-    if (!sameList(vertices, this.movedList) || (this.moved === undefined && !this.slices.isRunning("normals"))) {
-      this.movedList = vertices;
-      this.moved = undefined;
-      this.slices.start("normals", this.followNormals());
-    } else if (!this.slices.isRunning("normals")) {
-      this.slices.start("normals", this.followNormals());
-    }
-  }
-
-  private *followNormals(): Generator<void, void> {
-    this.moved ??= yield* NormalsOfPart.find(this.triangles, this.vertexCount, this.movedList);
-    while (this.normalsVersion !== this.version) {
-      this.normalsVersion = this.version;
-      yield* this.moved.update(this.shown, this.shownNormals);
-      this.upload("normal", this.moved.vertices);
-      this.onChange();
-    }
-  }
-
   private *paintRoles(): Generator<void, void> {
     const { tint } = this;
     tint.fill(0);
     const depth = this.region.length === 0 ? undefined : yield* depthInRegion(this.rest, this.triangles, this.region);
-    this.region.forEach((v, i) => writeTint(tint, v, regionColour, 0.75 * Math.min(1, 0.1 + 1.9 * (depth?.[i] ?? 1))));
     for (const v of this.fixed) writeTint(tint, v, fixedColour, 0.25);
+    const isFixed = new Set(this.fixed);
+    this.region.forEach((v, i) => {
+      const inside = depth?.[i] ?? 1;
+      if (isFixed.has(v)) writeTint(tint, v, fixedColour, fixedStrength(inside));
+      else writeTint(tint, v, regionColour, regionStrength(inside));
+    });
     let order = 0;
     for (const vertices of this.handles.values()) {
       for (const v of vertices) writeTint(tint, v, handleColour(order), 0.85);
@@ -484,8 +476,13 @@ export class Surface {
     this.onChange();
   }
 
-  private upload(name: "position" | "normal", vertices: Uint32Array | undefined): void {
-    const array = name === "position" ? this.shown : this.shownNormals;
+  private takeChanged(positions: Uint32Array | undefined, normals: Uint32Array | undefined): void {
+    this.upload(this.streamed.positions, positions);
+    this.upload(this.streamed.normals, normals);
+    if (positions === undefined) this.useAttributes();
+  }
+
+  private upload(array: Float32Array, vertices: Uint32Array | undefined): void {
     const attribute = this.attributeOf(array);
     if (vertices === undefined) attribute.addUpdateRange(0, array.length);
     else for (const [first, last] of runsOf(vertices)) attribute.addUpdateRange(3 * first, 3 * (last - first + 1));
@@ -494,6 +491,7 @@ export class Surface {
 
   private uploadSpan(name: "selection" | "tint", span: readonly [number, number] | undefined): void {
     if (span === undefined || span[1] < span[0]) return;
+    ++this.painted;
     const attribute = this.geometry.getAttribute(name) as BufferAttribute;
     attribute.addUpdateRange(attribute.itemSize * span[0], attribute.itemSize * (span[1] - span[0] + 1));
     attribute.needsUpdate = true;

@@ -104,6 +104,8 @@ uniform float cavity, checkSize;
 uniform vec3 selectionColour;
 uniform sampler2D heatColours;
 uniform vec2 heatRange;
+uniform sampler2D picture;
+uniform bool hasPicture;
 out vec4 colour;
 ${lightShader}
 
@@ -136,6 +138,7 @@ vec3 ownColour() {
   if (shading == 4) return shownColour;
   if (shading != 3) return clay;
   #ifdef HAS_UV
+    if (hasPicture) return texture(picture, shownUv).rgb;
     float check = checks(vec3(shownUv * 16.0, 0.25));
   #else
     float check = checks(shownRest / checkSize);

@@ -20,7 +20,7 @@ import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
 import type { Legend } from "./heat";
 import { Navigation } from "./navigation";
-import { cardIsIdle, Pace } from "./pace";
+import { cardIsIdle, Pace, type Drawn } from "./pace";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
 import { inOwn, Parts } from "./parts";
 import { PickTree } from "./pick_tree";
@@ -51,6 +51,8 @@ export class Viewport {
   readonly navigation: Navigation;
   /** Called before each picture. */
   readonly onFrame = new Set<() => void>();
+  /** Called after each picture, when the card is done with it. */
+  readonly onDrawn = new Set<(picture: Drawn) => void>();
   /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
@@ -69,7 +71,10 @@ export class Viewport {
   private readonly cube: ViewCube;
   private readonly pace = new Pace(
     () => this.render(),
-    (frameMs) => (this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs }),
+    (picture, frameMs) => {
+      this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs };
+      for (const call of this.onDrawn) call(picture);
+    },
   );
   private ball = new Sphere(new Vector3(), 1);
   private fileName = "";
@@ -373,6 +378,7 @@ export class Viewport {
     surface.showWire(settings.wireframe.value);
     surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
     if (settings.shading.value === "texture") surface.needRest();
+    surface.showTextures(settings.shading.value === "texture");
   }
 
   /** Which axis stands upright: as set, or as files of the kind have it. */

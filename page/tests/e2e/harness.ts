@@ -172,7 +172,15 @@ export class Stage {
     readonly person: Person,
   ) {}
 
-  static async open(options: { models?: string[]; size?: { width: number; height: number }; dark?: boolean } = {}): Promise<Stage> {
+  /** `before`: what is done to the page before it loads. */
+  static async open(
+    options: {
+      models?: string[];
+      size?: { width: number; height: number };
+      dark?: boolean;
+      before?: (page: Page) => Promise<unknown>;
+    } = {},
+  ): Promise<Stage> {
     const folder = new Folder();
     const engine = await Engine.start(["--folder", folder.path, ...(options.models ?? [])]);
     const browser = await chromium.launch({ executablePath: browserPath, args: browserArguments });
@@ -181,6 +189,7 @@ export class Stage {
       colorScheme: options.dark === true ? "dark" : "light",
     });
     const person = new Person(page);
+    await options.before?.(page);
     await page.goto(engine.url);
     await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
     return new Stage(folder, browser, engine, person);

@@ -1,6 +1,8 @@
 #include "document.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -32,6 +34,23 @@ std::optional<GltfChannel> channel_of(const std::string& semantic) {
   if (is_numbered(semantic, "COLOR_"))
     return GltfChannel{Kind::plain, semantic, numbered(semantic, "COLOR_", "colour")};
   return std::nullopt;
+}
+
+std::vector<std::string> gltf_labels(const JsonView& root, const char* array, const std::string& kind) {
+  std::vector<std::string> labels;
+  std::set<std::string> taken;
+  std::map<std::string, int> next_number;
+  for (std::size_t i = 0; i < root.count(array); ++i) {
+    const auto name = root.at(array).at(i).find("name");
+    const std::string plain = name && name->json().is_string() && !name->text().empty()
+                                  ? name->text()
+                                  : fmt::format("{}_{}", kind, i);
+    std::string label = plain;
+    int& number = next_number.try_emplace(plain, 2).first->second;
+    while (!taken.insert(label).second) label = fmt::format("{}_{}", plain, number++);
+    labels.push_back(std::move(label));
+  }
+  return labels;
 }
 
 std::string_view GltfDocument::json_text() const {

@@ -74,6 +74,9 @@ struct GltfInstance {
   std::vector<GltfPart> parts;
 };
 
+/// Distinct names for numbered things: the file's own, else "material_3"; a second "skin" is "skin_2".
+std::vector<std::string> gltf_labels(const JsonView& root, const char* array, const std::string& kind);
+
 /// The nodes of the default scene that have a mesh, with their places, in the order of the hierarchy. A file
 /// without scenes shows all its nodes, one without nodes all its meshes.
 /// Throws Error(input) where the hierarchy is no tree.

@@ -58,24 +58,6 @@ struct PositionHash {
   }
 };
 
-/// Distinct names for numbered things: the file's own, else "material_3"; a second "skin" is "skin_2".
-std::vector<std::string> labels_of(const JsonView& root, const char* array, const std::string& kind) {
-  std::vector<std::string> labels;
-  std::set<std::string> taken;
-  std::map<std::string, int> next_number;
-  for (std::size_t i = 0; i < root.count(array); ++i) {
-    const auto name = root.at(array).at(i).find("name");
-    const std::string plain = name && name->json().is_string() && !name->text().empty()
-                                  ? name->text()
-                                  : fmt::format("{}_{}", kind, i);
-    std::string label = plain;
-    int& number = next_number.try_emplace(plain, 2).first->second;
-    while (!taken.insert(label).second) label = fmt::format("{}_{}", plain, number++);
-    labels.push_back(std::move(label));
-  }
-  return labels;
-}
-
 /// Builds a mesh from the nodes of the default scene: their triangles in world space, vertices of one node at
 /// exactly the same place as one vertex, everything else per corner.
 class GltfReader {
@@ -366,8 +348,8 @@ class GltfReader {
   void read_labels() {
     Attribute material = face_attribute("material");
     Attribute object = face_attribute("object");
-    material.labels = labels_of(view(), "materials", "material");
-    object.labels = labels_of(view(), "nodes", "node");
+    material.labels = gltf_labels(view(), "materials", "material");
+    object.labels = gltf_labels(view(), "nodes", "node");
     bool any_material = false;
     bool any_node = false;
     for (const GltfInstance& instance : document_->instances) {

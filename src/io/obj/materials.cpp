@@ -205,6 +205,25 @@ std::vector<std::string> libraries_to_copy(const ObjDocument& document, const fs
   return names;
 }
 
+std::vector<MaterialTexture> textures_of(const ObjDocument& document) {
+  std::vector<MaterialTexture> textures;
+  std::error_code ignored;
+  const fs::path folder = document.path.parent_path();
+  for (const std::string& name : library_names_of(document.content, folder)) {
+    const fs::path library = folder / name, around = library.parent_path();
+    if (!fs::is_regular_file(library, ignored)) continue;
+    for (const MtlMaterial& material : parse_mtl(read_file(library)))
+      for (const std::string& line : material.lines) {
+        const std::string_view texture = line.starts_with("map_Kd") ? texture_in(line) : std::string_view();
+        const fs::path file = around / texture_from(around, around, texture);
+        if (texture.empty() || !fs::is_regular_file(file, ignored)) continue;
+        textures.push_back({material.name, file, {}});
+        break;
+      }
+  }
+  return textures;
+}
+
 std::vector<fs::path> files_of_materials(const fs::path& path) {
   std::vector<fs::path> files;
   std::error_code ignored;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/io/textures.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "document.h"
@@ -29,6 +30,9 @@ std::vector<std::string> material_libraries_of(const Mesh& mesh);
 
 /// The libraries of `document` that a copy of it at `path` would not find.
 std::vector<std::string> libraries_to_copy(const ObjDocument& document, const std::filesystem::path& path);
+
+/// The pictures of all materials' colours (`map_Kd`) that exist.
+std::vector<MaterialTexture> textures_of(const ObjDocument& document);
 
 /// The material libraries and textures that an OBJ file refers to, as far as they exist.
 std::vector<std::filesystem::path> files_of_materials(const std::filesystem::path& path);

@@ -1,0 +1,159 @@
+import { writeFileSync } from "node:fs";
+import { deflateSync } from "node:zlib";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { Stage, type Point } from "./harness";
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open({ size: { width: 1000, height: 700 } });
+});
+afterAll(() => stage.close());
+
+type Colour = readonly [number, number, number];
+const red: Colour = [220, 30, 30];
+const green: Colour = [30, 190, 40];
+const blue: Colour = [30, 50, 220];
+const yellow: Colour = [230, 210, 30];
+
+function crc32(bytes: Uint8Array): number {
+  let crc = 0xffffffff;
+  for (const byte of bytes) {
+    crc ^= byte;
+    for (let bit = 0; bit < 8; ++bit) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+  }
+  return ~crc >>> 0;
+}
+
+/** A PNG of four squares: the upper two from left to right, then the lower two. */
+function picture(colours: readonly [Colour, Colour, Colour, Colour], half = 8): Buffer {
+  const rows: number[] = [];
+  for (let y = 0; y < 2 * half; ++y) {
+    rows.push(0);
+    for (let x = 0; x < 2 * half; ++x) rows.push(...(colours[2 * Math.floor(y / half) + Math.floor(x / half)] as Colour));
+  }
+  const chunk = (name: string, data: Buffer) => {
+    const body = Buffer.concat([Buffer.from(name, "latin1"), data]);
+    const numbers = Buffer.alloc(8);
+    numbers.writeUInt32BE(data.length, 0);
+    numbers.writeUInt32BE(crc32(body), 4);
+    return Buffer.concat([numbers.subarray(0, 4), body, numbers.subarray(4)]);
+  };
+  const head = Buffer.alloc(13);
+  head.writeUInt32BE(2 * half, 0);
+  head.writeUInt32BE(2 * half, 4);
+  head.set([8, 2, 0, 0, 0], 8);
+  return Buffer.concat([
+    Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]),
+    chunk("IHDR", head), chunk("IDAT", deflateSync(Buffer.from(rows))), chunk("IEND", Buffer.alloc(0)),
+  ]);
+}
+
+const count = 24; // squares along an edge of the plate
+
+/** An upright plate from 0 to 1: its left half has the whole picture, its right half again, for there is a seam of UVs. */
+function plate(material: string): string {
+  const lines = ["mtllib plate.mtl"];
+  for (let j = 0; j <= count; ++j) for (let i = 0; i <= count; ++i) lines.push(`v ${i / count} ${j / count} 0`);
+  for (let side = 0; side < 2; ++side)
+    for (let j = 0; j <= count; ++j)
+      for (let i = 0; i <= count / 2; ++i) lines.push(`vt ${(2 * i) / count} ${j / count}`);
+  lines.push(`usemtl ${material}`);
+  const perSide = (count + 1) * (count / 2 + 1);
+  for (let j = 0; j < count; ++j)
+    for (let i = 0; i < count; ++i) {
+      const side = i < count / 2 ? 0 : 1;
+      const corner = (x: number, y: number) =>
+        `${y * (count + 1) + x + 1}/${side * perSide + y * (count / 2 + 1) + x - (side * count) / 2 + 1}`;
+      lines.push(`f ${corner(i, j)} ${corner(i + 1, j)} ${corner(i + 1, j + 1)} ${corner(i, j + 1)}`);
+    }
+  return lines.join("\n") + "\n";
+}
+
+const vertexAt = (i: number, j: number) => j * (count + 1) + i;
+
+async function colourAt([x, y]: Point): Promise<Colour> {
+  const { page } = stage.person;
+  const shot = (await page.screenshot()).toString("base64");
+  return page.evaluate(
+    async ([shot, x, y]) => {
+      const bytes = Uint8Array.from(atob(shot), (letter) => letter.charCodeAt(0));
+      const image = await createImageBitmap(new Blob([bytes]));
+      const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d");
+      canvas?.drawImage(image, 0, 0);
+      const [r = 0, g = 0, b = 0] = canvas?.getImageData(Math.round(x), Math.round(y), 1, 1).data ?? [];
+      return [r, g, b] as const;
+    },
+    [shot, x, y] as const,
+  );
+}
+
+/** The picture's colour that is nearest to what is shown at a vertex. */
+async function shownAt(i: number, j: number): Promise<Colour | undefined> {
+  const shown = await colourAt(await stage.person.screenOf(vertexAt(i, j)));
+  const unlike = (colour: Colour) => Math.hypot(...colour.map((part, k) => part - (shown[k] as number)));
+  const nearest = [red, green, blue, yellow].sort((a, b) => unlike(a) - unlike(b))[0] as Colour;
+  return unlike(nearest) < 90 ? nearest : undefined; // light changes it
+}
+
+async function open(file: string): Promise<void> {
+  const { page } = stage.person;
+  await page.evaluate(async (path) => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "open", path });
+    editor.view.showRoles.value = false;
+    editor.view.shading.value = "texture";
+    editor.view.ambientOcclusion.value = false;
+    editor.view.grid.value = false;
+  }, file);
+  await stage.person.settle();
+  await page.keyboard.press("Numpad1");
+  await page.waitForTimeout(1200);
+}
+
+async function expectPictures(): Promise<void> {
+  for (const first of [0, count / 2]) {
+    expect(await shownAt(first + 2, 20)).toEqual(red);
+    expect(await shownAt(first + 9, 20)).toEqual(green);
+    expect(await shownAt(first + 2, 4)).toEqual(blue);
+    expect(await shownAt(first + 9, 4)).toEqual(yellow);
+  }
+}
+
+test("a model is shown with its picture, also when it is bent and after", async () => {
+  const { folder, person } = stage;
+  writeFileSync(folder.file("squares.png"), picture([red, green, blue, yellow]));
+  writeFileSync(folder.file("plate.mtl"), "newmtl squares\nKd 1 1 1\nmap_Kd squares.png\n");
+  writeFileSync(folder.file("plate.obj"), plate("squares"));
+  await open(folder.file("plate.obj"));
+  await person.screenshot("texture");
+  await expectPictures();
+
+  const moved = await person.page.evaluate(async (vertices) => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "paint-handle", vertices, reach: 0.5, name: "top" });
+    await editor.pose({ top: { translate: [0.1, 0.15, 0] } });
+    return true;
+  }, Array.from({ length: count + 1 }, (_, i) => vertexAt(i, count)));
+  expect(moved).toBe(true);
+  await person.settle();
+  await person.page.waitForTimeout(500);
+  await person.screenshot("texture-bent");
+  await expectPictures();
+
+  await person.page.evaluate(() => window.meshgraft.editor.ask({ do: "accept" }));
+  await person.settle();
+  await person.page.waitForTimeout(800);
+  await expectPictures();
+  expect(person.complaints).toEqual([]);
+});
+
+test("a model whose picture is not there has checks", async () => {
+  const { folder } = stage;
+  writeFileSync(folder.file("bare.obj"), plate("nothing"));
+  await open(folder.file("bare.obj"));
+  await stage.person.screenshot("texture-checks");
+  const shades = new Set<string>();
+  for (let i = 1; i < count; ++i) shades.add(String(await shownAt(i, 5)));
+  expect([...shades]).toEqual(["undefined"]);
+  expect(stage.person.complaints).toEqual([]);
+});
