@@ -76,7 +76,7 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
   run("sample", "octopus", "--resolution", `${resolution}`, "-o", model);
   const { page } = stage.person;
   await page.evaluate(recordPictures);
-  await page.evaluate(() => (window.records.longTasks.length = 0));
+  const begin = await page.evaluate(() => performance.now());
   const opened = await page.evaluate(async (path) => {
     const { editor, viewport } = window.meshgraft;
     const begin = performance.now();
@@ -90,10 +90,14 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
   }, model);
   await stage.person.settle();
   await page.waitForTimeout(3000);
-  const longest = await page.evaluate(() => Math.max(0, ...window.records.longTasks));
+  const longest = await page.evaluate((begin) => {
+    const since = window.records.longTasks.filter((task) => task.begin >= begin);
+    return Math.max(0, ...since.map((task) => task.end - task.begin));
+  }, begin);
   const heap = await heapOf(page);
   if (process.env["MESHGRAFT_BENCH_DETAIL"] !== undefined) {
-    const long = await page.evaluate(() => window.records.stretches.filter(({ begin, end }) => end - begin > 20));
+    const long = await page.evaluate(
+      (from) => window.records.stretches.filter(({ begin, end }) => begin >= from && end - begin > 20), begin);
     for (const { kind, begin, end } of long) process.stderr.write(`  ${kind} at ${begin.toFixed(0)}: ${(end - begin).toFixed(0)} ms\n`);
   }
   const triangles = await page.evaluate(() => window.meshgraft.viewport.main?.triangleCount ?? 0);
@@ -196,18 +200,19 @@ function table(heads: readonly string[], rows: readonly string[][]): string {
   return line(heads) + `|${heads.map((_, i) => (i === 2 && heads.length > 5 ? "---|" : "---:|")).join("")}\n` + rows.map(line).join("");
 }
 
-const wanted = process.argv[2];
+const wanted = process.argv[2]; // a size alone
+const drags = process.argv[3] !== "open";
 const opened: string[][] = [];
 const dragged: string[][] = [];
 for (const [triangles, resolution] of [...sizes, ["2,000,000", 885] as const]) {
   if (wanted !== undefined && wanted !== triangles.replaceAll(",", "")) continue;
   const { stage, row } = await openMeasured(resolution);
   opened.push(row);
-  if (triangles !== "2,000,000") dragged.push(...(await measureDrags(stage, triangles)));
+  if (drags && triangles !== "2,000,000") dragged.push(...(await measureDrags(stage, triangles)));
   await stage.close();
 }
 const load = (loadavg()[0] ?? 0).toFixed(1);
 process.stdout.write(`${cpus().length} cores, SwiftShader (no graphics card), page of ${size.width} × ${size.height}; load average ${load}.\n\n`);
 process.stdout.write(table(["triangles", "first picture, s", "longest task, ms", "heap, MiB"], opened) + "\n");
-process.stdout.write(table(["triangles", "moving", "method", "pictures", "engine", "transfer", "page", "engine + page",
+if (dragged.length > 0) process.stdout.write(table(["triangles", "free vertices", "method", "pictures", "engine", "transfer", "page", "engine + page",
   "card", "total"], dragged));

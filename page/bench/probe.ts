@@ -35,7 +35,8 @@ export interface Records {
   asked: Asked[];
   arrivals: Arrival[];
   pictures: Picture[];
-  longTasks: number[];
+  /** Of the page, from 50 ms on: the browser counts no shorter ones. */
+  longTasks: Stretch[];
 }
 
 declare global {
@@ -80,7 +81,8 @@ export function recordStretches(): void {
     });
   }
   new PerformanceObserver((list) => {
-    for (const { duration } of list.getEntries()) records.longTasks.push(duration);
+    for (const { startTime, duration } of list.getEntries())
+      records.longTasks.push({ kind: "task", begin: startTime, end: startTime + duration });
   }).observe({ type: "longtask", buffered: true });
 }
 

@@ -1,0 +1,52 @@
+import { writeFileSync } from "node:fs";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { placesOf, Stage } from "./harness";
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open();
+});
+afterAll(() => stage.close());
+
+/** A hilly sheet of n × n squares, each two triangles. */
+function sheet(n: number): string {
+  const lines: string[] = [];
+  for (let j = 0; j <= n; ++j)
+    for (let i = 0; i <= n; ++i) lines.push(`v ${i} ${j} ${(8 * Math.sin(i / 40) * Math.cos(j / 30)).toFixed(4)}`);
+  for (let j = 0; j < n; ++j)
+    for (let i = 0; i < n; ++i) {
+      const v = j * (n + 1) + i + 1;
+      lines.push(`f ${v} ${v + 1} ${v + n + 2}`, `f ${v} ${v + n + 2} ${v + n + 1}`);
+    }
+  return lines.join("\n") + "\n";
+}
+
+test("a mesh that comes in parts is whole", async () => {
+  const n = 420; // more than 8 MiB
+  const { folder, person } = stage;
+  const file = folder.file("sheet.obj");
+  writeFileSync(file, sheet(n));
+  const places = placesOf(file);
+
+  await person.page.evaluate((path) => window.meshgraft.editor.ask({ do: "open", path }), file);
+  await person.page.waitForFunction(() => window.meshgraft.viewport.main?.object.parent != null);
+  const shown = await person.page.evaluate(async () => {
+    const { viewport } = window.meshgraft;
+    const surface = viewport.main;
+    if (surface === undefined) throw new Error("nothing is shown");
+    const { offset, triangles } = surface;
+    return { places: [...(await viewport.readPositions())], offset: [...offset], triangles: [...triangles] };
+  });
+  expect(shown.places).toHaveLength(places.length);
+  const furthest = shown.places.reduce(
+    (most, x, i) => Math.max(most, Math.abs(x + (shown.offset[i % 3] as number) - (places[i] as number))), 0);
+  expect(furthest).toBeLessThan(1e-4);
+  expect(shown.triangles).toHaveLength(6 * n * n);
+  const isRight = shown.triangles.every((v, i) => {
+    const square = Math.floor(i / 6);
+    const first = Math.floor(square / n) * (n + 1) + (square % n);
+    return v === first + ([0, 1, n + 2, 0, n + 2, n + 1][i % 6] as number);
+  });
+  expect(isRight).toBe(true);
+  expect(person.complaints).toEqual([]);
+});
