@@ -264,8 +264,12 @@ void Workspace::finish(const Context& context) {
 Workspace::Outcome Workspace::outcome(const Context& context) {
   finish(context);
   const EditFile saved = saved_form(document_, document_.edit.base_folder);
-  const std::string name = saved.output.empty() ? outcome_of(saved.steps.back()) : saved.output;
-  const auto scene = objects_.after(document_, saved.steps.size(), name, context);
+  const auto* only = std::get_if<DeformStep>(&saved.steps.back().action);
+  const bool does_nothing = only != nullptr && !is_ready(*only);  // an edit file has one step at least
+  const std::string name = does_nothing           ? mesh_of(saved.steps.back())
+                           : saved.output.empty() ? outcome_of(saved.steps.back())
+                                                  : saved.output;
+  const auto scene = objects_.after(document_, saved.steps.size() - (does_nothing ? 1 : 0), name, context);
   return {scene->mesh, scene->rest};
 }
 

@@ -82,6 +82,22 @@ TEST(Editor, ShowsWhatTheSavedFileGives) {
   }
 }
 
+TEST(Editor, WritesTheModelAsItIsWhereNothingIsDone) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  const fs::path model = bar_file(folder);
+  page.ask({{"do", "open"}, {"path", model.string()}});
+  page.ask({{"do", "export"}, {"path", (folder / "untouched.ply").string()}});
+  EXPECT_EQ(read_file(folder / "untouched.ply"), read_file(model));
+  paint_top(page);
+  pose_top(page);
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "export"}, {"path", (folder / "undone.ply").string()}});
+  EXPECT_EQ(read_file(folder / "undone.ply"), read_file(model));
+}
+
 TEST(Editor, DragsAndEndsWhereItWasDraggedLast) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});
