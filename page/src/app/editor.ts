@@ -58,6 +58,8 @@ export class Editor {
   /** The model's box at rest, in its units. */
   readonly box = signal<Box | null>(null);
   readonly dialog = signal<DialogName | null>(null);
+  /** The edit file that saving would replace, though something else wrote it since it was opened. */
+  readonly replacing = signal<string | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
 
   private readonly connection: Connection;
@@ -152,7 +154,17 @@ export class Editor {
       this.dialog.value = "save";
       return;
     }
-    const done = await this.ask({ do: "save" });
+    const done = await this.attempt({ do: "save" });
+    if (!("code" in done)) this.tellFiles("Saved", done);
+    else if (done.replaces !== undefined) this.replacing.value = done.replaces;
+    else this.tell("problem", done);
+  }
+  /** Writes the edit file over what something else has written there. */
+  async replace(): Promise<void> {
+    const { value: edit } = this.replacing;
+    this.replacing.value = null;
+    if (edit === null) return;
+    const done = await this.ask({ do: "save", edit, overwrite: true });
     if (done !== undefined) this.tellFiles("Saved", done);
   }
 
@@ -170,6 +182,11 @@ export class Editor {
 
   cancel(id?: Id): void {
     void this.connection.request(id === undefined ? { do: "cancel" } : { do: "cancel", of: id }).catch(() => undefined);
+  }
+
+  /** Takes back the change whose set-up goes on behind what is shown. */
+  async cancelSetUp(): Promise<void> {
+    await this.attempt({ do: "cancel", of: null }); // refused where it has just been done
   }
 
   tell(kind: Message["kind"], error: EngineError): void {

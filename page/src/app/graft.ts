@@ -1,12 +1,13 @@
 import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane } from "../protocol";
+import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane, SelectionSpec } from "../protocol";
 import {
-  meetingOf, pairsField, proposedStart, readStep, withFields, withPair,
-  type DotRef, type GraftFields, type GraftStep, type Meeting, type Pair,
+  pairsField, readStep, withFields, withPair, withStarts,
+  type DotRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
-import { LoopCurve, twistDeg, twisted } from "./loop_curve";
+import { GraftStarts } from "./graft_starts";
+import { LoopCurve } from "./loop_curve";
 import { Throttled } from "./throttled";
 
 export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
@@ -46,6 +47,7 @@ export interface DrawnCurve {
   readonly closed: boolean;
 }
 
+export type SelectionChange = { how: "invert" } | { how: "grow"; rings: number } | { how: "set"; what: SelectionSpec };
 type CutRequest = Extract<PageRequest, { do: "cut" }>;
 export type Side = "above" | "below" | "both";
 
@@ -123,9 +125,11 @@ export class Graft {
     return single ? [{ sourceLoop: 0, targetLoop: 0, matches: [] }] : [];
   }
 
+  /** Where pairs begin to meet, and how they are twisted. */
+  readonly starts: GraftStarts = new GraftStarts(this);
+
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
   private readonly asked = new Set<number>(); // meshes whose loops were asked for
-  private readonly found = new Map<string, Meeting>(); // starts that were found automatically
   private newest = 0; // number of the newest graft that was told of
 
   constructor(private readonly host: GraftHost) {}
@@ -176,12 +180,10 @@ export class Graft {
     await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
   }
   private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
-    const start = proposedStart(report?.error?.remedy ?? "");
-    const pairs = this.pairs.value;
-    if (start === undefined || pairs.length !== 1) return undefined;
-    return pairsField(pairs.map((pair) => ({ ...pair, start: [start[0], start[1]] })));
+    const pairs = withStarts(this.pairs.value, report?.open_starts ?? []);
+    return pairs === undefined ? undefined : pairsField(pairs);
   }
-  /** The start that the engine proposes, as it can be taken: for the one pair that there is. */
+  /** The starts that the engine proposes, as they can be taken. */
   readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
 
   /** What is told of a graft of this number, or of a later one. */
@@ -267,6 +269,32 @@ export class Graft {
     if ((await this.host.ask(other)) !== undefined) this.lastCut.value = other;
   }
 
+  /** Whether what of the part stays is being painted: selections are made on the part then. */
+  readonly paintsFixed = computed(() => this.mode.value === "graft" && this.tool.value === "fixed");
+
+  /** Changes the selection on the part, and with it what of the part stays. */
+  async selectFixed(change: SelectionChange): Promise<void> {
+    const mesh = this.source.value?.name;
+    const done = await this.host.ask({ do: "select", mesh, ...change });
+    if (done !== undefined) await this.set({ fixed: done.selected === 0 ? null : true });
+  }
+  /** Begins to paint: what stays already is selected. */
+  async paintFixed(): Promise<void> {
+    const mesh = this.source.value?.name;
+    const what = this.kept.value?.fixed ?? { indices: [] };
+    if ((await this.host.ask({ do: "select", mesh, how: "set", what })) === undefined) return;
+    batch(() => {
+      this.tool.value = "fixed";
+      this.arrangement.value = "apart";
+    });
+  }
+  donePainting(): void {
+    batch(() => {
+      this.tool.value = "loops";
+      this.arrangement.value = "result";
+    });
+  }
+
   cancel(): Promise<Outcome | undefined> {
     return this.host.ask({ do: "graft", what: "cancel" });
   }
@@ -306,47 +334,6 @@ export class Graft {
     this.drag({ pairs: pairsField(pairs) });
   }
 
-  /** The loops of a pair, of source and target; undefined while they are not known. */
-  curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
-    const loop = (thing: Thing | undefined, index: number) => this.loops.value.get(thing?.mesh ?? -1)?.[index]?.curve;
-    const source = loop(this.source.value, pair.sourceLoop);
-    const target = loop(this.target.value, pair.targetLoop);
-    return source === undefined || target === undefined ? undefined : { source, target };
-  }
-  /** Where a pair starts: as given, or as it was found last. */
-  startOf(index: number, pairs = this.pairs.value): Meeting | undefined {
-    const pair = pairs[index];
-    return pair && (meetingOf(pair.start) ?? this.found.get(this.keyOf(pair)) ?? meetingOf(this.report.value?.pairs?.[index]?.start));
-  }
-  /** What a twist counts from: the start that was found; the given one where none was. */
-  private untwisted(pair: Pair): Meeting | undefined {
-    const key = this.keyOf(pair);
-    const kept = this.found.get(key) ?? meetingOf(pair.start);
-    if (kept !== undefined) this.found.set(key, kept);
-    return kept;
-  }
-  /** By how much a pair is turned against what was found, in degrees along the loop. */
-  twistOf(index: number, pairs = this.pairs.value): number {
-    const pair = pairs[index];
-    const curves = pair && this.curvesOf(pair);
-    const start = this.startOf(index, pairs);
-    const base = pair && this.untwisted(pair);
-    if (curves === undefined || start === undefined || base === undefined) return 0;
-    return twistDeg(curves.source, curves.target, base, start);
-  }
-  withTwist(index: number, angleDeg: number): readonly Pair[] | undefined {
-    const pair = this.pairs.value[index];
-    const curves = pair && this.curvesOf(pair);
-    const base = pair && this.untwisted(pair);
-    if (curves === undefined || base === undefined) return undefined;
-    const [a, b] = twisted(curves.source, curves.target, base, angleDeg);
-    return this.pairs.value.map((other, i) => (i === index ? { ...other, start: [a, b] } : other));
-  }
-
-  private keyOf({ sourceLoop, targetLoop }: Pair): string {
-    return [this.source.value?.mesh, sourceLoop, this.target.value?.mesh, targetLoop].join(" ");
-  }
-
   /** Asks for the loops of all that is shown, once for each mesh. */
   async needLoops(): Promise<void> {
     for (const { mesh, name } of this.things.value) {
@@ -369,10 +356,7 @@ export class Graft {
       this.report.value = event;
       if (event.error !== undefined) this.preview.value = null;
       if (this.dragged.value === null && event.transform !== undefined) this.transform.value = event.transform;
-      this.pairs.value.forEach((pair, i) => {
-        const start = meetingOf(event.pairs?.[i]?.start);
-        if (start !== undefined && pair.start === undefined && pair.matches.length === 0) this.found.set(this.keyOf(pair), start);
-      });
+      this.starts.learn(event);
     });
   }
 

@@ -28,7 +28,14 @@ export function Side({ page }: { page: Page }) {
       {modes.length > 1 && (
         <div class="modes" role="tablist" aria-label="What to do">
           {modes.map((tab) => (
-            <button type="button" key={tab.mode} role="tab" aria-selected={mode.value === tab.mode} data-tip={tab.tip} onClick={() => (mode.value = tab.mode)}>
+            <button
+              type="button"
+              key={tab.mode}
+              role="tab"
+              aria-selected={mode.value === tab.mode}
+              data-tip={tab.tip}
+              onClick={() => (mode.value = tab.mode)}
+            >
               {tab.label}
             </button>
           ))}

@@ -27,12 +27,18 @@ export function StartScreen({ page }: { page: Page }) {
         </div>
         <div class="start-columns">
           <div>
-            {models.length > 0 && <Models page={page} title="Your models" models={models} />}
+            {models.length > 0 && <Models page={page} title="Your models" models={models} together />}
             {recent.length > 0 && <Models page={page} title="Opened lately" models={recent} />}
             <h2>Samples</h2>
             <ul class="cards">
               {(welcome?.samples ?? []).map(({ name, description }) => (
-                <Card key={name} page={page} request={{ do: "open", sample: name }} name={name} detail={description} />
+                <Card
+                  key={name}
+                  page={page}
+                  request={{ do: "open", sample: name }}
+                  name={name}
+                  detail={description}
+                />
               ))}
             </ul>
           </div>
@@ -43,31 +49,61 @@ export function StartScreen({ page }: { page: Page }) {
             <Folders page={page} />
           </div>
         </div>
-        <p class="start-foot">
-          {opening === undefined ? `meshgraft ${welcome?.version ?? ""}` : "Opening…"}
-        </p>
+        <p class="start-foot">{opening === undefined ? `meshgraft ${welcome?.version ?? ""}` : "Opening…"}</p>
       </div>
     </div>
   );
 }
 
-function Models({ page, title, models }: { page: Page; title: string; models: readonly string[] }) {
+interface ModelsProps {
+  page: Page;
+  title: string;
+  models: readonly string[];
+  together?: boolean; // the first opens with the others beside it
+}
+
+function Models({ page, title, models, together = false }: ModelsProps) {
+  const [first, ...others] = models;
+  const parts =
+    together && first?.endsWith(".json") === false ? others.filter((path) => !path.endsWith(".json")) : [];
+  const detail = (path: string) =>
+    path === first && parts.length > 0 ? `with ${parts.map(baseName).join(", ")} beside it` : folderOf(path);
+  const request = (path: string): OpenRequest =>
+    path === first && parts.length > 0 ? { do: "open", path, parts } : { do: "open", path };
   return (
     <>
       <h2>{title}</h2>
       <ul class="cards models">
         {models.map((path) => (
-          <Card key={path} page={page} request={{ do: "open", path }} name={baseName(path)} detail={folderOf(path)} />
+          <Card key={path} page={page} request={request(path)} name={baseName(path)} detail={detail(path)} />
         ))}
       </ul>
     </>
   );
 }
 
-function Card({ page, request, name, detail }: { page: Page; request: OpenRequest; name: string; detail: string }) {
+/** With parts beside it, a model is opened to graft them. */
+async function openCard({ editor }: Page, request: OpenRequest): Promise<void> {
+  const opened = await editor.open(request);
+  if (!opened || request.parts === undefined) return;
+  editor.graft.mode.value = "graft";
+  editor.graft.arrangement.value = "apart";
+}
+
+function Card({
+  page,
+  request,
+  name,
+  detail,
+}: {
+  page: Page;
+  request: OpenRequest;
+  name: string;
+  detail: string;
+}) {
   return (
     <li>
-      <button type="button" class="card" onClick={() => void page.editor.open(request)}>
+      <button type="button" class="card" onClick={() => void openCard(page, request)}>
         <Icon name={name.endsWith(".json") ? "edit" : "model"} size={22} />
         <span>
           <strong>{name}</strong>
@@ -106,5 +142,13 @@ function Folders({ page }: { page: Page }) {
   const roots = page.editor.welcome.value?.folders ?? [];
   const [folder, setFolder] = useState<string | null>(roots.length === 1 ? (roots[0] ?? null) : null);
   const listing = useListing(page, folder);
-  return <FolderBrowser page={page} folder={folder} onFolder={setFolder} listing={listing} onFile={(path) => void page.editor.open({ do: "open", path })} />;
+  return (
+    <FolderBrowser
+      page={page}
+      folder={folder}
+      onFolder={setFolder}
+      listing={listing}
+      onFile={(path) => void page.editor.open({ do: "open", path })}
+    />
+  );
 }

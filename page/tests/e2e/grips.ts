@@ -109,3 +109,15 @@ export function sizeOf(places: Float64Array, vertices: readonly number[]): numbe
   const centre = centreOf(places, vertices);
   return vertices.reduce((sum, v) => sum + distance(placeOf(places, v), centre), 0) / vertices.length;
 }
+
+/** Exports the mesh by the dialog; the file. */
+export async function exported(stage: Stage, name: string, extension = ".ply"): Promise<string> {
+  const { page } = stage.person;
+  await stage.person.press("Control+e");
+  await page.getByLabel("Format").selectOption(extension);
+  await page.getByRole("dialog").getByRole("textbox").fill(name);
+  await page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
+  await page.getByText("Exported", { exact: true }).waitFor({ timeout: 20_000 });
+  await stage.person.click("Close the message");
+  return stage.folder.file(`${name}${extension}`);
+}

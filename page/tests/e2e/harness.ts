@@ -2,6 +2,7 @@
 import { execFileSync, spawn, type ChildProcess } from "node:child_process";
 import { createHash } from "node:crypto";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { chromium, type Browser, type Page } from "playwright-core";
@@ -53,6 +54,18 @@ export function placesOf(file: string): Float64Array {
   return Float64Array.from(numbers);
 }
 
+/** A port that nobody listens to, for an engine that comes back to it. */
+export function freePort(): Promise<string> {
+  return new Promise((resolve, reject) => {
+    const server = createServer();
+    server.once("error", reject);
+    server.listen(0, "127.0.0.1", () => {
+      const address = server.address();
+      server.close(() => resolve(String(typeof address === "object" ? address?.port : address)));
+    });
+  });
+}
+
 /** `meshgraft edit`, running. */
 export class Engine {
   private constructor(
@@ -60,8 +73,12 @@ export class Engine {
     readonly url: string,
   ) {}
 
-  static start(words: string[]): Promise<Engine> {
-    const child = spawn(program, ["edit", "--no-browser", ...words], { stdio: ["ignore", "pipe", "inherit"] });
+  /** `mostKilobytes`: of a file that it can write, as if the disk were full then. */
+  static start(words: string[], options: { mostKilobytes?: number } = {}): Promise<Engine> {
+    const command = [program, "edit", "--no-browser", ...words];
+    const limited = ["bash", "-c", `ulimit -f ${options.mostKilobytes}; exec "$@"`, "limited", ...command];
+    const [first = "", ...rest] = options.mostKilobytes === undefined ? command : limited;
+    const child = spawn(first, rest, { stdio: ["ignore", "pipe", "inherit"] });
     return new Promise((resolve, reject) => {
       let printed = "";
       child.stdout.setEncoding("utf8").on("data", (text: string) => {
@@ -126,6 +143,16 @@ export class Person {
     await this.page.mouse.up({ button: options.button ?? "left" });
   }
 
+  /** Drops files of this machine on the page, as from a folder's window. */
+  async drop(files: readonly string[], [x, y]: Point = [500, 400]): Promise<void> {
+    ++this.actions;
+    const browser = await this.page.context().newCDPSession(this.page);
+    const data = { items: [], files: [...files], dragOperationsMask: 1 };
+    for (const type of ["dragEnter", "dragOver", "drop"] as const)
+      await browser.send("Input.dispatchDragEvent", { type, x, y, data });
+    await browser.detach();
+  }
+
   /** Where a vertex of the model is on the page, as it is shown now. */
   screenOf(vertex: number): Promise<Point> {
     return this.page.evaluate((v) => {
@@ -160,6 +187,15 @@ export class Person {
   }
 }
 
+export interface StageOptions {
+  /** By names of files: the words for `meshgraft sample`. */
+  models?: Readonly<Record<string, readonly string[]>>;
+  words?: string[];
+  mostKilobytes?: number;
+  size?: { width: number; height: number };
+  dark?: boolean;
+}
+
 /** An engine, a browser and a page for one test; `close` ends all. */
 export class Stage {
   private constructor(
@@ -169,14 +205,20 @@ export class Stage {
     readonly person: Person,
   ) {}
 
-  static async open(options: { models?: string[]; size?: { width: number; height: number }; dark?: boolean } = {}): Promise<Stage> {
+  /** `models`: given on the command line, as files of the stage's folder; `words`: what else is there. */
+  static async open(options: StageOptions = {}): Promise<Stage> {
     const folder = new Folder();
-    const engine = await Engine.start(["--folder", folder.path, ...(options.models ?? [])]);
+    const models = Object.entries(options.models ?? {}).map(([file, sample]) => {
+      run("sample", ...sample, "-o", folder.file(file));
+      return folder.file(file);
+    });
+    const engine = await Engine.start(["--folder", folder.path, ...(options.words ?? []), ...models], options);
     const browser = await chromium.launch({ executablePath: browserPath, args: browserArguments });
-    const page = await browser.newPage({
+    const context = await browser.newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
       colorScheme: options.dark === true ? "dark" : "light",
     });
+    const page = await context.newPage();
     const person = new Person(page);
     await page.goto(engine.url);
     await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
@@ -193,6 +235,14 @@ export class Stage {
     );
     await this.person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
     await this.person.settle();
+  }
+
+  /** Another tab of the same engine. */
+  async tab(): Promise<Person> {
+    const person = new Person(await this.person.page.context().newPage());
+    await person.page.goto(this.engine.url);
+    await person.page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    return person;
   }
 
   /** Saves the mesh and returns its places; the model's own where nothing was done. */

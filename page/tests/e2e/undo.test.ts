@@ -1,5 +1,5 @@
 import { afterEach, expect, test } from "vitest";
-import { aimAt, farthest, gripOf, verticesOf } from "./grips";
+import { aimAt, exported, farthest, gripOf, verticesOf } from "./grips";
 import { hashOf, placesOf, run, Stage, type Person } from "./harness";
 
 let stage: Stage | undefined;
@@ -7,18 +7,6 @@ afterEach(async () => {
   await stage?.close();
   stage = undefined;
 });
-
-/** Exports the mesh by the dialog, in the form of the file that is open. */
-async function exported(stage: Stage, name: string): Promise<string> {
-  const { page } = stage.person;
-  await stage.person.press("Control+e");
-  await page.getByLabel("Format").selectOption(".ply");
-  await page.getByRole("dialog").getByRole("textbox").fill(name);
-  await page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
-  await page.getByText("Exported", { exact: true }).waitFor({ timeout: 20_000 });
-  await stage.person.click("Close the message");
-  return stage.folder.file(`${name}.ply`);
-}
 
 /** Ctrl+Z until there is nothing left; how often. */
 async function undoAll(person: Person): Promise<number> {
