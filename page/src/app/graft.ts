@@ -1,70 +1,20 @@
 import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane, SelectionSpec } from "../protocol";
+import type { DocumentState, Matrix4 } from "../protocol";
 import {
   pairsField, readStep, withFields, withPair, withStarts,
   type DotRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
 import { GraftStarts } from "./graft_starts";
+import type {
+  Arrangement, Cut, CutRequest, DrawnCurve, GraftHost, GraftReport, GraftTool, LoopRef, PartSource,
+  SelectionChange, ShownLoop, Side, Thing,
+} from "./graft_types";
 import { LoopCurve } from "./loop_curve";
 import { Throttled } from "./throttled";
 
-export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
-export type PartSource = { path: string } | { sample: string; resolution?: number } | { upload: string };
-export type GraftTool = "loops" | "plane" | "stroke" | "fixed" | "drop";
-/** How the two are shown: what comes of them, that with the part beside it, or both as they were. */
-export type Arrangement = "result" | "both" | "apart";
-
-/** The model or a part, as the engine lists it. */
-export interface Thing {
-  name: string;
-  mesh: number;
-  vertices: number;
-  faces: number;
-  loops: number;
-  diagonal: number;
-  grafted: boolean;
-}
-
-/** A boundary loop as it is shown. */
-export interface ShownLoop {
-  readonly vertices: Uint32Array; // in order
-  readonly length: number;
-  readonly curve: LoopCurve;
-}
-
-/** A plane that is to cut a mesh, in that mesh's own coordinates. */
-export interface Cut {
-  readonly mesh: number;
-  readonly plane: Plane;
-}
-
-/** A curve that is being drawn to cut along: through these vertices of a mesh. */
-export interface DrawnCurve {
-  readonly mesh: number;
-  readonly vertices: readonly number[];
-  readonly closed: boolean;
-}
-
-export type SelectionChange = { how: "invert" } | { how: "grow"; rings: number } | { how: "set"; what: SelectionSpec };
-type CutRequest = Extract<PageRequest, { do: "cut" }>;
-export type Side = "above" | "below" | "both";
-
-export interface LoopRef {
-  readonly mesh: number;
-  readonly loop: number;
-}
-
-/** What a graft needs of the editor. */
-export interface GraftHost {
-  readonly state: { readonly value: DocumentState | null };
-  ask(request: PageRequest): Promise<Outcome | undefined>;
-  attempt(request: PageRequest): Promise<Outcome | EngineError>;
-  request(request: PageRequest): Promise<Outcome>;
-  /** Where the vertices of a mesh are, 3 numbers each. */
-  positionsOf(mesh: number): Float32Array | undefined;
-}
+export type * from "./graft_types";
 
 /** Parts, their loops, and the graft in work: signals that the panel and the view read, and what changes them. */
 export class Graft {
@@ -99,7 +49,10 @@ export class Graft {
     return state === null ? undefined : { ...state.model, grafted: false };
   });
   readonly parts = computed((): readonly Thing[] => this.host.state.value?.parts ?? []);
-  readonly things = computed((): readonly Thing[] => [...(this.model.value === undefined ? [] : [this.model.value]), ...this.parts.value]);
+  readonly things = computed((): readonly Thing[] => [
+    ...(this.model.value === undefined ? [] : [this.model.value]),
+    ...this.parts.value,
+  ]);
   /** As the document has it. */
   readonly kept = computed((): GraftStep | undefined => {
     const graft = this.host.state.value?.graft ?? null;
@@ -110,7 +63,8 @@ export class Graft {
     const { value: kept } = this.kept;
     const { value: dragged } = this.dragged;
     if (dragged === null) return kept;
-    const base = kept ?? readStep({ source: dragged.source, target: dragged.target ?? this.model.value?.name });
+    const base =
+      kept ?? readStep({ source: dragged.source, target: dragged.target ?? this.model.value?.name });
     return withFields(base, dragged);
   });
   readonly source = computed(() => this.named(this.step.value?.source));
@@ -233,7 +187,8 @@ export class Graft {
     const { value: dropped } = this.dropped;
     this.dropped.value = null;
     await this.forgetDragged();
-    if (dropped?.isNew === true && this.host.state.value?.undo === "add part") await this.host.ask({ do: "undo" });
+    if (dropped?.isNew === true && this.host.state.value?.undo === "add part")
+      await this.host.ask({ do: "undo" });
   }
 
   private async sendDrag(fields: GraftFields): Promise<void> {
@@ -256,7 +211,9 @@ export class Graft {
     const { value: plane } = this.cutPlane;
     const { value: curve } = this.cutCurve;
     if (this.tool.value === "plane")
-      return plane === null ? undefined : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
+      return plane === null
+        ? undefined
+        : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
     const [a, b, c, ...rest] = curve?.vertices ?? [];
     if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
     return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };
@@ -355,7 +312,8 @@ export class Graft {
     batch(() => {
       this.report.value = event;
       if (event.error !== undefined) this.preview.value = null;
-      if (this.dragged.value === null && event.transform !== undefined) this.transform.value = event.transform;
+      if (this.dragged.value === null && event.transform !== undefined)
+        this.transform.value = event.transform;
       this.starts.learn(event);
     });
   }

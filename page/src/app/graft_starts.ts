@@ -1,4 +1,4 @@
-import type { GraftReport, ShownLoop, Thing } from "./graft";
+import type { GraftReport, ShownLoop, Thing } from "./graft_types";
 import { meetingOf, type Meeting, type Pair } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
