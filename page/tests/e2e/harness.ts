@@ -22,8 +22,15 @@ const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
 
 // Without a display or a GPU, and without a word to anyone.
 const browserArguments = [
-  "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic",
+  "--no-sandbox",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--ignore-gpu-blocklist",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--disable-quic",
 ];
 
 /** Runs the program with these arguments, and returns what it prints. Throws where it fails. */
@@ -93,7 +100,8 @@ export class Engine {
 
   /** Ends it; resolves with its status, or null where the signal ended it. */
   stop(signal: NodeJS.Signals = "SIGINT"): Promise<number | null> {
-    if (this.process.exitCode !== null || this.process.signalCode !== null) return Promise.resolve(this.process.exitCode);
+    if (this.process.exitCode !== null || this.process.signalCode !== null)
+      return Promise.resolve(this.process.exitCode);
     const ended = new Promise<number | null>((resolve) => this.process.once("exit", (code) => resolve(code)));
     this.process.kill(signal);
     return ended;
@@ -117,7 +125,10 @@ export class Person {
 
   async click(name: string | RegExp): Promise<void> {
     ++this.actions;
-    await this.page.getByRole("button", { name, exact: typeof name === "string" }).first().click();
+    await this.page
+      .getByRole("button", { name, exact: typeof name === "string" })
+      .first()
+      .click();
   }
 
   async press(keys: string): Promise<void> {
@@ -133,7 +144,10 @@ export class Person {
   }
 
   /** A stroke through these points with a button held. */
-  async stroke(points: readonly Point[], options: { button?: "left" | "middle" | "right"; steps?: number } = {}): Promise<void> {
+  async stroke(
+    points: readonly Point[],
+    options: { button?: "left" | "middle" | "right"; steps?: number } = {},
+  ): Promise<void> {
     ++this.actions;
     const [first, ...rest] = points;
     if (first === undefined) throw new Error("a stroke without points");
@@ -160,7 +174,13 @@ export class Person {
       const surface = viewport.main;
       if (surface === undefined) throw new Error("nothing is shown");
       const at = surface.object.localToWorld(
-        surface.object.position.clone().set(surface.positions[3 * v] ?? 0, surface.positions[3 * v + 1] ?? 0, surface.positions[3 * v + 2] ?? 0),
+        surface.object.position
+          .clone()
+          .set(
+            surface.positions[3 * v] ?? 0,
+            surface.positions[3 * v + 1] ?? 0,
+            surface.positions[3 * v + 2] ?? 0,
+          ),
       );
       const { x, y } = viewport.project(at);
       return [x, y] as const;
@@ -174,7 +194,12 @@ export class Person {
         const { editor } = window.meshgraft;
         if (editor.state.value === null) return false;
         const stage = editor.live.value.stage;
-        return editor.isIdle() && (editor.state.value.counts === null || stage === undefined || ["ready", "proxy-only", "failed"].includes(stage));
+        return (
+          editor.isIdle() &&
+          (editor.state.value.counts === null ||
+            stage === undefined ||
+            ["ready", "proxy-only", "failed"].includes(stage))
+        );
       },
       undefined,
       { timeout: 90_000 },
@@ -212,7 +237,10 @@ export class Stage {
       run("sample", ...sample, "-o", folder.file(file));
       return folder.file(file);
     });
-    const engine = await Engine.start(["--folder", folder.path, ...(options.words ?? []), ...models], options);
+    const engine = await Engine.start(
+      ["--folder", folder.path, ...(options.words ?? []), ...models],
+      options,
+    );
     const browser = await chromium.launch({ executablePath: browserPath, args: browserArguments });
     const context = await browser.newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
@@ -229,7 +257,11 @@ export class Stage {
   async openSample(sample: string, resolution?: number): Promise<void> {
     await this.person.page.evaluate(
       async ([sample, resolution]) => {
-        await window.meshgraft.editor.ask({ do: "open", sample, ...(resolution === undefined ? {} : { resolution }) });
+        await window.meshgraft.editor.ask({
+          do: "open",
+          sample,
+          ...(resolution === undefined ? {} : { resolution }),
+        });
       },
       [sample, resolution] as const,
     );

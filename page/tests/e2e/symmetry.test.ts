@@ -62,16 +62,29 @@ function asymmetry(places: Float64Array): number {
 test("what is done on one side of the plane happens on the other, to a millionth", async () => {
   const { person, folder } = stage;
   const { page } = person;
-  await page.getByRole("button", { name: /ring\.obj/ }).first().click();
+  await page
+    .getByRole("button", { name: /ring\.obj/ })
+    .first()
+    .click();
   await page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
   await person.settle();
   const rest = placesOf(folder.file("ring.obj"));
   expect(asymmetry(rest)).toBeLessThan(1e-6);
 
-  await page.locator(".side").getByRole("button", { name: /^Symmetry/ }).first().click();
+  await page
+    .locator(".side")
+    .getByRole("button", { name: /^Symmetry/ })
+    .first()
+    .click();
   await page.getByRole("switch", { name: "Symmetric editing" }).check();
-  await page.locator(".section").filter({ hasText: "Symmetric editing" }).getByText("Y", { exact: true }).click();
-  await page.waitForFunction(() => Math.abs(window.meshgraft.editor.state.value?.symmetry?.plane.normal[1] ?? 0) === 1);
+  await page
+    .locator(".section")
+    .filter({ hasText: "Symmetric editing" })
+    .getByText("Y", { exact: true })
+    .click();
+  await page.waitForFunction(
+    () => Math.abs(window.meshgraft.editor.state.value?.symmetry?.plane.normal[1] ?? 0) === 1,
+  );
   await person.settle();
 
   await page.waitForTimeout(600);
@@ -99,7 +112,10 @@ test("what is done on one side of the plane happens on the other, to a millionth
   const file = await exported(stage, "both sides", ".obj");
   const bent = placesOf(file);
   const diagonal = diagonalOf(bent);
-  const moved = Array.from({ length: rest.length / 3 }, (_, v) => distance(placeOf(rest, v), placeOf(bent, v)) / diagonal);
+  const moved = Array.from(
+    { length: rest.length / 3 },
+    (_, v) => distance(placeOf(rest, v), placeOf(bent, v)) / diagonal,
+  );
   const far = (side: 1 | -1) => Math.max(...moved.filter((_, v) => side * (rest[3 * v + 1] as number) > 0.1));
   expect(far(1)).toBeGreaterThan(0.05);
   expect(far(-1)).toBeCloseTo(far(1), 6);

@@ -16,7 +16,8 @@ async function undoAll(person: Person): Promise<number> {
     const steps = await person.page.evaluate(() => window.meshgraft.editor.state.value);
     await person.press("Control+z");
     await person.page.waitForFunction(
-      (before) => window.meshgraft.editor.isIdle() && JSON.stringify(window.meshgraft.editor.state.value) !== before,
+      (before) =>
+        window.meshgraft.editor.isIdle() && JSON.stringify(window.meshgraft.editor.state.value) !== before,
       JSON.stringify(steps),
     );
   }
@@ -27,7 +28,10 @@ async function undoAll(person: Person): Promise<number> {
 function strayed(person: Person): Promise<number> {
   return person.page.evaluate(() => {
     const surface = window.meshgraft.viewport.main;
-    return surface?.positions.reduce((most, x, i) => Math.max(most, Math.abs(x - (surface.rest[i] ?? NaN))), 0) ?? NaN;
+    return (
+      surface?.positions.reduce((most, x, i) => Math.max(most, Math.abs(x - (surface.rest[i] ?? NaN))), 0) ??
+      NaN
+    );
   });
 }
 
@@ -87,7 +91,10 @@ test("a selection, handles, moves and an accepted step are all taken back, to th
 }, 240_000);
 
 test("a cut and a graft are taken back, to the byte", async () => {
-  const { stage, person } = await openWith({ "bust.ply": ["bust", "40"], "head.ply": ["head", "40"] }, /bust\.ply/);
+  const { stage, person } = await openWith(
+    { "bust.ply": ["bust", "40"], "head.ply": ["head", "40"] },
+    /bust\.ply/,
+  );
   const { page } = person;
   const opened = hashOf(stage.folder.file("bust.ply"));
   await page.getByRole("tab", { name: "Graft" }).click();
