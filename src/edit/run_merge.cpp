@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/merge/correspondence.h>
 #include <meshgraft/merge/drop.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/merge/pose_source.h>
@@ -238,6 +239,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
       intersections = count_intersections(part, result, context);
       report.seconds.measure = measuring.seconds();
     }
+  } catch (const OpenStartError& error) {
+    throw OpenStartError(placed(error, place), error.starts());
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(target.usable.explained(source.usable.explained(error)), place);

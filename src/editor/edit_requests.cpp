@@ -270,6 +270,12 @@ Json Worker::reset(const json::Value& message, const Context& context) {
   return shown();
 }
 
+Json Worker::leave_set_up(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "of"});
+  open_one().leave_set_up(context);
+  return shown();
+}
+
 Json Worker::state(const json::Value& message, const Context&) {
   const json::Object fields(message, {"id", "do"});
   return open_one().summary();

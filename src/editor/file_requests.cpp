@@ -12,6 +12,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "edit/sha256.h"
+#include "graft_actions.h"
 #include "session.h"
 
 namespace meshgraft::editor {
@@ -44,11 +45,22 @@ bool is_edit(const fs::path& path) {
   return start.find("meshgraft-edit") != std::string::npos;
 }
 
-Document model_document(const fs::path& file) {
-  const std::string name = file.stem().empty() ? "model" : file.stem().string();
+Document model_document(const fs::path& file, const fs::path& called) {
+  const std::string name = called.stem().empty() ? "model" : called.stem().string();
   return make_document(
       new_edit(name, {{"file", file.filename().string()}, {"sha256", sha256(read_file(file))}}),
       file.parent_path());
+}
+
+// With models beside, named after their files.
+Document with_parts(Document document, const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    const std::string name = file.stem().empty() ? "part" : file.stem().string();
+    Json json = document.json;
+    add_part(json, document.edit, file_input(document.edit.base_folder, file), name, true);
+    document = make_document(json, document.edit.base_folder);
+  }
+  return document;
 }
 
 Document sample_document(const std::string& name, int resolution, const fs::path& folder) {
@@ -62,6 +74,17 @@ void require_no_input(const fs::path& file, const Document& document) {
     for (const fs::path& behind : files_behind(input))
       if (fs::weakly_canonical(behind) == file)
         throw Error(ErrorCode::usage, "this is an input of the edit", file.string(), "Choose another name.");
+}
+
+// A file that is there is the edit's own, as it was read or written last.
+void require_own(const fs::path& file, const Workspace::Source& source) {
+  if (file != source.edit)
+    throw ReplaceError({ErrorCode::io, "the file exists", file.string(), "Choose another name, or replace it."},
+                       file);
+  if (sha256(read_file(file)) != source.edit_sha256)
+    throw ReplaceError({ErrorCode::io, "the file is not what was opened or saved here: something else wrote it",
+                        file.string(), "Save under another name, or replace it."},
+                       file);
 }
 
 // What was uploaded lasts no longer than the program or the journal: the edit gets a copy beside it.
@@ -130,8 +153,15 @@ void Worker::show(std::unique_ptr<Workspace> workspace) {
   if (const auto offer = workspace_->offer()) outbox_.tell("offer-restore", *offer);
 }
 
+// The models of the field `parts`.
+std::vector<fs::path> Worker::files_of(const json::Value& parts) {
+  std::vector<fs::path> files;
+  for (std::size_t i = 0; i < parts.size(); ++i) files.push_back(shared_.folders.mesh_to_read(parts[i].name()));
+  return files;
+}
+
 Json Worker::open(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "path", "sample", "resolution", "upload"});
+  const json::Object fields(message, {"id", "do", "path", "sample", "resolution", "upload", "parts"});
   const int ways = int{fields.has("path")} + int{fields.has("sample")} + int{fields.has("upload")};
   if (ways != 1) message.fail("expected one of the fields 'path', 'sample' and 'upload'");
   Document document;
@@ -154,9 +184,20 @@ Json Worker::open(const json::Value& message, const Context& context) {
                                : fs::path(fields.required("path").name());
     const fs::path file = shared_.folders.inside(asked);
     const bool edit = !is_upload && file.extension() == ".json";
-    source = {file.filename().string(), file, edit ? file : fs::path()};
-    document = edit ? parse_document(read_file(file), file.parent_path())
-                    : model_document(shared_.folders.mesh_to_read(file));
+    const fs::path called = is_upload ? uploaded_as(file) : file;
+    source = {called.filename().string(), file};
+    if (edit) {
+      const std::string text = read_file(file);
+      source.edit = file;
+      source.edit_sha256 = sha256(text);
+      document = parse_document(text, file.parent_path());
+    } else {
+      document = model_document(shared_.folders.mesh_to_read(file), called);
+    }
+  }
+  if (fields.has("parts")) {
+    if (!source.edit.empty()) fields.required("parts").fail("an edit file has its parts itself");
+    document = with_parts(std::move(document), files_of(fields.required("parts")));
   }
   show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, outbox_, context));
   return {{"name", workspace_->source().name}};
@@ -209,8 +250,7 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
   if (!shared_.upload_folder.empty() && file.parent_path() == shared_.upload_folder)
     throw Error(ErrorCode::usage, "there is no folder to write to", asked,
                 "Start the editor with a model or with --folder.");
-  if (fs::exists(file) && !overwrite && file != open_one().source().edit)
-    throw Error(ErrorCode::io, "the file exists", file.string(), "Choose another name, or replace it.");
+  if (fs::exists(file) && !overwrite) require_own(file, open_one().source());
   require_no_input(file, open_one().document());
   return file;
 }
@@ -219,8 +259,9 @@ void Worker::save_edit(const fs::path& file) {
   const fs::path folder = file.parent_path();
   const Document kept =
       with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder);
-  write_file_atomically(file, write_edit(saved_form(kept, folder)));
-  open_one().mark_saved(file);
+  const std::string text = write_edit(saved_form(kept, folder));
+  write_file_atomically(file, text);
+  open_one().mark_saved(file, sha256(text));
   tell_state();
 }
 
@@ -230,7 +271,10 @@ Json Worker::save(const json::Value& message, const Context& context) {
   fields.optional("overwrite", [&](const json::Value& v) { overwrite = v.boolean(); });
   const fs::path mesh = output(fields, "mesh", overwrite);
   fs::path edit = output(fields, "edit", overwrite);
-  if (edit.empty() && mesh.empty()) edit = open_one().source().edit;
+  if (edit.empty() && mesh.empty()) {
+    edit = open_one().source().edit;
+    if (!edit.empty() && fs::exists(edit) && !overwrite) require_own(edit, open_one().source());
+  }
   if (edit.empty() && mesh.empty()) message.fail("the edit has no file yet", "Give 'edit' or 'mesh'.");
 
   Json result = {{"files", Json::array()}, {"notes", Json::array()}};

@@ -89,4 +89,9 @@ fs::path copy_into(const fs::path& folder, const fs::path& file) {
   return copy;
 }
 
+fs::path uploaded_as(const fs::path& upload) {
+  const std::string stem = upload.stem().string();
+  return stem.substr(0, stem.rfind('-')) + upload.extension().string();
+}
+
 }  // namespace meshgraft::editor

@@ -6,8 +6,13 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "edit/sha256.h"
 
 namespace meshgraft::editor {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -72,6 +77,12 @@ void reverse_all(Json& matches) {
 void require_no_graft(const EditFile& edit, const std::string& what) {
   if (merge_in_work(edit) != nullptr)
     throw Error(ErrorCode::usage, "a graft is in work", what, "Accept the graft, or cancel it, first.");
+}
+
+Json file_input(const fs::path& folder, const fs::path& file) {
+  const fs::path relative = file.lexically_relative(folder);
+  const bool is_below = !relative.empty() && *relative.begin() != "..";
+  return {{"file", (is_below ? relative : file).string()}, {"sha256", sha256(read_file(file))}};
 }
 
 std::string add_part(Json& document, const EditFile& edit, const Json& input, const std::string& name,

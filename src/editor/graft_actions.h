@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "document.h"
@@ -11,6 +12,10 @@ namespace meshgraft::editor {
 
 /// Throws Error(usage), telling to end it first, where a graft is in work.
 void require_no_graft(const EditFile& edit, const std::string& what);
+
+/// A file as an input of an edit in `folder`: its path from there on where it lies below, and its hash. Throws
+/// Error(io).
+Json file_input(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 /// An input beside the others, as an edit file has it. Returns its name: `name`, or, where that is taken and
 /// `may_number`, that with a number. Throws Error(input) for a name that is taken.

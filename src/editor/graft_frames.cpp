@@ -77,6 +77,15 @@ Json matrix_json(const Eigen::Affine3d& map) {
   return rows;
 }
 
+Json open_starts_json(const std::vector<OpenStart>& starts) {
+  Json told = Json::array();
+  for (const OpenStart& open : starts)
+    told.push_back({{"pair", open.pair},
+                    {"start", {open.least_turned.source, open.least_turned.target}},
+                    {"confidence", open.confidence}});
+  return told;
+}
+
 std::vector<std::byte> graft_frame(const ShownGraft& graft) {
   const Eigen::RowVector3d& offset = graft.target.offset;
   const MergeOutcome& merge = *graft.report.merge;

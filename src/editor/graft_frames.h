@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <meshgraft/edit/report.h>
+#include <meshgraft/merge/correspondence.h>
 
 #include "objects.h"
 
@@ -25,6 +26,9 @@ std::vector<std::byte> graft_frame(const ShownGraft& graft);
 
 /// The fields of the event `graft`.
 Json graft_fields(const ShownGraft& graft);
+
+/// The field `open_starts` of the event.
+Json open_starts_json(const std::vector<OpenStart>& starts);
 
 /// Rows of a 4×4 matrix.
 Json matrix_json(const Eigen::Affine3d& map);

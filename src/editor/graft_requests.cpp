@@ -8,7 +8,6 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/samples/samples.h>
 
-#include "edit/sha256.h"
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
@@ -29,13 +28,6 @@ std::vector<std::string_view> graft_fields_and(std::initializer_list<std::string
   std::vector<std::string_view> names(merge_fields.begin(), merge_fields.end());
   names.insert(names.end(), others);
   return names;
-}
-
-// As an edit in `folder` names it: from there on where it lies below.
-std::string path_from(const fs::path& folder, const fs::path& file) {
-  const fs::path relative = file.lexically_relative(folder);
-  const bool is_below = !relative.empty() && *relative.begin() != "..";
-  return is_below ? relative.string() : file.string();
 }
 
 // Length along the loop, and the centre of its edges.
@@ -100,9 +92,10 @@ Json Worker::part(const json::Value& message, const Context& context) {
     fields.optional("resolution", [&](const json::Value& v) { input["resolution"] = v.integer_in(4, 4096); });
   } else {
     fs::path file = mesh_file(fields);
+    const fs::path called = fields.has("upload") ? uploaded_as(file) : file;
     if (fields.has("upload")) file = open_one().kept_upload(file);
-    name = file.stem().empty() ? "part" : file.stem().string();
-    input = {{"file", path_from(edit.base_folder, file)}, {"sha256", sha256(read_file(file))}};
+    name = called.stem().empty() ? "part" : called.stem().string();
+    input = file_input(edit.base_folder, file);
   }
   const bool is_named = fields.has("name");
   if (is_named) name = fields.required("name").name();

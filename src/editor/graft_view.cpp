@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/merge/correspondence.h>
 
 #include "graft_frames.h"
 
@@ -28,6 +29,11 @@ std::int64_t GraftView::show(GraftJob job) {
   waiting_ = Numbered{std::move(job), ++last_number_};
   changed_.notify_all();
   return last_number_;
+}
+
+bool GraftView::is_busy() {
+  const std::lock_guard lock(mutex_);
+  return waiting_.has_value() || running_dragged_.has_value();
 }
 
 void GraftView::clear() {
@@ -83,6 +89,9 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     const ShownGraft shown{*job.target, *job.source, outcome->mesh, report, number, job.dragged};
     frame = graft_frame(shown);
     told = graft_fields(shown);
+  } catch (const OpenStartError& error) {
+    told["error"] = error_json(error);
+    told["open_starts"] = open_starts_json(error.starts());
   } catch (...) {
     told["error"] = error_json(current_error());
   }

@@ -33,6 +33,9 @@ class GraftView {
   /// Returns the number under which the page is told.
   std::int64_t show(GraftJob job);
 
+  /// Whether something is run, or waits for it.
+  bool is_busy();
+
   /// Nothing more is sent, from this call on.
   void clear();
 

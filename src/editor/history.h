@@ -31,6 +31,11 @@ class History {
     entries_.push_back({std::move(label), std::move(document)});
     ++position_;
   }
+  /// How many changes led to the current state; what the one that led to another was.
+  std::size_t position() const { return position_; }
+  std::size_t size() const { return entries_.size(); }
+  const Entry& at(std::size_t position) const { return entries_[position]; }
+
   void undo() { --position_; }
   void redo() { ++position_; }
 

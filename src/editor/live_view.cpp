@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <meshgraft/core/memory.h>
+#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
 #include "edit/symmetry.h"
@@ -98,19 +100,25 @@ LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Ob
     plan.poses = poses_of(*step);
     return plan;
   }
+  if (parked_ && plan.key == parked_->key) {
+    plan.resumes = true;
+    return plan;
+  }
   plan.setup = set_up_deform(document.edit, *step, place_of(document), plan.base->scene(), step->settings);
   plan.poses = plan.setup->problem.deform.poses;
   return plan;
 }
 
-void LiveView::show(const Document& document, Plan plan, const Context& context) {
+bool LiveView::show(const Document& document, Plan plan, const Context& context) {
   const DeformStep* step = deform_in_work(document.edit);
-  const bool goes_on = plan.ready && !plan.setup;
+  const bool goes_on = plan.ready && !plan.setup && !plan.resumes;
   outcome_.reset();
   std::shared_ptr<const Deformer> earlier;
   if (!goes_on) {
     if (live_ && shares_mesh(plan.key, key_)) earlier = live_->deformer();
+    if (plan.setup && live_ && settled() && is_roomy()) park();
     live_.reset();
+    if (!plan.setup && !plan.resumes) parked_.reset();
   }
   base_ = std::move(plan.base);
   key_ = std::move(plan.key);
@@ -119,14 +127,63 @@ void LiveView::show(const Document& document, Plan plan, const Context& context)
     exact_->forget();
   }
   shown_mesh_ = base_->id;
-  if (!plan.ready) return show_rest();
-
+  if (!plan.ready) {
+    show_rest();
+    return false;
+  }
+  if (plan.resumes) {
+    resume();
+    plan.poses = poses_of(*step);
+  }
   poses_ = std::move(plan.poses);
   if (plan.setup) set_up(*step, std::move(*plan.setup), std::move(earlier));
-  if (live_)
+  if (live_) {
     show_document();
-  else
+  } else {
+    parked_.reset();
     run_exactly(document, context);
+  }
+  return plan.setup.has_value() && live_ != nullptr;
+}
+
+// Whether the memory holds what is shown and what comes after it, with room to choose how.
+bool LiveView::is_roomy() const {
+  const Index free = static_cast<Index>(counts().value("free", std::int64_t{0}));
+  return available_memory() / 4 > static_cast<std::uint64_t>(estimated_memory(free, options_));
+}
+
+void LiveView::park() {
+  parked_.emplace();
+  parked_->key = key_;
+  parked_->region = region_;
+  parked_->moving = moving_;
+  parked_->handles = handles_;
+  parked_->symmetry = symmetry_;
+  parked_->notes = notes_;
+  parked_->poses = poses_;
+  parked_->dragged = last_pose_ - *origin_;
+  parked_->origin = origin_;
+  parked_->options = options_;
+  parked_->live = std::move(live_);
+  *origin_ = -1;
+}
+
+void LiveView::resume() {
+  Parked before = std::move(*parked_);
+  parked_.reset();
+  region_ = std::move(before.region);
+  moving_ = std::move(before.moving);
+  handles_ = std::move(before.handles);
+  symmetry_ = std::move(before.symmetry);
+  notes_ = std::move(before.notes);
+  poses_ = std::move(before.poses);
+  options_ = before.options;
+  origin_ = std::move(before.origin);
+  live_ = std::move(before.live);
+  *origin_ = last_pose_ - before.dragged;
+  outbox_.send(roles_frame(*base_, region_), "roles");
+  told_.reset();
+  basis_sent_ = false;
 }
 
 void LiveView::show_rest() {
@@ -156,8 +213,12 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   basis_sent_ = false;
   if (!is_plain(step)) return;
 
+  origin_ = std::make_shared<std::atomic<std::int64_t>>(last_pose_);
+  options_ = step.settings.deformer;
   const auto on_frame = [outbox = outbox_, base = base_, moving = moving_, exact = exact_,
-                         exact_alone = exact_alone_, first = last_pose_](LiveFrame frame) {
+                         exact_alone = exact_alone_, origin = origin_](LiveFrame frame) {
+    const std::int64_t first = *origin;
+    if (first < 0) return;
     frame.pose += first;
     exact->take(frame.pose, frame);
     if (frame.quality == FrameQuality::exact || !*exact_alone)
@@ -166,8 +227,10 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
     if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
     outbox.tell("live", std::move(fields), "live");
   };
-  const auto on_failure = [outbox = outbox_, exact = exact_, first = last_pose_](std::int64_t pose,
-                                                                                 const Error& error) {
+  const auto on_failure = [outbox = outbox_, exact = exact_, origin = origin_](std::int64_t pose,
+                                                                               const Error& error) {
+    const std::int64_t first = *origin;
+    if (first < 0) return;
     exact->fail(pose == 0 ? 0 : pose + first);
     outbox.tell("live", {{"pose", pose == 0 ? 0 : pose + first}, {"error", error_json(error)}});
   };
@@ -361,6 +424,7 @@ void LiveView::poll() {
   const LiveStage stage = live_->stage();
   if (told_ != stage) outbox_.tell("live", live_fields(stage));
   told_ = stage;
+  if (settled()) parked_.reset();
   if (basis_sent_) return;
   if (const auto basis = live_->basis()) {
     outbox_.send(weights_frame(*base_, *basis), "weights");

@@ -40,11 +40,13 @@ class LiveView {
     std::optional<DeformSetup> setup;  ///< absent: the step is not ready, or as it was but for the poses
     std::vector<HandlePose> poses;
     bool ready = false;
+    bool resumes = false;  ///< what was shown before is shown again, as it was set up
   };
   Plan plan(const Document& document, std::shared_ptr<const Object> base) const;
 
-  /// `context` is for a step that cannot be dragged, which is run as it is; throws what that throws.
-  void show(const Document& document, Plan plan, const Context& context);
+  /// Returns whether a set-up begins. `context` is for a step that cannot be dragged, which is run as it is;
+  /// throws what that throws.
+  bool show(const Document& document, Plan plan, const Context& context);
 
   /// Returns the pose's number, 0 where nothing can be dragged. Other handles are where the document has them.
   /// With `exact_alone` other frames are told of and not sent: the page shows the handles' maps itself.
@@ -67,6 +69,8 @@ class LiveView {
   std::int64_t last_pose() const { return last_pose_; }
   /// Those of the step, then their twins behind the mirror of a symmetry.
   const std::vector<ShownHandle>& handles() const { return handles_; }
+  /// Of the document, one for each of them.
+  const std::vector<HandlePose>& poses() const { return poses_; }
   const std::optional<SymmetryFacts>& symmetry() const { return symmetry_; }
   /// What of the step goes another way than asked, in sentences.
   std::vector<std::string> notes() const;
@@ -74,6 +78,9 @@ class LiveView {
 
  private:
   void show_rest();
+  bool is_roomy() const;
+  void park();
+  void resume();
   void set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier);
   void run_exactly(const Document& document, const Context& context);
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
@@ -97,6 +104,24 @@ class LiveView {
   void show_document();
   std::shared_ptr<const Points> exact_positions(const Context& context);
 
+  // What numbers of frames count from; below 0: what makes them is not shown.
+  using Origin = std::shared_ptr<std::atomic<std::int64_t>>;
+
+  // What was shown before, whole, while the set-up of the next goes on: it can be taken back at once.
+  struct Parked {
+    Json key;
+    Region region;
+    std::shared_ptr<const std::vector<Index>> moving;
+    std::vector<ShownHandle> handles;
+    std::optional<SymmetryFacts> symmetry;
+    std::vector<std::string> notes;
+    std::vector<HandlePose> poses;
+    Origin origin;
+    std::int64_t dragged = 0;  // poses that it was asked for
+    DeformerOptions options;
+    std::unique_ptr<LiveDeformer> live;
+  };
+
   Outbox outbox_;
   const Folders& folders_;
   std::shared_ptr<const Object> base_;
@@ -107,14 +132,17 @@ class LiveView {
   std::vector<ShownHandle> handles_;
   std::optional<SymmetryFacts> symmetry_;
   std::vector<std::string> notes_;  ///< but those on poses
-  std::vector<HandlePose> poses_;   ///< of the document
+  Origin origin_;
+  DeformerOptions options_;
+  std::vector<HandlePose> poses_;  ///< of the document
   std::optional<LiveStage> told_;
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
   const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
-  std::unique_ptr<LiveDeformer> live_;    ///< last: it ends before what its callbacks use
+  std::optional<Parked> parked_;
+  std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
 };
 
 }  // namespace meshgraft::editor

@@ -57,10 +57,13 @@ void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
 }
 
 Json error_json(const Error& error) {
-  return {{"code", to_string(error.code())},
-          {"problem", error.problem()},
-          {"place", error.place()},
-          {"remedy", error.remedy()}};
+  Json told = {{"code", to_string(error.code())},
+               {"problem", error.problem()},
+               {"place", error.place()},
+               {"remedy", error.remedy()}};
+  if (const auto* replaces = dynamic_cast<const ReplaceError*>(&error))
+    told["replaces"] = replaces->file().string();
+  return told;
 }
 
 Error current_error() {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -24,6 +26,17 @@ struct Request {
 /// The request that `text` is. Throws Error(input); what `id` it has is in `id` even then.
 Request parse_request(std::string_view text, Json& id);
 
+/// A file is there, or is not what it was, and was not said to be overwritten.
+class ReplaceError : public Error {
+ public:
+  ReplaceError(const Error& error, std::filesystem::path file)
+      : Error(error), file_(std::make_shared<const std::filesystem::path>(std::move(file))) {}
+  const std::filesystem::path& file() const noexcept { return *file_; }
+
+ private:
+  std::shared_ptr<const std::filesystem::path> file_;  // copying must not throw
+};
+
 /// What is sent to one page, from any thread.
 class Outbox {
  public:
@@ -40,7 +53,7 @@ class Outbox {
   std::shared_ptr<Channel> channel_;
 };
 
-/// {code, problem, place, remedy}
+/// {code, problem, place, remedy}, and the file that would be replaced.
 Json error_json(const Error& error);
 
 /// The Error that the exception being handled is, or stands for.

@@ -55,7 +55,8 @@ void Worker::queue(Request request) {
     for (const Request& one : needless)
       outbox_.refuse(one.id, Error(ErrorCode::cancelled, "cancelled", one.what));
   };
-  if (request.what == "cancel") {
+  const bool is_of_set_up = request.message.contains("of") && request.message["of"].is_null();
+  if (request.what == "cancel" && !is_of_set_up) {
     const json::Value message(request.message, request.what);
     json::Object(message, {"id", "do", "of"});
     refuse(queue_.cancel(request.message.value("of", Json())));
@@ -100,6 +101,7 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"undo", &Worker::undo},
       {"redo", &Worker::redo},
       {"reset", &Worker::reset},
+      {"cancel", &Worker::leave_set_up},
       {"save", &Worker::save},
       {"export", &Worker::export_mesh},
       {"state", &Worker::state},
@@ -125,6 +127,8 @@ void Worker::perform(const RequestQueue::Work& work) {
     const json::Value message(request.message, request.what);
     Json result = (this->*answer_to(request.what))(message, context_of(work));
     if (!result.is_discarded()) outbox_.reply(request.id, std::move(result));
+  } catch (const ReplaceError& error) {
+    outbox_.refuse(request.id, error);
   } catch (...) {
     outbox_.refuse(request.id, current_error());
   }

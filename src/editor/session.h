@@ -51,6 +51,7 @@ class Worker {
   void show(std::unique_ptr<Workspace> workspace);
   void tell_state();
   std::filesystem::path output(const json::Object& fields, std::string_view name, bool overwrite);
+  std::vector<std::filesystem::path> files_of(const json::Value& parts);
   void save_edit(const std::filesystem::path& file);
   Json selection_or(const json::Object& fields, const std::string& on);
   Json selected_on(const std::string& name);
@@ -91,6 +92,7 @@ class Worker {
   Json undo(const json::Value& message, const Context& context);
   Json redo(const json::Value& message, const Context& context);
   Json reset(const json::Value& message, const Context& context);
+  Json leave_set_up(const json::Value& message, const Context& context);
   Json save(const json::Value& message, const Context& context);
   Json export_mesh(const json::Value& message, const Context& context);
   Json state(const json::Value& message, const Context& context);

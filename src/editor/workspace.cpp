@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "graft_actions.h"
+#include "graft_frames.h"
 #include "mesh_frames.h"
 
 namespace meshgraft::editor {
@@ -73,18 +74,21 @@ Json object_summary(const Object& object) {
           {"diagonal", object.diagonal}};
 }
 
-Json handle_summary(const Json& step, const Json& handle, const std::vector<ShownHandle>& shown) {
+Json handle_summary(const Json& step, const Json& handle, const LiveView& view) {
   Json summary = {{"name", handle["name"]},
                   {"shape", handle.value("shape", "region")},
                   {"pose", handle.value("pose", Json::object())}};
   if (const auto reach = reach_of(step, handle)) summary["reach"] = *reach;
-  for (const ShownHandle& one : shown)
-    if (one.handle.name == handle["name"])
-      summary.update({{"vertices", one.handle.vertices.size()},
-                      {"closed", one.handle.closed},
-                      {"centre", vector_json(one.centre)},
-                      {"pivot", vector_json(one.pivot)},
-                      {"rim", one.rim}});
+  for (std::size_t h = 0; h < view.handles().size(); ++h) {
+    const ShownHandle& one = view.handles()[h];
+    if (one.handle.name != handle["name"]) continue;
+    summary.update({{"vertices", one.handle.vertices.size()},
+                    {"closed", one.handle.closed},
+                    {"centre", vector_json(one.centre)},
+                    {"pivot", vector_json(one.pivot)},
+                    {"rim", one.rim}});
+    if (summary["pose"].contains("def")) summary["matrix"] = matrix_json(view.poses()[h].transform);
+  }
   return summary;
 }
 
@@ -111,12 +115,14 @@ Document Workspace::checked(Document document) const {
   return document;
 }
 
-void Workspace::show(Document next, const Context& context) {
+// Returns whether a set-up begins.
+bool Workspace::show(Document next, const Context& context) {
   learn_graft();
   Stage stage = objects_.before(next, context);
   LiveView::Plan plan = view_.plan(next, stage.model);
+  bool begins = false;
   try {
-    view_.show(next, std::move(plan), context);
+    begins = view_.show(next, std::move(plan), context);
   } catch (...) {
     if (!document_.text.empty()) view_.show(document_, view_.plan(document_, stage_.model), {});
     throw;
@@ -126,6 +132,7 @@ void Workspace::show(Document next, const Context& context) {
   document_ = std::move(next);
   show_graft(document_, stage_, false);
   carry_selection();
+  return begins;
 }
 
 // Those that the page does not have yet.
@@ -211,29 +218,67 @@ void Workspace::write(Step&& step) {
 void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
   Document next = checked(make_document(changed, document_.edit.base_folder));
   if (next.text == document_.text) return;
-  show(std::move(next), context);
+  const bool begins = show(std::move(next), context);
   write([&](Journal& journal) {
     if (journal.found()) journal.set_aside();  // going on is an answer to the offer
     journal.add(label, history_.current(), document_.text);
   });
+  if (begins)
+    before_set_up_ = history_.position();
+  else if (before_set_up_ && *before_set_up_ > history_.position())
+    before_set_up_.reset();  // what had been undone goes
   history_.add(label, document_.text);
 }
 
 void Workspace::undo(const Context& context) {
   if (!history_.can_undo()) throw Error(ErrorCode::usage, "there is nothing to undo", "undo");
-  show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context);
+  if (show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context))
+    before_set_up_ = history_.position();
   write([](Journal& journal) { journal.undo(); });
   history_.undo();
 }
 
 void Workspace::redo(const Context& context) {
   if (!history_.can_redo()) throw Error(ErrorCode::usage, "there is nothing to redo", "redo");
-  show(checked(parse_document(history_.after().document, document_.edit.base_folder)), context);
+  if (show(checked(parse_document(history_.after().document, document_.edit.base_folder)), context))
+    before_set_up_ = history_.position();
   write([](Journal& journal) { journal.redo(); });
   history_.redo();
 }
 
 void Workspace::reset(const Context& context) { change("reset", Json::parse(history_.first()), context); }
+
+// Where `leave_set_up` would go.
+std::optional<std::size_t> Workspace::set_up_origin() const {
+  if (merge_in_work(document_.edit) == nullptr) return before_set_up_;
+  return history_.can_undo() ? std::optional(history_.position() - 1) : std::nullopt;
+}
+
+// What led from there to here, or from here to there where that was undone.
+Json Workspace::set_up_label() const {
+  const auto origin = set_up_origin();
+  if (!origin || *origin == history_.position()) return nullptr;
+  return history_.at(*origin < history_.position() ? *origin + 1 : *origin).label;
+}
+
+void Workspace::leave_set_up(const Context& context) {
+  const auto origin = set_up_origin();
+  const bool goes_on = merge_in_work(document_.edit) != nullptr ? graft_view_.is_busy() : !view_.settled();
+  if (!goes_on || !origin || *origin == history_.position())
+    throw Error(ErrorCode::usage, "there is no set-up that can be taken back", "cancel");
+  const bool begins =
+      show(checked(parse_document(history_.at(*origin).document, document_.edit.base_folder)), context);
+  while (history_.position() > *origin) {
+    write([](Journal& journal) { journal.undo(); });
+    history_.undo();
+  }
+  while (history_.position() < *origin) {
+    write([](Journal& journal) { journal.redo(); });
+    history_.redo();
+  }
+  before_set_up_.reset();
+  if (begins && history_.can_undo()) before_set_up_ = history_.position() - 1;
+}
 
 std::optional<Json> Workspace::offer() const {
   if (!journal_ || !journal_->found()) return std::nullopt;
@@ -246,6 +291,7 @@ void Workspace::restore(const Context& context) {
   History restored = journal_->found()->history;
   show(checked(parse_document(restored.current(), document_.edit.base_folder)), context);
   history_ = std::move(restored);
+  before_set_up_.reset();
   saved_.clear();
   write([](Journal& journal) { journal.take_up(); });
 }
@@ -264,13 +310,18 @@ void Workspace::finish(const Context& context) {
 Workspace::Outcome Workspace::outcome(const Context& context) {
   finish(context);
   const EditFile saved = saved_form(document_, document_.edit.base_folder);
-  const std::string name = saved.output.empty() ? outcome_of(saved.steps.back()) : saved.output;
-  const auto scene = objects_.after(document_, saved.steps.size(), name, context);
+  const auto* only = std::get_if<DeformStep>(&saved.steps.back().action);
+  const bool does_nothing = only != nullptr && !is_ready(*only);  // an edit file has one step at least
+  const std::string name = does_nothing           ? mesh_of(saved.steps.back())
+                           : saved.output.empty() ? outcome_of(saved.steps.back())
+                                                  : saved.output;
+  const auto scene = objects_.after(document_, saved.steps.size() - (does_nothing ? 1 : 0), name, context);
   return {scene->mesh, scene->rest};
 }
 
-void Workspace::mark_saved(const fs::path& edit) {
+void Workspace::mark_saved(const fs::path& edit, std::string edit_sha256) {
   source_.edit = edit;
+  source_.edit_sha256 = std::move(edit_sha256);
   saved_ = document_.text;
   write([](Journal& journal) { journal.mark_saved(); });
 }
@@ -297,7 +348,7 @@ Json Workspace::summary() const {
     settings = step["settings"];
     symmetry = symmetry_summary(step, view_);
     for (const Json& handle : step.value("handles", Json::array()))
-      handles.push_back(handle_summary(step, handle, view_.handles()));
+      handles.push_back(handle_summary(step, handle, view_));
   }
   for (const NamedSelection& group : document_.edit.selections)
     groups.push_back({{"name", group.name}, {"colour", group.colour}});
@@ -323,6 +374,7 @@ Json Workspace::summary() const {
           {"selected_on", selection.on->name},
           {"undo", history_.can_undo() ? Json(history_.label()) : Json()},
           {"redo", history_.can_redo() ? Json(history_.after().label) : Json()},
+          {"set_up_for", set_up_label()},
           {"dirty", document_.text != saved_}};
 }
 

@@ -25,6 +25,7 @@ class Workspace {
     std::string name;               ///< what the page calls it
     std::filesystem::path journal;  ///< the path that the journal is named after; empty: there is none
     std::filesystem::path edit;     ///< the edit file that it came from; empty: none
+    std::string edit_sha256{};      ///< of that file, as it was read or written last
   };
 
   /// Opens a document and shows it. Throws what running the steps before the last throws.
@@ -38,6 +39,9 @@ class Workspace {
   void undo(const Context& context);
   void redo(const Context& context);
   void reset(const Context& context);
+
+  /// Goes back to before the change whose set-up, or whose graft, goes on. Throws Error(usage) where none does.
+  void leave_set_up(const Context& context);
 
   /// What an earlier session left, if there is any that was not yet taken or declined.
   std::optional<Json> offer() const;
@@ -56,7 +60,8 @@ class Workspace {
   /// Has the document's steps run, or what is shown of them kept, for a document that goes on from there.
   void finish(const Context& context);
 
-  void mark_saved(const std::filesystem::path& edit);
+  /// `edit_sha256`: of the file as it is now.
+  void mark_saved(const std::filesystem::path& edit, std::string edit_sha256);
 
   /// A file that lasts as long as the journal: the upload itself where there is none.
   std::filesystem::path kept_upload(const std::filesystem::path& upload);
@@ -98,7 +103,9 @@ class Workspace {
   void show_graft(const Document& document, const Stage& stage, bool dragged);
   void learn_graft();
   void carry_selection();
-  void show(Document next, const Context& context);
+  bool show(Document next, const Context& context);
+  std::optional<std::size_t> set_up_origin() const;
+  Json set_up_label() const;
   template <class Step>
   void write(Step&& step);
 
@@ -115,8 +122,9 @@ class Workspace {
   Json drop_stand_key_;
   Document document_;
   History history_;
-  std::string saved_;                 ///< the document's bytes as they were saved last
-  std::unique_ptr<Journal> journal_;  ///< last: another session may have it while the rest ends
+  std::optional<std::size_t> before_set_up_;  ///< position in the history
+  std::string saved_;                         ///< the document's bytes as they were saved last
+  std::unique_ptr<Journal> journal_;          ///< last: another session may have it while the rest ends
 };
 
 }  // namespace meshgraft::editor

@@ -34,6 +34,7 @@ std::string remedy_for(int error) {
     case EPERM: return "Change the permissions of the file or its folder, or choose another place";
     case ENOSPC:
     case EDQUOT: return "Free some space on the disk, or choose another place";
+    case EFBIG: return "Files of that size cannot be written there; choose another place";
     case ELOOP: return "Links lead round in a circle there";
     case EROFS: return "The disk is read-only; choose another place";
     case ENAMETOOLONG: return "Choose a shorter name";

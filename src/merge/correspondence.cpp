@@ -302,18 +302,24 @@ int least_turn(const Samples& source, const Samples& target) {
   return best;
 }
 
-[[noreturn]] void refuse_guess(const LoopPair& pair, double confidence, const Correspondence& least_turned,
-                               const std::string& place) {
+OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence,
+                     const Correspondence& least_turned) {
   const auto there = static_cast<std::size_t>(std::lround(least_turned.place.front())) % pair.target.size();
-  throw Error(
-      ErrorCode::input,
-      fmt::format("the loops fit as well from other starts, so where they begin to meet is open (confidence "
-                  "{:.2f})",
-                  confidence),
-      place,
-      fmt::format("Say which vertices meet: target vertex {} at source vertex {} turns the part least from "
-                  "how it stands (--start {}:{})",
-                  pair.target[there], pair.source.front(), pair.target[there], pair.source.front()));
+  return {number, {pair.source.front(), pair.target[there]}, confidence};
+}
+
+[[noreturn]] void refuse_guess(const std::vector<OpenStart>& open, std::span<const std::string> places) {
+  const auto& [number, start, confidence] = open.front();
+  throw OpenStartError(
+      Error(ErrorCode::input,
+            fmt::format("the loops fit as well from other starts, so where they begin to meet is open "
+                        "(confidence {:.2f})",
+                        confidence),
+            places[number],
+            fmt::format("Say which vertices meet: target vertex {0} at source vertex {1} turns the part least "
+                        "from how it stands (--start {0}:{1})",
+                        start.target, start.source)),
+      open);
 }
 
 }  // namespace
@@ -333,17 +339,18 @@ std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
   const bool known =
       posed || (pairs.size() > 1 && common_similarity(source_samples, target_samples, starts, pose));
   std::vector<Correspondence> found;
+  std::vector<OpenStart> open;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const bool by_pose = posed || (known && starts[p].confidence < distinguished);
     if (by_pose) starts[p] = best_start(posed_profile(source_samples[p], target_samples[p], pose));
     found.push_back(start_at_vertices(starts[p].shift, sources[p], targets[p], by_pose ? &pose : nullptr));
     found.back().confidence = starts[p].confidence;
     if (!posed && starts[p].confidence < distinguished)
-      refuse_guess(
-          pairs[p], starts[p].confidence,
-          start_at_vertices(least_turn(source_samples[p], target_samples[p]), sources[p], targets[p], nullptr),
-          places[p]);
+      open.push_back(open_start(p, pairs[p], starts[p].confidence,
+                                start_at_vertices(least_turn(source_samples[p], target_samples[p]), sources[p],
+                                                  targets[p], nullptr)));
   }
+  if (!open.empty()) refuse_guess(open, places);
   return found;
 }
 

@@ -153,6 +153,21 @@ std::string pair_place(std::size_t pair, std::size_t count) {
   return count == 1 ? std::string() : fmt::format("pair {}", pair);
 }
 
+/// `match_automatically`, with the numbers of all pairs in what it throws.
+std::vector<Correspondence> match_members(const std::vector<std::size_t>& members,
+                                          std::span<const LoopPair> pairs,
+                                          std::span<const LoopGeometry> sources,
+                                          std::span<const LoopGeometry> targets, bool posed,
+                                          std::span<const std::string> places) {
+  try {
+    return match_automatically(pairs, sources, targets, posed, places);
+  } catch (const OpenStartError& error) {
+    std::vector<OpenStart> starts = error.starts();
+    for (OpenStart& start : starts) start.pair = members[start.pair];
+    throw OpenStartError(error, std::move(starts));
+  }
+}
+
 /// One correspondence per pair: from the matches where there are some, else found, for each component of the
 /// source over all its pairs without any.
 std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::span<const MergePair> pairs,
@@ -180,7 +195,7 @@ std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::sp
       some_places.push_back(pair_place(p, loops.size()));
     }
     const std::vector<Correspondence> matched =
-        match_automatically(some, some_sources, some_targets, posed, some_places);
+        match_members(members, some, some_sources, some_targets, posed, some_places);
     for (std::size_t k = 0; k < members.size(); ++k) found[members[k]] = matched[k];
   }
   return found;

@@ -85,6 +85,83 @@ TEST(Editor, ShowsWhatTheSavedFileGives) {
   }
 }
 
+TEST(Editor, WritesTheModelAsItIsWhereNothingIsDone) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  const fs::path model = bar_file(folder);
+  page.ask({{"do", "open"}, {"path", model.string()}});
+  page.ask({{"do", "export"}, {"path", (folder / "untouched.ply").string()}});
+  EXPECT_EQ(read_file(folder / "untouched.ply"), read_file(model));
+  paint_top(page);
+  pose_top(page);
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "export"}, {"path", (folder / "undone.ply").string()}});
+  EXPECT_EQ(read_file(folder / "undone.ply"), read_file(model));
+}
+
+TEST(Editor, TakesBackTheChangeWhoseSetUpGoesOn) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 120}});
+  page.ask({{"do", "region"}, {"select", "all"}});
+  page.ask({{"do", "fixed"}, {"select", {{"half_space", {{"point", {0, 0, 0.2}}, {"normal", {0, 0, -1}}}}}}});
+  page.ask({{"do", "settings"}, {"settings", {{"method", "ft05"}}}});
+  page.ask({{"do", "handle"},
+            {"what", "add"},
+            {"name", "top"},
+            {"select", {{"half_space", {{"point", {0, 0, 3.8}}, {"normal", {0, 0, 1}}}}}}});
+  const std::vector<float> before = page.exact(pose_top(page)["pose"]);
+  page.event("live", [](const Json& live) { return live.value("stage", "") == "ready"; });
+  const Json state = page.ask({{"do", "state"}});
+  EXPECT_EQ(page.refusal({{"do", "cancel"}, {"of", nullptr}})["code"], "usage") << "all is set up";
+
+  page.send({{"do", "settings"}, {"settings", {{"method", "corotational"}}}});
+  const Json pose = page.ask({{"do", "cancel"}, {"of", nullptr}})["pose"];
+  EXPECT_EQ(page.exact(pose), before);
+  Json after = page.ask({{"do", "state"}});
+  EXPECT_EQ(after["redo"], "settings") << "it can be asked for again";
+  for (const char* field : {"steps", "handles", "settings", "counts", "undo"})
+    EXPECT_EQ(after[field], state[field]) << field;
+  page.ask({{"do", "redo"}});
+  EXPECT_EQ(page.ask({{"do", "state"}})["set_up_for"], "settings");
+}
+
+TEST(Editor, AsksBeforeItReplacesAnEditThatSomethingElseWrote) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  const fs::path file = folder / "bar.json";
+  Page page(editor.url()), other(editor.url());
+  for (Page* one : {&page, &other}) {
+    one->ask(open_bar);
+    paint_top(*one);
+  }
+  saved(page, file);
+  EXPECT_EQ(other.refusal({{"do", "save"}, {"edit", file.string()}})["replaces"], file.string());
+  pose_top(other);
+  saved(other, file);
+  EXPECT_EQ(page.refusal({{"do", "save"}})["replaces"], file.string());
+  page.ask({{"do", "save"}, {"edit", file.string()}, {"overwrite", true}});
+  pose_top(page);
+  page.ask({{"do", "save"}});
+}
+
+TEST(Editor, OpensAModelWithOthersBeside) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  const std::string file = bar_file(folder).string();
+  page.ask({{"do", "open"}, {"path", file}, {"parts", {file, file}}});
+  const Json state = page.ask({{"do", "state"}});
+  ASSERT_EQ(state["parts"].size(), 2U);
+  EXPECT_EQ(state["parts"][0]["name"], "bar 2");
+  EXPECT_EQ(state["undo"], nullptr);
+  EXPECT_EQ(state["dirty"], false);
+  EXPECT_EQ(page.refusal({{"do", "open"}, {"path", file}, {"parts", {"/etc/passwd"}}})["code"], "input");
+}
+
 TEST(Editor, DragsAndEndsWhereItWasDraggedLast) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});

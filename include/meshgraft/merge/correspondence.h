@@ -1,13 +1,16 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -52,11 +55,32 @@ struct Similarity {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
+/// A pair whose loops fit as well from several starts.
+struct OpenStart {
+  std::size_t pair = 0;   ///< its number
+  Match least_turned;     ///< vertices of the meshes: from this start the source turns least from how it stands
+  double confidence = 0;  ///< 0 … 1, of the start that fits best
+};
+
+/// Error(input) for want of a start: it is open which vertices begin to meet.
+class OpenStartError : public Error {
+ public:
+  OpenStartError(const Error& error, std::vector<OpenStart> starts)
+      : Error(error), starts_(std::make_shared<const std::vector<OpenStart>>(std::move(starts))) {}
+
+  /// Those that were found to be open, at least one, in the order of pairs.
+  const std::vector<OpenStart>& starts() const noexcept { return *starts_; }
+
+ private:
+  std::shared_ptr<const std::vector<OpenStart>> starts_;  // copying must not throw
+};
+
 /// The best cyclic alignment of each pair: the arc-length start whose loops, normals included, a similarity
 /// maps onto one another best. The pairs are those of one connected source and share the similarity, so that
 /// loops without any feature of their own (circles) are placed by the others. With `posed`, the source is where
 /// it should be and nearness decides. `places` name the pairs in messages.
-/// Throws Error(input), naming the pair and what to add, where the best start is not distinguished from others.
+/// Throws OpenStartError, naming the first pair and what to add, where the best start is not distinguished from
+/// others.
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                                 std::span<const LoopGeometry> sources,
                                                 std::span<const LoopGeometry> targets, bool posed,

@@ -1,4 +1,5 @@
 import type { Editor } from "./editor";
+import type { SelectionChange } from "./graft";
 import type { Command } from "./keys";
 import type { ToolName, ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";
@@ -167,24 +168,29 @@ function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
 }
 
 function selectCommands({ editor, tools }: CommandContext): Command[] {
-  const isOpen = () => editor.isOpen.value;
+  const { graft } = editor;
+  // While grafting, the selection is what of the part stays, and is there only while that is painted.
+  const isOpen = () => editor.isOpen.value && (graft.mode.value !== "graft" || graft.paintsFixed.value);
   const some = () => isOpen() && editor.selected.value > 0;
-  const grow = (rings: number) => void editor.ask({ do: "select", how: "grow", rings });
+  const onModel = () => some() && !graft.paintsFixed.value;
+  const select = (change: SelectionChange) =>
+    void (graft.paintsFixed.value ? graft.selectFixed(change) : editor.ask({ do: "select", ...change }));
+  const grow = (rings: number) => select({ how: "grow", rings });
   return [
     {
       id: "select-all", group: "select", label: "Select all", keys: ["A", "ctrl+A"],
       help: "Selects every vertex.",
-      run: () => void editor.ask({ do: "select", how: "set", what: "all" }), enabled: isOpen,
+      run: () => select({ how: "set", what: "all" }), enabled: isOpen,
     },
     {
       id: "select-none", group: "select", label: "Select nothing", keys: ["alt+A", "shift+A"],
       help: "Selects nothing.",
-      run: () => void editor.ask({ do: "select", how: "set", what: { indices: [] } }), enabled: some,
+      run: () => select({ how: "set", what: { indices: [] } }), enabled: some,
     },
     {
       id: "select-invert", group: "select", label: "Invert", keys: ["I", "ctrl+I"],
       help: "Selects what is not selected, and nothing else.",
-      run: () => void editor.ask({ do: "select", how: "invert" }), enabled: isOpen,
+      run: () => select({ how: "invert" }), enabled: isOpen,
     },
     {
       id: "select-grow", group: "select", label: "Grow", keys: ["+", "=", "ctrl++"], repeats: true,
@@ -199,17 +205,17 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
     {
       id: "make-handle", group: "select", label: "Make handle", keys: ["shift+H"],
       help: "Holds the selected vertices.",
-      run: () => tools.handleFromSelection(), enabled: some,
+      run: () => tools.handleFromSelection(), enabled: onModel,
     },
     {
       id: "make-region", group: "select", label: "Make region", keys: ["shift+E"],
       help: "Only the selected vertices may move.",
-      run: () => void editor.ask({ do: "region" }), enabled: some,
+      run: () => void editor.ask({ do: "region" }), enabled: onModel,
     },
     {
       id: "make-fixed", group: "select", label: "Make fixed", keys: ["shift+X"],
       help: "The selected vertices stay where they are.",
-      run: () => void editor.ask({ do: "fixed" }), enabled: some,
+      run: () => void editor.ask({ do: "fixed" }), enabled: onModel,
     },
   ];
 }

@@ -59,6 +59,8 @@ export class Editor {
   /** The model's box at rest, in its units. */
   readonly box = signal<Box | null>(null);
   readonly dialog = signal<DialogName | null>(null);
+  /** The edit file that saving would replace, though something else wrote it since it was opened. */
+  readonly replacing = signal<string | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
 
   private readonly connection: Connection;
@@ -129,6 +131,17 @@ export class Editor {
     return true;
   }
 
+  /** The first model of the command line, with the others beside it as parts; an edit file alone. */
+  async openGiven([path, ...others]: readonly string[]): Promise<void> {
+    if (path === undefined) return;
+    const isEdit = (file: string) => file.endsWith(".json");
+    const parts = isEdit(path) ? [] : others.filter((file) => !isEdit(file));
+    const opened = await this.open({ do: "open", path, ...(parts.length > 0 ? { parts } : {}) });
+    if (!opened || parts.length === 0) return;
+    this.graft.mode.value = "graft";
+    this.graft.arrangement.value = "apart";
+  }
+
   /** Where handles are for now. `isShown`, by the shader: then the engine need not stream but the exact frame. */
   drag(poses: Poses, isShown = false): void {
     const answered = this.viewport.posesAsked();
@@ -154,7 +167,17 @@ export class Editor {
       this.dialog.value = "save";
       return;
     }
-    const done = await this.ask({ do: "save" });
+    const done = await this.attempt({ do: "save" });
+    if (!("code" in done)) this.tellFiles("Saved", done);
+    else if (done.replaces !== undefined) this.replacing.value = done.replaces;
+    else this.tell("problem", done);
+  }
+  /** Writes the edit file over what something else has written there. */
+  async replace(): Promise<void> {
+    const { value: edit } = this.replacing;
+    this.replacing.value = null;
+    if (edit === null) return;
+    const done = await this.ask({ do: "save", edit, overwrite: true });
     if (done !== undefined) this.tellFiles("Saved", done);
   }
 
@@ -165,6 +188,11 @@ export class Editor {
 
   cancel(id?: Id): void {
     void this.connection.request(id === undefined ? { do: "cancel" } : { do: "cancel", of: id }).catch(() => undefined);
+  }
+
+  /** Takes back the change whose set-up goes on behind what is shown. */
+  async cancelSetUp(): Promise<void> {
+    await this.attempt({ do: "cancel", of: null }); // refused where it has just been done
   }
 
   tell(kind: Message["kind"], error: EngineError): void {
@@ -189,6 +217,7 @@ export class Editor {
   private hear(event: EngineEvent): void {
     switch (event.event) {
       case "welcome":
+        if (this.welcome.value === null) void this.openGiven(event.models);
         this.welcome.value = event;
         if (this.returning) void this.takeUp();
         break;

@@ -1,68 +1,20 @@
 import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, Matrix4, PageRequest, Plane } from "../protocol";
+import type { DocumentState, Matrix4 } from "../protocol";
 import {
-  meetingOf, pairsField, proposedStart, readStep, withFields, withPair,
-  type DotRef, type GraftFields, type GraftStep, type Meeting, type Pair,
+  pairsField, readStep, withFields, withPair, withStarts,
+  type DotRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
-import { LoopCurve, twistDeg, twisted } from "./loop_curve";
+import { GraftStarts } from "./graft_starts";
+import type {
+  Arrangement, Cut, CutRequest, DrawnCurve, GraftHost, GraftReport, GraftTool, LoopRef, PartSource,
+  SelectionChange, ShownLoop, Side, Thing,
+} from "./graft_types";
+import { LoopCurve } from "./loop_curve";
 import { Throttled } from "./throttled";
 
-export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
-export type PartSource = { path: string } | { sample: string; resolution?: number } | { upload: string };
-export type GraftTool = "loops" | "plane" | "stroke" | "fixed" | "drop";
-/** How the two are shown: what comes of them, that with the part beside it, or both as they were. */
-export type Arrangement = "result" | "both" | "apart";
-
-/** The model or a part, as the engine lists it. */
-export interface Thing {
-  name: string;
-  mesh: number;
-  vertices: number;
-  faces: number;
-  loops: number;
-  diagonal: number;
-  grafted: boolean;
-}
-
-/** A boundary loop as it is shown. */
-export interface ShownLoop {
-  readonly vertices: Uint32Array; // in order
-  readonly length: number;
-  readonly curve: LoopCurve;
-}
-
-/** A plane that is to cut a mesh, in that mesh's own coordinates. */
-export interface Cut {
-  readonly mesh: number;
-  readonly plane: Plane;
-}
-
-/** A curve that is being drawn to cut along: through these vertices of a mesh. */
-export interface DrawnCurve {
-  readonly mesh: number;
-  readonly vertices: readonly number[];
-  readonly closed: boolean;
-}
-
-type CutRequest = Extract<PageRequest, { do: "cut" }>;
-export type Side = "above" | "below" | "both";
-
-export interface LoopRef {
-  readonly mesh: number;
-  readonly loop: number;
-}
-
-/** What a graft needs of the editor. */
-export interface GraftHost {
-  readonly state: { readonly value: DocumentState | null };
-  ask(request: PageRequest): Promise<Outcome | undefined>;
-  attempt(request: PageRequest): Promise<Outcome | EngineError>;
-  request(request: PageRequest): Promise<Outcome>;
-  /** Where the vertices of a mesh are, 3 numbers each. */
-  positionsOf(mesh: number): Float32Array | undefined;
-}
+export type * from "./graft_types";
 
 /** Parts, their loops, and the graft in work: signals that the panel and the view read, and what changes them. */
 export class Graft {
@@ -97,7 +49,10 @@ export class Graft {
     return state === null ? undefined : { ...state.model, grafted: false };
   });
   readonly parts = computed((): readonly Thing[] => this.host.state.value?.parts ?? []);
-  readonly things = computed((): readonly Thing[] => [...(this.model.value === undefined ? [] : [this.model.value]), ...this.parts.value]);
+  readonly things = computed((): readonly Thing[] => [
+    ...(this.model.value === undefined ? [] : [this.model.value]),
+    ...this.parts.value,
+  ]);
   /** As the document has it. */
   readonly kept = computed((): GraftStep | undefined => {
     const graft = this.host.state.value?.graft ?? null;
@@ -108,7 +63,8 @@ export class Graft {
     const { value: kept } = this.kept;
     const { value: dragged } = this.dragged;
     if (dragged === null) return kept;
-    const base = kept ?? readStep({ source: dragged.source, target: dragged.target ?? this.model.value?.name });
+    const base =
+      kept ?? readStep({ source: dragged.source, target: dragged.target ?? this.model.value?.name });
     return withFields(base, dragged);
   });
   readonly source = computed(() => this.named(this.step.value?.source));
@@ -123,9 +79,11 @@ export class Graft {
     return single ? [{ sourceLoop: 0, targetLoop: 0, matches: [] }] : [];
   }
 
+  /** Where pairs begin to meet, and how they are twisted. */
+  readonly starts: GraftStarts = new GraftStarts(this);
+
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
   private readonly asked = new Set<number>(); // meshes whose loops were asked for
-  private readonly found = new Map<string, Meeting>(); // starts that were found automatically
   private newest = 0; // number of the newest graft that was told of
 
   constructor(private readonly host: GraftHost) {}
@@ -176,12 +134,10 @@ export class Graft {
     await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
   }
   private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
-    const start = proposedStart(report?.error?.remedy ?? "");
-    const pairs = this.pairs.value;
-    if (start === undefined || pairs.length !== 1) return undefined;
-    return pairsField(pairs.map((pair) => ({ ...pair, start: [start[0], start[1]] })));
+    const pairs = withStarts(this.pairs.value, report?.open_starts ?? []);
+    return pairs === undefined ? undefined : pairsField(pairs);
   }
-  /** The start that the engine proposes, as it can be taken: for the one pair that there is. */
+  /** The starts that the engine proposes, as they can be taken. */
   readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
 
   /** What is told of a graft of this number, or of a later one. */
@@ -231,7 +187,8 @@ export class Graft {
     const { value: dropped } = this.dropped;
     this.dropped.value = null;
     await this.forgetDragged();
-    if (dropped?.isNew === true && this.host.state.value?.undo === "add part") await this.host.ask({ do: "undo" });
+    if (dropped?.isNew === true && this.host.state.value?.undo === "add part")
+      await this.host.ask({ do: "undo" });
   }
 
   private async sendDrag(fields: GraftFields): Promise<void> {
@@ -254,7 +211,9 @@ export class Graft {
     const { value: plane } = this.cutPlane;
     const { value: curve } = this.cutCurve;
     if (this.tool.value === "plane")
-      return plane === null ? undefined : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
+      return plane === null
+        ? undefined
+        : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
     const [a, b, c, ...rest] = curve?.vertices ?? [];
     if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
     return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };
@@ -265,6 +224,32 @@ export class Graft {
     if (last === null || (await this.host.ask({ do: "undo" })) === undefined) return;
     const other: CutRequest = { ...last, keep: last.keep === "above" ? "below" : "above" };
     if ((await this.host.ask(other)) !== undefined) this.lastCut.value = other;
+  }
+
+  /** Whether what of the part stays is being painted: selections are made on the part then. */
+  readonly paintsFixed = computed(() => this.mode.value === "graft" && this.tool.value === "fixed");
+
+  /** Changes the selection on the part, and with it what of the part stays. */
+  async selectFixed(change: SelectionChange): Promise<void> {
+    const mesh = this.source.value?.name;
+    const done = await this.host.ask({ do: "select", mesh, ...change });
+    if (done !== undefined) await this.set({ fixed: done.selected === 0 ? null : true });
+  }
+  /** Begins to paint: what stays already is selected. */
+  async paintFixed(): Promise<void> {
+    const mesh = this.source.value?.name;
+    const what = this.kept.value?.fixed ?? { indices: [] };
+    if ((await this.host.ask({ do: "select", mesh, how: "set", what })) === undefined) return;
+    batch(() => {
+      this.tool.value = "fixed";
+      this.arrangement.value = "apart";
+    });
+  }
+  donePainting(): void {
+    batch(() => {
+      this.tool.value = "loops";
+      this.arrangement.value = "result";
+    });
   }
 
   cancel(): Promise<Outcome | undefined> {
@@ -306,47 +291,6 @@ export class Graft {
     this.drag({ pairs: pairsField(pairs) });
   }
 
-  /** The loops of a pair, of source and target; undefined while they are not known. */
-  curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
-    const loop = (thing: Thing | undefined, index: number) => this.loops.value.get(thing?.mesh ?? -1)?.[index]?.curve;
-    const source = loop(this.source.value, pair.sourceLoop);
-    const target = loop(this.target.value, pair.targetLoop);
-    return source === undefined || target === undefined ? undefined : { source, target };
-  }
-  /** Where a pair starts: as given, or as it was found last. */
-  startOf(index: number, pairs = this.pairs.value): Meeting | undefined {
-    const pair = pairs[index];
-    return pair && (meetingOf(pair.start) ?? this.found.get(this.keyOf(pair)) ?? meetingOf(this.report.value?.pairs?.[index]?.start));
-  }
-  /** What a twist counts from: the start that was found; the given one where none was. */
-  private untwisted(pair: Pair): Meeting | undefined {
-    const key = this.keyOf(pair);
-    const kept = this.found.get(key) ?? meetingOf(pair.start);
-    if (kept !== undefined) this.found.set(key, kept);
-    return kept;
-  }
-  /** By how much a pair is turned against what was found, in degrees along the loop. */
-  twistOf(index: number, pairs = this.pairs.value): number {
-    const pair = pairs[index];
-    const curves = pair && this.curvesOf(pair);
-    const start = this.startOf(index, pairs);
-    const base = pair && this.untwisted(pair);
-    if (curves === undefined || start === undefined || base === undefined) return 0;
-    return twistDeg(curves.source, curves.target, base, start);
-  }
-  withTwist(index: number, angleDeg: number): readonly Pair[] | undefined {
-    const pair = this.pairs.value[index];
-    const curves = pair && this.curvesOf(pair);
-    const base = pair && this.untwisted(pair);
-    if (curves === undefined || base === undefined) return undefined;
-    const [a, b] = twisted(curves.source, curves.target, base, angleDeg);
-    return this.pairs.value.map((other, i) => (i === index ? { ...other, start: [a, b] } : other));
-  }
-
-  private keyOf({ sourceLoop, targetLoop }: Pair): string {
-    return [this.source.value?.mesh, sourceLoop, this.target.value?.mesh, targetLoop].join(" ");
-  }
-
   /** Asks for the loops of all that is shown, once for each mesh. */
   async needLoops(): Promise<void> {
     for (const { mesh, name } of this.things.value) {
@@ -368,11 +312,9 @@ export class Graft {
     batch(() => {
       this.report.value = event;
       if (event.error !== undefined) this.preview.value = null;
-      if (this.dragged.value === null && event.transform !== undefined) this.transform.value = event.transform;
-      this.pairs.value.forEach((pair, i) => {
-        const start = meetingOf(event.pairs?.[i]?.start);
-        if (start !== undefined && pair.start === undefined && pair.matches.length === 0) this.found.set(this.keyOf(pair), start);
-      });
+      if (this.dragged.value === null && event.transform !== undefined)
+        this.transform.value = event.transform;
+      this.starts.learn(event);
     });
   }
 

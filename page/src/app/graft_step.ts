@@ -1,9 +1,12 @@
 // A merge step of the document, as the page works with it, and the fields that change it. No state, no screen.
-import type { Match, PageRequest, SelectionSpec } from "../protocol";
+import type { EngineEvent, Match, PageRequest, SelectionSpec } from "../protocol";
 
 /** Fields of a graft that the engine is asked to change; null takes one away. */
 export type GraftFields = Omit<Extract<PageRequest, { do: "graft-drag" }>, "do">;
 type RequestPair = NonNullable<GraftFields["pairs"]>[number];
+
+/** Of a pair whose loops fit as well from several starts: the one that turns the part least. */
+export type OpenStart = NonNullable<Extract<EngineEvent, { event: "graft" }>["open_starts"]>[number];
 
 /** A vertex of the source, and the vertex of the target that it meets. */
 export type Meeting = readonly [number, number];
@@ -36,6 +39,7 @@ export interface GraftStep {
   readonly mirror: { point: Vector3Tuple; normal: Vector3Tuple } | undefined;
   readonly sourceTransform: Rows4 | undefined;
   readonly hasFixed: boolean;
+  readonly fixed: SelectionSpec | undefined;
   readonly smoothBoundary: boolean;
   readonly fixWinding: boolean;
 }
@@ -55,6 +59,7 @@ export function readStep(step: object): GraftStep {
     mirror: mirror ?? undefined,
     sourceTransform: rest.source_transform ?? undefined,
     hasFixed: (rest.fixed ?? null) !== null,
+    fixed: rest.fixed === true || rest.fixed === null ? undefined : rest.fixed,
     smoothBoundary: rest.smooth_boundary ?? false,
     fixWinding: rest.fix_winding ?? false,
   };
@@ -161,8 +166,11 @@ export function withFields(step: GraftStep, fields: GraftFields): GraftStep {
   };
 }
 
-/** The start that the engine proposes where loops fit as well from several; undefined: it proposes none. */
-export function proposedStart(remedy: string): Meeting | undefined {
-  const words = /--start (\d+):(\d+)/.exec(remedy); // target:source, as the command line has it
-  return words === null ? undefined : [Number(words[2]), Number(words[1])];
+/** Pairs with the starts that the engine proposes where loops fit as well from several; undefined: there are none. */
+export function withStarts(pairs: readonly Pair[], open: readonly OpenStart[]): Pair[] | undefined {
+  if (pairs.length === 0 || open.length === 0) return undefined;
+  return pairs.map((pair, i) => {
+    const [source, target] = open.find((one) => one.pair === i)?.start ?? [];
+    return source === undefined || target === undefined ? pair : { ...pair, start: [source, target] };
+  });
 }

@@ -40,7 +40,13 @@ export function CommandButton({ page, id, icon, label, tip, class: name, tabInde
 }
 
 /** The same with its label to read. */
-export function CommandLabelButton({ page, id, icon, kind, label }: CommandProps & { kind?: "plain" | "primary" | "quiet" }) {
+export function CommandLabelButton({
+  page,
+  id,
+  icon,
+  kind,
+  label,
+}: CommandProps & { kind?: "plain" | "primary" | "quiet" }) {
   const command = commandOf(page, id);
   return (
     <Button

@@ -1,6 +1,15 @@
 import { useState } from "preact/hooks";
 import type { Page } from "../app/page";
-import { baseName, faultOfName, folderOf, joined, meshFormats, stemOf, withExtension, type MeshFormat } from "../app/paths";
+import {
+  baseName,
+  faultOfName,
+  folderOf,
+  joined,
+  meshFormats,
+  stemOf,
+  withExtension,
+  type MeshFormat,
+} from "../app/paths";
 import { remembered } from "../app/remembered";
 import type { EngineError, PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
@@ -43,7 +52,7 @@ function TargetDialog(props: TargetProps) {
     const answer = await page.editor.attempt(props.request(joined(folder, name), overwrite));
     setBusy(false);
     setAsks(false);
-    if ("code" in answer) return setFailure(answer);
+    if ("code" in answer) return answer.replaces !== undefined ? setAsks(true) : setFailure(answer);
     onClose();
     page.editor.tellFiles(props.done, answer);
   };
@@ -58,7 +67,12 @@ function TargetDialog(props: TargetProps) {
   ) : (
     <>
       <Button label="Cancel" kind="quiet" onClick={onClose} />
-      <Button label={props.action} kind="primary" disabled={fault !== undefined || busy} onClick={() => void write(false)} />
+      <Button
+        label={props.action}
+        kind="primary"
+        disabled={fault !== undefined || busy}
+        onClick={() => void write(false)}
+      />
     </>
   );
   return (
@@ -72,15 +86,34 @@ function TargetDialog(props: TargetProps) {
       >
         <label class="row file-name-row">
           <span>Name</span>
-          <input type="text" value={typed} autoFocus onFocus={(event) => event.currentTarget.select()} onInput={(event) => { setTyped(event.currentTarget.value); setAsks(false); }} />
+          <input
+            type="text"
+            value={typed}
+            autoFocus
+            onFocus={(event) => event.currentTarget.select()}
+            onInput={(event) => {
+              setTyped(event.currentTarget.value);
+              setAsks(false);
+            }}
+          />
           <span class="suffix">{withExtension("", extension)}</span>
         </label>
       </form>
-      <FolderBrowser page={page} folder={folder} onFolder={(to) => { setFolder(to); setAsks(false); }} listing={listing} onFile={(path) => setTyped(stemOf(path))} shows={(entry) => entry.name.endsWith(extension)} />
+      <FolderBrowser
+        page={page}
+        folder={folder}
+        onFolder={(to) => {
+          setFolder(to);
+          setAsks(false);
+        }}
+        listing={listing}
+        onFile={(path) => setTyped(stemOf(path))}
+        shows={(entry) => entry.name.endsWith(extension)}
+      />
       {fault !== undefined && <p class="hint">{fault}</p>}
       {failure !== undefined && (
         <p class="failure" role="alert">
-          {sentence(failure.problem)}. {failure.remedy}
+          {sentence(failure.problem)}. {failure.remedy} {failure.place !== "" && <code>{failure.place}</code>}
         </p>
       )}
     </Dialog>
@@ -96,7 +129,8 @@ function firstFolder(page: Page): string | null {
 /** The edit file: what was done, without the mesh. */
 export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void }) {
   const state = page.editor.state.value;
-  const name = state === null || state.edit === "" ? `${stemOf(state?.name ?? "model")} edit` : stemOf(state.edit);
+  const name =
+    state === null || state.edit === "" ? `${stemOf(state?.name ?? "model")} edit` : stemOf(state.edit);
   return (
     <TargetDialog
       page={page}
@@ -108,7 +142,10 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
       request={(edit, overwrite) => ({ do: "save", edit, overwrite })}
       onClose={onClose}
     >
-      <p class="hint">An edit file has all that you did, to go on later or to run again: <code>meshgraft run</code>. The model itself stays as it is.</p>
+      <p class="hint">
+        An edit file has all that you did, to go on later or to run again: <code>meshgraft run</code>. The
+        model itself stays as it is.
+      </p>
     </TargetDialog>
   );
 }
@@ -117,7 +154,8 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
 export function ExportDialog({ page, onClose }: { page: Page; onClose: () => void }) {
   const state = page.editor.state.value;
   const extension = remembered("export format", ".ply");
-  const format = meshFormats.find((one) => one.extension === extension.value) ?? (meshFormats[0] as MeshFormat);
+  const format =
+    meshFormats.find((one) => one.extension === extension.value) ?? (meshFormats[0] as MeshFormat);
   const [isMorph, setMorph] = useState(false);
   const [morphName, setMorphName] = useState("edit");
   const asMorph = isMorph && format.morphTargets === true;
@@ -130,18 +168,33 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
       action="Export"
       extension={format.extension}
       start={{ folder: firstFolder(page), name: `${stemOf(state?.name ?? "model")} deformed` }}
-      request={(path, overwrite) => ({ do: "export", path, overwrite, ...(asMorph ? { as: "morph-target", name: morphName.trim() === "" ? "edit" : morphName.trim() } : { as: "mesh" }) })}
+      request={(path, overwrite) => ({
+        do: "export",
+        path,
+        overwrite,
+        ...(asMorph
+          ? { as: "morph-target", name: morphName.trim() === "" ? "edit" : morphName.trim() }
+          : { as: "mesh" }),
+      })}
       onClose={onClose}
     >
       <Select
         label="Format"
         value={format.extension}
-        choices={meshFormats.map((one) => ({ value: one.extension, label: `${one.label} (${one.extension})` }))}
+        choices={meshFormats.map((one) => ({
+          value: one.extension,
+          label: `${one.label} (${one.extension})`,
+        }))}
         onChange={(to) => (extension.value = to)}
       />
       <p class="hint">{format.keeps}</p>
       {format.morphTargets === true && (
-        <Toggle label="As a morph target" value={isMorph} help="Keeps the shape, and adds the edit as a morph target to blend in." onChange={setMorph} />
+        <Toggle
+          label="As a morph target"
+          value={isMorph}
+          help="Keeps the shape, and adds the edit as a morph target to blend in."
+          onChange={setMorph}
+        />
       )}
       {asMorph && (
         <label class="row">
@@ -158,23 +211,47 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
   const { editor } = page;
   const welcome = editor.welcome.value;
   const [folder, setFolder] = useState<string | null>(welcome?.folders[0] ?? null);
-  const [source, setSource] = useState<"files" | "samples">(welcome?.folders.length === 0 ? "samples" : "files");
+  const [source, setSource] = useState<"files" | "samples">(
+    welcome?.folders.length === 0 ? "samples" : "files",
+  );
   const listing = useListing(page, folder);
   const state = editor.state.value;
   return (
     <Dialog title="Open" onClose={onClose} wide>
       {state?.dirty === true && (
         <p class="warning-line">
-          {baseName(state.name)} has changes that are not saved. They are kept in its journal, and offered when you open it again.
+          {baseName(state.name)} has changes that are not saved. They are kept in its journal, and offered
+          when you open it again.
         </p>
       )}
-      <Segments label="From" hideLabel value={source} choices={[{ value: "files", label: "Files" }, { value: "samples", label: "Samples" }]} onChange={setSource} />
-      {source === "files" && <FolderBrowser page={page} folder={folder} onFolder={setFolder} listing={listing} onFile={(path) => void editor.open({ do: "open", path })} />}
+      <Segments
+        label="From"
+        hideLabel
+        value={source}
+        choices={[
+          { value: "files", label: "Files" },
+          { value: "samples", label: "Samples" },
+        ]}
+        onChange={setSource}
+      />
+      {source === "files" && (
+        <FolderBrowser
+          page={page}
+          folder={folder}
+          onFolder={setFolder}
+          listing={listing}
+          onFile={(path) => void editor.open({ do: "open", path })}
+        />
+      )}
       {source === "samples" && (
         <ul class="list browser-list" aria-label="Samples">
           {(welcome?.samples ?? []).map(({ name, description }) => (
             <li key={name}>
-              <button type="button" class="list-main" onClick={() => void editor.open({ do: "open", sample: name })}>
+              <button
+                type="button"
+                class="list-main"
+                onClick={() => void editor.open({ do: "open", sample: name })}
+              >
                 <span class="list-name">{name}</span>
                 <small>{description}</small>
               </button>

@@ -52,15 +52,27 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
   return (
     <div class="browser">
       <div class="browser-path">
-        <button type="button" class="icon-button" aria-label="One folder up" disabled={folder === null} onClick={() => onFolder(isRoot ? null : folderOf(folder))}>
+        <button
+          type="button"
+          class="icon-button"
+          aria-label="One folder up"
+          disabled={folder === null}
+          onClick={() => onFolder(isRoot ? null : folderOf(folder))}
+        >
           <Icon name="up" />
         </button>
-        <code data-tip={folder ?? ""}>{folder === null ? "Folders that the editor may use" : shortened(folder)}</code>
+        <code data-tip={folder ?? ""}>
+          {folder === null ? "Folders that the editor may use" : shortened(folder)}
+        </code>
       </div>
       <ul class="list browser-list" aria-label="Files">
         {(listing?.folders ?? []).map((name) => (
           <li key={name}>
-            <button type="button" class="list-main" onClick={() => onFolder(folder === null ? name : joined(folder, name))}>
+            <button
+              type="button"
+              class="list-main"
+              onClick={() => onFolder(folder === null ? name : joined(folder, name))}
+            >
               <Icon name="folder" size={16} />
               <span class="list-name">{folder === null ? name : baseName(name)}</span>
             </button>
@@ -68,14 +80,25 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
         ))}
         {files.map((entry) => (
           <li key={entry.name}>
-            <button type="button" class="list-main" disabled={onFile === undefined || folder === null} onClick={() => folder !== null && onFile?.(joined(folder, entry.name), entry)}>
+            <button
+              type="button"
+              class="list-main"
+              disabled={onFile === undefined || folder === null}
+              onClick={() => folder !== null && onFile?.(joined(folder, entry.name), entry)}
+            >
               <Icon name={entry.kind} size={16} />
               <span class="list-name">{entry.name}</span>
               <small>{formatBytes(entry.bytes)}</small>
             </button>
           </li>
         ))}
-        {isEmpty && <li class="nothing">{folder === null ? "No folder: start the editor with --folder to use one." : "Nothing of this kind here."}</li>}
+        {isEmpty && (
+          <li class="nothing">
+            {folder === null
+              ? "No folder: start the editor with --folder to use one."
+              : "Nothing of this kind here."}
+          </li>
+        )}
       </ul>
     </div>
   );

@@ -10,7 +10,10 @@ export function CutPanel({ page }: { page: Page }) {
   const tool = graft.tool.value;
   const chosen = tool === "plane" || tool === "stroke" ? tool : "none";
   return (
-    <Section title="Cut" hint="A closed model has no loop to graft at: cut one open, by a plane or along a closed curve.">
+    <Section
+      title="Cut"
+      hint="A closed model has no loop to graft at: cut one open, by a plane or along a closed curve."
+    >
       {inWork && <p class="hint">Accept or cancel the graft first.</p>}
       {!inWork && (
         <>
@@ -29,7 +32,11 @@ export function CutPanel({ page }: { page: Page }) {
             }}
           />
           {chosen === "none" && graft.lastCut.value !== null && graft.lastCut.value.keep !== "both" && (
-            <Button label="Keep the other side instead" icon="reset" onClick={() => void graft.cutOtherwise()} />
+            <Button
+              label="Keep the other side instead"
+              icon="reset"
+              onClick={() => void graft.cutOtherwise()}
+            />
           )}
         </>
       )}
@@ -51,7 +58,9 @@ export function CutInWork({ page }: { page: Page }) {
 function PlaneFields({ page }: { page: Page }) {
   const { graft } = page.editor;
   const { value: cut } = graft.cutPlane;
-  const things = graft.things.value.filter((thing) => thing.name === graft.model.value?.name || graft.isShown(thing));
+  const things = graft.things.value.filter(
+    (thing) => thing.name === graft.model.value?.name || graft.isShown(thing),
+  );
   const name = graft.byMesh(cut?.mesh ?? -1)?.name ?? graft.model.value?.name ?? "";
   const place = cut === null ? undefined : page.graft.planePlace();
   return (
@@ -65,16 +74,35 @@ function PlaneFields({ page }: { page: Page }) {
       />
       <div class="buttons" role="group" aria-label="Across an axis">
         {(["X", "Y", "Z"] as const).map((axis, k) => (
-          <Button key={axis} label={`Across ${axis}`} onClick={() => page.graft.layPlane(cut?.mesh ?? graft.model.value?.mesh ?? -1, k as 0 | 1 | 2)} />
+          <Button
+            key={axis}
+            label={`Across ${axis}`}
+            onClick={() => page.graft.layPlane(cut?.mesh ?? graft.model.value?.mesh ?? -1, k as 0 | 1 | 2)}
+          />
         ))}
       </div>
       {place !== undefined && (
-        <Slider label="Place" min={-place.reach} max={place.reach} step={place.reach / 50} digits={3} value={place.offset} help="Along the plane's normal, from the middle." onInput={(value) => page.graft.movePlane(value)} onChange={(value) => page.graft.movePlane(value)} />
+        <Slider
+          label="Place"
+          min={-place.reach}
+          max={place.reach}
+          step={place.reach / 50}
+          digits={3}
+          value={place.offset}
+          help="Along the plane's normal, from the middle."
+          onInput={(value) => page.graft.movePlane(value)}
+          onChange={(value) => page.graft.movePlane(value)}
+        />
       )}
       {cut === null && <p class="hint">Drag a line across the surface, or start from an axis.</p>}
       {cut !== null && (
         <div class="buttons">
-          <Button label="Keep blue side" kind="primary" tip="What lies on the blue side of the plane stays." onClick={() => void graft.cut("above")} />
+          <Button
+            label="Keep blue side"
+            kind="primary"
+            tip="What lies on the blue side of the plane stays."
+            onClick={() => void graft.cut("above")}
+          />
           <Button label="Keep red side" onClick={() => void graft.cut("below")} />
           <Button label="Both" tip="Cuts, and takes nothing away." onClick={() => void graft.cut("both")} />
         </div>
@@ -89,12 +117,19 @@ function CurveFields({ page }: { page: Page }) {
   if (curve === null || !curve.closed)
     return (
       <p class="hint">
-        Draw on the surface, and back to where you began. Turn the view between strokes to go round; Enter closes the curve, Backspace takes a point back.
+        Draw on the surface, and back to where you began. Turn the view between strokes to go round; Enter
+        closes the curve, Backspace takes a point back.
       </p>
     );
   return (
     <div class="buttons">
-      <Button label="Keep inside" kind="primary" tip="What the curve goes around, as you saw it, stays." keys="Enter" onClick={() => void graft.cut("above")} />
+      <Button
+        label="Keep inside"
+        kind="primary"
+        tip="What the curve goes around, as you saw it, stays."
+        keys="Enter"
+        onClick={() => void graft.cut("above")}
+      />
       <Button label="Keep outside" onClick={() => void graft.cut("below")} />
       <Button label="Both" tip="Cuts, and takes nothing away." onClick={() => void graft.cut("both")} />
       <Button label="Draw again" kind="quiet" onClick={() => (graft.cutCurve.value = null)} />

@@ -32,7 +32,11 @@ export function PartLibrary({ page }: { page: Page }) {
     >
       <GivenParts page={page} />
       <div class="library-bar">
-        <select aria-label="Where parts come from" value={place} onChange={(event) => setPlace(event.currentTarget.value)}>
+        <select
+          aria-label="Where parts come from"
+          value={place}
+          onChange={(event) => setPlace(event.currentTarget.value)}
+        >
           <option value="samples">Samples</option>
           {roots.map((root) => (
             <option key={root} value={root}>
@@ -40,7 +44,12 @@ export function PartLibrary({ page }: { page: Page }) {
             </option>
           ))}
         </select>
-        <Button label="Choose a file…" icon="upload" tip="A model of this computer, as a part." onClick={() => input.current?.click()} />
+        <Button
+          label="Choose a file…"
+          icon="upload"
+          tip="A model of this computer, as a part."
+          onClick={() => input.current?.click()}
+        />
         <input
           ref={input}
           type="file"
@@ -54,7 +63,11 @@ export function PartLibrary({ page }: { page: Page }) {
           }}
         />
       </div>
-      {place === "samples" ? <SampleParts page={page} /> : <FolderParts key={place} page={page} root={place} />}
+      {place === "samples" ? (
+        <SampleParts page={page} />
+      ) : (
+        <FolderParts key={place} page={page} root={place} />
+      )}
     </Section>
   );
 }
@@ -64,14 +77,21 @@ function GivenParts({ page }: { page: Page }) {
   const { editor } = page;
   const open = editor.state.value?.model.name ?? "";
   const names = new Set([open, ...editor.graft.parts.value.map((part) => part.name)]);
-  const others = (editor.welcome.value?.models ?? []).filter((path) => !names.has(stem(path)) && !path.endsWith(".json"));
+  const others = (editor.welcome.value?.models ?? []).filter(
+    (path) => !names.has(stem(path)) && !path.endsWith(".json"),
+  );
   if (others.length === 0) return null;
   return <Cards page={page} label="Given with the model" offered={others.map((path) => fromFile(path))} />;
 }
 
 function SampleParts({ page }: { page: Page }) {
   const samples = page.editor.welcome.value?.samples ?? [];
-  const offered = samples.map(({ name, description }) => ({ name, tip: description, source: { sample: name }, of: { sample: name } }));
+  const offered = samples.map(({ name, description }) => ({
+    name,
+    tip: description,
+    source: { sample: name },
+    of: { sample: name },
+  }));
   return <Cards page={page} label="Samples" offered={offered} />;
 }
 
@@ -97,7 +117,11 @@ function FolderParts({ page, root }: { page: Page; root: string }) {
           </li>
         ))}
       </ul>
-      <Cards page={page} label={baseName(folder)} offered={models.map((file) => fromFile(joined(folder, file.name)))} />
+      <Cards
+        page={page}
+        label={baseName(folder)}
+        offered={models.map((file) => fromFile(joined(folder, file.name)))}
+      />
       {listing !== undefined && models.length === 0 && <p class="hint">No models in this folder.</p>}
     </>
   );
@@ -134,17 +158,35 @@ function Card({ page, offered }: { page: Page; offered: Offered }) {
         <Thumbnail page={page} of={of} />
         <span>{name}</span>
       </button>
-      <IconButton label={`Drop ${name} on the surface`} icon="region" tip="Then click where it is to grow." onClick={() => void page.graft.dropByClick(add)} />
+      <IconButton
+        label={`Drop ${name} on the surface`}
+        icon="region"
+        tip="Then click where it is to grow."
+        onClick={() => void page.graft.dropByClick(add)}
+      />
     </li>
   );
 }
 
 /** A small picture; an icon while there is none. `version`: another picture of the same name. */
-export function Thumbnail({ page, of, version = 0, size = 72 }: { page: Page; of: Pictured; version?: number; size?: number }) {
+export function Thumbnail({
+  page,
+  of,
+  version = 0,
+  size = 72,
+}: {
+  page: Page;
+  of: Pictured;
+  version?: number;
+  size?: number;
+}) {
   const { value: picture } = page.editor.library.picture(of, version);
   if (picture === null || picture === "none")
     return (
-      <span class={`thumbnail ${picture === null ? "busy" : ""}`} style={{ width: `${size}px`, height: `${size}px` }}>
+      <span
+        class={`thumbnail ${picture === null ? "busy" : ""}`}
+        style={{ width: `${size}px`, height: `${size}px` }}
+      >
         <Icon name="model" size={size / 2} />
       </span>
     );

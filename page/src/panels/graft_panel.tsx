@@ -1,6 +1,6 @@
 import type { Arrangement } from "../app/graft";
 import { cssColour, pairColour } from "../app/graft_colours";
-import type { GraftFields, GraftStep, Vector3Tuple } from "../app/graft_step";
+import type { GraftFields, GraftStep, OpenStart, Vector3Tuple } from "../app/graft_step";
 import { withoutDot, withoutPair } from "../app/graft_step";
 import type { Page } from "../app/page";
 import { PartLibrary } from "./graft_library";
@@ -47,7 +47,11 @@ function Pairing({ page }: { page: Page }) {
 
 const arrangements = [
   { value: "result", label: "Result", help: "What comes of it, seam included." },
-  { value: "both", label: "With part", help: "What comes of it, and the part beside it, with lines of what meets what." },
+  {
+    value: "both",
+    label: "With part",
+    help: "What comes of it, and the part beside it, with lines of what meets what.",
+  },
   { value: "apart", label: "Apart", help: "Both as they were, with lines of what meets what." },
 ] as const;
 
@@ -56,8 +60,18 @@ function GraftPanel({ page }: { page: Page }) {
   const step = graft.step.value;
   if (step === undefined) return null;
   return (
-    <Section title="Graft" hint={`${step.source} onto ${step.target}. Click loops to pair them; drag the numbered starts along them.`} startsOpen>
-      <Segments label="Shown" hideLabel value={graft.arrangement.value} choices={arrangements} onChange={(value: Arrangement) => (graft.arrangement.value = value)} />
+    <Section
+      title="Graft"
+      hint={`${step.source} onto ${step.target}. Click loops to pair them; drag the numbered starts along them.`}
+      startsOpen
+    >
+      <Segments
+        label="Shown"
+        hideLabel
+        value={graft.arrangement.value}
+        choices={arrangements}
+        onChange={(value: Arrangement) => (graft.arrangement.value = value)}
+      />
       <GraftReportView page={page} />
       {step.at === undefined && <Pairs page={page} />}
       <Sliders page={page} step={step} />
@@ -74,13 +88,41 @@ function GraftPanel({ page }: { page: Page }) {
       <MirrorSelect page={page} step={step} />
       {step.at === undefined && <PoseFields page={page} step={step} />}
       <More label="More of the graft">
-        <Toggle label="Smooth ragged loops" value={step.smoothBoundary} help="Matches smoothed curves where a boundary is frayed." onChange={(on) => void graft.set({ smooth_boundary: on || null })} />
-        <Toggle label="Turn part inside out" value={step.fixWinding} help="For a part whose faces look inward." onChange={(on) => void graft.set({ fix_winding: on || null })} />
-        <Button label="Swap the two" icon="reset" tip="The part becomes what is grafted onto." onClick={() => void page.editor.ask({ do: "graft", what: "swap" })} />
+        <Toggle
+          label="Smooth ragged loops"
+          value={step.smoothBoundary}
+          help="Matches smoothed curves where a boundary is frayed."
+          onChange={(on) => void graft.set({ smooth_boundary: on || null })}
+        />
+        <Toggle
+          label="Turn part inside out"
+          value={step.fixWinding}
+          help="For a part whose faces look inward."
+          onChange={(on) => void graft.set({ fix_winding: on || null })}
+        />
+        <Button
+          label="Swap the two"
+          icon="reset"
+          tip="The part becomes what is grafted onto."
+          onClick={() => void page.editor.ask({ do: "graft", what: "swap" })}
+        />
       </More>
       <div class="graft-end">
-        <Button label="Accept" icon="accept" kind="primary" keys="Ctrl+Enter" tip="Keeps the graft. What comes next starts from it." disabled={graft.report.value?.error !== undefined} onClick={() => void graft.accept()} />
-        <Button label="Cancel" kind="quiet" tip="Takes the graft back; the part stays." onClick={() => void graft.cancel()} />
+        <Button
+          label="Accept"
+          icon="accept"
+          kind="primary"
+          keys="Ctrl+Enter"
+          tip="Keeps the graft. What comes next starts from it."
+          disabled={graft.report.value?.error !== undefined}
+          onClick={() => void graft.accept()}
+        />
+        <Button
+          label="Cancel"
+          kind="quiet"
+          tip="Takes the graft back; the part stays."
+          onClick={() => void graft.cancel()}
+        />
       </div>
     </Section>
   );
@@ -96,21 +138,61 @@ function Pairs({ page }: { page: Page }) {
       <ul class="list pairs-list" aria-label="Pairs of loops">
         {pairs.map((pair, i) => {
           const found = pair.start === undefined && pair.matches.length === 0;
-          const confidence = report?.pairs?.[i]?.confidence;
+          const open = report?.open_starts?.find((one) => one.pair === i);
+          const confidence = open?.confidence ?? report?.pairs?.[i]?.confidence;
           return (
             <li key={i} class={i === graft.activePair.value ? "active" : ""}>
-              <button type="button" class="list-main" aria-label={`Pair ${i + 1}`} onClick={() => (graft.activePair.value = i)}>
+              <button
+                type="button"
+                class="list-main"
+                aria-label={`Pair ${i + 1}`}
+                onClick={() => (graft.activePair.value = i)}
+              >
                 <span class="pair-number" style={{ background: cssColour(pairColour(i)) }}>
                   {i + 1}
                 </span>
                 <span class="list-name">
                   {loopWords(pair.sourceLoop)} → {loopWords(pair.targetLoop)}
-                  <small>{found ? confidenceWords(confidence) : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}</small>
+                  <small>
+                    {open !== undefined
+                      ? openWords(open)
+                      : found
+                        ? confidenceWords(confidence)
+                        : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}
+                  </small>
                 </span>
-                {found && confidence !== undefined && <meter min={0} max={1} low={0.4} high={0.7} optimum={1} value={confidence} aria-label={`Confidence of pair ${i + 1}`} />}
+                {found && confidence !== undefined && (
+                  <meter
+                    min={0}
+                    max={1}
+                    low={0.4}
+                    high={0.7}
+                    optimum={1}
+                    value={confidence}
+                    aria-label={`Confidence of pair ${i + 1}`}
+                  />
+                )}
               </button>
-              {!found && <IconButton label={`Find the start of pair ${i + 1} again`} icon="reset" onClick={() => void graft.setPairs(pairs.map((other, k) => (k === i ? { ...withoutDot([other], { pair: 0, dot: 0 })[0]!, matches: [] } : other)))} />}
-              {pairs.length > 1 && <IconButton label={`Remove pair ${i + 1}`} icon="close" onClick={() => void graft.setPairs(withoutPair(pairs, i))} />}
+              {!found && (
+                <IconButton
+                  label={`Find the start of pair ${i + 1} again`}
+                  icon="reset"
+                  onClick={() =>
+                    void graft.setPairs(
+                      pairs.map((other, k) =>
+                        k === i ? { ...withoutDot([other], { pair: 0, dot: 0 })[0]!, matches: [] } : other,
+                      ),
+                    )
+                  }
+                />
+              )}
+              {pairs.length > 1 && (
+                <IconButton
+                  label={`Remove pair ${i + 1}`}
+                  icon="close"
+                  onClick={() => void graft.setPairs(withoutPair(pairs, i))}
+                />
+              )}
             </li>
           );
         })}
@@ -123,9 +205,14 @@ function loopWords(loop: number): string {
   return loop < 0 ? "a loop" : `loop ${loop + 1}`;
 }
 
+function openWords({ confidence }: OpenStart): string {
+  return `open where they meet, confidence ${Math.round(100 * confidence)} %`;
+}
+
 function confidenceWords(confidence: number | undefined): string {
   if (confidence === undefined) return "automatic";
-  const words = confidence < 0.4 ? "nearly round, look whether it is turned" : confidence < 0.7 ? "likely" : "clear";
+  const words =
+    confidence < 0.4 ? "nearly round, look whether it is turned" : confidence < 0.7 ? "likely" : "clear";
   return `automatic, confidence ${Math.round(100 * confidence)} %: ${words}`;
 }
 
@@ -139,7 +226,13 @@ function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
   return (
     <>
       <Slider
-        label="Normal angle" min={-180} max={180} softMin={-90} softMax={90} suffix="°" step={5}
+        label="Normal angle"
+        min={-180}
+        max={180}
+        softMin={-90}
+        softMax={90}
+        suffix="°"
+        step={5}
         value={step.normalAngleDeg}
         help="Turns the way the part leaves the surface, about the loop."
         onInput={(value) => drag({ normal_angle_deg: value })}
@@ -149,13 +242,27 @@ function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
       {(step.pose === "find" || step.at !== undefined) && (
         <div class="size-row">
           <Slider
-            label="Size" min={1e-6} max={1e6} softMin={0.1} softMax={10} logarithmic suffix="×" step={0.05} digits={3}
+            label="Size"
+            min={1e-6}
+            max={1e6}
+            softMin={0.1}
+            softMax={10}
+            logarithmic
+            suffix="×"
+            step={0.05}
+            digits={3}
             value={step.size ?? used}
-            help={step.size === undefined ? "As the loops ask for. Drag to choose it." : "The part's scale, as you chose it."}
+            help={
+              step.size === undefined
+                ? "As the loops ask for. Drag to choose it."
+                : "The part's scale, as you chose it."
+            }
             onInput={(value) => drag({ size: value })}
             onChange={(value) => keep({ size: value })}
           />
-          {step.size !== undefined && <IconButton label="Size as the loops ask for" icon="reset" onClick={() => keep({ size: null })} />}
+          {step.size !== undefined && (
+            <IconButton label="Size as the loops ask for" icon="reset" onClick={() => keep({ size: null })} />
+          )}
         </div>
       )}
     </>
@@ -167,19 +274,28 @@ function Twist({ page }: { page: Page }) {
   const { graft } = page.editor;
   const index = graft.activePair.value;
   const pair = graft.pairs.value[index];
-  const held = pair === undefined || pair.matches.length > 0 || graft.curvesOf(pair) === undefined;
+  const held = pair === undefined || pair.matches.length > 0 || graft.starts.curvesOf(pair) === undefined;
   const twist = (value: number, then: "drag" | "keep") => {
-    const pairs = graft.withTwist(index, value);
+    const pairs = graft.starts.withTwist(index, value);
     if (pairs === undefined) return;
     if (then === "drag") graft.dragPairs(pairs);
     else void graft.setPairs(pairs);
   };
   return (
     <Slider
-      label="Twist" min={-180} max={180} suffix="°" step={5} digits={3}
-      value={held ? 0 : Math.round(10 * graft.twistOf(index, graft.keptPairs.value)) / 10}
+      label="Twist"
+      min={-180}
+      max={180}
+      suffix="°"
+      step={5}
+      digits={3}
+      value={held ? 0 : Math.round(10 * graft.starts.twistOf(index, graft.keptPairs.value)) / 10}
       disabled={held}
-      help={(pair?.matches.length ?? 0) > 0 ? "The matches say how it is turned." : `Turns the part${graft.pairs.value.length > 1 ? ` at pair ${index + 1}` : ""} against how it was found.`}
+      help={
+        (pair?.matches.length ?? 0) > 0
+          ? "The matches say how it is turned."
+          : `Turns the part${graft.pairs.value.length > 1 ? ` at pair ${index + 1}` : ""} against how it was found.`
+      }
       onInput={(value) => twist(value, "drag")}
       onChange={(value) => twist(value, "keep")}
     />
@@ -191,7 +307,11 @@ function Spin({ page, step }: { page: Page; step: GraftStep }) {
   const at = (spin_deg: number): GraftFields => ({ at: { ...step.at, spin_deg } });
   return (
     <Slider
-      label="Spin" min={-180} max={180} suffix="°" step={15}
+      label="Spin"
+      min={-180}
+      max={180}
+      suffix="°"
+      step={15}
       value={step.at?.spin_deg ?? 0}
       help="Turns the part about the surface's normal."
       onInput={(value) => graft.drag(at(value))}
@@ -207,7 +327,11 @@ function MirrorSelect({ page, step }: { page: Page; step: GraftStep }) {
   const { graft } = page.editor;
   const normal = step.mirror?.normal;
   const value: MirrorAxis =
-    normal === undefined ? "none" : ((Object.keys(axes) as (keyof typeof axes)[]).find((axis) => axes[axis].every((x, k) => Math.abs(Math.abs(normal[k] ?? 0) - x) < 1e-9)) ?? "other");
+    normal === undefined
+      ? "none"
+      : ((Object.keys(axes) as (keyof typeof axes)[]).find((axis) =>
+          axes[axis].every((x, k) => Math.abs(Math.abs(normal[k] ?? 0) - x) < 1e-9),
+        ) ?? "other");
   const mirror = (axis: MirrorAxis) => {
     if (axis === "other") return;
     if (axis === "none") return void graft.set({ mirror: null });
@@ -259,12 +383,11 @@ function PoseFields({ page, step }: { page: Page; step: GraftStep }) {
             label={painting ? "Done painting" : "Paint what stays"}
             icon={painting ? "accept" : "fixed"}
             tip="Paint features of the part that must not bend."
-            onClick={() => {
-              graft.tool.value = painting ? "loops" : "fixed";
-              graft.arrangement.value = painting ? "result" : "apart";
-            }}
+            onClick={() => (painting ? graft.donePainting() : void graft.paintFixed())}
           />
-          {step.hasFixed && <Button label="Nothing fixed" kind="quiet" onClick={() => void graft.set({ fixed: null })} />}
+          {step.hasFixed && (
+            <Button label="Nothing fixed" kind="quiet" onClick={() => void graft.set({ fixed: null })} />
+          )}
         </div>
       )}
       {step.pose === "keep" && !painting && <p class="hint">Move, turn and scale the part by its gizmo.</p>}

@@ -12,7 +12,12 @@ export function PartsPanel({ page }: { page: Page }) {
   const parts = graft.parts.value;
   if (parts.length === 0) return null;
   return (
-    <Section title="Parts" hint="What stands beside the model. Graft a part by its loops, or drop it anywhere on the surface." badge={parts.length} startsOpen>
+    <Section
+      title="Parts"
+      hint="What stands beside the model. Graft a part by its loops, or drop it anywhere on the surface."
+      badge={parts.length}
+      startsOpen
+    >
       <ul class="list parts-list" aria-label="Parts">
         {parts.map((part) => (
           <PartRow key={part.name} page={page} part={part} />
@@ -47,13 +52,34 @@ function PartRow({ page, part }: { page: Page; part: Thing }) {
           <small>{details}</small>
         </span>
       </button>
-      <IconButton label={shown ? `Hide ${part.name}` : `Show ${part.name}`} icon="through" pressed={shown} onClick={() => graft.toggleShown(part)} />
+      <IconButton
+        label={shown ? `Hide ${part.name}` : `Show ${part.name}`}
+        icon="through"
+        pressed={shown}
+        onClick={() => graft.toggleShown(part)}
+      />
       <Menu
         label={`More of ${part.name}`}
         items={[
-          { label: "Drop on the surface", icon: "region", disabled: !idle, run: () => void page.graft.dropByClick(known) },
-          { label: "Make it the model", icon: "model", disabled: !idle, run: () => void editor.ask({ do: "part", what: "edit", name: part.name }) },
-          { label: "Remove", icon: "remove", danger: true, begins: true, run: () => void editor.ask({ do: "part", what: "remove", name: part.name }) },
+          {
+            label: "Drop on the surface",
+            icon: "region",
+            disabled: !idle,
+            run: () => void page.graft.dropByClick(known),
+          },
+          {
+            label: "Make it the model",
+            icon: "model",
+            disabled: !idle,
+            run: () => void editor.ask({ do: "part", what: "edit", name: part.name }),
+          },
+          {
+            label: "Remove",
+            icon: "remove",
+            danger: true,
+            begins: true,
+            run: () => void editor.ask({ do: "part", what: "remove", name: part.name }),
+          },
         ]}
       />
     </li>

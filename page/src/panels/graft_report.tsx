@@ -21,8 +21,15 @@ export function GraftReportView({ page }: { page: Page }) {
           <Icon name="warning" size={15} /> {problem}
         </strong>
         {place !== "" && <small>{place}</small>}
-        {remedy !== "" && <span>{remedy.replace(/ \(--start \S+\)/, "")}</span>}
-        {proposed !== undefined && <Button label="Take that start" onClick={() => void graft.set({ pairs: proposed })} />}
+        {proposed === undefined && remedy !== "" && <span>{remedy}</span>}
+        {proposed !== undefined && (
+          <>
+            <span>
+              Drag a numbered dot to where the two meet, or take the start that turns the part least.
+            </span>
+            <Button label="Take that start" onClick={() => void graft.set({ pairs: proposed })} />
+          </>
+        )}
       </div>
     );
   }
@@ -32,13 +39,17 @@ export function GraftReportView({ page }: { page: Page }) {
     <div class="graft-state" role="status">
       {seam !== undefined && (
         <strong class={whole ? "good" : "bad"}>
-          {whole ? (seam.closed ? "Watertight seam" : "Seam without gaps, open elsewhere") : "The seam is not manifold"}
+          {whole
+            ? seam.closed
+              ? "Watertight seam"
+              : "Seam without gaps, open elsewhere"
+            : "The seam is not manifold"}
         </strong>
       )}
       {seam !== undefined && (
         <small>
-          {seam.new_faces} new faces, smallest angles {seam.angle_p1_deg.toFixed(0)}°, bends {seam.dihedral_p99_deg.toFixed(0)}°
-          {seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
+          {seam.new_faces} new faces, smallest angles {seam.angle_p1_deg.toFixed(0)}°, bends{" "}
+          {seam.dihedral_p99_deg.toFixed(0)}°{seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
         </small>
       )}
       {inverted > 0 && <span class="bad">The part turns inside out at {inverted} vertices.</span>}

@@ -1,11 +1,17 @@
 import type { GraftTool } from "../app/graft";
 import type { Page } from "../app/page";
+import { CommandButton } from "./command_button";
 import { Button, IconButton } from "./ui/button";
 import { Slider } from "./ui/fields";
 import type { IconName } from "./ui/icon";
 
 const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: string }[] = [
-  { tool: "loops", label: "Pair loops", icon: "loop", tip: "Click a loop on each to pair them; drag what meets along them." },
+  {
+    tool: "loops",
+    label: "Pair loops",
+    icon: "loop",
+    tip: "Click a loop on each to pair them; drag what meets along them.",
+  },
   { tool: "plane", label: "Cut by a plane", icon: "box", tip: "Drag across the surface to lay the plane." },
   { tool: "stroke", label: "Cut along a curve", icon: "lasso", tip: "Draw a closed curve on the surface." },
 ];
@@ -50,10 +56,38 @@ export function GraftToolHint({ page }: { page: Page }) {
     <div class="tool-options">
       <div class="tool-line">
         {tool === "fixed" && (
-          <Slider label="Size" value={settings.brushRadiusPx.value} min={2} max={400} softMax={200} logarithmic integer suffix="px" onInput={(px) => (settings.brushRadiusPx.value = px)} onChange={(px) => (settings.brushRadiusPx.value = px)} />
+          <Slider
+            label="Size"
+            value={settings.brushRadiusPx.value}
+            min={2}
+            max={400}
+            softMax={200}
+            logarithmic
+            integer
+            suffix="px"
+            onInput={(px) => (settings.brushRadiusPx.value = px)}
+            onChange={(px) => (settings.brushRadiusPx.value = px)}
+          />
         )}
-        <span class="tool-hint">{posed ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone." : hints[tool]}</span>
-        {(tool === "fixed" || tool === "drop") && <Button label={tool === "fixed" ? "Done" : "Leave it"} kind="quiet" onClick={() => (graft.tool.value = "loops")} />}
+        <span class="tool-hint">
+          {posed
+            ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone."
+            : hints[tool]}
+        </span>
+        {tool === "fixed" && (
+          <>
+            <CommandButton page={page} id="select-grow" icon="grow" />
+            <CommandButton page={page} id="select-shrink" icon="shrink" />
+            <CommandButton page={page} id="select-invert" icon="invert" />
+          </>
+        )}
+        {(tool === "fixed" || tool === "drop") && (
+          <Button
+            label={tool === "fixed" ? "Done" : "Leave it"}
+            kind="quiet"
+            onClick={() => (tool === "fixed" ? graft.donePainting() : (graft.tool.value = "loops"))}
+          />
+        )}
       </div>
     </div>
   );

@@ -12,20 +12,29 @@ export function GroupsPanel({ page }: { page: Page }) {
   const { editor } = page;
   const groups = groupsOf(editor.state.value);
   return (
-    <Section title="Groups" hint="Selections that are kept by name, to select again or to use." badge={groups.length === 0 ? undefined : groups.length}>
+    <Section
+      title="Groups"
+      hint="Selections that are kept by name, to select again or to use."
+      badge={groups.length === 0 ? undefined : groups.length}
+    >
       <ul class="list" aria-label="Groups">
         {groups.map((group) => (
           <GroupRow key={group.name} page={page} name={group.name} colour={group.colour} />
         ))}
       </ul>
-      <NewGroup page={page} taken={(editor.state.value?.groups ?? []).map(({ name }) => name)} colours={groups.map(({ colour }) => colour)} />
+      <NewGroup
+        page={page}
+        taken={(editor.state.value?.groups ?? []).map(({ name }) => name)}
+        colours={groups.map(({ colour }) => colour)}
+      />
     </Section>
   );
 }
 
 function GroupRow({ page, name, colour }: { page: Page; name: string; colour: string }) {
   const { editor } = page;
-  const select = (how: "set" | "add" | "remove" | "intersect") => void editor.ask({ do: "select", how, what: name });
+  const select = (how: "set" | "add" | "remove" | "intersect") =>
+    void editor.ask({ do: "select", how, what: name });
   return (
     <li>
       <input
@@ -35,7 +44,12 @@ function GroupRow({ page, name, colour }: { page: Page; name: string; colour: st
         value={colour === "" ? "#888888" : colour}
         onChange={(event) => void editor.recolour(name, event.currentTarget.value)}
       />
-      <button type="button" class="list-main" data-tip="Selects it. With shift: adds it to the selection." onClick={(event) => select(event.shiftKey ? "add" : "set")}>
+      <button
+        type="button"
+        class="list-main"
+        data-tip="Selects it. With shift: adds it to the selection."
+        onClick={(event) => select(event.shiftKey ? "add" : "set")}
+      >
         <span class="list-name">{name}</span>
       </button>
       <Menu
@@ -45,7 +59,12 @@ function GroupRow({ page, name, colour }: { page: Page; name: string; colour: st
           { label: "Add to the selection", run: () => select("add") },
           { label: "Take from the selection", run: () => select("remove") },
           { label: "Keep what both have", run: () => select("intersect") },
-          { label: "Make region", icon: "region", begins: true, run: () => void editor.ask({ do: "region", select: name }) },
+          {
+            label: "Make region",
+            icon: "region",
+            begins: true,
+            run: () => void editor.ask({ do: "region", select: name }),
+          },
           { label: "Make fixed", icon: "fixed", run: () => void editor.ask({ do: "fixed", select: name }) },
           {
             label: "Make handle",
@@ -65,11 +84,21 @@ function GroupRow({ page, name, colour }: { page: Page; name: string; colour: st
   );
 }
 
-function NewGroup({ page, taken, colours }: { page: Page; taken: readonly string[]; colours: readonly string[] }) {
+function NewGroup({
+  page,
+  taken,
+  colours,
+}: {
+  page: Page;
+  taken: readonly string[];
+  colours: readonly string[];
+}) {
   const { editor } = page;
   const [name, setName] = useState("");
   const selected = editor.selected.value;
-  const number = [...Array(taken.length + 1).keys()].map((i) => i + 1).find((i) => !taken.includes(`group ${i}`));
+  const number = [...Array(taken.length + 1).keys()]
+    .map((i) => i + 1)
+    .find((i) => !taken.includes(`group ${i}`));
   const suggested = `group ${number ?? 1}`;
   const save = async () => {
     const chosen = name.trim() === "" ? suggested : name.trim();
@@ -100,7 +129,11 @@ function NewGroup({ page, taken, colours }: { page: Page; taken: readonly string
         label={replaces ? "Replace" : "Save selection"}
         icon="plus"
         disabled={selected === 0}
-        tip={selected === 0 ? "Select something first." : `Keeps the ${counted(selected, "selected vertex", "selected vertices")} by this name.`}
+        tip={
+          selected === 0
+            ? "Select something first."
+            : `Keeps the ${counted(selected, "selected vertex", "selected vertices")} by this name.`
+        }
         onClick={() => void save()}
       />
     </form>

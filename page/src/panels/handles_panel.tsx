@@ -75,7 +75,11 @@ function HandleRow({ page, handle, colour, active }: RowProps) {
           type="button"
           class="list-main"
           aria-pressed={active}
-          data-tip={handle.vertices === undefined ? "" : `${counted(handle.vertices, "vertex", "vertices")}. Double-click renames it.`}
+          data-tip={
+            handle.vertices === undefined
+              ? ""
+              : `${counted(handle.vertices, "vertex", "vertices")}. Double-click renames it.`
+          }
           onClick={pick}
           onDblClick={() => setRenames(true)}
           onKeyDown={(event) => event.key === "F2" && setRenames(true)}
@@ -115,7 +119,8 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
   const { reach } = handle;
   const diagonal = editor.state.value?.model.diagonal ?? 1;
   const unit = editor.view.unit.value;
-  if (reach === undefined) return <p class="hint">This handle moves the region that you set, and has no reach of its own.</p>;
+  if (reach === undefined)
+    return <p class="hint">This handle moves the region that you set, and has no reach of its own.</p>;
   return (
     <Slider
       label="Reach"

@@ -6,7 +6,11 @@ import { Icon, Mark, type IconName } from "./ui/icon";
 import { Menu } from "./ui/menu";
 
 const themes = ["system", "light", "dark"] as const;
-const themeIcons: Record<(typeof themes)[number], IconName> = { system: "system", light: "light", dark: "dark" };
+const themeIcons: Record<(typeof themes)[number], IconName> = {
+  system: "system",
+  light: "light",
+  dark: "dark",
+};
 
 /** The line at the top: files, name, undo and redo, before and after, accept, save, help, theme. */
 export function Header({ page }: { page: Page }) {
@@ -38,7 +42,13 @@ export function Header({ page }: { page: Page }) {
           <span class="divider" />
           <CommandButton page={page} id="undo" icon="undo" tip={of("Takes back: ", state.undo)} />
           <CommandButton page={page} id="redo" icon="redo" tip={of("Does again: ", state.redo)} />
-          <CommandButton page={page} id="before" icon="before" label="Before and after" tip="Hold to see the mesh before." />
+          <CommandButton
+            page={page}
+            id="before"
+            icon="before"
+            label="Before and after"
+            tip="Hold to see the mesh before."
+          />
           <span class="space" />
           <CommandLabelButton page={page} id="accept" icon="accept" label="Accept" />
           <span class="divider" />

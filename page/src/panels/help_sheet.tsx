@@ -22,13 +22,31 @@ const pointer: readonly [string, string][] = [
 ];
 
 const tour: readonly [string, string][] = [
-  ["Open a model.", "A file of yours, a sample, or drop one on the page. Nothing happens to the file itself."],
-  ["Paint a handle.", "Press H and paint over the part that you want to hold: a nose, a hand, the end of a tail. Where you let go, arrows appear."],
-  ["Pull.", "Arrows move, rings turn, the boxes at the ends scale. Details follow. Turn as often as you like: 720° is twice round."],
-  ["Say how far it reaches.", "Reach, at the right, is how much of the surface follows. The tint on the model shows it, and fades where the pull ends."],
-  ["Hold what must stay.", "Select with brush or lasso and make it fixed; or make a second handle and leave it where it is."],
+  [
+    "Open a model.",
+    "A file of yours, a sample, or drop one on the page. Nothing happens to the file itself.",
+  ],
+  [
+    "Paint a handle.",
+    "Press H and paint over the part that you want to hold: a nose, a hand, the end of a tail. Where you let go, arrows appear.",
+  ],
+  [
+    "Pull.",
+    "Arrows move, rings turn, the boxes at the ends scale. Details follow. Turn as often as you like: 720° is twice round.",
+  ],
+  [
+    "Say how far it reaches.",
+    "Reach, at the right, is how much of the surface follows. The tint on the model shows it, and fades where the pull ends.",
+  ],
+  [
+    "Hold what must stay.",
+    "Select with brush or lasso and make it fixed; or make a second handle and leave it where it is.",
+  ],
   ["Compare.", "Hold \\ to see the mesh before. Another method, under Method, shows its difference at once."],
-  ["Go on, or keep it.", "Accept begins the next step on the new shape. Save keeps all steps in an edit file; Export writes the mesh."],
+  [
+    "Go on, or keep it.",
+    "Accept begins the next step on the new shape. Save keeps all steps in an edit file; Export writes the mesh.",
+  ],
 ];
 
 /** All keys, and a short tour. */
@@ -45,7 +63,10 @@ export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }
               </li>
             ))}
           </ol>
-          <p class="hint">Every change can be undone, and is on the disk as soon as it is made. Rest the pointer on anything to read what it is for.</p>
+          <p class="hint">
+            Every change can be undone, and is on the disk as soon as it is made. Rest the pointer on anything
+            to read what it is for.
+          </p>
         </section>
         <section aria-label="Keys">
           <div class="keys">

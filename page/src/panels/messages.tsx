@@ -11,7 +11,11 @@ export function Messages({ page }: { page: Page }) {
   return (
     <div class="messages" role="log" aria-label="Messages">
       {messages.length > 2 && (
-        <button type="button" class="button quiet" onClick={() => messages.forEach(({ key }) => editor.dismiss(key))}>
+        <button
+          type="button"
+          class="button quiet"
+          onClick={() => messages.forEach(({ key }) => editor.dismiss(key))}
+        >
           Close all {messages.length}
         </button>
       )}
@@ -35,7 +39,10 @@ function Toast({ message: { kind, error }, onClose }: { message: Message; onClos
   }, [isPassing]);
   const copy = async () => {
     const lines = [error.problem, error.place, error.remedy].filter((line) => line !== "");
-    await navigator.clipboard.writeText(lines.join("\n")).then(() => setCopied(true), () => setCopied(false));
+    await navigator.clipboard.writeText(lines.join("\n")).then(
+      () => setCopied(true),
+      () => setCopied(false),
+    );
   };
   return (
     <div
@@ -52,7 +59,11 @@ function Toast({ message: { kind, error }, onClose }: { message: Message; onClos
       </div>
       <div class="toast-buttons">
         <IconButton label="Close the message" icon="close" onClick={onClose} />
-        <IconButton label={copied ? "Copied" : "Copy the message"} icon={copied ? "accept" : "copy"} onClick={() => void copy()} />
+        <IconButton
+          label={copied ? "Copied" : "Copy the message"}
+          icon={copied ? "accept" : "copy"}
+          onClick={() => void copy()}
+        />
       </div>
     </div>
   );

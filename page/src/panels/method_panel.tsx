@@ -1,8 +1,18 @@
 import { groupsOf } from "../app/groups";
 import type { Page } from "../app/page";
 import {
-  applicable, backToUsual, choiceOf, fitting, groupNames, methodOf, methods, numberOf, switchOf,
-  type Setting, type Settings, type SettingValue,
+  applicable,
+  backToUsual,
+  choiceOf,
+  fitting,
+  groupNames,
+  methodOf,
+  methods,
+  numberOf,
+  switchOf,
+  type Setting,
+  type Settings,
+  type SettingValue,
 } from "../app/method_settings";
 import { Button } from "./ui/button";
 import { Segments, Select, Slider, Toggle } from "./ui/fields";
@@ -13,11 +23,17 @@ export function MethodPanel({ page }: { page: Page }) {
   const { editor } = page;
   const settings = settingsOf(page);
   const chosen = methods.find(({ value }) => value === methodOf(settings));
-  const change = (changes: Record<string, SettingValue>) => void editor.ask({ do: "settings", settings: changes });
+  const change = (changes: Record<string, SettingValue>) =>
+    void editor.ask({ do: "settings", settings: changes });
   const all = applicable(settings);
   const usual = backToUsual(settings);
   return (
-    <Section title="Method" hint="How the surface follows the handles. A switch shows the difference at once." badge={chosen?.label} startsOpen>
+    <Section
+      title="Method"
+      hint="How the surface follows the handles. A switch shows the difference at once."
+      badge={chosen?.label}
+      startsOpen
+    >
       <Segments
         label="Method"
         hideLabel
@@ -26,7 +42,11 @@ export function MethodPanel({ page }: { page: Page }) {
         onChange={(method) => change({ method })}
       />
       <p class="explained">{chosen?.help}</p>
-      <SettingsOf settings={all.filter(({ group, more }) => group === "shape" && more !== true)} values={settings} change={change} />
+      <SettingsOf
+        settings={all.filter(({ group, more }) => group === "shape" && more !== true)}
+        values={settings}
+        change={change}
+      />
       <More label="More settings">
         <MoreSettings all={all} values={settings} change={change} />
         <Anchors page={page} />
@@ -60,7 +80,11 @@ function MoreSettings({ all, values, change }: SettingsProps & { all: readonly S
       {groups.map((group) => (
         <fieldset key={group}>
           <legend>{groupNames[group]}</legend>
-          <SettingsOf settings={rest.filter((setting) => setting.group === group)} values={values} change={change} />
+          <SettingsOf
+            settings={rest.filter((setting) => setting.group === group)}
+            values={values}
+            change={change}
+          />
         </fieldset>
       ))}
     </>
@@ -92,9 +116,24 @@ function SettingField({ setting, values, change }: SettingsProps & { setting: Se
         />
       );
     case "choice":
-      return <Select label={label} help={help} choices={setting.choices} value={choiceOf(values, setting)} onChange={(value) => change({ [key]: value })} />;
+      return (
+        <Select
+          label={label}
+          help={help}
+          choices={setting.choices}
+          value={choiceOf(values, setting)}
+          onChange={(value) => change({ [key]: value })}
+        />
+      );
     case "switch":
-      return <Toggle label={label} help={help} value={switchOf(values, setting)} onChange={(value) => change({ [key]: value })} />;
+      return (
+        <Toggle
+          label={label}
+          help={help}
+          value={switchOf(values, setting)}
+          onChange={(value) => change({ [key]: value })}
+        />
+      );
   }
 }
 
@@ -109,22 +148,32 @@ function Anchors({ page }: { page: Page }) {
   const state = editor.state.value;
   const groups = groupsOf(state).map(({ name }) => name);
   const found = (state?.steps.at(-1)?.fields as { anchors?: unknown } | undefined)?.anchors;
-  if (found !== undefined && !Array.isArray(found)) return <p class="hint">The step has more anchors than can be listed here; its file has them.</p>;
+  if (found !== undefined && !Array.isArray(found))
+    return <p class="hint">The step has more anchors than can be listed here; its file has them.</p>;
   const anchors: Anchor[] = Array.isArray(found) ? (found as Anchor[]) : [];
   const isAnchored = (name: string) => anchors.some(({ select }) => select === name);
-  const ask = (next: Anchor[]) => void editor.ask({ do: "settings", anchors: next.map(({ select, weight = 10 }) => ({ select, weight })) });
+  const ask = (next: Anchor[]) =>
+    void editor.ask({ do: "settings", anchors: next.map(({ select, weight = 10 }) => ({ select, weight })) });
   return (
     <fieldset>
       <legend>Anchors</legend>
       <p class="hint">
-        {groups.length === 0 ? "Save a selection as a group; it can then be drawn to where it is, softer than a fixed part." : "A group that is anchored is drawn to where it is, softer than a fixed part."}
+        {groups.length === 0
+          ? "Save a selection as a group; it can then be drawn to where it is, softer than a fixed part."
+          : "A group that is anchored is drawn to where it is, softer than a fixed part."}
       </p>
       {groups.map((name) => (
         <Toggle
           key={name}
           label={name}
           value={isAnchored(name)}
-          onChange={(on) => ask(on ? [...anchors, { select: name, weight: 10 }] : anchors.filter(({ select }) => select !== name))}
+          onChange={(on) =>
+            ask(
+              on
+                ? [...anchors, { select: name, weight: 10 }]
+                : anchors.filter(({ select }) => select !== name),
+            )
+          }
         />
       ))}
       {anchors.map((anchor, i) => (

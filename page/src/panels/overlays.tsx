@@ -1,5 +1,6 @@
 import { useEffect } from "preact/hooks";
 import type { Page } from "../app/page";
+import { baseName } from "../app/paths";
 import { changeLabel } from "../app/request_labels";
 import { counted } from "../app/units";
 import { Button } from "./ui/button";
@@ -31,9 +32,39 @@ export function RestoreOffer({ page }: { page: Page }) {
       }
     >
       <p>
-        An earlier session on {editor.state.value?.name ?? "this model"} ended before its work was saved. It left{" "}
-        <strong>{counted(offer.changes, "change")}</strong>
+        An earlier session on {editor.state.value?.name ?? "this model"} ended before its work was saved. It
+        left <strong>{counted(offer.changes, "change")}</strong>
         {offer.last !== "" && <> (the last one: {changeLabel(offer.last)})</>}.
+      </p>
+    </Dialog>
+  );
+}
+
+/** Before an edit file is replaced that something else wrote: another tab, another program. */
+export function ReplaceQuestion({ page }: { page: Page }) {
+  const { editor } = page;
+  const file = editor.replacing.value;
+  if (file === null) return null;
+  const leave = () => (editor.replacing.value = null);
+  const saveAs = () => {
+    leave();
+    editor.dialog.value = "save";
+  };
+  return (
+    <Dialog
+      title={`${baseName(file)} was changed elsewhere`}
+      onClose={leave}
+      actions={
+        <>
+          <Button label="Don't save" kind="quiet" onClick={leave} />
+          <Button label="Replace it" kind="danger" onClick={() => void editor.replace()} />
+          <Button label="Save as…" kind="primary" autoFocus onClick={saveAs} />
+        </>
+      }
+    >
+      <p>
+        Another tab or another program has written <strong>{file}</strong> since it was opened or saved here.
+        What is in it now would be lost.
       </p>
     </Dialog>
   );
@@ -44,7 +75,10 @@ export function LostConnection({ page }: { page: Page }) {
   const { editor } = page;
   const lost = editor.link.value === "lost";
   if (!lost || !(editor.expired.value || editor.welcome.value !== null)) return null;
-  const isSafe = editor.state.value === null ? "" : "Your work is safe: every change is on the disk as soon as it is made.";
+  const isSafe =
+    editor.state.value === null
+      ? ""
+      : "Your work is safe: every change is on the disk as soon as it is made.";
   return (
     <div class="lost" role="alertdialog" aria-label="The connection is lost">
       <div class="lost-card">
@@ -52,13 +86,21 @@ export function LostConnection({ page }: { page: Page }) {
         {editor.expired.value ? (
           <>
             <h2>The engine was started again</h2>
-            <p>This page belongs to the one before. Open the new address that <code>meshgraft edit</code> printed. {isSafe}</p>
-            {editor.state.value !== null && <p>When you open {editor.state.value.name} there, it offers to restore what was not saved.</p>}
+            <p>
+              This page belongs to the one before. Open the new address that <code>meshgraft edit</code>{" "}
+              printed. {isSafe}
+            </p>
+            {editor.state.value !== null && (
+              <p>When you open {editor.state.value.name} there, it offers to restore what was not saved.</p>
+            )}
           </>
         ) : (
           <>
             <h2>The engine does not answer</h2>
-            <p>Look whether <code>meshgraft edit</code> still runs in its terminal. This page connects again by itself; if you start it again, open the address that it prints. {isSafe}</p>
+            <p>
+              Look whether <code>meshgraft edit</code> still runs in its terminal. This page connects again by
+              itself; if you start it again, open the address that it prints. {isSafe}
+            </p>
             <span class="bar unknown" role="progressbar" aria-label="Connecting again">
               <i />
             </span>
@@ -81,7 +123,8 @@ export function PageEffects({ page }: { page: Page }) {
   useEffect(() => {
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const apply = () => {
-      document.documentElement.dataset["theme"] = theme === "system" ? (dark.matches ? "dark" : "light") : theme;
+      document.documentElement.dataset["theme"] =
+        theme === "system" ? (dark.matches ? "dark" : "light") : theme;
     };
     apply();
     dark.addEventListener("change", apply);

@@ -1,4 +1,14 @@
-import { axisOf, isAtRest, isUniform, nameOfAxis, numbersOf, withComponent, withNumbers, type AxisName, type PoseNumbers } from "../app/handle_pose";
+import {
+  axisOf,
+  isAtRest,
+  isUniform,
+  nameOfAxis,
+  numbersOf,
+  withComponent,
+  withNumbers,
+  type AxisName,
+  type PoseNumbers,
+} from "../app/handle_pose";
 import type { Page } from "../app/page";
 import type { Handle, Vector } from "../protocol";
 import { Button } from "./ui/button";
@@ -42,10 +52,20 @@ export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFie
   const { editor } = page;
   const unit = editor.view.unit.value;
   const diagonal = editor.state.value?.model.diagonal ?? 1;
-  const lengths = { quantity: "length", unit, step: 0.01 * diagonal, suffix: unit === "none" ? "" : unit } as const;
+  const lengths = {
+    quantity: "length",
+    unit,
+    step: 0.01 * diagonal,
+    suffix: unit === "none" ? "" : unit,
+  } as const;
   return (
     <>
-      <Triple label="Move" {...lengths} value={numbers.translate} onChange={(translate) => change({ translate })} />
+      <Triple
+        label="Move"
+        {...lengths}
+        value={numbers.translate}
+        onChange={(translate) => change({ translate })}
+      />
       <Turn numbers={numbers} change={change} />
       <Scale numbers={numbers} change={change} />
       {withPivot && (
@@ -132,11 +152,23 @@ function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
   const choose = (to: AxisName) => change({ axis: to === "free" ? [1, 1, 0] : axisOf(to) });
   return (
     <>
-      <div class="triple turn" role="group" aria-label="Turn" data-tip="About an axis by any angle; more than 360° winds up. “2 turns” may be typed, too.">
+      <div
+        class="triple turn"
+        role="group"
+        aria-label="Turn"
+        data-tip="About an axis by any angle; more than 360° winds up. “2 turns” may be typed, too."
+      >
         <span class="label">
           Turn <small>{turns === "" ? "°" : turns}</small>
         </span>
-        <NumberField label="Turn angle" value={angleDeg} quantity="angle" step={5} digits={6} onChange={(to) => change({ angleDeg: to })} />
+        <NumberField
+          label="Turn angle"
+          value={angleDeg}
+          quantity="angle"
+          step={5}
+          digits={6}
+          onChange={(to) => change({ angleDeg: to })}
+        />
         <Segments
           label="Axis of the turn"
           hideLabel
@@ -151,7 +183,13 @@ function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
         />
       </div>
       {name === "free" && angleDeg !== 0 && (
-        <Triple label="Axis" quantity="number" step={0.1} value={axis} onChange={(to) => to.some((a) => a !== 0) && change({ axis: to })} />
+        <Triple
+          label="Axis"
+          quantity="number"
+          step={0.1}
+          value={axis}
+          onChange={(to) => to.some((a) => a !== 0) && change({ axis: to })}
+        />
       )}
     </>
   );
@@ -167,10 +205,23 @@ function Scale({ numbers: { scale }, change }: PartProps) {
           <span class="label">
             Scale <small>×</small>
           </span>
-          <NumberField label="Scale" value={scale[0]} quantity="factor" step={0.05} onChange={(s) => change({ scale: [s, s, s] })} />
+          <NumberField
+            label="Scale"
+            value={scale[0]}
+            quantity="factor"
+            step={0.05}
+            onChange={(s) => change({ scale: [s, s, s] })}
+          />
         </div>
       ) : (
-        <Triple label="Scale" suffix="×" quantity="factor" step={0.05} value={scale} onChange={(to) => change({ scale: to })} />
+        <Triple
+          label="Scale"
+          suffix="×"
+          quantity="factor"
+          step={0.05}
+          value={scale}
+          onChange={(to) => change({ scale: to })}
+        />
       )}
       <label class="link" data-tip="One scale for all directions.">
         <input

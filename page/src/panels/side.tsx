@@ -1,3 +1,5 @@
+import type { Signal } from "@preact/signals";
+import type { TargetedKeyboardEvent } from "preact";
 import type { Page } from "../app/page";
 import { GraftPanels } from "./graft_panel";
 import { GroupsPanel } from "./groups_panel";
@@ -26,9 +28,17 @@ export function Side({ page }: { page: Page }) {
   return (
     <aside class="side" aria-label="Panels">
       {modes.length > 1 && (
-        <div class="modes" role="tablist" aria-label="What to do">
+        <div class="modes" role="tablist" aria-label="What to do" onKeyDown={(event) => stepTabs(event, mode)}>
           {modes.map((tab) => (
-            <button type="button" key={tab.mode} role="tab" aria-selected={mode.value === tab.mode} data-tip={tab.tip} onClick={() => (mode.value = tab.mode)}>
+            <button
+              type="button"
+              key={tab.mode}
+              role="tab"
+              aria-selected={mode.value === tab.mode}
+              tabIndex={mode.value === tab.mode ? 0 : -1}
+              data-tip={tab.tip}
+              onClick={() => (mode.value = tab.mode)}
+            >
               {tab.label}
             </button>
           ))}
@@ -50,6 +60,17 @@ export function Side({ page }: { page: Page }) {
       </div>
     </aside>
   );
+}
+
+/** Arrows choose the next tab, or the one before. */
+function stepTabs(event: TargetedKeyboardEvent<HTMLElement>, mode: Signal<Mode>): void {
+  const by = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+  if (by === 0) return;
+  event.preventDefault();
+  const at = modes.findIndex((tab) => tab.mode === mode.value);
+  const next = (at + by + modes.length) % modes.length;
+  mode.value = modes[next]?.mode ?? mode.value;
+  event.currentTarget.querySelectorAll<HTMLElement>('[role="tab"]')[next]?.focus();
 }
 
 /** What of the step goes another way than asked. */

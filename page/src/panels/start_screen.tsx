@@ -33,7 +33,13 @@ export function StartScreen({ page }: { page: Page }) {
             <h2>Samples</h2>
             <ul class="cards">
               {(welcome?.samples ?? []).map(({ name, description }) => (
-                <Card key={name} page={page} request={{ do: "open", sample: name }} name={name} detail={description} />
+                <Card
+                  key={name}
+                  page={page}
+                  request={{ do: "open", sample: name }}
+                  name={name}
+                  detail={description}
+                />
               ))}
             </ul>
           </div>
@@ -44,9 +50,7 @@ export function StartScreen({ page }: { page: Page }) {
             <Folders page={page} />
           </div>
         </div>
-        <p class="start-foot">
-          {opening === undefined ? `meshgraft ${welcome?.version ?? ""}` : "Opening…"}
-        </p>
+        <p class="start-foot">{opening === undefined ? `meshgraft ${welcome?.version ?? ""}` : "Opening…"}</p>
       </div>
     </div>
   );
@@ -73,7 +77,17 @@ function CardPicture({ page, request }: { page: Page; request: OpenRequest }) {
   return <Icon name="edit" size={22} />;
 }
 
-function Card({ page, request, name, detail }: { page: Page; request: OpenRequest; name: string; detail: string }) {
+function Card({
+  page,
+  request,
+  name,
+  detail,
+}: {
+  page: Page;
+  request: OpenRequest;
+  name: string;
+  detail: string;
+}) {
   return (
     <li>
       <button type="button" class="card" onClick={() => void page.editor.open(request)}>
@@ -115,5 +129,13 @@ function Folders({ page }: { page: Page }) {
   const roots = page.editor.welcome.value?.folders ?? [];
   const [folder, setFolder] = useState<string | null>(roots.length === 1 ? (roots[0] ?? null) : null);
   const listing = useListing(page, folder);
-  return <FolderBrowser page={page} folder={folder} onFolder={setFolder} listing={listing} onFile={(path) => void page.editor.open({ do: "open", path })} />;
+  return (
+    <FolderBrowser
+      page={page}
+      folder={folder}
+      onFolder={setFolder}
+      listing={listing}
+      onFile={(path) => void page.editor.open({ do: "open", path })}
+    />
+  );
 }

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Box, Work } from "../app/editor";
 import { liveWords, stageWords } from "../app/live_words";
 import type { Page } from "../app/page";
+import { changeLabel } from "../app/request_labels";
 import { counted, formatCount, formatPercent, formatSeconds, formatSize } from "../app/units";
 import { Icon } from "./ui/icon";
 
@@ -14,7 +15,11 @@ export function StatusBar({ page }: { page: Page }) {
     <footer class="status" aria-label="Status">
       <Progress page={page} />
       <span class={`stage ${words.tone}`} role="status" data-tip={words.explained}>
-        {words.tone === "warning" || words.tone === "problem" ? <Icon name="warning" size={14} /> : <i class="dot" />}
+        {words.tone === "warning" || words.tone === "problem" ? (
+          <Icon name="warning" size={14} />
+        ) : (
+          <i class="dot" />
+        )}
         {words.text}
       </span>
       <LiveFigures page={page} />
@@ -31,10 +36,16 @@ function LiveFigures({ page }: { page: Page }) {
   if (editor.state.value?.counts == null) return null;
   return (
     <>
-      {seconds !== undefined && <span data-tip="What the engine took for the last frame.">frame {formatSeconds(seconds)}</span>}
-      {setup !== undefined && <span data-tip="What it took until the exact solution was there.">set-up {formatSeconds(setup)}</span>}
+      {seconds !== undefined && (
+        <span data-tip="What the engine took for the last frame.">frame {formatSeconds(seconds)}</span>
+      )}
+      {setup !== undefined && (
+        <span data-tip="What it took until the exact solution was there.">set-up {formatSeconds(setup)}</span>
+      )}
       {error_rel !== undefined && error_rel > 0 && (
-        <span data-tip="How far the preview was from the exact shape, as a part of the movement.">± {formatPercent(error_rel)}</span>
+        <span data-tip="How far the preview was from the exact shape, as a part of the movement.">
+          ± {formatPercent(error_rel)}
+        </span>
       )}
     </>
   );
@@ -57,7 +68,11 @@ function ModelFigures({ page }: { page: Page }) {
       )}
       <span class="wide-only">{counted(model.vertices, "vertex", "vertices")}</span>
       <span class="wide-only">{counted(model.faces, "face")}</span>
-      {box !== null && <span data-tip="Sides of the box around the model. The unit is set under View.">{formatSize(sidesOf(box), editor.view.unit.value)}</span>}
+      {box !== null && (
+        <span data-tip="Sides of the box around the model. The unit is set under View.">
+          {formatSize(sidesOf(box), editor.view.unit.value)}
+        </span>
+      )}
     </>
   );
 }
@@ -71,7 +86,10 @@ const patienceMs = 300; // work that is done sooner is not worth a word
 /** What the longest request does, with a bar and a way out; else the set-up behind what is shown. */
 function Progress({ page }: { page: Page }) {
   const { editor } = page;
-  const oldest = [...editor.working.value.values()].reduce<Work | undefined>((a, b) => (a === undefined || b.since < a.since ? b : a), undefined);
+  const oldest = [...editor.working.value.values()].reduce<Work | undefined>(
+    (a, b) => (a === undefined || b.since < a.since ? b : a),
+    undefined,
+  );
   const late = useLate(oldest);
   const setup = editor.progress.value.get("null");
   if (oldest !== undefined && late) {
@@ -94,7 +112,25 @@ function Progress({ page }: { page: Page }) {
     <>
       <Bar fraction={setup.fraction} label="Getting exact" />
       <span class="working">{stageWords(setup.stage)}</span>
+      <SetUpCancel page={page} />
     </>
+  );
+}
+
+/** Takes back the change that the set-up was begun for. Nothing does where the model was just opened. */
+function SetUpCancel({ page }: { page: Page }) {
+  const { editor } = page;
+  const label = editor.state.value?.set_up_for ?? null;
+  if (label === null) return null;
+  return (
+    <button
+      type="button"
+      class="cancel"
+      data-tip={`Stops, and goes back to before: ${changeLabel(label)}.`}
+      onClick={() => void editor.cancelSetUp()}
+    >
+      Cancel
+    </button>
   );
 }
 
@@ -120,7 +156,10 @@ function useLate(work: Work | undefined): boolean {
   const [late, setLate] = useState<unknown>(undefined);
   useEffect(() => {
     if (work === undefined) return undefined;
-    const timer = setTimeout(() => setLate(work.id), Math.max(0, patienceMs - (performance.now() - work.since)));
+    const timer = setTimeout(
+      () => setLate(work.id),
+      Math.max(0, patienceMs - (performance.now() - work.since)),
+    );
     return () => clearTimeout(timer);
   }, [work?.id]);
   return work !== undefined && late === work.id;

@@ -26,7 +26,11 @@ export function StepsPanel({ page }: { page: Page }) {
   const steps = state?.steps ?? [];
   const [open, setOpen] = useState<number | null>(null);
   return (
-    <Section title="Steps" hint="What is done to the model, in order. An earlier one can be changed; the later ones follow." badge={steps.length}>
+    <Section
+      title="Steps"
+      hint="What is done to the model, in order. An earlier one can be changed; the later ones follow."
+      badge={steps.length}
+    >
       <ol class="list steps" aria-label="Steps">
         {steps.map((step, i) => (
           <Fragment key={i}>
@@ -111,24 +115,51 @@ interface DetailsProps {
 function StepDetails({ page, step, index }: DetailsProps) {
   const { editor } = page;
   const fields = step.fields as { settings?: Settings; handles?: unknown };
-  if (step.kind !== "deform") return <p class="hint">This step is changed where it was made; here it can be renamed or removed.</p>;
+  if (step.kind !== "deform")
+    return <p class="hint">This step is changed where it was made; here it can be renamed or removed.</p>;
   const settings = fields.settings ?? {};
   const change = (changes: Record<string, number | string>) =>
     void editor.ask({ do: "step", what: "change", index, fields: { settings: changes } });
   return (
     <div class="step-details">
-      <Select label="Method" value={methodOf(settings)} choices={methods} onChange={(method) => change({ method })} />
+      <Select
+        label="Method"
+        value={methodOf(settings)}
+        choices={methods}
+        onChange={(method) => change({ method })}
+      />
       {applicable(settings)
         .filter(({ group, more }) => group === "shape" && more !== true)
         .map((setting) => {
           if (setting.kind === "number")
-            return <Slider {...setting} key={setting.key} value={numberOf(settings, setting)} onChange={(value) => change({ [setting.key]: value })} />;
+            return (
+              <Slider
+                {...setting}
+                key={setting.key}
+                value={numberOf(settings, setting)}
+                onChange={(value) => change({ [setting.key]: value })}
+              />
+            );
           if (setting.kind === "choice")
-            return <Select key={setting.key} label={setting.label} choices={setting.choices} value={choiceOf(settings, setting)} onChange={(value) => change({ [setting.key]: value })} />;
+            return (
+              <Select
+                key={setting.key}
+                label={setting.label}
+                choices={setting.choices}
+                value={choiceOf(settings, setting)}
+                onChange={(value) => change({ [setting.key]: value })}
+              />
+            );
           return null;
         })}
       {handlesIn(fields.handles).map(({ name, pose }) => (
-        <StepPose key={name} name={name} pose={pose} page={page} onChange={(next) => void editor.ask({ do: "step", what: "change", index, poses: { [name]: next } })} />
+        <StepPose
+          key={name}
+          name={name}
+          pose={pose}
+          page={page}
+          onChange={(next) => void editor.ask({ do: "step", what: "change", index, poses: { [name]: next } })}
+        />
       ))}
     </div>
   );
@@ -136,7 +167,10 @@ function StepDetails({ page, step, index }: DetailsProps) {
 
 function handlesIn(list: unknown): { name: string; pose: Pose }[] {
   if (!Array.isArray(list)) return [];
-  return list.map((handle: { name: string; pose?: Pose }) => ({ name: handle.name, pose: handle.pose ?? {} }));
+  return list.map((handle: { name: string; pose?: Pose }) => ({
+    name: handle.name,
+    pose: handle.pose ?? {},
+  }));
 }
 
 interface StepPoseProps {
@@ -153,9 +187,21 @@ function StepPose({ page, name, pose, onChange }: StepPoseProps) {
     <fieldset>
       <legend>{name}</legend>
       {numbers === undefined ? (
-        <p class="hint">{pose.matrix === undefined ? "A redrawn curve." : `A matrix with the shift ${pose.matrix.slice(0, 3).map((row) => formatNumber(row[3], 3)).join(", ")}.`}</p>
+        <p class="hint">
+          {pose.matrix === undefined
+            ? "A redrawn curve."
+            : `A matrix with the shift ${pose.matrix
+                .slice(0, 3)
+                .map((row) => formatNumber(row[3], 3))
+                .join(", ")}.`}
+        </p>
       ) : (
-        <PoseNumberFields page={page} numbers={numbers} withPivot={pose.pivot !== undefined} change={(changes: Partial<PoseNumbers>) => onChange(withNumbers(pose, changes))} />
+        <PoseNumberFields
+          page={page}
+          numbers={numbers}
+          withPivot={pose.pivot !== undefined}
+          change={(changes: Partial<PoseNumbers>) => onChange(withNumbers(pose, changes))}
+        />
       )}
     </fieldset>
   );

@@ -1,5 +1,12 @@
 import type { Editor } from "../app/editor";
-import { axisOfPlane, placeOf, planeAcross, rangeAlong, type Plane, type PlaneAxis } from "../app/mirror_plane";
+import {
+  axisOfPlane,
+  placeOf,
+  planeAcross,
+  rangeAlong,
+  type Plane,
+  type PlaneAxis,
+} from "../app/mirror_plane";
 import type { Page } from "../app/page";
 import { formatNumber } from "../app/units";
 import { Segments, Slider, Toggle } from "./ui/fields";
@@ -12,13 +19,24 @@ export function SymmetryPanel({ page }: { page: Page }) {
   const symmetry = state?.symmetry ?? null;
   const turn = (on: boolean) => void editor.ask(on ? { do: "symmetry" } : { do: "symmetry", plane: null });
   return (
-    <Section title="Symmetry" hint="What you do on one side of a plane happens on the other side, too." badge={symmetry === null ? "off" : "on"}>
-      <Toggle label="Symmetric editing" value={symmetry !== null} help="Each handle gets a twin at its mirror image." onChange={turn} />
+    <Section
+      title="Symmetry"
+      hint="What you do on one side of a plane happens on the other side, too."
+      badge={symmetry === null ? "off" : "on"}
+    >
+      <Toggle
+        label="Symmetric editing"
+        value={symmetry !== null}
+        help="Each handle gets a twin at its mirror image."
+        onChange={turn}
+      />
       {symmetry !== null && (
         <>
           <PlaneFields editor={editor} plane={symmetry.plane} />
           <p class="hint">
-            {symmetry.twins.length === 0 ? "No handle has a twin yet." : `Twins: ${symmetry.twins.map(({ of }) => of).join(", ")}.`}
+            {symmetry.twins.length === 0
+              ? "No handle has a twin yet."
+              : `Twins: ${symmetry.twins.map(({ of }) => of).join(", ")}.`}
           </p>
           <More label="More of symmetry">
             <Slider
@@ -31,7 +49,9 @@ export function SymmetryPanel({ page }: { page: Page }) {
               logarithmic
               step={0.001}
               help="How far a vertex may be from the mirror image of another one, × the diagonal of the model."
-              onChange={(tolerance_rel) => void editor.ask({ do: "symmetry", plane: symmetry.plane, tolerance_rel })}
+              onChange={(tolerance_rel) =>
+                void editor.ask({ do: "symmetry", plane: symmetry.plane, tolerance_rel })
+              }
             />
           </More>
         </>

@@ -122,8 +122,28 @@ function HandleLine({ page }: { page: Page }) {
             step={usualMove}
             onChange={(step) => (tools.snapMove.value = step)}
           />
-          <NumberField label="Step of turns" tip="Step of turns." value={tools.snapTurnDeg.value} quantity="angle" suffix="°" min={0.01} max={180} step={5} onChange={(step) => (tools.snapTurnDeg.value = step)} />
-          <NumberField label="Step of scales" tip="Step of scales." value={tools.snapScale.value} quantity="factor" suffix="×" min={0.001} max={10} step={0.05} onChange={(step) => (tools.snapScale.value = step)} />
+          <NumberField
+            label="Step of turns"
+            tip="Step of turns."
+            value={tools.snapTurnDeg.value}
+            quantity="angle"
+            suffix="°"
+            min={0.01}
+            max={180}
+            step={5}
+            onChange={(step) => (tools.snapTurnDeg.value = step)}
+          />
+          <NumberField
+            label="Step of scales"
+            tip="Step of scales."
+            value={tools.snapScale.value}
+            quantity="factor"
+            suffix="×"
+            min={0.001}
+            max={10}
+            step={0.05}
+            onChange={(step) => (tools.snapScale.value = step)}
+          />
         </>
       )}
       <CommandButton page={page} id="reset-pose" icon="reset" />

@@ -22,7 +22,14 @@ export function Toolbar({ page }: { page: Page }) {
     buttons[(at + step + buttons.length) % buttons.length]?.focus();
   };
   return (
-    <div class="toolbar" ref={bar} role="toolbar" aria-orientation="vertical" aria-label="Tools" onKeyDown={onKeyDown}>
+    <div
+      class="toolbar"
+      ref={bar}
+      role="toolbar"
+      aria-orientation="vertical"
+      aria-label="Tools"
+      onKeyDown={onKeyDown}
+    >
       {groups.map((tools, group) => (
         <div class="tool-group" key={group}>
           {tools.map((tool) => (

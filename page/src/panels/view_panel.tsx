@@ -31,7 +31,13 @@ export function ViewPanel({ page }: { page: Page }) {
   const projection = commandOf(page, "projection");
   return (
     <Section title="View" hint="How the model is shown. Nothing here changes it.">
-      <Select label="Shading" value={view.shading.value} choices={shadings} help="Clay shows details best." onChange={(to) => (view.shading.value = to)} />
+      <Select
+        label="Shading"
+        value={view.shading.value}
+        choices={shadings}
+        help="Clay shows details best."
+        onChange={(to) => (view.shading.value = to)}
+      />
       <Select
         label="Heat map"
         value={view.heatMap.value}
@@ -51,9 +57,25 @@ export function ViewPanel({ page }: { page: Page }) {
           onChange={(to) => (view.stretchOf.value = to)}
         />
       )}
-      <Toggle label="Wireframe" value={view.wireframe.value} help={wireframe.help} keys={keysOf(wireframe.keys)} onChange={(on) => (view.wireframe.value = on)} />
-      <Toggle label="Soft shadows" value={view.ambientOcclusion.value} help="Darkens hollows, so that shapes are read better. Off is quicker." onChange={(on) => (view.ambientOcclusion.value = on)} />
-      <Toggle label="Region and handles" value={view.showRoles.value} help="Tints what may move, what is held and what stays." onChange={(on) => (view.showRoles.value = on)} />
+      <Toggle
+        label="Wireframe"
+        value={view.wireframe.value}
+        help={wireframe.help}
+        keys={keysOf(wireframe.keys)}
+        onChange={(on) => (view.wireframe.value = on)}
+      />
+      <Toggle
+        label="Soft shadows"
+        value={view.ambientOcclusion.value}
+        help="Darkens hollows, so that shapes are read better. Off is quicker."
+        onChange={(on) => (view.ambientOcclusion.value = on)}
+      />
+      <Toggle
+        label="Region and handles"
+        value={view.showRoles.value}
+        help="Tints what may move, what is held and what stays."
+        onChange={(on) => (view.showRoles.value = on)}
+      />
       <Toggle
         label="Parallel projection"
         value={view.orthographic.value}
@@ -61,7 +83,12 @@ export function ViewPanel({ page }: { page: Page }) {
         keys={keysOf(projection.keys)}
         onChange={(on) => (view.orthographic.value = on)}
       />
-      <Toggle label="Ground grid" value={view.grid.value} help="A grid below the model." onChange={(on) => (view.grid.value = on)} />
+      <Toggle
+        label="Ground grid"
+        value={view.grid.value}
+        help="A grid below the model."
+        onChange={(on) => (view.grid.value = on)}
+      />
       <Toggle
         label="Coarser while moving"
         value={view.lessWhileMoving.value}
@@ -79,7 +106,13 @@ export function ViewPanel({ page }: { page: Page }) {
         help="Which axis stands upright."
         onChange={(to) => (view.up.value = to)}
       />
-      <Select label="Unit" value={view.unit.value} choices={units} help="What a unit of the model is. Files have none of their own." onChange={(to) => (view.unit.value = to)} />
+      <Select
+        label="Unit"
+        value={view.unit.value}
+        choices={units}
+        help="What a unit of the model is. Files have none of their own."
+        onChange={(to) => (view.unit.value = to)}
+      />
     </Section>
   );
 }

@@ -95,7 +95,7 @@ export class LoopPairTool implements Tool {
     this.graft.picked.value = null;
     const meeting = this.meetingAt(near.ref, near.vertex, index);
     if (meeting === undefined) return false;
-    const pairs = withMatch(this.graft.pairs.value, index, meeting, this.graft.startOf(index));
+    const pairs = withMatch(this.graft.pairs.value, index, meeting, this.graft.starts.of(index));
     this.graft.dot.value = { pair: index, dot: pairs[index]?.matches.length ?? 0 };
     void this.graft.setPairs(pairs);
     return true;
@@ -119,7 +119,7 @@ export class LoopPairTool implements Tool {
   private dragEnd(end: End): Stroke {
     const before = this.graft.pairs.value;
     this.graft.dot.value = { pair: end.pair, dot: end.dot };
-    const curves = before[end.pair] && this.graft.curvesOf(before[end.pair] as (typeof before)[number]);
+    const curves = before[end.pair] && this.graft.starts.curvesOf(before[end.pair] as (typeof before)[number]);
     const curve = end.side === 0 ? curves?.source : curves?.target;
     let { vertex } = end;
     return {
@@ -138,9 +138,9 @@ export class LoopPairTool implements Tool {
 
   private movedMeeting(end: End, vertex: number): Meeting | undefined {
     const pair = this.graft.pairs.value[end.pair];
-    const curves = pair && this.graft.curvesOf(pair);
+    const curves = pair && this.graft.starts.curvesOf(pair);
     if (pair === undefined || curves === undefined) return undefined;
-    const all = meetingsOf(pair, this.graft.startOf(end.pair));
+    const all = meetingsOf(pair, this.graft.starts.of(end.pair));
     const old = all[end.dot];
     if (old === undefined) return undefined;
     const meeting: Meeting = end.side === 0 ? [vertex, old[1]] : [old[0], vertex];
@@ -151,8 +151,8 @@ export class LoopPairTool implements Tool {
   // What a vertex meets as it is shown: by the lines of the preview where there is one, else by length.
   private meetingAt(ref: LoopRef, vertex: number, index: number): Meeting | undefined {
     const pair = this.graft.pairs.value[index];
-    const curves = pair && this.graft.curvesOf(pair);
-    const start = this.graft.startOf(index);
+    const curves = pair && this.graft.starts.curvesOf(pair);
+    const start = this.graft.starts.of(index);
     if (curves === undefined || start === undefined) return undefined;
     const onSource = ref.mesh === this.graft.source.value?.mesh && curves.source.has(vertex);
     if (onSource) {
@@ -209,7 +209,7 @@ export class LoopPairTool implements Tool {
     const meshes = [source.value?.mesh ?? -1, target.value?.mesh ?? -1] as const;
     const seen = [this.view.isSeen(meshes[0]), this.view.isSeen(meshes[1]) || (preview.value !== null && arrangement.value !== "apart")];
     return pairs.value.flatMap((pair, index) =>
-      meetingsOf(pair, this.graft.startOf(index)).flatMap((meeting, dot) =>
+      meetingsOf(pair, this.graft.starts.of(index)).flatMap((meeting, dot) =>
         ([0, 1] as const).flatMap((side): End[] => {
           const [mesh, vertex] = [meshes[side], meeting?.[side]];
           return vertex === undefined || seen[side] !== true ? [] : [{ pair: index, dot, side, mesh, vertex }];

@@ -5,7 +5,7 @@ import type { Handle } from "../protocol";
 import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import type { GraphStore } from "./graph_store";
-import { atRest, matrixOf, mirrored, placementOf, poseOf, type Placement, type Plane } from "./pose_math";
+import { atRest, isRedrawn, matrixOf, mirrored, placementOf, poseOf, type Placement, type Plane } from "./pose_math";
 
 /** The handle that the gizmo is at. */
 export interface ActiveHandle {
@@ -115,7 +115,7 @@ export class HandleControl {
       const latest = this.ahead.get(name);
       const handle = this.active;
       if (latest === undefined || handle === undefined || handle.name !== name) return;
-      const isShown = this.viewport.showPoses(this.mapsBy(name, latest));
+      const isShown = this.showAtOnce(name, latest);
       this.editor.drag({ [name]: poseOf(latest, handle.defaultPivot) }, isShown);
     });
     this.viewport.requestRender(); // after it, so that the picture has the surface where the handle is
@@ -127,7 +127,7 @@ export class HandleControl {
     if (handle === undefined || handle.name !== name) return;
     this.ahead.set(name, placement);
     this.pivots.set(name, placement.pivot.clone());
-    this.viewport.showPoses(this.mapsBy(name, placement));
+    this.showAtOnce(name, placement);
     await this.editor.pose({ [name]: poseOf(placement, handle.defaultPivot) });
     if (this.ahead.get(name) === placement) this.ahead.delete(name);
     this.viewport.requestRender();
@@ -163,6 +163,11 @@ export class HandleControl {
     this.viewport.requestRender();
   }
 
+  /** Whether the surface is shown there: a redrawn curve is where the engine streams it. */
+  private showAtOnce(name: string, placement: Placement): boolean {
+    return !isRedrawn(placement) && this.viewport.showPoses(this.mapsBy(name, placement));
+  }
+
   /** What moves with a handle: itself, and its twin beyond the plane of symmetry. */
   private mapsBy(name: string, placement: Placement): Map<string, Matrix4> {
     const maps = new Map([[name, matrixOf(placement)]]);
@@ -182,10 +187,12 @@ export class HandleControl {
     const at = handle.pivot ?? handle.centre;
     if (at === undefined) return undefined;
     const defaultPivot = new Vector3(...at);
-    const known = placementOf(handle.pose, defaultPivot);
+    const pose = handle.matrix === undefined ? handle.pose : { matrix: handle.matrix };
+    const known = placementOf(pose, defaultPivot);
     if (known === undefined) return undefined;
     const pivot = this.pivots.get(handle.name);
-    const asTold = known.kind === "affine" && pivot !== undefined ? { ...known, pivot } : known;
+    const isSheared = known.kind === "affine" && !isRedrawn(known);
+    const asTold = isSheared && pivot !== undefined ? { ...known, pivot } : known;
     return {
       name: handle.name,
       placement: this.ahead.get(handle.name) ?? asTold,

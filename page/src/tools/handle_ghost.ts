@@ -1,6 +1,6 @@
 import type { Viewport } from "../view/viewport";
 import type { HandleControl } from "./handle_control";
-import { matrixOf } from "./pose_math";
+import { isRedrawn, matrixOf } from "./pose_math";
 import type { Preview } from "./preview";
 
 /** The handle's own vertices where a gesture takes them: seen at once, also while the engine still sets up. */
@@ -19,7 +19,7 @@ export class HandleGhost {
   private draw(): void {
     const handle = this.control.active;
     const surface = this.viewport.main;
-    if (handle === undefined || surface === undefined || !this.isGoing()) {
+    if (handle === undefined || surface === undefined || !this.isGoing() || isRedrawn(handle.placement)) {
       if (this.shown !== undefined) this.preview.hide();
       this.shown = undefined;
       return;

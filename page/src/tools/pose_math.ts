@@ -17,11 +17,13 @@ export interface Motion {
   readonly pivot: Vector3;
 }
 
-/** An affine map that is no motion: sheared. The pivot, at rest, is the page's alone. */
+/** An affine map that is no motion: sheared, or from a file. The pivot, at rest, is the page's alone. */
 export interface Affine {
   readonly kind: "affine";
   readonly matrix: Matrix4;
   readonly pivot: Vector3;
+  /** Of a redrawn curve: its course, which the matrix maps, and where the pivot is, too. */
+  readonly course?: readonly Vector3[];
 }
 
 export type Placement = Motion | Affine;
@@ -39,9 +41,10 @@ export function atRest(pivot: Vector3): Motion {
   return { kind: "motion", translate: new Vector3(), turn: noTurn, scale: new Vector3(1, 1, 1), pivot: pivot.clone() };
 }
 
-/** The placement of a pose; undefined for a redrawn curve and for a file, which no gesture changes. */
+/** The placement of a pose; undefined for one from a file, whose matrix has to be given in its place. */
 export function placementOf(pose: Pose, defaultPivot: Vector3): Placement | undefined {
-  if (pose.curve !== undefined || pose.def !== undefined) return undefined;
+  if (pose.def !== undefined) return undefined;
+  if (pose.curve !== undefined) return redrawn(pose.curve.map((point) => new Vector3(...point)));
   if (pose.matrix !== undefined) {
     const [a, b, c, d] = pose.matrix;
     return { kind: "affine", matrix: new Matrix4().set(...a, ...b, ...c, ...d), pivot: defaultPivot.clone() };
@@ -57,9 +60,19 @@ export function placementOf(pose: Pose, defaultPivot: Vector3): Placement | unde
   };
 }
 
+function redrawn(course: readonly Vector3[]): Affine {
+  const middle = course.reduce((sum, point) => sum.add(point), new Vector3()).divideScalar(course.length);
+  return { kind: "affine", matrix: new Matrix4(), pivot: middle, course };
+}
+
 /** The pose of a placement, without what it need not say. */
 export function poseOf(placement: Placement, defaultPivot: Vector3): Pose {
-  if (placement.kind === "affine") return { matrix: rowsOf(placement.matrix) };
+  if (placement.kind === "affine") {
+    const { course, matrix } = placement;
+    const [first, second, ...others] = (course ?? []).map((point) => point.clone().applyMatrix4(matrix).toArray());
+    if (first !== undefined && second !== undefined) return { curve: [first, second, ...others] };
+    return { matrix: rowsOf(matrix) };
+  }
   const { translate, turn, scale, pivot } = placement;
   const pose: Pose = {};
   if (translate.lengthSq() > 0) pose.translate = translate.toArray();
@@ -67,6 +80,11 @@ export function poseOf(placement: Placement, defaultPivot: Vector3): Pose {
   if (!scale.equals(new Vector3(1, 1, 1))) pose.scale = isUniform(scale) ? scale.x : scale.toArray();
   if (pivot.distanceTo(defaultPivot) > 1e-12 * (1 + defaultPivot.length())) pose.pivot = pivot.toArray();
   return pose;
+}
+
+/** Whether it is a curve that was redrawn: no map of the handle as it was leads there. */
+export function isRedrawn(placement: Placement): boolean {
+  return placement.kind === "affine" && placement.course !== undefined;
 }
 
 export function matrixOf(placement: Placement): Matrix4 {

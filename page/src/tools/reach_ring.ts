@@ -1,7 +1,7 @@
 import { Vector3 } from "three";
 import type { Spot } from "./eye";
 import { distanceToSegment } from "./gizmo_layout";
-import { matrixOf } from "./pose_math";
+import { centreOf, matrixOf } from "./pose_math";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 import { type Bench, type Pointer, type Stroke } from "./tool";
 import type { Preview } from "./preview";
@@ -88,7 +88,13 @@ export class ReachRing {
   // Where the handle is now, and how far its vertices lie from there.
   private extentOf(handle: ActiveHandle): { centre: Vector3; size: number } {
     const surface = this.bench.viewport.main;
-    const map = matrixOf(handle.placement);
+    const { placement } = handle;
+    const map = matrixOf(placement);
+    if (placement.kind === "affine" && placement.course !== undefined) {
+      const centre = centreOf(placement);
+      const far = placement.course.map((point) => point.clone().applyMatrix4(map).distanceTo(centre));
+      return { centre, size: Math.max(...far) };
+    }
     const centre = handle.defaultPivot.clone().applyMatrix4(map);
     let size = 0;
     const place = new Vector3();

@@ -183,7 +183,8 @@ export class Viewport {
     if (surface === undefined) return;
     const poses = new Map<string, Matrix4>();
     for (const handle of state.handles) {
-      const matrix = matrixOfPose(handle.pose, handle.pivot);
+      const pose = handle.matrix === undefined ? handle.pose : { matrix: handle.matrix };
+      const matrix = matrixOfPose(pose, handle.pivot);
       if (matrix !== undefined) poses.set(handle.name, matrix);
     }
     surface.linear.committed = poses;

@@ -187,7 +187,7 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
   await slide("Normal angle", 0.1);
   expect(await graftOf(person)).toMatchObject({ normal_angle_deg: expect.closeTo(18, -1) });
   await slide("Twist", 0.25);
-  const twist = await person.page.evaluate(() => window.meshgraft.editor.graft.twistOf(0));
+  const twist = await person.page.evaluate(() => window.meshgraft.editor.graft.starts.twistOf(0));
   expect(Math.abs(twist - 90)).toBeLessThan(25);
   await person.screenshot("graft-head-twisted");
   await person.page.getByLabel("Mirror").selectOption("x");
@@ -223,7 +223,7 @@ test("drags what meets along the loop, adds a match and takes it away", async ()
   const { part, start, loop } = await person.page.evaluate(() => {
     const { graft } = window.meshgraft.editor;
     const part = graft.source.value?.mesh ?? -1;
-    return { part, start: graft.startOf(0) ?? [0, 0], loop: [...(graft.loops.value.get(part)?.[0]?.vertices ?? [])] };
+    return { part, start: graft.starts.of(0) ?? [0, 0], loop: [...(graft.loops.value.get(part)?.[0]?.vertices ?? [])] };
   });
   const at = loop.indexOf(start[0]);
   const path = [0, 1, 2, 3, 4].map((k) => loop[(at + k) % loop.length] as number);
@@ -231,7 +231,7 @@ test("drags what meets along the loop, adds a match and takes it away", async ()
   for (const v of path) spots.push(await spotOf(person, part, v));
   await person.stroke(spots, { steps: 3 });
   await grafted(person);
-  const moved = await person.page.evaluate(() => window.meshgraft.editor.graft.startOf(0));
+  const moved = await person.page.evaluate(() => window.meshgraft.editor.graft.starts.of(0));
   expect(moved?.[0]).toBe(path[4]);
   await person.screenshot("graft-start-dragged");
   const other = await spotOf(person, part, loop[(at + Math.floor(loop.length / 2)) % loop.length] as number);

@@ -24,13 +24,21 @@ export function sampled(stage: Stage, name: string): Float64Array {
 /** A place where a part of the gizmo can be taken: "knob", "ring-z", "arrow-x" … */
 export async function gripOf(person: Person, part: string): Promise<Point> {
   const selector = `.gizmo:not([display]) > [data-part="${part}"]:not([display])`;
-  await person.page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  await person.page.evaluate(
+    () => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))),
+  );
   await person.page.waitForSelector(selector, { state: "attached" });
   return person.page.evaluate((id) => {
     const line = document.querySelector<SVGPathElement>(`[data-part="${id}"] .line`);
     const map = line?.getScreenCTM();
     if (line === null || map === null || map === undefined) throw new Error(`no ${id}`);
-    const share = id.startsWith("ring") ? 0.5 : id === "view-ring" ? 0.3 : id.startsWith("arrow") ? 0.45 : undefined;
+    const share = id.startsWith("ring")
+      ? 0.5
+      : id === "view-ring"
+        ? 0.3
+        : id.startsWith("arrow")
+          ? 0.45
+          : undefined;
     if (share !== undefined) {
       const at = line.getPointAtLength(share * line.getTotalLength()).matrixTransform(map);
       return [at.x, at.y] as const;
@@ -41,20 +49,31 @@ export async function gripOf(person: Person, part: string): Promise<Point> {
   }, part);
 }
 
+async function aimOnce(person: Person, vertex: number): Promise<Point | undefined> {
+  const [x, y] = await person.screenOf(vertex);
+  return person.page.evaluate(
+    ([x, y]) => {
+      const { viewport } = window.meshgraft;
+      const isOn = (dx: number, dy: number) => viewport.pick(x + dx, y + dy) !== undefined;
+      for (let radius = 0; radius <= 40; radius += 4)
+        for (let k = 0; k < 16; ++k) {
+          const [dx, dy] = [radius * Math.cos((k * Math.PI) / 8), radius * Math.sin((k * Math.PI) / 8)];
+          if (isOn(dx, dy) && isOn(dx - 5, dy) && isOn(dx + 5, dy) && isOn(dx, dy + 5) && isOn(dx, dy - 5))
+            return [x + dx, y + dy] as const;
+        }
+      return undefined;
+    },
+    [x, y] as const,
+  );
+}
+
 /** A place on the page near a vertex, with the model all around it: where a person would aim. */
 export async function aimAt(person: Person, vertex: number): Promise<Point> {
-  const [x, y] = await person.screenOf(vertex);
-  const at = await person.page.evaluate(([x, y]) => {
-    const { viewport } = window.meshgraft;
-    const isOn = (dx: number, dy: number) => viewport.pick(x + dx, y + dy) !== undefined;
-    for (let radius = 0; radius <= 40; radius += 4)
-      for (let k = 0; k < 16; ++k) {
-        const [dx, dy] = [radius * Math.cos((k * Math.PI) / 8), radius * Math.sin((k * Math.PI) / 8)];
-        if (isOn(dx, dy) && isOn(dx - 5, dy) && isOn(dx + 5, dy) && isOn(dx, dy + 5) && isOn(dx, dy - 5))
-          return [x + dx, y + dy] as const;
-      }
-    return undefined;
-  }, [x, y] as const);
+  let at = await aimOnce(person, vertex);
+  for (let patience = 20; at === undefined && patience > 0; --patience) {
+    await person.page.waitForTimeout(250); // what picking looks up is made in a worker
+    at = await aimOnce(person, vertex);
+  }
   if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
   return at;
 }
@@ -68,7 +87,10 @@ export function poseOf(person: Person, handle = "handle 1"): Promise<Pose | unde
 
 /** Vertices of a handle, as the engine tells. */
 export function verticesOf(person: Person, handle = "handle 1"): Promise<number[]> {
-  return person.page.evaluate((name) => [...(window.meshgraft.viewport.main?.handles.get(name) ?? [])], handle);
+  return person.page.evaluate(
+    (name) => [...(window.meshgraft.viewport.main?.handles.get(name) ?? [])],
+    handle,
+  );
 }
 
 export function selectedIn(person: Person): Promise<number[]> {
@@ -96,7 +118,8 @@ export function placeOf(places: Float64Array, v: number): [number, number, numbe
 
 export function centreOf(places: Float64Array, vertices: readonly number[]): [number, number, number] {
   const sum: [number, number, number] = [0, 0, 0];
-  for (const v of vertices) placeOf(places, v).forEach((part, k) => (sum[k] = (sum[k] as number) + part / vertices.length));
+  for (const v of vertices)
+    placeOf(places, v).forEach((part, k) => (sum[k] = (sum[k] as number) + part / vertices.length));
   return sum;
 }
 
@@ -108,4 +131,16 @@ export function distance(a: readonly number[], b: readonly number[]): number {
 export function sizeOf(places: Float64Array, vertices: readonly number[]): number {
   const centre = centreOf(places, vertices);
   return vertices.reduce((sum, v) => sum + distance(placeOf(places, v), centre), 0) / vertices.length;
+}
+
+/** Exports the mesh by the dialog; the file. */
+export async function exported(stage: Stage, name: string, extension = ".ply"): Promise<string> {
+  const { page } = stage.person;
+  await stage.person.press("Control+e");
+  await page.getByLabel("Format").selectOption(extension);
+  await page.getByRole("dialog").getByRole("textbox").fill(name);
+  await page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
+  await page.getByText("Exported", { exact: true }).waitFor({ timeout: 20_000 });
+  await stage.person.click("Close the message");
+  return stage.folder.file(`${name}${extension}`);
 }

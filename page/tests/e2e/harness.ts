@@ -2,6 +2,7 @@
 import { execFileSync, spawn, type ChildProcess } from "node:child_process";
 import { createHash } from "node:crypto";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { chromium, type Browser, type Page } from "playwright-core";
@@ -21,8 +22,15 @@ const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
 
 // Without a display or a GPU, and without a word to anyone.
 const browserArguments = [
-  "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic",
+  "--no-sandbox",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--ignore-gpu-blocklist",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--disable-quic",
 ];
 
 /** Runs the program with these arguments, and returns what it prints. Throws where it fails. */
@@ -53,6 +61,18 @@ export function placesOf(file: string): Float64Array {
   return Float64Array.from(numbers);
 }
 
+/** A port that nobody listens to, for an engine that comes back to it. */
+export function freePort(): Promise<string> {
+  return new Promise((resolve, reject) => {
+    const server = createServer();
+    server.once("error", reject);
+    server.listen(0, "127.0.0.1", () => {
+      const address = server.address();
+      server.close(() => resolve(String(typeof address === "object" ? address?.port : address)));
+    });
+  });
+}
+
 /** `meshgraft edit`, running. */
 export class Engine {
   private constructor(
@@ -60,8 +80,12 @@ export class Engine {
     readonly url: string,
   ) {}
 
-  static start(words: string[]): Promise<Engine> {
-    const child = spawn(program, ["edit", "--no-browser", ...words], { stdio: ["ignore", "pipe", "inherit"] });
+  /** `mostKilobytes`: of a file that it can write, as if the disk were full then. */
+  static start(words: string[], options: { mostKilobytes?: number } = {}): Promise<Engine> {
+    const command = [program, "edit", "--no-browser", ...words];
+    const limited = ["bash", "-c", `ulimit -f ${options.mostKilobytes}; exec "$@"`, "limited", ...command];
+    const [first = "", ...rest] = options.mostKilobytes === undefined ? command : limited;
+    const child = spawn(first, rest, { stdio: ["ignore", "pipe", "inherit"] });
     return new Promise((resolve, reject) => {
       let printed = "";
       child.stdout.setEncoding("utf8").on("data", (text: string) => {
@@ -76,7 +100,8 @@ export class Engine {
 
   /** Ends it; resolves with its status, or null where the signal ended it. */
   stop(signal: NodeJS.Signals = "SIGINT"): Promise<number | null> {
-    if (this.process.exitCode !== null || this.process.signalCode !== null) return Promise.resolve(this.process.exitCode);
+    if (this.process.exitCode !== null || this.process.signalCode !== null)
+      return Promise.resolve(this.process.exitCode);
     const ended = new Promise<number | null>((resolve) => this.process.once("exit", (code) => resolve(code)));
     this.process.kill(signal);
     return ended;
@@ -100,7 +125,10 @@ export class Person {
 
   async click(name: string | RegExp): Promise<void> {
     ++this.actions;
-    await this.page.getByRole("button", { name, exact: typeof name === "string" }).first().click();
+    await this.page
+      .getByRole("button", { name, exact: typeof name === "string" })
+      .first()
+      .click();
   }
 
   async press(keys: string): Promise<void> {
@@ -116,7 +144,10 @@ export class Person {
   }
 
   /** A stroke through these points with a button held. */
-  async stroke(points: readonly Point[], options: { button?: "left" | "middle" | "right"; steps?: number } = {}): Promise<void> {
+  async stroke(
+    points: readonly Point[],
+    options: { button?: "left" | "middle" | "right"; steps?: number } = {},
+  ): Promise<void> {
     ++this.actions;
     const [first, ...rest] = points;
     if (first === undefined) throw new Error("a stroke without points");
@@ -126,6 +157,16 @@ export class Person {
     await this.page.mouse.up({ button: options.button ?? "left" });
   }
 
+  /** Drops files of this machine on the page, as from a folder's window. */
+  async drop(files: readonly string[], [x, y]: Point = [500, 400]): Promise<void> {
+    ++this.actions;
+    const browser = await this.page.context().newCDPSession(this.page);
+    const data = { items: [], files: [...files], dragOperationsMask: 1 };
+    for (const type of ["dragEnter", "dragOver", "drop"] as const)
+      await browser.send("Input.dispatchDragEvent", { type, x, y, data });
+    await browser.detach();
+  }
+
   /** Where a vertex of the model is on the page, as it is shown now. */
   screenOf(vertex: number): Promise<Point> {
     return this.page.evaluate((v) => {
@@ -133,7 +174,13 @@ export class Person {
       const surface = viewport.main;
       if (surface === undefined) throw new Error("nothing is shown");
       const at = surface.object.localToWorld(
-        surface.object.position.clone().set(surface.positions[3 * v] ?? 0, surface.positions[3 * v + 1] ?? 0, surface.positions[3 * v + 2] ?? 0),
+        surface.object.position
+          .clone()
+          .set(
+            surface.positions[3 * v] ?? 0,
+            surface.positions[3 * v + 1] ?? 0,
+            surface.positions[3 * v + 2] ?? 0,
+          ),
       );
       const { x, y } = viewport.project(at);
       return [x, y] as const;
@@ -147,11 +194,23 @@ export class Person {
         const { editor } = window.meshgraft;
         if (editor.state.value === null) return false;
         const stage = editor.live.value.stage;
-        return editor.isIdle() && (editor.state.value.counts === null || stage === undefined || ["ready", "proxy-only", "failed"].includes(stage));
+        return (
+          editor.isIdle() &&
+          (editor.state.value.counts === null ||
+            stage === undefined ||
+            ["ready", "proxy-only", "failed"].includes(stage))
+        );
       },
       undefined,
       { timeout: 90_000 },
     );
+  }
+
+  /** Waits until the page has opened what was named on the command line. */
+  async opened(): Promise<void> {
+    await this.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+    await this.settle();
+    await this.page.waitForTimeout(600); // the view comes to rest
   }
 
   /** A PNG, or a JPEG where the name ends so. */
@@ -163,6 +222,19 @@ export class Person {
   }
 }
 
+export interface StageOptions {
+  /** By names of files: the words for `meshgraft sample`. */
+  files?: Readonly<Record<string, readonly string[]>>;
+  /** Files that are named on the command line, too. */
+  models?: Readonly<Record<string, readonly string[]>>;
+  words?: string[];
+  /** What is done to the page before it loads. */
+  before?: (page: Page) => Promise<unknown>;
+  mostKilobytes?: number;
+  size?: { width: number; height: number };
+  dark?: boolean;
+}
+
 /** An engine, a browser and a page for one test; `close` ends all. */
 export class Stage {
   private constructor(
@@ -172,26 +244,26 @@ export class Stage {
     readonly person: Person,
   ) {}
 
-  /** `before`: what is done to the page before it loads. */
-  static async open(
-    options: {
-      models?: string[];
-      size?: { width: number; height: number };
-      dark?: boolean;
-      before?: (page: Page) => Promise<unknown>;
-    } = {},
-  ): Promise<Stage> {
+  static async open(options: StageOptions = {}): Promise<Stage> {
     const folder = new Folder();
-    const engine = await Engine.start(["--folder", folder.path, ...(options.models ?? [])]);
+    for (const [file, sample] of Object.entries({ ...options.files, ...options.models }))
+      run("sample", ...sample, "-o", folder.file(file));
+    const models = Object.keys(options.models ?? {}).map((file) => folder.file(file));
+    const engine = await Engine.start(
+      ["--folder", folder.path, ...(options.words ?? []), ...models],
+      options,
+    );
     const browser = await chromium.launch({ executablePath: browserPath, args: browserArguments });
-    const page = await browser.newPage({
+    const context = await browser.newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
       colorScheme: options.dark === true ? "dark" : "light",
     });
+    const page = await context.newPage();
     const person = new Person(page);
     await options.before?.(page);
     await page.goto(engine.url);
     await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    if (models.length > 0) await person.opened();
     return new Stage(folder, browser, engine, person);
   }
 
@@ -199,12 +271,24 @@ export class Stage {
   async openSample(sample: string, resolution?: number): Promise<void> {
     await this.person.page.evaluate(
       async ([sample, resolution]) => {
-        await window.meshgraft.editor.ask({ do: "open", sample, ...(resolution === undefined ? {} : { resolution }) });
+        await window.meshgraft.editor.ask({
+          do: "open",
+          sample,
+          ...(resolution === undefined ? {} : { resolution }),
+        });
       },
       [sample, resolution] as const,
     );
     await this.person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
     await this.person.settle();
+  }
+
+  /** Another tab of the same engine. */
+  async tab(): Promise<Person> {
+    const person = new Person(await this.person.page.context().newPage());
+    await person.page.goto(this.engine.url);
+    await person.page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    return person;
   }
 
   /** Saves the mesh and returns its places; the model's own where nothing was done. */

@@ -1,6 +1,5 @@
-import { createServer } from "node:net";
 import { expect, test } from "vitest";
-import { Engine, run, Stage } from "./harness";
+import { Engine, freePort, run, Stage } from "./harness";
 
 async function openAndMove(stage: Stage): Promise<void> {
   const { page } = stage.person;
@@ -12,18 +11,6 @@ async function openAndMove(stage: Stage): Promise<void> {
     await editor.pose({ top: { translate: [0.5, 0, 0] } });
   });
   await stage.person.settle();
-}
-
-/** A port that nobody listens to, for an engine that comes back to it. */
-function freePort(): Promise<string> {
-  return new Promise((resolve, reject) => {
-    const server = createServer();
-    server.once("error", reject);
-    server.listen(0, "127.0.0.1", () => {
-      const address = server.address();
-      server.close(() => resolve(String(typeof address === "object" ? address?.port : address)));
-    });
-  });
 }
 
 test("a connection that is lost comes back with all changes", async () => {
@@ -46,7 +33,7 @@ test("a connection that is lost comes back with all changes", async () => {
 
 test("an engine that is killed: the page says so, and the next one offers to restore", async () => {
   const port = await freePort();
-  const stage = await Stage.open({ dark: true, models: ["--port", port] });
+  const stage = await Stage.open({ dark: true, words: ["--port", port] });
   const { person, folder } = stage;
   const { page } = person;
   try {

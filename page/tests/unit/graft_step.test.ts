@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import {
-  meetingsOf, pairsField, proposedStart, readStep, withDotAt, withFields, withMatch, withoutDot, withPair, withoutPair,
+  meetingsOf, pairsField, readStep, withDotAt, withFields, withMatch, withStarts, withoutDot, withPair, withoutPair,
+  type OpenStart,
 } from "../../src/app/graft_step";
 
 const step = {
@@ -55,6 +56,9 @@ test("shows dragged fields on top of the document's", () => {
 });
 
 test("reads the start that the engine proposes for round loops", () => {
-  expect(proposedStart("target vertex 10044 at source vertex 3 turns the part least (--start 10044:3)")).toEqual([3, 10044]);
-  expect(proposedStart("Cut it first.")).toBeUndefined();
+  const pairs = [0, 1].map((loop) => ({ sourceLoop: loop, targetLoop: loop, matches: [] }));
+  const open: OpenStart[] = [{ pair: 1, start: [3, 10044], confidence: 0.1 }];
+  expect(withStarts(pairs, open)).toEqual([pairs[0], { ...pairs[1], start: [3, 10044] }]);
+  expect(withStarts(pairs, [])).toBeUndefined();
+  expect(withStarts([], open)).toBeUndefined();
 });

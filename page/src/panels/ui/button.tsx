@@ -45,7 +45,17 @@ interface IconButtonProps {
   tabIndex?: number;
 }
 
-export function IconButton({ label, icon, onClick, tip, keys, pressed, disabled, class: name, tabIndex }: IconButtonProps) {
+export function IconButton({
+  label,
+  icon,
+  onClick,
+  tip,
+  keys,
+  pressed,
+  disabled,
+  class: name,
+  tabIndex,
+}: IconButtonProps) {
   return (
     <button
       type="button"

@@ -230,7 +230,11 @@ export function Segments<Value extends string>(props: SelectProps<Value> & { hid
       </span>
       <div role="radiogroup" aria-labelledby={id}>
         {props.choices.map((choice) => (
-          <label key={choice.value} data-tip={choice.help} class={choice.value === props.value ? "chosen" : ""}>
+          <label
+            key={choice.value}
+            data-tip={choice.help}
+            class={choice.value === props.value ? "chosen" : ""}
+          >
             <input
               type="radio"
               name={id}
@@ -247,7 +251,15 @@ export function Segments<Value extends string>(props: SelectProps<Value> & { hid
 }
 
 /** A name that is changed in its place: enter confirms, escape leaves it as it was. */
-export function NameField({ name, onRename, onEnd }: { name: string; onRename: (to: string) => void; onEnd: () => void }) {
+export function NameField({
+  name,
+  onRename,
+  onEnd,
+}: {
+  name: string;
+  onRename: (to: string) => void;
+  onEnd: () => void;
+}) {
   const ended = useRef(false);
   const end = (to: string | null) => {
     if (ended.current) return;

@@ -34,7 +34,11 @@ export function Menu({ label, items, icon, children, class: name }: MenuProps) {
     const box = button.current?.getBoundingClientRect();
     if (box === undefined) return;
     const up = box.bottom + 34 * items.length + 16 > window.innerHeight;
-    setPlace({ x: Math.max(4, Math.min(box.left, window.innerWidth - 232)), y: up ? box.top : box.bottom, up });
+    setPlace({
+      x: Math.max(4, Math.min(box.left, window.innerWidth - 232)),
+      y: up ? box.top : box.bottom,
+      up,
+    });
   };
   // Before the list is painted: a key that is pressed as soon as it is seen is its own.
   useLayoutEffect(() => {

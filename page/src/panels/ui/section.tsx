@@ -20,7 +20,12 @@ export function Section({ title, hint, badge, startsOpen = false, children }: Se
   return (
     <section class={`section ${open.value ? "open" : ""}`} aria-label={title}>
       <h3>
-        <button type="button" aria-expanded={open.value} aria-controls={id} onClick={() => (open.value = !open.value)}>
+        <button
+          type="button"
+          aria-expanded={open.value}
+          aria-controls={id}
+          onClick={() => (open.value = !open.value)}
+        >
           <Icon name={open.value ? "down" : "right"} size={14} />
           <span>{title}</span>
           {badge !== undefined && <span class="badge">{badge}</span>}
@@ -41,7 +46,12 @@ export function More({ label, children }: { label: string; children: ComponentCh
   const open = remembered(`more ${label}`, false);
   return (
     <div class="more">
-      <button type="button" class="more-button" aria-expanded={open.value} onClick={() => (open.value = !open.value)}>
+      <button
+        type="button"
+        class="more-button"
+        aria-expanded={open.value}
+        onClick={() => (open.value = !open.value)}
+      >
         <Icon name={open.value ? "down" : "right"} size={12} />
         {label}
       </button>

@@ -29,7 +29,9 @@ export function Tooltips() {
     };
     const over = (event: PointerEvent) => event.pointerType !== "touch" && plan(event.target, delayMs);
     const focus = (event: FocusEvent) =>
-      event.target instanceof HTMLElement && event.target.matches(":focus-visible") && plan(event.target, delayMs);
+      event.target instanceof HTMLElement &&
+      event.target.matches(":focus-visible") &&
+      plan(event.target, delayMs);
     const events = ["pointerdown", "keydown", "wheel", "blur"] as const;
     document.addEventListener("pointerover", over);
     document.addEventListener("focusin", focus);

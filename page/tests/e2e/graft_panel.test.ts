@@ -1,0 +1,140 @@
+import { mkdirSync } from "node:fs";
+import { afterEach, expect, test } from "vitest";
+import { run, Stage, type Person } from "./harness";
+
+let stage: Stage | undefined;
+afterEach(async () => {
+  await stage?.close();
+  stage = undefined;
+});
+
+/** Presses tab until what has the focus is called so. */
+async function tabTo(person: Person, name: RegExp): Promise<void> {
+  for (let i = 0; i < 80; ++i) {
+    const label = await person.page.evaluate(
+      () => document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? "",
+    );
+    if (name.test(label)) return;
+    await person.page.keyboard.press("Tab");
+  }
+  throw new Error(`tab does not come to ${name}`);
+}
+
+async function grafted(person: Person): Promise<void> {
+  await person.page.waitForFunction(
+    () => {
+      const { editor } = window.meshgraft;
+      const { report } = editor.graft;
+      const graft = editor.state.value?.graft?.graft;
+      return (
+        editor.isIdle() &&
+        graft !== undefined &&
+        report.value?.graft === graft &&
+        report.value.seam !== undefined
+      );
+    },
+    undefined,
+    { timeout: 60_000 },
+  );
+}
+
+test("a part of a folder is grafted, swapped and accepted by keys alone, in the dark theme", async () => {
+  stage = await Stage.open({ dark: true, models: { "bust.ply": ["bust", "--resolution", "40"] } });
+  const { person, folder } = stage;
+  const { page } = person;
+  page.setDefaultTimeout(20_000);
+  mkdirSync(folder.file("parts"));
+  for (const name of ["head", "cylinder", "knot"])
+    run("sample", name, "--resolution", "40", "-o", folder.file(`parts/${name}.ply`));
+  await page.reload(); // which sees the new folder
+  await person.opened();
+  await tabTo(person, /^Deform$/);
+  await person.press("ArrowRight");
+  await page.waitForFunction(() => window.meshgraft.editor.graft.mode.value === "graft");
+
+  await tabTo(person, /^Where parts come from$/);
+  await person.press("ArrowDown");
+  await tabTo(person, /parts$/);
+  await person.press("Enter");
+  await page.getByRole("button", { name: "Add knot" }).waitFor();
+  await page.waitForFunction(
+    () => document.querySelectorAll('[aria-label="parts"] img.thumbnail').length === 3,
+  );
+  await person.screenshot("graft-folder-dark");
+  await tabTo(person, /^Add head$/);
+  await person.press("Enter");
+  await grafted(person);
+  await person.screenshot("graft-dark");
+  const step = () => page.evaluate(() => window.meshgraft.editor.graft.kept.value);
+  expect(await step()).toMatchObject({ source: "head", target: "bust" });
+
+  await page.getByText("More of the graft").click();
+  await person.click("Swap the two");
+  await page.waitForFunction(() => window.meshgraft.editor.graft.kept.value?.source === "bust");
+  await grafted(person);
+  expect(await step()).toMatchObject({ source: "bust", target: "head" });
+  await person.screenshot("graft-swapped-dark");
+  await person.press("Control+z");
+  await grafted(person);
+  expect(await step()).toMatchObject({ source: "head", target: "bust" });
+  await person.press("Control+Enter");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
+  await person.settle();
+  expect(person.complaints).toEqual([]);
+}, 180_000);
+
+test("what stays of a part grows, shrinks and is inverted on the part", async () => {
+  stage = await Stage.open({
+    models: { "bust.ply": ["bust", "--resolution", "40"], "head.ply": ["head", "--resolution", "40"] },
+  });
+  const { person } = stage;
+  const { page } = person;
+  page.setDefaultTimeout(20_000);
+  await person.click("Graft head");
+  await grafted(person);
+  await page.getByText("Keep", { exact: true }).click();
+  await grafted(person);
+  await person.click("Paint what stays");
+  await page.waitForTimeout(900);
+  const face = await page.evaluate(() => {
+    const { viewport, graftView, editor } = window.meshgraft;
+    const { x, y } = viewport.project(graftView.middleOf(editor.graft.source.value?.mesh ?? -1));
+    return [x, y] as const;
+  });
+  await person.stroke([face, [face[0] + 25, face[1]]]);
+  await grafted(person);
+  const state = () =>
+    page.evaluate(() => {
+      const { state } = window.meshgraft.editor;
+      const fixed = window.meshgraft.editor.graft.kept.value?.fixed as { indices?: number[] } | undefined;
+      return {
+        on: state.value?.selected_on,
+        selected: state.value?.selected ?? 0,
+        fixed: fixed?.indices?.length ?? 0,
+      };
+    });
+  const painted = await state();
+  expect(painted.on).toBe("head");
+  expect(painted.fixed).toBeGreaterThan(3);
+  await person.press("+");
+  await page.waitForTimeout(300);
+  await grafted(person);
+  const wider = await state();
+  expect(wider.on).toBe("head");
+  expect(wider.fixed).toBeGreaterThan(painted.fixed);
+  await person.screenshot("graft-fixed-grown");
+  await person.press("-");
+  await page.waitForTimeout(300);
+  await grafted(person);
+  expect((await state()).fixed).toBeLessThan(wider.fixed);
+  const all = await page.evaluate(() => window.meshgraft.editor.graft.source.value?.vertices ?? 0);
+  const before = (await state()).fixed;
+  await person.press("i");
+  await page.waitForFunction(
+    (count) => window.meshgraft.editor.state.value?.selected === count,
+    all - before,
+  );
+  expect((await state()).fixed).toBe(all - before);
+  for (let i = 0; i < 4; ++i) await person.press("Control+z");
+  expect(person.complaints).toEqual([]);
+}, 180_000);

@@ -1,0 +1,118 @@
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { aimAt, distance, exported, farthest, gripOf, placeOf, verticesOf } from "./grips";
+import { placesOf, Stage } from "./harness";
+
+let stage: Stage;
+beforeAll(async () => {
+  stage = await Stage.open({ models: { "ring.obj": ["torus", "--resolution", "60"] } });
+  stage.person.page.setDefaultTimeout(20_000);
+});
+afterAll(() => stage.close());
+
+/** Index of places by cubes of a size, to find the one that is nearest. */
+class Cubes {
+  private readonly cubes = new Map<string, number[]>();
+  constructor(
+    private readonly places: Float64Array,
+    private readonly size: number,
+  ) {
+    for (let v = 0; 3 * v < places.length; ++v) {
+      const key = this.keyOf(placeOf(places, v));
+      this.cubes.set(key, [...(this.cubes.get(key) ?? []), v]);
+    }
+  }
+  private keyOf(place: readonly number[]): string {
+    return place.map((x) => Math.floor(x / this.size)).join(" ");
+  }
+  /** Distance from a place to the nearest of them; infinite where it is more than the size. */
+  nearest([x, y, z]: readonly [number, number, number]): number {
+    let least = Infinity;
+    const steps = [-this.size, 0, this.size];
+    for (const dx of steps)
+      for (const dy of steps)
+        for (const dz of steps)
+          for (const v of this.cubes.get(this.keyOf([x + dx, y + dy, z + dz])) ?? [])
+            least = Math.min(least, distance([x, y, z], placeOf(this.places, v)));
+    return least;
+  }
+}
+
+function diagonalOf(places: Float64Array): number {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  places.forEach((x, i) => {
+    low[i % 3] = Math.min(low[i % 3] as number, x);
+    high[i % 3] = Math.max(high[i % 3] as number, x);
+  });
+  return distance(low, high);
+}
+
+/** How far a mesh is from its mirror image across y = 0, × the diagonal of its box. */
+function asymmetry(places: Float64Array): number {
+  const diagonal = diagonalOf(places);
+  const cubes = new Cubes(places, 1e-3 * diagonal);
+  let most = 0;
+  for (let v = 0; 3 * v < places.length; ++v) {
+    const [x, y, z] = placeOf(places, v);
+    most = Math.max(most, cubes.nearest([x, -y, z]) / diagonal);
+  }
+  return most;
+}
+
+test("what is done on one side of the plane happens on the other, to a millionth", async () => {
+  const { person, folder } = stage;
+  const { page } = person;
+  const rest = placesOf(folder.file("ring.obj"));
+  expect(asymmetry(rest)).toBeLessThan(1e-6);
+
+  await page
+    .locator(".side")
+    .getByRole("button", { name: /^Symmetry/ })
+    .first()
+    .click();
+  await page.getByRole("switch", { name: "Symmetric editing" }).check();
+  await page
+    .locator(".section")
+    .filter({ hasText: "Symmetric editing" })
+    .getByText("Y", { exact: true })
+    .click();
+  await page.waitForFunction(
+    () => Math.abs(window.meshgraft.editor.state.value?.symmetry?.plane.normal[1] ?? 0) === 1,
+  );
+  await person.settle();
+
+  await page.waitForTimeout(600);
+  await person.screenshot("symmetry-plane");
+
+  await person.press("Numpad7"); // from above: both sides are seen
+  await page.waitForTimeout(700);
+  const at = await aimAt(person, farthest(rest, [0.4, 1, 0.3]));
+  await person.press("h");
+  await person.stroke([at, [at[0] + 14, at[1] + 4]]);
+  await page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
+  await person.settle();
+  await page.getByText(/^Twins: handle 1/).waitFor();
+  const name = await page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value ?? "");
+  const held = await verticesOf(person, name);
+  expect(held.every((v) => (rest[3 * v + 1] as number) > 0)).toBe(true);
+
+  const ball = await gripOf(person, "ball");
+  await person.stroke([ball, [ball[0] + 40, ball[1] - 60]]);
+  await person.settle();
+  for (const key of ["r", "x", "4", "0", "Enter"]) await person.press(key);
+  await person.settle();
+  await person.screenshot("symmetry-moved");
+
+  const file = await exported(stage, "both sides", ".obj");
+  const bent = placesOf(file);
+  const diagonal = diagonalOf(bent);
+  const moved = Array.from(
+    { length: rest.length / 3 },
+    (_, v) => distance(placeOf(rest, v), placeOf(bent, v)) / diagonal,
+  );
+  const far = (side: 1 | -1) => Math.max(...moved.filter((_, v) => side * (rest[3 * v + 1] as number) > 0.1));
+  expect(far(1)).toBeGreaterThan(0.05);
+  expect(far(-1)).toBeCloseTo(far(1), 6);
+  expect(asymmetry(bent)).toBeLessThan(1e-6);
+  expect(person.complaints).toEqual([]);
+}, 120_000);

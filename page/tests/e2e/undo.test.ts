@@ -1,0 +1,134 @@
+import { afterEach, expect, test } from "vitest";
+import { aimAt, exported, farthest, gripOf, verticesOf } from "./grips";
+import { hashOf, placesOf, run, Stage, type Person } from "./harness";
+
+let stage: Stage | undefined;
+afterEach(async () => {
+  await stage?.close();
+  stage = undefined;
+});
+
+/** Ctrl+Z until there is nothing left; how often. */
+async function undoAll(person: Person): Promise<number> {
+  const left = () => person.page.evaluate(() => window.meshgraft.editor.state.value?.undo ?? null);
+  for (let count = 0; count < 100; ++count) {
+    if ((await left()) === null) return count;
+    const steps = await person.page.evaluate(() => window.meshgraft.editor.state.value);
+    await person.press("Control+z");
+    await person.page.waitForFunction(
+      (before) =>
+        window.meshgraft.editor.isIdle() && JSON.stringify(window.meshgraft.editor.state.value) !== before,
+      JSON.stringify(steps),
+    );
+  }
+  throw new Error("undo does not come to an end");
+}
+
+/** What the view shows is the model as it was opened. */
+function strayed(person: Person): Promise<number> {
+  return person.page.evaluate(() => {
+    const surface = window.meshgraft.viewport.main;
+    return (
+      surface?.positions.reduce((most, x, i) => Math.max(most, Math.abs(x - (surface.rest[i] ?? NaN))), 0) ??
+      NaN
+    );
+  });
+}
+
+async function openWith(files: Readonly<Record<string, readonly [string, string]>>, first: RegExp) {
+  stage = await Stage.open();
+  for (const [file, [sample, resolution]] of Object.entries(files))
+    run("sample", sample, "--resolution", resolution, "-o", stage.folder.file(file));
+  await stage.person.page.reload();
+  await stage.person.page.getByRole("button", { name: first }).first().click();
+  await stage.person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+  await stage.person.settle();
+  return { stage, person: stage.person };
+}
+
+test("a selection, handles, moves and an accepted step are all taken back, to the byte", async () => {
+  const { stage, person } = await openWith({ "octopus.ply": ["octopus", "60"] }, /octopus\.ply/);
+  const opened = hashOf(stage.folder.file("octopus.ply"));
+  expect(hashOf(await exported(stage, "untouched"))).toBe(opened);
+  run("sample", "octopus", "--resolution", "60", "-o", stage.folder.file("octopus.obj"));
+  const rest = placesOf(stage.folder.file("octopus.obj"));
+
+  const top = await aimAt(person, farthest(rest, [0, -0.2, 1]));
+  await person.press("b");
+  await person.stroke([top, [top[0] + 20, top[1] + 10]]);
+  await person.settle();
+  await person.press("+");
+  await person.press("Shift+h");
+  await person.settle();
+  const ball = await gripOf(person, "ball");
+  await person.stroke([ball, [ball[0] + 20, ball[1] - 60]]);
+  await person.settle();
+  await person.press("Control+Enter");
+  await person.settle();
+
+  const tip = await aimAt(person, farthest(rest, [1, -0.3, 0]));
+  await person.press("h");
+  await person.stroke([tip, [tip[0] - 6, tip[1] + 4]]);
+  await person.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
+  await person.settle();
+  const name = await person.page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value ?? "");
+  expect((await verticesOf(person, name)).length).toBeGreaterThan(0);
+  for (const key of ["r", "z", "4", "5", "Enter"]) await person.press(key);
+  await person.settle();
+  await person.page.getByText("Smooth turns", { exact: true }).click();
+  await person.settle();
+  await person.screenshot("undo-before");
+  expect(hashOf(await exported(stage, "bent"))).not.toBe(opened);
+
+  expect(await undoAll(person)).toBeGreaterThanOrEqual(6);
+  await person.settle();
+  await person.screenshot("undo-after");
+  expect(await strayed(person)).toBe(0);
+  expect(hashOf(await exported(stage, "undone"))).toBe(opened);
+  expect(hashOf(stage.folder.file("octopus.ply"))).toBe(opened);
+  await person.page.waitForFunction(() => !document.title.startsWith("●"));
+  expect(person.complaints).toEqual([]);
+}, 240_000);
+
+test("a cut and a graft are taken back, to the byte", async () => {
+  const { stage, person } = await openWith(
+    { "bust.ply": ["bust", "40"], "head.ply": ["head", "40"] },
+    /bust\.ply/,
+  );
+  const { page } = person;
+  const opened = hashOf(stage.folder.file("bust.ply"));
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await person.click("Cut by a plane");
+  await person.click("Across Z");
+  await page.waitForFunction(() => window.meshgraft.editor.graft.cutPlane.value !== null);
+  await person.click("Keep blue side");
+  await page.waitForFunction(() => window.meshgraft.editor.graft.lastCut.value !== null);
+  await person.settle();
+  await person.press("Control+z");
+  await person.settle();
+  await person.press("Control+Shift+z");
+  await person.settle();
+  expect(hashOf(await exported(stage, "cut"))).not.toBe(opened);
+  await person.press("Control+z");
+  await person.settle();
+
+  await page.getByLabel("Where parts come from").selectOption({ index: 1 });
+  await person.click("Add head");
+  await page.waitForFunction(
+    () => window.meshgraft.editor.isIdle() && window.meshgraft.editor.graft.report.value?.seam !== undefined,
+    undefined,
+    { timeout: 60_000 },
+  );
+  await page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await person.settle();
+  expect(hashOf(await exported(stage, "grafted"))).not.toBe(opened);
+  await person.screenshot("undo-graft-before");
+
+  expect(await undoAll(person)).toBeGreaterThanOrEqual(3);
+  await person.settle();
+  await person.screenshot("undo-graft-after");
+  expect(await strayed(person)).toBe(0);
+  expect(await page.evaluate(() => window.meshgraft.editor.state.value?.parts)).toEqual([]);
+  expect(hashOf(await exported(stage, "undone"))).toBe(opened);
+  expect(person.complaints).toEqual([]);
+}, 240_000);
