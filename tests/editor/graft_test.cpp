@@ -47,6 +47,21 @@ TEST_F(GraftEditor, PairsByItselfAndTellsHowSure) {
   expect_replayed(frame);
 }
 
+TEST_F(GraftEditor, TellsWhichStartsAreOpen) {
+  page_.ask({{"do", "open"}, {"sample", "cylinder"}, {"resolution", 20}});
+  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "cylinder"}, {"resolution", 20}, {"name", "tube"}});
+  const Json pair = {{"source_loop", loop_0}, {"target_loop", {{"loop", 1}}}};
+  const Json event = graft({{"source", "tube"}, {"pairs", {pair}}});
+  ASSERT_EQ(event["error"]["code"], "input") << "circles fit from any start";
+  ASSERT_EQ(event["open_starts"].size(), 1U);
+  const Json& open = event["open_starts"][0];
+  EXPECT_EQ(open["pair"], 0);
+  EXPECT_LT(open["confidence"], 0.1);
+  Json given = pair;
+  given["start"] = open["start"];
+  EXPECT_FALSE(graft({{"pairs", {given}}}).contains("error"));
+}
+
 TEST_F(GraftEditor, PairsByHand) {
   page_.ask({{"do", "open"}, {"sample", "posts"}, {"resolution", 24}});
   page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "bracket"}, {"resolution", 28}});

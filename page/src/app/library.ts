@@ -9,12 +9,18 @@ export type Pictured = { path: string } | { sample: string } | { upload: string 
 /** A picture: its address; null while it is made; "none" where there is none. */
 export type Picture = string | null;
 
+interface Wanted {
+  readonly key: string;
+  readonly of: Pictured;
+}
+
 const pictureSize = 128;
 
 /** Pictures of parts, made by the engine one after the other, each once. */
 export class Library {
   private readonly pictures = new Map<string, Signal<Picture>>();
-  private readonly wanted: { key: string; of: Pictured }[] = [];
+  private readonly wanted: Wanted[][] = []; // what was asked for together; the last is looked at
+  private together: Wanted[] | undefined;
   private readonly coming = new Map<Id, string>(); // the keys of pictures by their requests
   private busy = false;
 
@@ -27,8 +33,9 @@ export class Library {
     if (known !== undefined) return known;
     const made = signal<Picture>(null);
     this.pictures.set(key, made);
-    if ("mesh" in of) this.wanted.unshift({ key, of }); // what is open comes first
-    else this.wanted.push({ key, of });
+    const together = this.openList();
+    if ("mesh" in of) together.unshift({ key, of }); // what is open comes first
+    else together.push({ key, of });
     if (!this.busy) void this.work();
     return made;
   }
@@ -40,9 +47,28 @@ export class Library {
     if (key !== undefined && png !== undefined) this.set(key, URL.createObjectURL(new Blob([png], { type: "image/png" })));
   }
 
+  private openList(): Wanted[] {
+    if (this.together !== undefined) return this.together;
+    const list: Wanted[] = [];
+    this.wanted.push(list);
+    this.together = list;
+    queueMicrotask(() => (this.together = undefined));
+    return list;
+  }
+
+  private next(): Wanted | undefined {
+    for (let last = this.wanted.at(-1); last !== undefined; last = this.wanted.at(-1)) {
+      const first = last.shift();
+      if (first !== undefined) return first;
+      this.wanted.pop();
+      if (last === this.together) this.together = undefined;
+    }
+    return undefined;
+  }
+
   private async work(): Promise<void> {
     this.busy = true;
-    for (let next = this.wanted.shift(); next !== undefined; next = this.wanted.shift()) {
+    for (let next = this.next(); next !== undefined; next = this.next()) {
       const { id, answer } = this.send({ do: "thumbnail", size: pictureSize, ...next.of });
       this.coming.set(id, next.key);
       try {

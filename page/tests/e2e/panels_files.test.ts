@@ -54,6 +54,7 @@ test("an upload is refused before it is sent, cancelled, and opened", async () =
 
   await chooser.setInputFiles(model);
   await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+  await person.settle(); // the mesh comes before the state
   expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(placesOf(model).length / 3);
 });
 

@@ -55,9 +55,19 @@ describe("a pose", () => {
     expect(poseOf(scaled(atRest(pivot), new Vector3(1.5, 1.5, 1.5), world), pivot)).toEqual({ scale: 1.5 });
   });
 
-  it("of a redrawn curve or from a file has no placement", () => {
-    expect(placementOf({ curve: [[0, 0, 0], [1, 0, 0]] }, pivot)).toBeUndefined();
-    expect(placementOf({ def: "head.def" }, pivot)).toBeUndefined();
+  it("of a redrawn curve is moved and turned as a whole", () => {
+    const drawn = placementOf({ curve: [[0, 0, 0], [2, 0, 0]] }, pivot);
+    expect(drawn && centreOf(drawn).toArray()).toEqual([1, 0, 0]);
+    expect(drawn && poseOf(drawn, pivot)).toEqual({ curve: [[0, 0, 0], [2, 0, 0]] });
+    const up = drawn && moved(drawn, new Vector3(0, 0, 1));
+    expect(up && poseOf(up, pivot)).toEqual({ curve: [[0, 0, 1], [2, 0, 1]] });
+    const across = drawn && turned(drawn, { axis: new Vector3(0, 0, 1), angleDeg: 90 });
+    const [first, last] = (across && poseOf(across, pivot).curve) ?? [];
+    [1, -1, 0].forEach((x, k) => expect(first?.[k as 0]).toBeCloseTo(x, 12));
+    [1, 1, 0].forEach((x, k) => expect(last?.[k as 0]).toBeCloseTo(x, 12));
+  });
+  it("from a file has no placement", () => {
+    expect(placementOf({ def: "turn.def" }, pivot)).toBeUndefined();
   });
 });
 
