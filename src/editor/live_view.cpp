@@ -96,7 +96,7 @@ LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Ob
   plan.key = step == nullptr ? Json(plan.base->id) : key_of(document, *plan.base);
   if (step == nullptr || !is_ready(*step)) return plan;
   plan.ready = true;
-  if (live_ && plan.key == key_) {
+  if (shown_.live && plan.key == shown_.key) {
     plan.poses = poses_of(*step);
     return plan;
   }
@@ -115,13 +115,13 @@ bool LiveView::show(const Document& document, Plan plan, const Context& context)
   outcome_.reset();
   std::shared_ptr<const Deformer> earlier;
   if (!goes_on) {
-    if (live_ && shares_mesh(plan.key, key_)) earlier = live_->deformer();
-    if (plan.setup && live_ && settled() && is_roomy()) park();
-    live_.reset();
+    if (shown_.live && shares_mesh(plan.key, shown_.key)) earlier = shown_.live->deformer();
+    if (plan.setup && shown_.live && settled() && is_roomy()) park();
+    shown_.live.reset();
     if (!plan.setup && !plan.resumes) parked_.reset();
   }
   base_ = std::move(plan.base);
-  key_ = std::move(plan.key);
+  shown_.key = std::move(plan.key);
   if (base_->id != shown_mesh_) {
     outbox_.send(mesh_frame(*base_, "model", folders_));
     exact_->forget();
@@ -135,88 +135,73 @@ bool LiveView::show(const Document& document, Plan plan, const Context& context)
     resume();
     plan.poses = poses_of(*step);
   }
-  poses_ = std::move(plan.poses);
+  shown_.poses = std::move(plan.poses);
   if (plan.setup) set_up(*step, std::move(*plan.setup), std::move(earlier));
-  if (live_) {
+  if (shown_.live) {
     show_document();
   } else {
     parked_.reset();
     run_exactly(document, context);
   }
-  return plan.setup.has_value() && live_ != nullptr;
+  return plan.setup.has_value() && shown_.live != nullptr;
 }
 
 // Whether the memory holds what is shown and what comes after it, with room to choose how.
 bool LiveView::is_roomy() const {
   const Index free = static_cast<Index>(counts().value("free", std::int64_t{0}));
-  return available_memory() / 4 > static_cast<std::uint64_t>(estimated_memory(free, options_));
+  return available_memory() / 4 > static_cast<std::uint64_t>(estimated_memory(free, shown_.options));
 }
 
 void LiveView::park() {
-  parked_.emplace();
-  parked_->key = key_;
-  parked_->region = region_;
-  parked_->moving = moving_;
-  parked_->handles = handles_;
-  parked_->symmetry = symmetry_;
-  parked_->notes = notes_;
-  parked_->poses = poses_;
-  parked_->dragged = last_pose_ - *origin_;
-  parked_->origin = origin_;
-  parked_->options = options_;
-  parked_->live = std::move(live_);
-  *origin_ = -1;
+  shown_.dragged = last_pose_ - *shown_.origin;
+  *shown_.origin = -1;
+  parked_ = std::move(shown_);
+  shown_ = {};
 }
 
 void LiveView::resume() {
-  Parked before = std::move(*parked_);
+  shown_ = std::move(*parked_);
   parked_.reset();
-  region_ = std::move(before.region);
-  moving_ = std::move(before.moving);
-  handles_ = std::move(before.handles);
-  symmetry_ = std::move(before.symmetry);
-  notes_ = std::move(before.notes);
-  poses_ = std::move(before.poses);
-  options_ = before.options;
-  origin_ = std::move(before.origin);
-  live_ = std::move(before.live);
-  *origin_ = last_pose_ - before.dragged;
-  outbox_.send(roles_frame(*base_, region_), "roles");
+  *shown_.origin = last_pose_ - shown_.dragged;
+  send_roles();
+}
+
+// Of a set-up that is shown from now on.
+void LiveView::send_roles() {
+  outbox_.send(roles_frame(*base_, shown_.region), "roles");
   told_.reset();
   basis_sent_ = false;
 }
 
 void LiveView::show_rest() {
   exact_->forget();
-  region_ = {};
-  handles_.clear();
-  poses_.clear();
-  symmetry_.reset();
-  notes_.clear();
-  moving_ = std::make_shared<const std::vector<Index>>();
-  outbox_.send(roles_frame(*base_, region_), "roles");
+  shown_.region = {};
+  shown_.handles.clear();
+  shown_.poses.clear();
+  shown_.symmetry.reset();
+  shown_.notes.clear();
+  shown_.moving = std::make_shared<const std::vector<Index>>();
+  outbox_.send(roles_frame(*base_, shown_.region), "roles");
   const auto rest = std::make_shared<const Points>(base_->mesh().positions);
-  outbox_.send(position_frame(*base_, *moving_, {++last_pose_, rest}), "frame");
+  outbox_.send(position_frame(*base_, *shown_.moving, {++last_pose_, rest}), "frame");
 }
 
 void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier) {
-  region_ = setup.problem.deform.region;
-  symmetry_ = setup.problem.deform.symmetry;
-  notes_ = setup.problem.deform.notes;
+  shown_.region = setup.problem.deform.region;
+  shown_.symmetry = setup.problem.deform.symmetry;
+  shown_.notes = setup.problem.deform.notes;
   const IndexLists& rings = base_->selections->rings;
-  handles_.clear();
-  for (const Handle& handle : region_.handles)
-    handles_.push_back(shown_handle(handle, setup.problem.rest, rings));
-  moving_ = std::make_shared<const std::vector<Index>>(moving_vertices(*base_, region_));
-  outbox_.send(roles_frame(*base_, region_), "roles");
-  told_.reset();
-  basis_sent_ = false;
+  shown_.handles.clear();
+  for (const Handle& handle : shown_.region.handles)
+    shown_.handles.push_back(shown_handle(handle, setup.problem.rest, rings));
+  shown_.moving = std::make_shared<const std::vector<Index>>(moving_vertices(*base_, shown_.region));
+  send_roles();
   if (!is_plain(step)) return;
 
-  origin_ = std::make_shared<std::atomic<std::int64_t>>(last_pose_);
-  options_ = step.settings.deformer;
-  const auto on_frame = [outbox = outbox_, base = base_, moving = moving_, exact = exact_,
-                         exact_alone = exact_alone_, origin = origin_](LiveFrame frame) {
+  shown_.origin = std::make_shared<std::atomic<std::int64_t>>(last_pose_);
+  shown_.options = step.settings.deformer;
+  const auto on_frame = [outbox = outbox_, base = base_, moving = shown_.moving, exact = exact_,
+                         exact_alone = exact_alone_, origin = shown_.origin](LiveFrame frame) {
     const std::int64_t first = *origin;
     if (first < 0) return;
     frame.pose += first;
@@ -227,8 +212,8 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
     if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
     outbox.tell("live", std::move(fields), "live");
   };
-  const auto on_failure = [outbox = outbox_, exact = exact_, origin = origin_](std::int64_t pose,
-                                                                               const Error& error) {
+  const auto on_failure = [outbox = outbox_, exact = exact_, origin = shown_.origin](std::int64_t pose,
+                                                                                     const Error& error) {
     const std::int64_t first = *origin;
     if (first < 0) return;
     exact->fail(pose == 0 ? 0 : pose + first);
@@ -246,9 +231,9 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
     options.normals =
         vertex_normals(problem.rest, problem.triangles,
                        vertex_triangles(static_cast<Index>(problem.rest.rows()), problem.triangles));
-  live_ = std::make_unique<LiveDeformer>(std::move(problem.rest), std::move(problem.triangles),
-                                         std::move(problem.deform.region), LiveCallbacks{on_frame, on_failure},
-                                         options, context);
+  shown_.live = std::make_unique<LiveDeformer>(std::move(problem.rest), std::move(problem.triangles),
+                                               std::move(problem.deform.region),
+                                               LiveCallbacks{on_frame, on_failure}, options, context);
 }
 
 // What no frame of the region alone would show: as saving does it.
@@ -261,7 +246,7 @@ void LiveView::run_exactly(const Document& document, const Context& context) {
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
   outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
   exact_->take(frame.pose, frame);
-  outbox_.send(position_frame(*base_, *moving_, frame), "frame");
+  outbox_.send(position_frame(*base_, *shown_.moving, frame), "frame");
   outbox_.tell("live",
                {{"stage", "ready"}, {"pose", frame.pose}, {"quality", "exact"}, {"seconds", frame.seconds}});
 }
@@ -282,30 +267,30 @@ HandlePose LiveView::pose_of(const PoseSpec& spec, const ShownHandle& shown) con
 
 // Moves a handle's twin along, where it has one.
 void LiveView::mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const {
-  if (!symmetry_) return;
-  const std::size_t first = handles_.size() - symmetry_->twin_of.size();
-  for (std::size_t t = 0; t < symmetry_->twin_of.size(); ++t)
-    if (symmetry_->twin_of[t] == handle)
-      poses[first + t] = twin_pose(spec, poses[handle], handles_[first + t].handle,
-                                   base_->selections->mesh.positions, symmetry_->reflection);
+  if (!shown_.symmetry) return;
+  const std::size_t first = shown_.handles.size() - shown_.symmetry->twin_of.size();
+  for (std::size_t t = 0; t < shown_.symmetry->twin_of.size(); ++t)
+    if (shown_.symmetry->twin_of[t] == handle)
+      poses[first + t] = twin_pose(spec, poses[handle], shown_.handles[first + t].handle,
+                                   base_->selections->mesh.positions, shown_.symmetry->reflection);
 }
 
 // One from a file is what it was.
 std::vector<HandlePose> LiveView::poses_of(const DeformStep& step) const {
-  std::vector<HandlePose> poses = poses_;
+  std::vector<HandlePose> poses = shown_.poses;
   for (std::size_t h = 0; h < step.handles.size(); ++h) {
     if (std::holds_alternative<PoseSpec::DefFile>(step.handles[h].pose.kind)) continue;
-    poses[h] = pose_of(step.handles[h].pose, handles_[h]);
+    poses[h] = pose_of(step.handles[h].pose, shown_.handles[h]);
     mirror_pose(step.handles[h].pose, h, poses);
   }
   return poses;
 }
 
 std::vector<std::string> LiveView::notes() const {
-  std::vector<std::string> notes = notes_;
-  if (!symmetry_) return notes;
+  std::vector<std::string> notes = shown_.notes;
+  if (!shown_.symmetry) return notes;
   const std::vector<std::string> on_poses =
-      pose_notes(*symmetry_, region_.handles, poses_, base_->selections->mesh.positions);
+      pose_notes(*shown_.symmetry, shown_.region.handles, shown_.poses, base_->selections->mesh.positions);
   notes.insert(notes.end(), on_poses.begin(), on_poses.end());
   return notes;
 }
@@ -355,7 +340,7 @@ Json LiveView::pose_as_shown(const std::vector<Index>& vertices) const {
 
 void LiveView::show_document() {
   exact_->expect(last_pose_ + 1);
-  drag_to(poses_);
+  drag_to(shown_.poses);
 }
 
 // One that shares an earlier set-up is near those that running the step gives, and not the same bytes.
@@ -367,18 +352,18 @@ std::shared_ptr<const Points> LiveView::exact_positions(const Context& context) 
   if (last_pose_ != exact_->pose && !is_known()) show_document();  // it was dragged away meanwhile
   std::unique_lock lock(exact_->mutex);
   constexpr auto patience = std::chrono::milliseconds(20);
-  while (!exact_->positions && !exact_->failed && live_->stage() != LiveStage::failed &&
-         live_->stage() != LiveStage::proxy_only) {
+  while (!exact_->positions && !exact_->failed && shown_.live->stage() != LiveStage::failed &&
+         shown_.live->stage() != LiveStage::proxy_only) {
     context.throw_if_stopped();
     exact_->changed.wait_for(lock, patience);
   }
-  const auto deformer = live_->deformer();
+  const auto deformer = shown_.live->deformer();
   return deformer && !deformer->summary().reused ? exact_->positions : nullptr;
 }
 
 std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const Context& context) {
-  if (outcome_ || !live_) return outcome_;
-  if (const auto deformer = live_->deformer(); deformer && deformer->summary().reused) return nullptr;
+  if (outcome_ || !shown_.live) return outcome_;
+  if (const auto deformer = shown_.live->deformer(); deformer && deformer->summary().reused) return nullptr;
   const auto positions = exact_positions(context);
   if (!positions) return nullptr;
   const EditStep& step = document.edit.steps.back();
@@ -389,17 +374,17 @@ std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const C
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses, bool exact_alone) {
   *exact_alone_ = exact_alone;
-  live_->drag(poses);
+  shown_.live->drag(poses);
   ++last_pose_;
 }
 
 std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses, bool exact_alone) {
-  if (!live_) return 0;
-  std::vector<HandlePose> dragged = poses_;
+  if (!shown_.live) return 0;
+  std::vector<HandlePose> dragged = shown_.poses;
   for (const auto& [name, pose] : poses)
-    for (std::size_t h = 0; h < handles_.size(); ++h)
-      if (handles_[h].handle.name == name) {
-        dragged[h] = pose_of(pose, handles_[h]);
+    for (std::size_t h = 0; h < shown_.handles.size(); ++h)
+      if (shown_.handles[h].handle.name == name) {
+        dragged[h] = pose_of(pose, shown_.handles[h]);
         mirror_pose(pose, h, dragged);
       }
   drag_to(dragged, exact_alone);
@@ -407,11 +392,12 @@ std::int64_t LiveView::drag(const std::map<std::string, PoseSpec>& poses, bool e
 }
 
 HandleShape LiveView::shape_of(const std::string& handle) const {
-  const std::size_t twins = symmetry_ ? symmetry_->twin_of.size() : 0;
-  for (std::size_t h = 0; h < handles_.size(); ++h) {
-    if (handles_[h].handle.name != handle) continue;
-    if (h + twins < handles_.size()) return handles_[h].handle.shape;
-    const std::string& leader = handles_[symmetry_->twin_of[h - (handles_.size() - twins)]].handle.name;
+  const std::size_t twins = shown_.symmetry ? shown_.symmetry->twin_of.size() : 0;
+  for (std::size_t h = 0; h < shown_.handles.size(); ++h) {
+    if (shown_.handles[h].handle.name != handle) continue;
+    if (h + twins < shown_.handles.size()) return shown_.handles[h].handle.shape;
+    const std::string& leader =
+        shown_.handles[shown_.symmetry->twin_of[h - (shown_.handles.size() - twins)]].handle.name;
     throw Error(ErrorCode::usage, fmt::format("the handle '{}' follows '{}'", handle, leader), "poses",
                 fmt::format("Drag '{}', or switch the symmetry off.", leader));
   }
@@ -420,32 +406,33 @@ HandleShape LiveView::shape_of(const std::string& handle) const {
 }
 
 void LiveView::poll() {
-  if (!live_) return;
-  const LiveStage stage = live_->stage();
+  if (!shown_.live) return;
+  const LiveStage stage = shown_.live->stage();
   if (told_ != stage) outbox_.tell("live", live_fields(stage));
   told_ = stage;
   if (settled()) parked_.reset();
   if (basis_sent_) return;
-  if (const auto basis = live_->basis()) {
+  if (const auto basis = shown_.live->basis()) {
     outbox_.send(weights_frame(*base_, *basis), "weights");
     basis_sent_ = true;
   }
 }
 
 bool LiveView::settled() const {
-  return !live_ || told_ == LiveStage::ready || told_ == LiveStage::proxy_only || told_ == LiveStage::failed;
+  return !shown_.live || told_ == LiveStage::ready || told_ == LiveStage::proxy_only ||
+         told_ == LiveStage::failed;
 }
 
 Json LiveView::counts() const {
-  if (handles_.empty()) return nullptr;
+  if (shown_.handles.empty()) return nullptr;
   std::size_t handle = 0;
-  for (const ShownHandle& shown : handles_) handle += shown.handle.vertices.size();
-  const std::size_t inside =
-      region_.whole ? static_cast<std::size_t>(base_->mesh().vertex_count()) : region_.vertices.size();
+  for (const ShownHandle& shown : shown_.handles) handle += shown.handle.vertices.size();
+  const std::size_t inside = shown_.region.whole ? static_cast<std::size_t>(base_->mesh().vertex_count())
+                                                 : shown_.region.vertices.size();
   return {{"region", inside},
-          {"fixed", region_.fixed.size()},
+          {"fixed", shown_.region.fixed.size()},
           {"handle", handle},
-          {"free", inside - region_.fixed.size() - handle}};
+          {"free", inside - shown_.region.fixed.size() - handle}};
 }
 
 }  // namespace meshgraft::editor

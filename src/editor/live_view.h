@@ -68,10 +68,10 @@ class LiveView {
   const Object& base() const { return *base_; }
   std::int64_t last_pose() const { return last_pose_; }
   /// Those of the step, then their twins behind the mirror of a symmetry.
-  const std::vector<ShownHandle>& handles() const { return handles_; }
+  const std::vector<ShownHandle>& handles() const { return shown_.handles; }
   /// Of the document, one for each of them.
-  const std::vector<HandlePose>& poses() const { return poses_; }
-  const std::optional<SymmetryFacts>& symmetry() const { return symmetry_; }
+  const std::vector<HandlePose>& poses() const { return shown_.poses; }
+  const std::optional<SymmetryFacts>& symmetry() const { return shown_.symmetry; }
   /// What of the step goes another way than asked, in sentences.
   std::vector<std::string> notes() const;
   Json counts() const;
@@ -81,6 +81,7 @@ class LiveView {
   bool is_roomy() const;
   void park();
   void resume();
+  void send_roles();
   void set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr<const Deformer> earlier);
   void run_exactly(const Document& document, const Context& context);
   HandlePose pose_of(const PoseSpec& spec, const ShownHandle& shown) const;
@@ -107,42 +108,33 @@ class LiveView {
   // What numbers of frames count from; below 0: what makes them is not shown.
   using Origin = std::shared_ptr<std::atomic<std::int64_t>>;
 
-  // What was shown before, whole, while the set-up of the next goes on: it can be taken back at once.
-  struct Parked {
+  // What is shown of a step, whole: it can be put aside, and taken back at once.
+  struct Shown {
     Json key;
     Region region;
     std::shared_ptr<const std::vector<Index>> moving;
     std::vector<ShownHandle> handles;
     std::optional<SymmetryFacts> symmetry;
-    std::vector<std::string> notes;
-    std::vector<HandlePose> poses;
+    std::vector<std::string> notes;  ///< but those on poses
+    std::vector<HandlePose> poses;   ///< of the document
     Origin origin;
-    std::int64_t dragged = 0;  // poses that it was asked for
+    std::int64_t dragged = 0;  ///< poses that it was asked for until it was put aside
     DeformerOptions options;
-    std::unique_ptr<LiveDeformer> live;
+    std::unique_ptr<LiveDeformer> live;  ///< last: it ends before what its callbacks use
   };
 
   Outbox outbox_;
   const Folders& folders_;
   std::shared_ptr<const Object> base_;
-  Json key_;
   int shown_mesh_ = 0;
-  Region region_;
-  std::shared_ptr<const std::vector<Index>> moving_;
-  std::vector<ShownHandle> handles_;
-  std::optional<SymmetryFacts> symmetry_;
-  std::vector<std::string> notes_;  ///< but those on poses
-  Origin origin_;
-  DeformerOptions options_;
-  std::vector<HandlePose> poses_;  ///< of the document
   std::optional<LiveStage> told_;
   bool basis_sent_ = false;
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
   const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<const Scene> outcome_;  ///< of a step that cannot be dragged
-  std::optional<Parked> parked_;
-  std::unique_ptr<LiveDeformer> live_;  ///< last: it ends before what its callbacks use
+  std::optional<Shown> parked_;           ///< what was shown before, while the set-up of the next goes on
+  Shown shown_;
 };
 
 }  // namespace meshgraft::editor
