@@ -22,7 +22,7 @@ export function PartLibrary({ page }: { page: Page }) {
   const { editor } = page;
   const { value: welcome } = editor.welcome;
   const roots = welcome?.folders ?? [];
-  const [place, setPlace] = useState<string>("samples");
+  const [place, setPlace] = useState<string>((welcome?.models.length ?? 0) > 0 ? (roots[0] ?? "samples") : "samples");
   const input = useRef<HTMLInputElement>(null);
   return (
     <Section

@@ -1,3 +1,4 @@
+import { useEffect, useRef } from "preact/hooks";
 import type { Arrangement } from "../app/graft";
 import { cssColour, pairColour } from "../app/graft_colours";
 import type { GraftFields, GraftStep, OpenStart, Vector3Tuple } from "../app/graft_step";
@@ -14,9 +15,14 @@ import "./graft.css";
 
 /** All of the mode Graft. */
 export function GraftPanels({ page }: { page: Page }) {
-  const inWork = page.editor.graft.kept.value !== undefined;
+  const { graft } = page.editor;
+  const inWork = graft.kept.value !== undefined;
+  const top = useRef<HTMLDivElement>(null);
+  // What comes next stands at the top, also for who has looked through the library.
+  useEffect(() => top.current?.scrollIntoView({ block: "nearest" }), [inWork, graft.parts.value.length, graft.tool.value]);
   return (
     <>
+      <div ref={top} class="graft-top" />
       {inWork && <GraftPanel page={page} />}
       {!inWork && <CutInWork page={page} />}
       {!inWork && <Pairing page={page} />}
