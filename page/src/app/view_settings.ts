@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 
 export type Shading = "clay" | "smooth" | "flat" | "texture" | "vertex-colours";
-export type HeatMap = "none" | "stretch" | "seam" | "detail"; // detail: ‖δ‖, how much a vertex stands out of its ring
+export type HeatMap = "none" | "stretch" | "seam" | "detail"; // detail: ‖δ‖; seam: of a graft in work
 
 /** How things are shown: panels change it, the view reads it. */
 export class ViewSettings {

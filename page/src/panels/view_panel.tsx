@@ -15,6 +15,7 @@ const heatMaps: readonly Choice<HeatMap>[] = [
   { value: "none", label: "None" },
   { value: "stretch", label: "Stretch" },
   { value: "detail", label: "Detail" },
+  { value: "seam", label: "Seam" },
 ];
 const units: readonly Choice<"mm" | "cm" | "m" | "in" | "none">[] = [
   { value: "mm", label: "Millimetres" },
@@ -42,7 +43,7 @@ export function ViewPanel({ page }: { page: Page }) {
         label="Heat map"
         value={view.heatMap.value}
         choices={heatMaps}
-        help="Stretch: how much the surface has grown or shrunk. Detail: how far a vertex stands out of its neighbours."
+        help="Stretch: how much the surface has grown or shrunk. Detail: how far a vertex stands out of its neighbours. Seam: how a graft in work bends across the edges of its seam."
         onChange={(to) => (view.heatMap.value = to)}
       />
       {view.heatMap.value === "stretch" && (

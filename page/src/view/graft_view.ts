@@ -143,18 +143,22 @@ export class GraftView {
 
   private showPreview(on: boolean): void {
     const { value: frame } = this.graft.preview;
-    if (this.preview !== undefined && this.preview.frame !== frame) {
-      this.group.remove(this.preview.surface.object);
-      this.preview.surface.dispose();
+    const before = this.preview;
+    if (before !== undefined && before.frame !== frame) {
+      this.group.remove(before.surface.object);
       this.preview = undefined;
     }
     if (frame !== null && this.preview === undefined) {
       const surface = this.viewport.surfaceFrom(frame);
       surface.setTint(tintOf(frame, surface.vertexCount));
+      surface.setSeam(seamOf(frame));
       this.preview = { frame, surface };
       this.group.add(surface.object);
     }
-    if (this.preview !== undefined) this.preview.surface.object.visible = on && this.graft.arrangement.value !== "apart";
+    const isShown = on && this.graft.arrangement.value !== "apart";
+    if (this.preview !== undefined) this.preview.surface.object.visible = isShown;
+    untracked(() => this.viewport.showInstead(isShown ? this.preview?.surface : undefined));
+    if (before !== this.preview) before?.surface.dispose();
   }
 
   private drawLoops(on: boolean, shows: ReadonlySet<number>): void {
@@ -215,6 +219,17 @@ export function matrixOfRows(rows: readonly (readonly number[])[]): Matrix4 {
 function boxOf(surface: Surface): Box {
   const at = (corner: Vector3) => corner.clone().add(surface.object.position).toArray();
   return { min: at(surface.box.min), max: at(surface.box.max) };
+}
+
+/** Vertices of the faces that were made between the two. */
+function seamOf(frame: BinaryFrame): Uint32Array {
+  const triangles = frame.indices("triangles") ?? new Uint32Array();
+  const origin = frame.bytes("origin") ?? new Uint8Array();
+  const seam = new Set<number>();
+  origin.forEach((kind, t) => {
+    if (kind === 2) for (const v of triangles.subarray(3 * t, 3 * t + 3)) seam.add(v);
+  });
+  return Uint32Array.from(seam);
 }
 
 /** The part lightly in its colour, the seam strongly. */

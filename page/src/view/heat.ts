@@ -1,4 +1,4 @@
-import { DataTexture, LinearFilter } from "three";
+import { DataTexture, LinearFilter, Triangle, Vector3 } from "three";
 import type { HeatMap } from "../app/view_settings";
 import { colourTable, cssGradient, diverging, rising, type ColourMap } from "./colour_maps";
 
@@ -36,7 +36,7 @@ export function heatRange(map: HeatMap, values: Float32Array): [number, number] 
     const sizes = sample.map(Math.abs).sort();
     return evenly(Math.max(0.05, sizes[Math.floor(0.98 * (sizes.length - 1))] ?? 0));
   }
-  const sorted = sample.sort();
+  const sorted = (map === "seam" ? sample.filter((bend) => bend > 0) : sample).sort();
   return [0, sorted[Math.floor(0.98 * (sorted.length - 1))] || 1];
 }
 
@@ -50,7 +50,9 @@ export function legendOf(map: HeatMap, of: StretchOf, [min, max]: [number, numbe
     const title = of === "area" ? "Area, against rest" : "Lengths of edges, against rest";
     return { title, min, max, gradient, format: (value) => `×${(2 ** value).toPrecision(3)}` };
   }
-  const title = map === "detail" ? "Detail: distance from the mean of the ring" : "Seam";
+  if (map === "seam")
+    return { title: "Bend across the seam's edges", min, max, gradient, format: (value) => `${value.toPrecision(2)}°` };
+  const title = "Detail: distance from the mean of the ring";
   return { title, min, max, gradient, format: (value) => value.toPrecision(3) };
 }
 
@@ -102,6 +104,31 @@ export function* detailOf(p: Float32Array, edges: Uint32Array): Generator<void, 
   return Float32Array.from(counts, (count, v) =>
     count === 0 ? 0 : Math.hypot(sums[3 * v] as number, sums[3 * v + 1] as number, sums[3 * v + 2] as number) / count,
   );
+}
+
+/** At vertices of a seam: the largest angle by which the surface bends across an edge there, degrees; 0 elsewhere. */
+export function bendsOf(p: Float32Array, triangles: Uint32Array, seam: Uint32Array): Float32Array {
+  const isSeam = new Uint8Array(p.length / 3);
+  for (const v of seam) isSeam[v] = 1;
+  const bends = new Float32Array(p.length / 3);
+  const met = new Map<number, Vector3>(); // normals, by the edges that were met once
+  const corners = [new Vector3(), new Vector3(), new Vector3()] as const;
+  for (let at = 0; at < triangles.length; at += 3) {
+    const ids = [triangles[at], triangles[at + 1], triangles[at + 2]] as [number, number, number];
+    if (ids.every((v) => isSeam[v] === 0)) continue;
+    ids.forEach((v, k) => corners[k]?.fromArray(p, 3 * v));
+    const normal = new Triangle(...corners).getNormal(new Vector3());
+    for (let k = 0; k < 3; ++k) {
+      const [a, b] = [ids[k] as number, ids[(k + 1) % 3] as number];
+      const edge = Math.min(a, b) * bends.length + Math.max(a, b);
+      const other = met.get(edge);
+      met.set(edge, normal);
+      if (other === undefined) continue;
+      const bend = (other.angleTo(normal) * 180) / Math.PI;
+      for (const v of [a, b]) if (isSeam[v] === 1) bends[v] = Math.max(bends[v] as number, bend);
+    }
+  }
+  return bends;
 }
 
 function distance(p: Float32Array, a: number, b: number): number {

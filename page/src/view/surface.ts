@@ -13,7 +13,7 @@ import type { ShaderMaterial, WebGLRenderer } from "three";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
 import type { HeatMap } from "../app/view_settings";
-import { detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
+import { bendsOf, detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
 import { depthInRegion, fixedColour, fixedStrength, handleColour, regionColour, regionStrength, writeTint } from "./roles";
@@ -423,11 +423,8 @@ export class Surface {
 
   private *heatValues(): Generator<void, Float32Array | undefined> {
     if (this.heatMap === "stretch") return yield* stretchOf(this.stretchOf, this.rest, this.positions, this.triangles);
-    if (this.heatMap === "seam") {
-      const values = new Float32Array(this.vertexCount);
-      for (const v of this.seam) values[v] = 1;
-      return values;
-    }
+    if (this.heatMap === "seam")
+      return this.seam.length === 0 ? undefined : bendsOf(this.positions, this.triangles, this.seam);
     if (this.edges === undefined) return undefined; // the worker looks for them
     return yield* detailOf(this.positions, this.edges);
   }

@@ -58,6 +58,7 @@ export class Viewport {
 
   /** What the colours of the heat map stand for. */
   readonly legend = signal<Legend | null>(null);
+  private instead: Surface | undefined;
 
   private readonly trees = new Map<Surface, PickTree>();
   private readonly look = lookUniforms();
@@ -154,6 +155,26 @@ export class Viewport {
     const surface = new Surface(frame, this.look);
     surface.onChange = () => this.requestRender();
     return surface;
+  }
+
+  /** A surface that is shown for the model, with its settings; none: the model itself. Who shows it disposes of it. */
+  showInstead(surface: Surface | undefined): void {
+    if (this.instead !== undefined && this.instead !== surface) this.forgetTree(this.instead);
+    this.instead = surface;
+    if (surface !== undefined) {
+      this.followLegend(surface);
+      this.applyTo(surface);
+      const { wireframe, heatMap } = this.settings;
+      if (wireframe.value || heatMap.value === "detail") this.treeOf(surface); // which finds the edges
+    }
+    this.legend.value = (surface ?? this.main)?.legend ?? null;
+  }
+
+  private followLegend(surface: Surface): void {
+    surface.onChange = () => {
+      if (surface === (this.instead ?? this.main)) this.legend.value = surface.legend;
+      this.requestRender();
+    };
   }
 
   /** Of the model, or of a part. */
@@ -355,6 +376,7 @@ export class Viewport {
       for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
       this.ground.mesh.visible = settings.grid.value;
       for (const surface of this.surfaces.values()) this.applyTo(surface);
+      if (this.instead !== undefined) this.showInstead(this.instead);
       this.requestRender();
     });
     effect(() => {
@@ -412,10 +434,7 @@ export class Viewport {
     this.surfaces.set(surface.id, surface);
     ++this.parts.changed.value;
     void this.bringIn(surface);
-    surface.onChange = () => {
-      if (surface === this.main) this.legend.value = surface.legend;
-      this.requestRender();
-    };
+    this.followLegend(surface);
     this.applyTo(surface);
     this.measure();
     this.layGround();

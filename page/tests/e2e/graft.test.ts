@@ -122,6 +122,25 @@ test("grafts a head from a fresh page within five actions", async () => {
   expect(person.complaints).toEqual([]);
 });
 
+test("shows how the seam bends, and the result's edges", async () => {
+  const { person } = await beside("bust", "head", 40, true);
+  const report = await grafted(person);
+  await person.page.getByRole("button", { name: "View", exact: true }).click();
+  await person.page.getByLabel("Heat map").selectOption("seam");
+  const legend = person.page.locator(".view-legend");
+  await legend.getByText("Bend across the seam's edges").waitFor();
+  await person.press("z");
+  await person.page.waitForTimeout(1500);
+  await person.screenshot("graft-seam-bends");
+  const largest = Number(/([\d.]+)°$/.exec((await legend.textContent()) ?? "")?.[1]);
+  expect(largest).toBeGreaterThan(0);
+  expect(largest).toBeLessThan(4 * (report?.seam?.dihedral_p99_deg ?? 0));
+  await person.page.getByRole("radio", { name: "Apart" }).or(person.page.getByText("Apart", { exact: true })).first().click();
+  await person.page.waitForTimeout(300);
+  expect(await legend.getByText("Bend across").isVisible()).toBe(false);
+  expect(person.complaints).toEqual([]);
+});
+
 test("pairs the bracket's loops with the posts' by clicks", async () => {
   const { stage, person } = await beside("posts", "bracket", 40);
   const ids = await person.page.evaluate(() => window.meshgraft.editor.graft.things.value.map(({ mesh }) => mesh));

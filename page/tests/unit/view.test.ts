@@ -15,7 +15,7 @@ import { describe, expect, it } from "vitest";
 import { roundLength } from "../../src/view/backdrop";
 import { colourAt, colourTable, diverging, rising } from "../../src/view/colour_maps";
 import { writeFrame } from "../../src/view/deform_shader";
-import { detailOf, heatRange, stretchOf } from "../../src/view/heat";
+import { bendsOf, detailOf, heatRange, stretchOf } from "../../src/view/heat";
 import { coarseTriangles, edgesOf } from "../../src/view/mesh_topology";
 import { Navigation } from "../../src/view/navigation";
 import { NormalsOfPart } from "../../src/view/normals";
@@ -285,6 +285,15 @@ describe("normals and heat", () => {
     expect(detail[60]).toBeCloseTo(0.5, 6);
     expect(detail[59]).toBeCloseTo(0.5 / 6, 6);
     expect(detail[24]).toBeCloseTo(0, 6);
+  });
+
+  it("finds by how much a seam bends, and nothing beside it", () => {
+    // Two triangles that meet at a right angle, and a third in the plane of the second.
+    const positions = Float32Array.from([0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1]);
+    const triangles = Uint32Array.from([0, 2, 1, 0, 1, 3, 3, 1, 4]);
+    const bends = bendsOf(positions, triangles, Uint32Array.from([0, 1]));
+    [90, 90, 0, 0, 0].forEach((bend, v) => expect(bends[v]).toBeCloseTo(bend, 4));
+    expect(bendsOf(positions, triangles, new Uint32Array()).every((bend) => bend === 0)).toBe(true);
   });
 
   it("has ranges that few extremes do not spoil", () => {
