@@ -49,7 +49,6 @@ test("an engine that is killed: the page says so, and the next one offers to res
     await person.screenshot("panels-started-again");
     page.once("dialog", (dialog) => void dialog.accept()); // unsaved changes: leave?
     await page.goto(stage.engine.url);
-    await page.getByRole("button", { name: /bar\.obj/ }).first().click();
     await page.getByText("Go on where you were?").waitFor();
     await person.screenshot("panels-restore");
     await person.click("Restore");
