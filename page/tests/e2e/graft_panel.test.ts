@@ -38,7 +38,7 @@ async function grafted(person: Person): Promise<void> {
   );
 }
 
-test("a part of a folder is grafted, swapped and accepted by keys alone, in the dark theme", async () => {
+test("a part of a folder is grafted and accepted by keys, and swapped, in the dark theme", async () => {
   stage = await Stage.open({ dark: true, models: { "bust.ply": ["bust", "--resolution", "40"] } });
   const { person, folder } = stage;
   const { page } = person;
