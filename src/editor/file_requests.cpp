@@ -199,7 +199,8 @@ Json Worker::open(const json::Value& message, const Context& context) {
     if (!source.edit.empty()) fields.required("parts").fail("an edit file has its parts itself");
     document = with_parts(std::move(document), files_of(fields.required("parts")));
   }
-  show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, outbox_, context));
+  show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, shared_.numbers,
+                                   outbox_, context));
   return {{"name", workspace_->source().name}};
 }
 

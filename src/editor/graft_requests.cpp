@@ -1,5 +1,7 @@
 // The requests that concern parts, cuts and grafts.
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +25,15 @@ constexpr std::array<std::string_view, 18> merge_fields = {
     "target",   "source",           "pose",        "shape",   "pairs", "matches",          "at",
     "mirror",   "source_transform", "align",       "size",    "fixed", "normal_angle_deg", "reach",
     "features", "smooth_boundary",  "fix_winding", "settings"};
+
+// As the page shows a model of such a file, unless it is told otherwise: most of their makers mean y by up.
+bool stands_on_y(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  constexpr std::array y_up = {".obj", ".gltf", ".glb", ".ply", ".off"};
+  return std::find(y_up.begin(), y_up.end(), extension) != y_up.end();
+}
 
 std::vector<std::string_view> graft_fields_and(std::initializer_list<std::string_view> others) {
   std::vector<std::string_view> names(merge_fields.begin(), merge_fields.end());
@@ -203,7 +214,9 @@ Json Worker::thumbnail(const json::Value& message, const Context&) {
       return std::make_shared<const Mesh>(make_sample(name));
     };
   } else {
-    task.mesh = [file = mesh_file(fields)](const Context& context) {
+    const std::filesystem::path file = mesh_file(fields);
+    task.y_up = stands_on_y(file);
+    task.mesh = [file](const Context& context) {
       return std::make_shared<const Mesh>(read_mesh(file, context));
     };
   }

@@ -13,7 +13,7 @@
 
 namespace meshgraft::editor {
 
-GraftView::GraftView(Outbox outbox) : outbox_(std::move(outbox)) {
+GraftView::GraftView(Outbox outbox, const Numbers& numbers) : outbox_(std::move(outbox)), numbers_(numbers) {
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
 }
 
@@ -26,9 +26,10 @@ std::int64_t GraftView::show(GraftJob job) {
   const std::lock_guard lock(mutex_);
   if (!job.dragged || running_dragged_ == false) running_stop_.request_stop();
   if (!job.dragged) outcome_.reset();
-  waiting_ = Numbered{std::move(job), ++last_number_};
+  const std::int64_t number = numbers_.next();
+  waiting_ = Numbered{std::move(job), number};
   changed_.notify_all();
-  return last_number_;
+  return number;
 }
 
 bool GraftView::is_busy() {

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "numbers.h"
 #include "objects.h"
 #include "protocol.h"
 
@@ -25,7 +26,7 @@ struct GraftJob {
 /// the one that runs; a drag does not stop a drag, so that some come to be shown. Used on one thread.
 class GraftView {
  public:
-  explicit GraftView(Outbox outbox);
+  GraftView(Outbox outbox, const Numbers& numbers);
   ~GraftView();
   GraftView(const GraftView&) = delete;
   GraftView& operator=(const GraftView&) = delete;
@@ -51,13 +52,13 @@ class GraftView {
   void run(const Numbered& numbered, const std::stop_token& stop);
 
   Outbox outbox_;
+  const Numbers& numbers_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<Numbered> waiting_;
   std::optional<bool> running_dragged_;
   std::stop_source running_stop_;
   std::shared_ptr<const Scene> outcome_;
-  std::int64_t last_number_ = 0;
   std::jthread thread_;
 };
 

@@ -152,7 +152,7 @@ std::shared_ptr<const Object> Objects::object(const std::string& name, const std
   const auto made = std::make_shared<Object>();
   made->name = name;
   made->shared_scene = std::move(scene);
-  made->id = ++last_id_;
+  made->id = static_cast<int>(numbers_.next());
   find_box(*made);
   find_selections(*made);
   Triangulation surface = triangulate(made->mesh(), {.skip_out_of_range = true});

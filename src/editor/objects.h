@@ -16,6 +16,7 @@
 
 #include "document.h"
 #include "edit/run_steps.h"
+#include "numbers.h"
 
 namespace meshgraft::editor {
 
@@ -71,6 +72,8 @@ class Recent {
 /// Reads a document's inputs and runs its steps, each once as long as what it is made from stays the same.
 class Objects {
  public:
+  explicit Objects(const Numbers& numbers) : numbers_(numbers) {}
+
   /// Runs the steps before the one in work. Throws what `run_edit` throws.
   Stage before(const Document& document, const Context& context);
 
@@ -93,9 +96,9 @@ class Objects {
   std::shared_ptr<const Object> object(const std::string& name, const std::string& key,
                                        std::shared_ptr<const Scene> scene);
 
+  const Numbers& numbers_;
   Recent<Scene> inputs_, scenes_;
   Recent<Object> objects_;
-  int last_id_ = 0;
 };
 
 /// The named selections that `json` may use, and those that they use.

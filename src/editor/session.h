@@ -14,6 +14,7 @@
 
 #include "edit/json_value.h"
 #include "folders.h"
+#include "numbers.h"
 #include "protocol.h"
 #include "request_queue.h"
 #include "thumbnails.h"
@@ -26,6 +27,7 @@ struct Shared {
   Folders folders;
   std::vector<std::filesystem::path> models;  ///< to offer to the page
   std::filesystem::path upload_folder;        ///< empty: there are no uploads
+  Numbers numbers{};
 };
 
 /// Works on one page's requests (protocol.schema.json) on a thread of its own.

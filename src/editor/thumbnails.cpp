@@ -18,18 +18,23 @@ namespace {
 constexpr std::size_t most_waiting = 10'000;  // as many as a folder's list has entries
 
 #ifdef MESHGRAFT_HAS_RENDER
-std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, const Context& context) {
+// As the page shows a model first: seen from the front and the side, `y` or `z` up.
+std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, bool y_up, const Context& context) {
   const std::array shapes{render::Shape{&mesh, render::vertex_colours(mesh)}};
   render::RenderOptions options;
   options.width = options.height = size;
   options.occlusion_rays = 8;
   options.ground = false;
+  if (y_up) {
+    options.camera.from_direction = {0.5, 0.35, 1};
+    options.camera.up = {0, 1, 0};
+  }
   return render::png_bytes(render::render(shapes, options, context));
 }
 
 void require_pictures() {}
 #else
-std::vector<std::uint8_t> picture_of(const Mesh&, int, const Context&) { return {}; }
+std::vector<std::uint8_t> picture_of(const Mesh&, int, bool, const Context&) { return {}; }
 
 void require_pictures() {
   throw Error(ErrorCode::usage, "this build of meshgraft makes no pictures", "thumbnail",
@@ -90,7 +95,7 @@ void Thumbnails::make(const Task& task, const std::stop_token& stop) {
   try {
     Context context;
     context.stop_token = stop;
-    const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, context);
+    const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, task.y_up, context);
     BinaryFrame frame(BinaryFrame::Kind::thumbnail,
                       {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
     frame.add("png", picture);

@@ -30,6 +30,7 @@ class Thumbnails {
     Request request;
     std::function<std::shared_ptr<const Mesh>(const Context&)> mesh;  ///< may throw Error, as read_mesh
     int size = 128;                                                   ///< pixels
+    bool y_up = false;
   };
   /// Throws Error(usage) in a build that makes no pictures, and if too many wait.
   void push(Task task);

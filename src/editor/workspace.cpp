@@ -94,13 +94,14 @@ Json handle_summary(const Json& step, const Json& handle, const LiveView& view) 
 
 }  // namespace
 
-Workspace::Workspace(Document document, Source source, const Folders& folders, Outbox outbox,
-                     const Context& context)
+Workspace::Workspace(Document document, Source source, const Folders& folders, const Numbers& numbers,
+                     Outbox outbox, const Context& context)
     : source_(std::move(source)),
       folders_(folders),
       outbox_(outbox),
+      objects_(numbers),
       view_(outbox, folders),
-      graft_view_(std::move(outbox)),
+      graft_view_(std::move(outbox), numbers),
       history_(document.text),
       saved_(document.text) {
   show(checked(std::move(document)), context);
@@ -359,6 +360,7 @@ Json Workspace::summary() const {
   if (merge_in_work(document_.edit) != nullptr)
     graft = {{"graft", graft_number_}, {"step", document_.json["steps"].back()}};
   return {{"name", source_.name},
+          {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},
           {"parts", parts},

@@ -29,7 +29,8 @@ class Workspace {
   };
 
   /// Opens a document and shows it. Throws what running the steps before the last throws.
-  Workspace(Document document, Source source, const Folders& folders, Outbox outbox, const Context& context);
+  Workspace(Document document, Source source, const Folders& folders, const Numbers& numbers, Outbox outbox,
+            const Context& context);
 
   /// From now on changes go to a journal. No other workspace of the session has one then.
   void keep_journal();

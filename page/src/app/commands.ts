@@ -17,6 +17,8 @@ export interface PageActions {
 export interface ToolActions {
   /** One step back: out of a gesture, a stroke, a curve; then no handle; then no tool. */
   escape(): void;
+  /** Puts back what is being dragged or typed. Returns whether there was anything. */
+  giveUpGesture(): boolean;
   /** Ends what is being done, as it is. */
   confirm(): void;
   /** Whether there is something to confirm. Reads signals. */
@@ -98,12 +100,14 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     {
       id: "undo", group: "edit", label: "Undo", keys: ["ctrl+Z"], repeats: true,
       help: "Takes back the last change.",
-      run: () => void editor.ask({ do: "undo" }), enabled: () => (state.value?.undo ?? null) !== null,
+      run: () => tools.giveUpGesture() || void editor.ask({ do: "undo" }),
+      enabled: () => (state.value?.undo ?? null) !== null,
     },
     {
       id: "redo", group: "edit", label: "Redo", keys: ["ctrl+shift+Z", "ctrl+Y"], repeats: true,
       help: "Does again what was taken back.",
-      run: () => void editor.ask({ do: "redo" }), enabled: () => (state.value?.redo ?? null) !== null,
+      run: () => tools.giveUpGesture() || void editor.ask({ do: "redo" }),
+      enabled: () => (state.value?.redo ?? null) !== null,
     },
     {
       id: "accept", group: "edit", label: "Accept step", keys: ["ctrl+Enter"],

@@ -131,8 +131,11 @@ export class Graft {
     const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
     const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.told(done.graft);
     const start = this.startFor(report);
+    this.takenStarts.value = new Set(start?.map((pair) => String(pair.start)));
     await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
   }
+  /** Starts that were taken unasked, of several that fit alike. */
+  readonly takenStarts = signal<ReadonlySet<string>>(new Set());
   private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
     const pairs = withStarts(this.pairs.value, report?.open_starts ?? []);
     return pairs === undefined ? undefined : pairsField(pairs);

@@ -164,7 +164,9 @@ function Pairs({ page }: { page: Page }) {
                       ? openWords(open)
                       : found
                         ? confidenceWords(confidence)
-                        : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}
+                        : graft.takenStarts.value.has(String(pair.start))
+                          ? "automatic, of several starts that fit alike"
+                          : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}
                   </small>
                 </span>
                 {found && confidence !== undefined && (

@@ -2,6 +2,15 @@ import type { Page } from "../app/page";
 import { Button } from "./ui/button";
 import { Icon } from "./ui/icon";
 
+/** Whether a start that was found may well be another. */
+function isUnsure({ editor: { graft } }: Page): boolean {
+  const told = graft.report.value?.pairs ?? [];
+  return graft.pairs.value.some(
+    ({ start, matches }, i) =>
+      start === undefined && matches.length === 0 && (told[i]?.confidence ?? 1) < 0.4,
+  );
+}
+
 /** What the graft came to: why there is none, or how its seam is, and what is to be noted. */
 export function GraftReportView({ page }: { page: Page }) {
   const { graft } = page.editor;
@@ -51,6 +60,9 @@ export function GraftReportView({ page }: { page: Page }) {
           {seam.new_faces} new faces, smallest angles {seam.angle_p1_deg.toFixed(0)}°, bends{" "}
           {seam.dihedral_p99_deg.toFixed(0)}°{seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
         </small>
+      )}
+      {isUnsure(page) && (
+        <span class="unsure">Nearly round: look whether the part is turned. Twist turns it.</span>
       )}
       {inverted > 0 && <span class="bad">The part turns inside out at {inverted} vertices.</span>}
       {(cuts ?? 0) > 0 && <span class="bad">The result cuts through itself at {cuts} pairs of faces.</span>}

@@ -109,12 +109,16 @@ export class ToolBox implements ToolActions {
 
   escape(): void {
     const { tools } = this.editor;
-    if (this.gizmo.isGoing) return this.giveUp();
-    if (this.stroke !== undefined) return this.giveUp();
+    if (this.giveUpGesture()) return;
     if (this.tool.escape?.() === true) return;
     if (tools.movesPivot.value) tools.movesPivot.value = false;
     else if (tools.activeHandle.value !== null) this.control.activate(null);
     else tools.tool.value = "navigate";
+  }
+  giveUpGesture(): boolean {
+    const isGoing = this.gizmo.isGoing || this.stroke !== undefined;
+    if (isGoing) this.giveUp();
+    return isGoing;
   }
   confirm(): void {
     if (this.gizmo.isGoing) this.finishGesture();

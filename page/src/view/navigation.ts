@@ -121,7 +121,7 @@ export class Navigation {
     for (let i = 0; i < places.length; i += 3) box.expandByPoint(seen.fromArray(places, i).applyQuaternion(back));
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
-    const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.86; // leaves a rim
+    const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.78; // leaves a rim for what stands above the view
     const aspect = this.perspective.aspect;
     let distance = 0;
     for (let i = 0; i < places.length; i += 3) {

@@ -148,9 +148,12 @@ export class Surface {
     const every = Math.max(1, Math.floor(count / 8000));
     const places = new Float32Array(3 * Math.ceil(count / every));
     const place = new Vector3();
-    for (let i = 0; i * every < count; ++i)
-      this.place(vertices?.[i * every] ?? i * every, place).toArray(places, 3 * i);
-    return places;
+    let found = 0;
+    for (let i = 0; i < count; i += every) {
+      this.place(vertices?.[i] ?? i, place);
+      if (Number.isFinite(place.x + place.y + place.z)) place.toArray(places, 3 * found++);
+    }
+    return places.subarray(0, 3 * found);
   }
 
   /** The mesh as the step found it, or as it is. */

@@ -194,9 +194,9 @@ export class Viewport {
 
   /** Where the document has the handles: for those that `showPoses` is not told of. */
   setDocument(state: DocumentState): void {
-    if (state.name !== this.fileName) {
+    if (state.file !== this.fileName) {
       const was = this.navigation.up;
-      this.fileName = state.name;
+      this.fileName = state.file;
       this.setUp();
       if (was !== this.navigation.up) this.fit("all", false);
     }

@@ -141,6 +141,25 @@ test("shows how the seam bends, and the result's edges", async () => {
   expect(person.complaints).toEqual([]);
 });
 
+test("grafts in the document that is opened next, too, and shows no loops of the one before", async () => {
+  const { stage, person } = await beside("bust", "head", 20, true);
+  await grafted(person);
+  await stage.openSample("octopus", 20);
+  await person.page.waitForTimeout(300);
+  const loops = () =>
+    person.page.evaluate(() => window.meshgraft.graftView.clickable().map(({ mesh }) => mesh));
+  expect(await loops()).toEqual([]);
+  await stage.openSample("bust", 20);
+  await person.page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    if (editor.offer.value !== null) await editor.ask({ do: "discard" });
+    editor.offer.value = null;
+    await editor.graft.addPart({ sample: "head", resolution: 20 });
+  });
+  expect((await grafted(person))?.seam).toMatchObject({ manifold: true, closed: true });
+  expect(person.complaints).toEqual([]);
+});
+
 test("pairs the bracket's loops with the posts' by clicks", async () => {
   const { stage, person } = await beside("posts", "bracket", 40);
   const ids = await person.page.evaluate(() => window.meshgraft.editor.graft.things.value.map(({ mesh }) => mesh));

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useId } from "preact/hooks";
+import { useId, useLayoutEffect, useRef } from "preact/hooks";
 import { remembered } from "../../app/remembered";
 import { Icon } from "./icon";
 
@@ -17,14 +17,23 @@ interface SectionProps {
 export function Section({ title, hint, badge, startsOpen = false, children }: SectionProps) {
   const open = remembered(`section ${title}`, startsOpen);
   const id = useId();
+  const section = useRef<HTMLElement>(null);
+  const unfolded = useRef(false);
+  useLayoutEffect(() => {
+    if (unfolded.current) section.current?.scrollIntoView({ block: "nearest" });
+    unfolded.current = false;
+  }, [open.value]);
   return (
-    <section class={`section ${open.value ? "open" : ""}`} aria-label={title}>
+    <section ref={section} class={`section ${open.value ? "open" : ""}`} aria-label={title}>
       <h3>
         <button
           type="button"
           aria-expanded={open.value}
           aria-controls={id}
-          onClick={() => (open.value = !open.value)}
+          onClick={() => {
+            open.value = !open.value;
+            unfolded.current = open.value;
+          }}
         >
           <Icon name={open.value ? "down" : "right"} size={14} />
           <span>{title}</span>
