@@ -98,7 +98,8 @@ export class Editor {
   async ask(request: PageRequest): Promise<Outcome | undefined> {
     const answer = await this.attempt(request);
     if (!("code" in answer)) return answer;
-    if (answer.code !== "cancelled") this.tell("problem", answer);
+    const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
+    if (!isToldAlready) this.tell("problem", answer);
     return undefined;
   }
 

@@ -101,21 +101,21 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
   await openCard(person, /bar edit\.json/);
   await page.getByRole("button", { name: /^edge/ }).first().click();
   const before = placesOf(await exported(stage, "before", ".obj"));
-  const arrow = await gripOf(person, "arrow-z");
+  const arrow = await gripOf(person, "arrow-y"); // which is up in such a file
   await person.screenshot("poses-curve");
   await person.stroke([arrow, [arrow[0], arrow[1] - 40]]);
   await person.settle();
   const moved = (await poseOf(person, "edge"))?.curve ?? [];
   expect(moved).toHaveLength(3);
-  const up = moved[0]![2] - course[0]![2]!;
+  const up = moved[0]![1] - course[0]![1]!;
   expect(up).toBeGreaterThan(0.1);
   moved.forEach((point, i) =>
-    expect(distance(point, [course[i]![0]!, course[i]![1]!, course[i]![2]! + up])).toBeLessThan(1e-9),
+    expect(distance(point, [course[i]![0]!, course[i]![1]! + up, course[i]![2]!])).toBeLessThan(1e-9),
   );
   const after = placesOf(await exported(stage, "after", ".obj"));
   for (const v of await verticesOf(person, "edge")) {
     const [x, y, z] = placeOf(before, v);
-    expect(distance(placeOf(after, v), [x, y, z + up])).toBeLessThan(1e-5);
+    expect(distance(placeOf(after, v), [x, y + up, z])).toBeLessThan(1e-5);
   }
   for (const key of ["r", "z", "9", "0", "Enter"]) await person.press(key);
   await person.settle();
