@@ -122,8 +122,8 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     },
     {
       id: "escape", group: "edit", label: "One step back", keys: ["Escape"],
-      help: "Leaves the gesture as it was, then the handle, then the tool.",
-      run: () => tools.escape(), enabled: () => true,
+      help: "Leaves the gesture as it was, then messages, then the handle, then the tool.",
+      run: () => void (tools.giveUpGesture() || editor.dismissMessages() || tools.escape()), enabled: () => true,
     },
     {
       id: "help", group: "help", label: "Help", keys: ["?", "F1"],

@@ -128,6 +128,7 @@ export class Editor {
     if (done === undefined) return false;
     this.opened = request;
     this.dialog.value = null;
+    this.dismissMessages();
     rememberOpened(request);
     return true;
   }
@@ -196,6 +197,12 @@ export class Editor {
     await this.attempt({ do: "cancel", of: null }); // refused where it has just been done
   }
 
+  /** Returns whether there were any. */
+  dismissMessages(): boolean {
+    const had = this.messages.value.length > 0;
+    this.messages.value = [];
+    return had;
+  }
   tell(kind: Message["kind"], error: EngineError): void {
     const same = this.messages.value.some(
       (told) => told.error.problem === error.problem && told.error.place === error.place,
