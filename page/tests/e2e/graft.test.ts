@@ -341,6 +341,7 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   await person.press("Control+z");
   await person.settle();
   await person.click("Cut along a curve");
+  await person.page.waitForTimeout(700); // the view comes to rest
   const c = await person.page.evaluate(() => {
     const { viewport, graftView } = window.meshgraft;
     const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
