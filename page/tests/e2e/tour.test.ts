@@ -58,6 +58,7 @@ test("grafts a head, bends the neck, looks at it and saves", async () => {
 
   await page.getByRole("button", { name: "View", exact: true }).click();
   await page.getByLabel("Heat map").selectOption("stretch");
+  await page.mouse.move(left + 0.5 * width, top - 20); // no tip beside it
   await rests();
   await person.screenshot("editor_stretch.jpg");
 
