@@ -84,8 +84,8 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
     const first = new Promise<number>((shown) =>
       viewport.onDrawn.add(({ end }) => isThere() && shown(end - begin)),
     );
-    const done = await editor.ask({ do: "open", path });
-    if (done === undefined) throw new Error(editor.messages.value.map(({ error }) => error.problem).join("; "));
+    if (!(await editor.open({ do: "open", path })))
+      throw new Error(editor.messages.value.map(({ error }) => error.problem).join("; "));
     return first;
   }, model);
   await stage.person.settle();

@@ -426,11 +426,12 @@ std::optional<Number> parse_number(std::string_view text) {
 }  // namespace
 
 SelectionContext::SelectionContext(const Mesh& the_mesh, Weld the_weld)
-    : mesh(the_mesh),
-      weld(std::move(the_weld)),
-      rings(vertex_rings(the_mesh.vertex_count(), the_mesh.faces)),
-      components(connected_components(the_mesh)),
-      loops(boundary_loops(the_mesh)) {}
+    : mesh(the_mesh), weld(std::move(the_weld)) {
+  auto [the_rings, the_components, the_loops] = connectivity(the_mesh);
+  rings = std::move(the_rings);
+  components = std::move(the_components);
+  loops = std::move(the_loops);
+}
 
 std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
                            const std::string& place) {

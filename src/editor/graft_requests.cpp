@@ -210,8 +210,8 @@ Json Worker::thumbnail(const json::Value& message, const Context&) {
       return std::shared_ptr<const Mesh>(scene, &scene->mesh);
     };
   } else if (fields.has("sample")) {
-    task.mesh = [name = fields.required("sample").name()](const Context&) {
-      return std::make_shared<const Mesh>(make_sample(name));
+    task.mesh = [name = fields.required("sample").name()](const Context& context) {
+      return std::make_shared<const Mesh>(make_sample(name, 0, context));
     };
   } else {
     const std::filesystem::path file = mesh_file(fields);

@@ -204,8 +204,9 @@ IndexLists vertex_rings(const Triangles& triangles, const IndexLists& vertex_tri
   return rings;
 }
 
-IndexLists vertex_rings(Index vertex_count, const Faces& faces) {
-  const EdgeTable table(vertex_count, faces);
+namespace {
+
+IndexLists rings_of(Index vertex_count, const EdgeTable& table) {
   IndexLists rings;
   rings.offsets.assign(static_cast<std::size_t>(vertex_count) + 1, 0);
   for (const auto& ends : table.ends) {
@@ -220,8 +221,6 @@ IndexLists vertex_rings(Index vertex_count, const Faces& faces) {
   for (const auto& ends : table.ends) rings.values[cursor[ends[0]]++] = ends[1];
   return rings;
 }
-
-namespace {
 
 std::vector<std::vector<Index>> loops_of(const Mesh& mesh, const EdgeTable& table) {
   auto loops = BoundaryWalk(mesh, table).closed_chains();
@@ -249,6 +248,17 @@ std::vector<Index> components_of(Index vertex_count, const EdgeTable& table, Ind
 }
 
 }  // namespace
+
+IndexLists vertex_rings(Index vertex_count, const Faces& faces) {
+  return rings_of(vertex_count, EdgeTable(vertex_count, faces));
+}
+
+Connectivity connectivity(const Mesh& mesh) {
+  const EdgeTable table(mesh.vertex_count(), mesh.faces);
+  Index count = 0;
+  return {rings_of(mesh.vertex_count(), table), components_of(mesh.vertex_count(), table, count),
+          loops_of(mesh, table)};
+}
 
 std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh) {
   return loops_of(mesh, EdgeTable(mesh.vertex_count(), mesh.faces));

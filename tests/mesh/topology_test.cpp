@@ -50,6 +50,18 @@ std::vector<Expected> surfaces() {
   };
 }
 
+TEST(Connectivity, IsWhatItsPartsAre) {
+  for (const Expected& expected : surfaces()) {
+    SCOPED_TRACE(expected.name);
+    const Connectivity all = connectivity(expected.mesh);
+    const IndexLists rings = vertex_rings(expected.mesh.vertex_count(), expected.mesh.faces);
+    EXPECT_EQ(all.rings.offsets, rings.offsets);
+    EXPECT_EQ(all.rings.values, rings.values);
+    EXPECT_EQ(all.components, connected_components(expected.mesh));
+    EXPECT_EQ(all.loops, boundary_loops(expected.mesh));
+  }
+}
+
 TEST(SummariseTopology, KnowsTheSurfaces) {
   for (const Expected& expected : surfaces()) {
     SCOPED_TRACE(expected.name);

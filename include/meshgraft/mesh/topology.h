@@ -44,6 +44,15 @@ std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh);
 /// connected. Isolated vertices get -1. `count` receives the number of components if given.
 std::vector<Index> connected_components(const Mesh& mesh, Index* count = nullptr);
 
+/// What `vertex_rings` (of the faces), `connected_components` and `boundary_loops` give, from one table of
+/// edges.
+struct Connectivity {
+  IndexLists rings;
+  std::vector<Index> components;
+  std::vector<std::vector<Index>> loops;
+};
+Connectivity connectivity(const Mesh& mesh);
+
 /// Facts about a mesh as a surface. A mesh without faces is manifold and oriented, but not closed.
 struct TopologySummary {
   Index vertices = 0;           ///< used by a face

@@ -124,7 +124,9 @@ export class Editor {
 
   /** Opens a model, and remembers it for when the connection is lost. */
   async open(request: OpenRequest): Promise<boolean> {
-    const done = await this.ask(request);
+    const asked = this.ask(request);
+    this.library.pauseFor(asked.then(() => this.viewport.arrival));
+    const done = await asked;
     if (done === undefined) return false;
     this.opened = request;
     this.dialog.value = null;

@@ -23,6 +23,8 @@ export class Library {
   private together: Wanted[] | undefined;
   private readonly coming = new Map<Id, string>(); // the keys of pictures by their requests
   private busy = false;
+  private paused: Promise<unknown> | undefined;
+  private running: Id | undefined;
 
   constructor(private readonly send: (request: PageRequest) => { id: Id; answer: Promise<Outcome> }) {}
 
@@ -38,6 +40,15 @@ export class Library {
     else together.push({ key, of });
     if (!this.busy) void this.work();
     return made;
+  }
+
+  /** Leaves the machine to other work: what is made now is begun anew when that has ended. */
+  pauseFor(work: Promise<unknown>): void {
+    const paused = work.finally(() => {
+      if (this.paused === paused) this.paused = undefined;
+    });
+    this.paused = paused;
+    if (this.running !== undefined) this.send({ do: "cancel", of: this.running }).answer.catch(() => undefined);
   }
 
   take(frame: BinaryFrame): void {
@@ -69,15 +80,23 @@ export class Library {
   private async work(): Promise<void> {
     this.busy = true;
     for (let next = this.next(); next !== undefined; next = this.next()) {
-      const { id, answer } = this.send({ do: "thumbnail", size: pictureSize, ...next.of });
-      this.coming.set(id, next.key);
-      try {
-        await answer;
-      } catch {
-        this.set(next.key, "none"); // no renderer in this build, or a file that cannot be read: an icon is shown
-      }
+      while (this.paused !== undefined) await this.paused;
+      await this.make(next);
     }
     this.busy = false;
+  }
+
+  private async make(wanted: Wanted): Promise<void> {
+    const { id, answer } = this.send({ do: "thumbnail", size: pictureSize, ...wanted.of });
+    this.coming.set(id, wanted.key);
+    this.running = id;
+    try {
+      await answer;
+    } catch {
+      if (this.paused !== undefined) this.wanted.push([wanted]);
+      else this.set(wanted.key, "none"); // no renderer in this build, or a file that cannot be read: an icon is shown
+    }
+    this.running = undefined;
   }
 
   private set(key: string, picture: Picture): void {

@@ -2,6 +2,7 @@ import type { WebGLRenderer } from "three";
 import type { Detail } from "./pipeline";
 
 const slowMs = 50; // a picture that takes longer is made with less detail while something moves
+const smoothMs = 6 * slowMs; // a picture with smooth edges may take this long at rest
 
 /** Times of performance.now(): when a picture was begun, all drawing of it was called for, and the card was done. */
 export interface Drawn {
@@ -20,6 +21,7 @@ export class Pace {
   movingMs = 0;
   private wanted = false;
   private busy = false;
+  private smooth = true; // whether edges are drawn smoothly at rest
   private readonly recent: number[] = [];
 
   constructor(
@@ -33,9 +35,14 @@ export class Pace {
     if (!this.busy) requestAnimationFrame(() => this.begin());
   }
 
+  /** Something large comes: how long it takes, a picture with rough edges shall tell. */
+  expectMuch(): void {
+    this.smooth = false;
+  }
+
   /** What full detail is, for a card as quick as this one. */
   detail(moving: boolean, mayReduce: boolean, occlusion: boolean): Detail {
-    const full = { scale: 1, samples: this.restMs > 6 * slowMs ? 0 : 4, occlusion };
+    const full = { scale: 1, samples: this.smooth ? 4 : 0, occlusion };
     if (!moving || !mayReduce || this.restMs <= slowMs) return full;
     return { scale: this.movingMs > slowMs ? 0.5 : 0.75, samples: 0, occlusion: false };
   }
@@ -61,12 +68,21 @@ export class Pace {
     this.busy = false;
     const ms = picture.end - picture.begin;
     if (moving) this.movingMs = this.movingMs === 0 ? ms : 0.7 * this.movingMs + 0.3 * ms;
-    else this.restMs = ms;
+    else this.takeRest(ms);
     this.recent.push(ms);
     if (this.recent.length > 31) this.recent.shift();
     const sorted = [...this.recent].sort((a, b) => a - b);
     this.done(picture, sorted[sorted.length >> 1] ?? 0);
     if (this.wanted) requestAnimationFrame(() => this.begin());
+  }
+
+  private takeRest(ms: number): void {
+    this.restMs = ms;
+    if (this.smooth && ms > smoothMs) this.smooth = false;
+    if (!this.smooth && ms < smoothMs / 4) {
+      this.smooth = true;
+      this.wanted = true;
+    }
   }
 }
 

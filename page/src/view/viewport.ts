@@ -35,6 +35,8 @@ import "./view.css";
 import { seenVertices, type Sight } from "./visibility";
 import { lookUniforms, shadings } from "./surface_material";
 
+const isLarge = 200_000; // vertices, from which on a surface is brought to the card in parts
+
 ColorManagement.enabled = false; // colours are written as they are shown
 
 /** The three-dimensional view: surfaces by their numbers, the camera, and what is picked and drawn there. */
@@ -56,6 +58,8 @@ export class Viewport {
   /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
+  /** Of the model: it is to be seen from then on. */
+  arrival: Promise<void> = Promise.resolve();
   /** What the colours of the heat map stand for. */
   readonly legend = signal<Legend | null>(null);
   private instead: Surface | undefined;
@@ -120,7 +124,13 @@ export class Viewport {
     this.renderer = renderer;
     this.pipeline = new Pipeline(renderer);
     this.host = host;
-    Object.assign(renderer.domElement.style, { display: "block", position: "absolute", inset: "0" });
+    Object.assign(renderer.domElement.style, {
+      display: "block",
+      position: "absolute",
+      inset: "0",
+      width: "100%",
+      height: "100%",
+    });
     Object.assign(this.overlay.style, {
       position: "absolute",
       inset: "0",
@@ -132,8 +142,7 @@ export class Viewport {
     host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
     effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);
-    new ResizeObserver(() => this.resize()).observe(host);
-    this.resize();
+    new ResizeObserver(() => this.requestRender()).observe(host);
     this.followSettings();
   }
 
@@ -329,6 +338,7 @@ export class Viewport {
     if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
     if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the card
     const start = performance.now();
+    this.resize(renderer, host);
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
     this.cube.update();
@@ -352,12 +362,13 @@ export class Viewport {
     this.pace.finish(renderer, start, moving);
   }
 
-  private resize(): void {
-    const { renderer, host } = this;
-    if (renderer === undefined || host === undefined) return;
-    renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
-    renderer.setSize(host.clientWidth, host.clientHeight);
-    this.requestRender();
+  /** To the size of its place, right before a picture: while the card draws one, this would wait for it. */
+  private resize(renderer: WebGLRenderer, { clientWidth, clientHeight }: HTMLElement): void {
+    const ratio = Math.min(2, window.devicePixelRatio);
+    const size = renderer.getSize(new Vector2());
+    if (size.x === clientWidth && size.y === clientHeight && renderer.getPixelRatio() === ratio) return;
+    renderer.setPixelRatio(ratio);
+    renderer.setSize(clientWidth, clientHeight, false);
   }
 
   private followSettings(): void {
@@ -433,7 +444,7 @@ export class Viewport {
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
     ++this.parts.changed.value;
-    void this.bringIn(surface);
+    this.arrival = this.bringIn(surface);
     this.followLegend(surface);
     this.applyTo(surface);
     this.measure();
@@ -446,11 +457,22 @@ export class Viewport {
 
   /** Shows a new surface once its arrays are on the card, one after the other where they are large. */
   private async bringIn(surface: Surface): Promise<void> {
-    if (surface.vertexCount > 200_000 && this.renderer !== undefined) await this.stage(surface, this.renderer);
+    if (surface.vertexCount > isLarge && this.renderer !== undefined) {
+      this.pace.expectMuch();
+      await this.stage(surface, this.renderer);
+    }
     if (this.surfaces.get(surface.id) !== surface) return;
     this.scene.add(surface.object);
+    await this.nextPicture();
+    if (this.surfaces.get(surface.id) === surface) this.treeOf(surface); // whose worker would have slowed it down
+  }
+
+  private nextPicture(): Promise<void> {
     this.requestRender();
-    this.treeOf(surface);
+    return new Promise((resolve) => {
+      const drawn = () => (this.onDrawn.delete(drawn), resolve());
+      this.onDrawn.add(drawn);
+    });
   }
 
   private async stage(surface: Surface, renderer: WebGLRenderer): Promise<void> {

@@ -1,0 +1,53 @@
+import { expect, test } from "vitest";
+import { Library } from "../../src/app/library";
+import type { Outcome } from "../../src/engine/connection";
+import type { PageRequest } from "../../src/protocol";
+
+/** An engine that notes what it is asked for; a picture is made when the test says so. */
+class Engine {
+  readonly asked: string[] = [];
+  private last = 0;
+  private running: { id: number; made: () => void; cancelled: () => void } | undefined;
+
+  readonly library = new Library((request: PageRequest) => {
+    const id = ++this.last;
+    if (request.do === "cancel") {
+      this.asked.push("cancel");
+      if (request.of === this.running?.id) this.running?.cancelled();
+      return { id, answer: Promise.resolve({} as Outcome) };
+    }
+    if (request.do !== "thumbnail") throw new Error(`${request.do} is not asked for`);
+    this.asked.push(request.sample ?? "");
+    const answer = new Promise<Outcome>((resolve, reject) => {
+      this.running = { id, made: () => resolve({} as Outcome), cancelled: () => reject(new Error("cancelled")) };
+    });
+    return { id, answer };
+  });
+
+  async make(): Promise<void> {
+    this.running?.made();
+    await settled();
+  }
+}
+
+const settled = () => new Promise((resolve) => setTimeout(resolve));
+
+test("pictures give way to other work, and are made after it", async () => {
+  const engine = new Engine();
+  const first = engine.library.picture({ sample: "octopus" });
+  engine.library.picture({ sample: "head" });
+  await settled();
+  expect(engine.asked).toEqual(["octopus"]);
+
+  let finish = (): void => undefined;
+  engine.library.pauseFor(new Promise<void>((resolve) => (finish = resolve)));
+  await settled();
+  expect(engine.asked).toEqual(["octopus", "cancel"]);
+  expect(first.value).toBe(null); // still to come
+
+  finish();
+  await settled();
+  await engine.make();
+  await engine.make();
+  expect(engine.asked).toEqual(["octopus", "cancel", "octopus", "head"]);
+});
