@@ -85,6 +85,7 @@ export class Editor {
       ask: (request) => this.ask(request),
       attempt: (request) => this.attempt(request),
       request: (request) => this.connection.request(request),
+      note: (problem, remedy) => this.note(problem, "", remedy),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
     this.library = new Library((request) => this.connection.send(request));

@@ -31,6 +31,8 @@ export class Graft {
   readonly lastCut = signal<CutRequest | null>(null);
   /** The part that a click or a drag drops on the surface. */
   readonly dropped = signal<{ name: string; isNew: boolean } | null>(null);
+  /** Which part is not shown beside the model: one that is on its way to the surface, or follows the pointer there. */
+  readonly away = signal<((name: string) => boolean) | null>(null);
   /** Clicked first, to be paired with the next. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
@@ -185,6 +187,26 @@ export class Graft {
     this.transform.value = this.report.value?.transform ?? null;
   }
 
+  /** A part is dropped: from now on it is to be seen on the surface alone. `add` opens it; resolves with its name. */
+  async beginDrop(add: () => Promise<string | undefined>): Promise<string | undefined> {
+    const before = new Set(this.parts.value.map((part) => part.name));
+    this.away.value = (part) => !before.has(part);
+    const name = await add();
+    batch(() => {
+      this.away.value = name === undefined ? null : (part) => part === name;
+      if (name === undefined) return;
+      this.arrangement.value = "result";
+      this.tool.value = "drop";
+      this.dropped.value = { name, isNew: !before.has(name) };
+    });
+    return name;
+  }
+  /** Grafts what is dropped. */
+  async endDrop(fields: GraftFields): Promise<void> {
+    this.dropped.value = null;
+    await this.set(fields);
+    this.away.value = null;
+  }
   /** Nothing is dropped: a part that was opened for it goes again. */
   async leaveDropped(): Promise<void> {
     const { value: dropped } = this.dropped;
@@ -192,6 +214,16 @@ export class Graft {
     await this.forgetDragged();
     if (dropped?.isNew === true && this.host.state.value?.undo === "add part")
       await this.host.ask({ do: "undo" });
+    this.away.value = null;
+  }
+  /** Nothing is dropped, as it was let go beside the surface. */
+  async missDropped(): Promise<void> {
+    const { name = "The part", isNew = true } = this.dropped.value ?? {};
+    await this.leaveDropped();
+    this.host.note(
+      `${name} was let go beside the surface, so nothing is ${isNew ? "added" : "grafted"}`,
+      "Drag it again, and let it go on the model, where it is to grow.",
+    );
   }
 
   private async sendDrag(fields: GraftFields): Promise<void> {
