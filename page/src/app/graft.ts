@@ -104,6 +104,18 @@ export class Graft {
   isShown(part: Thing): boolean {
     return this.shownParts.value.get(part.name) ?? (!part.grafted || part.name === this.step.value?.source);
   }
+  /** Meshes that are shown themselves while grafting: all but those that went into what comes of them. */
+  readonly shownMeshes = computed((): ReadonlySet<number> => {
+    const beside = this.parts.value.filter((part) => this.isShown(part) && this.away.value?.(part.name) !== true);
+    const meshes = new Set([this.model.value?.mesh ?? -1, ...beside.map((part) => part.mesh)]);
+    const { value: arrangement } = this.arrangement;
+    const hasPreview = this.preview.value !== null;
+    // What is dropped is to be seen on the surface alone, also before it is known what comes of it.
+    const lands = this.step.value?.at !== undefined && this.report.value?.error === undefined;
+    if (hasPreview && arrangement !== "apart") meshes.delete(this.target.value?.mesh ?? -1);
+    if ((hasPreview || lands) && arrangement === "result") meshes.delete(this.source.value?.mesh ?? -1);
+    return meshes;
+  });
   toggleShown(part: Thing): void {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
   }

@@ -83,7 +83,7 @@ export class GraftView {
     const { graft, viewport } = this;
     void viewport.parts.changed.value;
     const on = graft.mode.value === "graft";
-    const shows = this.shown(on);
+    const shows = on ? graft.shownMeshes.value : new Set([graft.model.value?.mesh ?? -1]);
     for (const surface of viewport.surfaces.values()) surface.object.visible = !on || shows.has(surface.id);
     for (const part of graft.parts.value) {
       const shown = viewport.parts.get(part.mesh);
@@ -100,23 +100,6 @@ export class GraftView {
     viewport.measure();
     this.frameIfNew(on, shows);
     viewport.requestRender();
-  }
-
-  /** The meshes that are shown themselves: all but those that went into what comes of them. */
-  private shown(on: boolean): Set<number> {
-    const { graft } = this;
-    const { value: model } = graft.model;
-    const beside = graft.parts.value.filter((part) => graft.isShown(part) && graft.away.value?.(part.name) !== true);
-    const all = [...(model === undefined ? [] : [model]), ...beside];
-    const meshes = new Set(on ? all.map((thing) => thing.mesh) : [model?.mesh ?? -1]);
-    const { value: arrangement } = graft.arrangement;
-    // What is dropped is to be seen on the surface alone, also before it is known what comes of it.
-    const lands = graft.step.value?.at !== undefined && graft.report.value?.error === undefined;
-    if (on && lands && arrangement === "result") meshes.delete(graft.source.value?.mesh ?? -1);
-    if (!on || graft.preview.value === null) return meshes;
-    if (arrangement !== "apart") meshes.delete(graft.target.value?.mesh ?? -1);
-    if (arrangement === "result") meshes.delete(graft.source.value?.mesh ?? -1);
-    return meshes;
   }
 
   private standParts(shows: ReadonlySet<number>): void {

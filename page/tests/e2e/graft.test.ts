@@ -224,6 +224,22 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
   };
   await slide("Normal angle", 0.1);
   expect(await graftOf(person)).toMatchObject({ normal_angle_deg: expect.closeTo(18, -1) });
+  const before = ((await graftOf(person)) as { normal_angle_deg: number }).normal_angle_deg;
+  const angle = person.page.getByRole("slider", { name: "Normal angle" });
+  await angle.press("ArrowRight");
+  await grafted(person);
+  expect(await graftOf(person)).toMatchObject({ normal_angle_deg: Math.round(before) + 1 });
+  const field = person.page.getByRole("textbox", { name: "Twist" });
+  await field.fill("180");
+  await field.press("Enter");
+  await grafted(person);
+  expect(await field.inputValue()).not.toMatch(/^[-−]/);
+  await field.press("ArrowUp"); // beyond the end: it says so, and stays
+  await person.page.getByRole("alert").getByText("-180 to 180", { exact: true }).waitFor();
+  expect(await field.inputValue()).not.toMatch(/^[-−]/);
+  await field.fill("0");
+  await field.press("Enter");
+  await grafted(person);
   await slide("Twist", 0.25);
   const twist = await person.page.evaluate(() => window.meshgraft.editor.graft.starts.twistOf(0));
   expect(Math.abs(twist - 90)).toBeLessThan(25);
@@ -411,12 +427,15 @@ test("drops a part from the library onto the surface", async () => {
   if (card === null) throw new Error("the library is not shown");
   await person.page.mouse.move(card.x + 30, card.y + 30);
   await person.page.mouse.down();
+  const status = person.page.getByRole("contentinfo", { name: "Status" });
+  await status.getByText("Add a part from the library").waitFor();
   const eye = () => person.page.evaluate(() => window.meshgraft.viewport.camera.matrixWorld.toArray());
   const standing = () =>
     person.page.evaluate(() => window.meshgraft.viewport.parts.shown().map(({ surface }) => surface.id));
   const seen = await eye();
   await person.page.mouse.move(500, 420, { steps: 5 });
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
+  await status.getByText("Point where the part is to grow").waitFor();
   await person.page.waitForTimeout(700);
   expect(await standing()).toEqual([]); // it follows the pointer, and stands nowhere else
   await person.screenshot("drop-loaded");
@@ -477,6 +496,13 @@ test("drops a part from the library onto the surface", async () => {
   expect(report?.error).toBeUndefined();
   expect(await standing()).toEqual([]);
   expect(await eye()).toEqual(before);
+  await status.getByText("Grafted; Accept keeps it").waitFor();
+  const counts = await person.page.evaluate(() => {
+    const frame = window.meshgraft.editor.graft.preview.value;
+    return { shown: frame?.indices("triangles")?.length ?? 0, model: window.meshgraft.editor.state.value?.model.faces };
+  });
+  expect(counts.shown / 3).not.toBe(counts.model);
+  await status.getByText(`${String(counts.shown / 3).replace(/\B(?=(\d{3})+$)/g, "\u202f")} faces`).waitFor();
   expect(await graftOf(person)).toMatchObject({ source: "head", at: { spin_deg: 22.5 } });
   await person.page.waitForTimeout(800);
   await person.screenshot("drop-done");
