@@ -17,10 +17,9 @@ export function inPanelWords(error: EngineError): EngineError {
   const { problem, remedy } = error;
   if (tolerance !== undefined) {
     const lost = /^(\d+) of the (\d+) vertices of the handle '(.*)' have/.exec(problem);
-    const who = lost === null ? "Something" : `${lost[1]} of the ${lost[2]} vertices of ${lost[3]}`;
     return {
       ...error,
-      problem: `${who} ${lost?.[1] === "1" ? "has" : "have"} nothing at the mirror image`.replace("Something have", "A vertex has"),
+      problem: lost === null ? "a vertex lacks a mirror image" : lackWords(Number(lost[1]), Number(lost[2]), lost[3] ?? ""),
       place: "",
       remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance} each finds a partner; or hold something else.`,
     };
@@ -30,6 +29,11 @@ export function inPanelWords(error: EngineError): EngineError {
   if (remedy.includes("symmetry.tolerance_rel"))
     return { ...error, place: "", remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere." };
   return error;
+}
+
+function lackWords(lost: number, all: number, handle: string): string {
+  const who = lost === all ? (all === 1 ? "the vertex" : `all ${all} vertices`) : `${lost} of the ${all} vertices`;
+  return `${who} of “${handle}” ${lost === 1 ? "lacks" : "lack"} a mirror image`;
 }
 
 /** What is asked so that a refused request finds its partners: the tolerance, then the request again. */

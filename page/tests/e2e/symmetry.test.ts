@@ -131,7 +131,7 @@ test("a refusal names the tolerance that would do, and takes it by a click", asy
       .ask({ do: "handle", what: "add", name: "arm", select: { half_space: { point: [0.5, 0, 0], normal: [1, 0, 0] } }, reach: 0.2 })
       .then(() => undefined),
   );
-  const told = page.getByRole("alert").filter({ hasText: "nothing at the mirror image" });
+  const told = page.getByRole("alert").filter({ hasText: "a mirror image" });
   await told.waitFor();
   await person.screenshot("symmetry-refused");
   expect(await told.textContent()).not.toContain("tolerance_rel");

@@ -67,10 +67,12 @@ describe("what the engine says of symmetry", () => {
   test("is told in the panels' words, with the tolerance that would do", () => {
     expect(sufficientTolerance(refused)).toBe(0.033);
     expect(inPanelWords(refused)).toMatchObject({
-      problem: "3 of the 40 vertices of left arm have nothing at the mirror image",
+      problem: "3 of the 40 vertices of “left arm” lack a mirror image",
       place: "",
       remedy: expect.stringContaining("a tolerance of 0.033"),
     });
+    const all = { ...refused, problem: refused.problem.replace("3 of the 40", "40 of the 40") };
+    expect(inPanelWords(all).problem).toBe("all 40 vertices of “left arm” lack a mirror image");
     const overlap = { ...refused, problem: "the handle 'a' overlaps its mirror image, in 2 of 3 vertices", remedy: "…'union'…" };
     expect(inPanelWords(overlap).remedy).not.toContain("union");
     const other = { ...refused, remedy: "Close the file." };
