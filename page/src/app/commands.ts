@@ -100,13 +100,13 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     {
       id: "undo", group: "edit", label: "Undo", keys: ["ctrl+Z"], repeats: true,
       help: "Takes back the last change.",
-      run: () => tools.giveUpGesture() || void editor.ask({ do: "undo" }),
+      run: () => tools.giveUpGesture() || void editor.goBack("undo"),
       enabled: () => (state.value?.undo ?? null) !== null,
     },
     {
       id: "redo", group: "edit", label: "Redo", keys: ["ctrl+shift+Z", "ctrl+Y"], repeats: true,
       help: "Does again what was taken back.",
-      run: () => tools.giveUpGesture() || void editor.ask({ do: "redo" }),
+      run: () => tools.giveUpGesture() || void editor.goBack("redo"),
       enabled: () => (state.value?.redo ?? null) !== null,
     },
     {
@@ -268,7 +268,7 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
     {
       id: "symmetry", group: "handle", label: "Symmetry", keys: ["Y"],
       help: "What is done on one side of a plane is done on the other, too.",
-      run: () => void editor.ask({ do: "symmetry", ...(isSymmetric() ? { plane: null } : {}) }),
+      run: () => void editor.mirror(!isSymmetric()),
       enabled: () => editor.isOpen.value, active: isSymmetric,
     },
     {

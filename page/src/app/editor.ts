@@ -6,8 +6,10 @@ import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft";
 import { Library } from "./library";
-import { rememberOpened } from "./recent";
+import { baseName } from "./paths";
+import { rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
+import { inPanelWords, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";
 
@@ -19,6 +21,14 @@ export interface Message {
   key: number;
   kind: "problem" | "note";
   error: EngineError;
+  /** What helps, as a button. */
+  offer?: { label: string; run: () => void } | undefined;
+}
+
+/** Something that takes the place of what is open. */
+export interface Leaving {
+  name: string;
+  open: () => unknown;
 }
 
 /** A request that the engine works on. */
@@ -61,6 +71,8 @@ export class Editor {
   readonly dialog = signal<DialogName | null>(null);
   /** The edit file that saving would replace, though something else wrote it since it was opened. */
   readonly replacing = signal<string | null>(null);
+  /** What is to be opened, while it is asked what happens to unsaved work. */
+  readonly leaving = signal<Leaving | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
 
   private readonly connection: Connection;
@@ -85,6 +97,7 @@ export class Editor {
       ask: (request) => this.ask(request),
       attempt: (request) => this.attempt(request),
       request: (request) => this.connection.request(request),
+      note: (problem, remedy) => this.note(problem, "", remedy),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
     this.library = new Library((request) => this.connection.send(request));
@@ -99,8 +112,41 @@ export class Editor {
     const answer = await this.attempt(request);
     if (!("code" in answer)) return answer;
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
-    if (!isToldAlready) this.tell("problem", answer);
+    if (!isToldAlready) this.tell("problem", answer, this.offerFor(answer, request));
     return undefined;
+  }
+
+  /** A wider tolerance, where a mirror image was not found within the one that is set. */
+  private offerFor(error: EngineError, refused: PageRequest): Message["offer"] {
+    const tolerance = sufficientTolerance(error);
+    if (tolerance === undefined) return undefined;
+    const run = async () => {
+      mirrorTolerance.value = tolerance;
+      for (const request of withTolerance(refused, tolerance, this.state.value?.symmetry?.plane))
+        if ((await this.ask(request)) === undefined) return;
+    };
+    return { label: `Use ${tolerance}`, run: () => void run() };
+  }
+  /** Turns symmetry on, across the middle, or off. */
+  async mirror(on: boolean): Promise<void> {
+    const tolerance_rel = mirrorTolerance.value;
+    await this.ask(on ? { do: "symmetry", tolerance_rel } : { do: "symmetry", plane: null });
+  }
+
+  /**
+   * Takes back the last change, or does it again. Where that takes the active handle away, the last one left becomes
+   * active; where it brings a handle back, that one.
+   */
+  async goBack(way: "undo" | "redo"): Promise<void> {
+    const handles = () => (this.state.value?.handles ?? []).map(({ name }) => name);
+    const before = handles();
+    const active = this.tools.activeHandle.value;
+    if ((await this.ask({ do: way })) === undefined || this.graft.mode.value === "graft") return;
+    const after = handles();
+    const back = after.filter((name) => !before.includes(name));
+    const isGone = active !== null && !after.includes(active);
+    const next = back.at(-1) ?? (isGone ? after.at(-1) : undefined);
+    if (next !== undefined) this.tools.activeHandle.value = next;
   }
 
   /** Asks the engine; the answer, or why it refuses. */
@@ -124,15 +170,38 @@ export class Editor {
 
   /** Opens a model, and remembers it for when the connection is lost. */
   async open(request: OpenRequest): Promise<boolean> {
+    const before = this.opened;
+    this.opened = undefined; // states that come until then are of the one or the other
     const asked = this.ask(request);
     this.library.pauseFor(asked.then(() => this.viewport.arrival));
     const done = await asked;
+    this.opened = done === undefined ? before : request;
     if (done === undefined) return false;
-    this.opened = request;
     this.dialog.value = null;
     this.dismissMessages();
     rememberOpened(request);
     return true;
+  }
+
+  /** The same, once it is said what happens to work that is not saved. */
+  openInstead(request: OpenRequest): void {
+    const name = baseName(request.path ?? request.sample ?? "it");
+    this.leave({ name, open: () => this.open(request) });
+  }
+  leave(leaving: Leaving): void {
+    if (this.state.value?.dirty === true) this.leaving.value = leaving;
+    else void leaving.open();
+  }
+  /** Opens what waited for the answer. */
+  goOn(): void {
+    const { value: leaving } = this.leaving;
+    this.leaving.value = null;
+    void leaving?.open();
+  }
+  /** Saves first; asks where, the first time. */
+  async saveAndGoOn(): Promise<void> {
+    if (await this.save()) this.goOn();
+    else if (this.dialog.value !== "save" && this.replacing.value === null) this.leaving.value = null; // the reason is told
   }
 
   /** The first model of the command line, with the others beside it as parts; an edit file alone. */
@@ -164,17 +233,21 @@ export class Editor {
     return outcome;
   }
 
-  /** Writes the edit file; asks where, the first time. */
-  async save(): Promise<void> {
-    if (this.state.value === null) return;
+  /** Writes the edit file; asks where, the first time. Resolves with whether it is written. */
+  async save(): Promise<boolean> {
+    if (this.state.value === null) return false;
     if (this.state.value.edit === "") {
       this.dialog.value = "save";
-      return;
+      return false;
     }
     const done = await this.attempt({ do: "save" });
-    if (!("code" in done)) this.tellFiles("Saved", done);
-    else if (done.replaces !== undefined) this.replacing.value = done.replaces;
+    if (!("code" in done)) {
+      this.tellFiles("Saved", done);
+      return true;
+    }
+    if (done.replaces !== undefined) this.replacing.value = done.replaces;
     else this.tell("problem", done);
+    return false;
   }
   /** Writes the edit file over what something else has written there. */
   async replace(): Promise<void> {
@@ -182,7 +255,9 @@ export class Editor {
     this.replacing.value = null;
     if (edit === null) return;
     const done = await this.ask({ do: "save", edit, overwrite: true });
-    if (done !== undefined) this.tellFiles("Saved", done);
+    if (done === undefined) return;
+    this.tellFiles("Saved", done);
+    this.goOn();
   }
 
   /** Another colour for a group, and nothing else about it. */
@@ -205,11 +280,12 @@ export class Editor {
     this.messages.value = [];
     return had;
   }
-  tell(kind: Message["kind"], error: EngineError): void {
+  tell(kind: Message["kind"], told: EngineError, offer?: Message["offer"]): void {
+    const error = inPanelWords(told);
     const same = this.messages.value.some(
       (told) => told.error.problem === error.problem && told.error.place === error.place,
     );
-    if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error }];
+    if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error, offer }];
   }
   note(problem: string, place = "", remedy = ""): void {
     this.tell("note", { code: "usage", problem, place, remedy });
@@ -240,6 +316,7 @@ export class Editor {
             active.value = null;
           this.graft.follow(event);
         });
+        rememberUnsaved(this.opened, event.dirty);
         this.viewport.setDocument(event);
         break;
       case "progress":

@@ -31,6 +31,8 @@ export class Graft {
   readonly lastCut = signal<CutRequest | null>(null);
   /** The part that a click or a drag drops on the surface. */
   readonly dropped = signal<{ name: string; isNew: boolean } | null>(null);
+  /** Which part is not shown beside the model: one that is on its way to the surface, or follows the pointer there. */
+  readonly away = signal<((name: string) => boolean) | null>(null);
   /** Clicked first, to be paired with the next. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
@@ -102,6 +104,18 @@ export class Graft {
   isShown(part: Thing): boolean {
     return this.shownParts.value.get(part.name) ?? (!part.grafted || part.name === this.step.value?.source);
   }
+  /** Meshes that are shown themselves while grafting: all but those that went into what comes of them. */
+  readonly shownMeshes = computed((): ReadonlySet<number> => {
+    const beside = this.parts.value.filter((part) => this.isShown(part) && this.away.value?.(part.name) !== true);
+    const meshes = new Set([this.model.value?.mesh ?? -1, ...beside.map((part) => part.mesh)]);
+    const { value: arrangement } = this.arrangement;
+    const hasPreview = this.preview.value !== null;
+    // What is dropped is to be seen on the surface alone, also before it is known what comes of it.
+    const lands = this.step.value?.at !== undefined && this.report.value?.error === undefined;
+    if (hasPreview && arrangement !== "apart") meshes.delete(this.target.value?.mesh ?? -1);
+    if ((hasPreview || lands) && arrangement === "result") meshes.delete(this.source.value?.mesh ?? -1);
+    return meshes;
+  });
   toggleShown(part: Thing): void {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
   }
@@ -185,6 +199,26 @@ export class Graft {
     this.transform.value = this.report.value?.transform ?? null;
   }
 
+  /** A part is dropped: from now on it is to be seen on the surface alone. `add` opens it; resolves with its name. */
+  async beginDrop(add: () => Promise<string | undefined>): Promise<string | undefined> {
+    const before = new Set(this.parts.value.map((part) => part.name));
+    this.away.value = (part) => !before.has(part);
+    const name = await add();
+    batch(() => {
+      this.away.value = name === undefined ? null : (part) => part === name;
+      if (name === undefined) return;
+      this.arrangement.value = "result";
+      this.tool.value = "drop";
+      this.dropped.value = { name, isNew: !before.has(name) };
+    });
+    return name;
+  }
+  /** Grafts what is dropped. */
+  async endDrop(fields: GraftFields): Promise<void> {
+    this.dropped.value = null;
+    await this.set(fields);
+    this.away.value = null;
+  }
   /** Nothing is dropped: a part that was opened for it goes again. */
   async leaveDropped(): Promise<void> {
     const { value: dropped } = this.dropped;
@@ -192,6 +226,16 @@ export class Graft {
     await this.forgetDragged();
     if (dropped?.isNew === true && this.host.state.value?.undo === "add part")
       await this.host.ask({ do: "undo" });
+    this.away.value = null;
+  }
+  /** Nothing is dropped, as it was let go beside the surface. */
+  async missDropped(): Promise<void> {
+    const { name = "The part", isNew = true } = this.dropped.value ?? {};
+    await this.leaveDropped();
+    this.host.note(
+      `${name} was let go beside the surface, so nothing is ${isNew ? "added" : "grafted"}`,
+      "Drag it again, and let it go on the model, where it is to grow.",
+    );
   }
 
   private async sendDrag(fields: GraftFields): Promise<void> {

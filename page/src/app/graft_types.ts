@@ -56,6 +56,8 @@ export interface GraftHost {
   ask(request: PageRequest): Promise<Outcome | undefined>;
   attempt(request: PageRequest): Promise<Outcome | EngineError>;
   request(request: PageRequest): Promise<Outcome>;
+  /** Tells the person something that is no failure. */
+  note(problem: string, remedy: string): void;
   /** Where the vertices of a mesh are, 3 numbers each. */
   positionsOf(mesh: number): Float32Array | undefined;
 }

@@ -1,4 +1,11 @@
-/** Names of files, as the engine's machine writes them. */
+// Names of files, as the engine's machine writes them.
+const collator = new Intl.Collator(undefined, { numeric: true, sensitivity: "base" });
+
+/** Order of names: part 2 before part 10, capitals like all others. */
+export function asPeopleSort(a: string, b: string): number {
+  return collator.compare(a, b) || (a < b ? -1 : 1);
+}
+
 export function baseName(path: string): string {
   return path.slice(path.lastIndexOf("/") + 1);
 }

@@ -11,6 +11,21 @@ export function rememberOpened({ path }: OpenRequest): void {
   recentPaths.value = [path, ...recentPaths.value.filter((one) => one !== path)].slice(0, most);
 }
 
+/** What was left with changes that are not saved: paths and samples. */
+const unsaved = remembered<string[]>("unsaved", []);
+
+const nameOf = ({ path, sample }: OpenRequest): string | undefined => path ?? (sample && `sample ${sample}`);
+
+/** Remembers of what is open whether it has changes that are not saved. */
+export function rememberUnsaved(open: OpenRequest | undefined, isDirty: boolean): void {
+  const name = open && nameOf(open);
+  if (name === undefined || unsaved.value.includes(name) === isDirty) return;
+  unsaved.value = [...unsaved.value.filter((one) => one !== name), ...(isDirty ? [name] : [])];
+}
+export function wasLeftUnsaved(request: OpenRequest): boolean {
+  return unsaved.value.includes(nameOf(request) ?? "");
+}
+
 /** Those that may be opened now, and are not offered anyway. */
 export function recentIn(folders: readonly string[], offered: readonly string[]): string[] {
   return recentPaths.value.filter(

@@ -32,6 +32,12 @@ export function formatNumber(value: number, digits = 4): string {
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
+/** An angle as it was typed, where it is the same turn as `angleDeg`: 180 and not -180. */
+export function asTyped(angleDeg: number, typed: number): number {
+  const turns = (angleDeg - typed) / 360;
+  return Math.abs(turns - Math.round(turns)) < 0.1 / 360 + 1e-9 ? typed : angleDeg;
+}
+
 /** A length of the model, with what its unit is called. */
 export function formatLength(value: number, unit: Unit, digits = 4): string {
   return unit === "none" ? formatNumber(value, digits) : `${formatNumber(value, digits)} ${unit}`;

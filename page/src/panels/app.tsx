@@ -6,7 +6,7 @@ import { GraftToolbar, GraftToolHint } from "./graft_toolbar";
 import { Header } from "./header";
 import { HelpSheet } from "./help_sheet";
 import { Messages } from "./messages";
-import { LostConnection, PageEffects, ReplaceQuestion, RestoreOffer } from "./overlays";
+import { LeaveQuestion, LostConnection, PageEffects, ReplaceQuestion, RestoreOffer } from "./overlays";
 import { Side } from "./side";
 import { StartScreen } from "./start_screen";
 import { StatusBar } from "./status_bar";
@@ -37,6 +37,7 @@ export function App({ page }: { page: Page }) {
       <StatusBar page={page} />
       <Dialogs page={page} />
       <RestoreOffer page={page} />
+      <LeaveQuestion page={page} />
       <ReplaceQuestion page={page} />
       <DropZone page={page} />
       <LostConnection page={page} />

@@ -88,6 +88,12 @@ export function DropZone({ page }: { page: Page }) {
     if (asked !== null) void takeFiles(page, asked);
     setAsked(null);
   };
+  const save = () => {
+    if (asked === null) return;
+    page.editor.leaving.value = { name: asked[0]?.name ?? "it", open: () => takeFiles(page, asked) };
+    setAsked(null);
+    void page.editor.saveAndGoOn();
+  };
   const add = () => {
     page.editor.graft.mode.value = "graft";
     open();
@@ -108,7 +114,8 @@ export function DropZone({ page }: { page: Page }) {
             <>
               <Button label="Stay here" kind="quiet" onClick={() => setAsked(null)} />
               <Button label="Add as a part" tip="Beside the model, to be grafted." onClick={add} />
-              <Button label="Open it" kind="primary" onClick={open} />
+              <Button label="Open without saving" onClick={open} />
+              <Button label="Save…" kind="primary" onClick={save} />
             </>
           }
         >

@@ -1,7 +1,6 @@
 import { useState } from "preact/hooks";
 import type { Page } from "../app/page";
 import {
-  baseName,
   faultOfName,
   folderOf,
   joined,
@@ -29,6 +28,7 @@ interface TargetProps {
   start: { folder: string | null; name: string };
   request: (path: string, overwrite: boolean) => FileRequest;
   onClose: () => void;
+  onDone?: () => void;
   children?: preact.ComponentChildren;
 }
 
@@ -53,8 +53,9 @@ function TargetDialog(props: TargetProps) {
     setBusy(false);
     setAsks(false);
     if ("code" in answer) return answer.replaces !== undefined ? setAsks(true) : setFailure(answer);
-    onClose();
+    if (props.onDone === undefined) onClose();
     page.editor.tellFiles(props.done, answer);
+    props.onDone?.();
   };
   const actions = asks ? (
     <>
@@ -128,7 +129,8 @@ function firstFolder(page: Page): string | null {
 
 /** The edit file: what was done, without the mesh. */
 export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void }) {
-  const state = page.editor.state.value;
+  const { editor } = page;
+  const state = editor.state.value;
   const name =
     state === null || state.edit === "" ? `${stemOf(state?.name ?? "model")} edit` : stemOf(state.edit);
   return (
@@ -140,7 +142,14 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
       extension=".json"
       start={{ folder: firstFolder(page), name }}
       request={(edit, overwrite) => ({ do: "save", edit, overwrite })}
-      onClose={onClose}
+      onDone={() => {
+        onClose();
+        editor.goOn();
+      }}
+      onClose={() => {
+        onClose();
+        editor.leaving.value = null;
+      }}
     >
       <p class="hint">
         An edit file has all that you did, to go on later or to run again: <code>meshgraft run</code>. The
@@ -215,15 +224,8 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
     welcome?.folders.length === 0 ? "samples" : "files",
   );
   const listing = useListing(page, folder);
-  const state = editor.state.value;
   return (
     <Dialog title="Open" onClose={onClose} wide>
-      {state?.dirty === true && (
-        <p class="warning-line">
-          {baseName(state.name)} has changes that are not saved. They are kept in its journal, and offered
-          when you open it again.
-        </p>
-      )}
       <Segments
         label="From"
         hideLabel
@@ -240,7 +242,7 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
           folder={folder}
           onFolder={setFolder}
           listing={listing}
-          onFile={(path) => void editor.open({ do: "open", path })}
+          onFile={(path) => editor.openInstead({ do: "open", path })}
         />
       )}
       {source === "samples" && (
@@ -250,7 +252,7 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
               <button
                 type="button"
                 class="list-main"
-                onClick={() => void editor.open({ do: "open", sample: name })}
+                onClick={() => editor.openInstead({ do: "open", sample: name })}
               >
                 <span class="list-name">{name}</span>
                 <small>{description}</small>

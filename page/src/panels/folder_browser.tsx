@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Page } from "../app/page";
-import { baseName, folderOf, joined } from "../app/paths";
+import { asPeopleSort, baseName, folderOf, joined } from "../app/paths";
 import { formatBytes } from "../app/units";
 import { Icon } from "./ui/icon";
 
@@ -24,7 +24,11 @@ export function useListing(page: Page, folder: string | null): Listing | undefin
     void page.editor.ask(folder === null ? { do: "list" } : { do: "list", folder }).then((outcome) => {
       if (!wanted || outcome === undefined) return;
       const files = (outcome.files ?? []).filter((file) => typeof file !== "string");
-      setListing({ folder: outcome.folder ?? null, folders: outcome.folders ?? [], files });
+      setListing({
+        folder: outcome.folder ?? null,
+        folders: [...(outcome.folders ?? [])].sort(asPeopleSort),
+        files: files.sort((a, b) => asPeopleSort(a.name, b.name)),
+      });
     });
     return () => {
       wanted = false;

@@ -34,6 +34,7 @@ export function PartLibrary({ page }: { page: Page }) {
       <div class="library-bar">
         <select
           aria-label="Where parts come from"
+          data-tip={place === "samples" ? undefined : place}
           value={place}
           onChange={(event) => setPlace(event.currentTarget.value)}
         >

@@ -1,8 +1,10 @@
 import { useEffect, useRef } from "preact/hooks";
 import type { Arrangement } from "../app/graft";
 import { cssColour, pairColour } from "../app/graft_colours";
+import { asTyped } from "../app/units";
 import type { GraftFields, GraftStep, OpenStart, Vector3Tuple } from "../app/graft_step";
 import { withoutDot, withoutPair } from "../app/graft_step";
+import { pairingWords } from "../app/graft_words";
 import type { Page } from "../app/page";
 import { PartLibrary } from "./graft_library";
 import { CutInWork, CutPanel } from "./graft_cut";
@@ -36,19 +38,8 @@ export function GraftPanels({ page }: { page: Page }) {
 /** What to do next, before a graft is in work. */
 function Pairing({ page }: { page: Page }) {
   const { graft } = page.editor;
-  const waiting = graft.parts.value.filter((part) => graft.isShown(part));
-  if (waiting.length === 0 || graft.tool.value !== "loops") return null;
-  const loops = graft.model.value?.loops ?? 0;
-  const open = waiting.filter((part) => part.loops > 0);
-  const words =
-    open.length === 0
-      ? "The part has no open boundary: cut it first, by a plane or along a curve."
-      : loops === 0
-        ? "The model has no open boundary: cut it, or drop the part on its surface."
-        : graft.picked.value === null
-          ? "Click a loop of the model and a loop of a part: these two meet."
-          : "Now click the loop of the other one that it meets.";
-  return <p class="next-step">{words}</p>;
+  const words = pairingWords(graft);
+  return words === undefined || graft.tool.value !== "loops" ? null : <p class="next-step">{words}</p>;
 }
 
 const arrangements = [
@@ -241,6 +232,7 @@ function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
         softMax={90}
         suffix="°"
         step={5}
+        arrowStep={1}
         value={step.normalAngleDeg}
         help="Turns the way the part leaves the surface, about the loop."
         onInput={(value) => drag({ normal_angle_deg: value })}
@@ -251,7 +243,8 @@ function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
         <div class="size-row">
           <Slider
             label="Size"
-            min={1e-6}
+            min={-Infinity}
+            above={0}
             max={1e6}
             softMin={0.1}
             softMax={10}
@@ -283,12 +276,16 @@ function Twist({ page }: { page: Page }) {
   const index = graft.activePair.value;
   const pair = graft.pairs.value[index];
   const held = pair === undefined || pair.matches.length > 0 || graft.starts.curvesOf(pair) === undefined;
+  const asked = useRef(0); // -180° and 180° are one turn: it is shown as it was asked for
   const twist = (value: number, then: "drag" | "keep") => {
     const pairs = graft.starts.withTwist(index, value);
     if (pairs === undefined) return;
+    asked.current = value;
     if (then === "drag") graft.dragPairs(pairs);
     else void graft.setPairs(pairs);
   };
+  const found = held ? 0 : graft.starts.twistOf(index, graft.keptPairs.value);
+  const turned = asTyped(Math.round(10 * found) / 10, asked.current);
   return (
     <Slider
       label="Twist"
@@ -296,8 +293,9 @@ function Twist({ page }: { page: Page }) {
       max={180}
       suffix="°"
       step={5}
+      arrowStep={1}
       digits={3}
-      value={held ? 0 : Math.round(10 * graft.starts.twistOf(index, graft.keptPairs.value)) / 10}
+      value={held ? 0 : turned}
       disabled={held}
       help={
         (pair?.matches.length ?? 0) > 0
@@ -320,6 +318,7 @@ function Spin({ page, step }: { page: Page; step: GraftStep }) {
       max={180}
       suffix="°"
       step={15}
+      arrowStep={1}
       value={step.at?.spin_deg ?? 0}
       help="Turns the part about the surface's normal."
       onInput={(value) => graft.drag(at(value))}

@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Message } from "../app/editor";
 import type { Page } from "../app/page";
-import { IconButton } from "./ui/button";
+import { Button, IconButton } from "./ui/button";
 import { Icon } from "./ui/icon";
 
 /** What the person is told: problem, place and remedy, until it is read; success goes by itself. The newest is at the bottom. */
@@ -28,7 +28,7 @@ export function Messages({ page }: { page: Page }) {
 
 const passingMs = 10_000; // of what went as it should; all else stays
 
-function Toast({ message: { kind, error }, onClose }: { message: Message; onClose: () => void }) {
+function Toast({ message: { kind, error, offer }, onClose }: { message: Message; onClose: () => void }) {
   const [copied, setCopied] = useState(false);
   const [held, setHeld] = useState(false);
   const isPassing = kind === "note" && error.remedy === "" && !held;
@@ -56,6 +56,15 @@ function Toast({ message: { kind, error }, onClose }: { message: Message; onClos
         <strong>{sentence(error.problem)}</strong>
         {error.place !== "" && <code>{error.place}</code>}
         {error.remedy !== "" && <p>{error.remedy}</p>}
+        {offer !== undefined && (
+          <Button
+            label={offer.label}
+            onClick={() => {
+              onClose();
+              offer.run();
+            }}
+          />
+        )}
       </div>
       <div class="toast-buttons">
         <IconButton label="Close the message" icon="close" onClick={onClose} />

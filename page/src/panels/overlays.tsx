@@ -40,14 +40,44 @@ export function RestoreOffer({ page }: { page: Page }) {
   );
 }
 
+/** Before something else takes the place of unsaved work. */
+export function LeaveQuestion({ page }: { page: Page }) {
+  const { editor } = page;
+  const leaving = editor.leaving.value;
+  if (leaving === null || editor.dialog.value === "save" || editor.replacing.value !== null) return null;
+  const name = baseName(editor.state.value?.name ?? "What is open");
+  return (
+    <Dialog
+      title={`Open ${leaving.name}?`}
+      onClose={() => (editor.leaving.value = null)}
+      actions={
+        <>
+          <Button label="Cancel" kind="quiet" onClick={() => (editor.leaving.value = null)} />
+          <Button
+            label="Open without saving"
+            tip={`The changes stay in the journal of ${name}, and are offered when you open it again.`}
+            onClick={() => editor.goOn()}
+          />
+          <Button label="Save…" kind="primary" autoFocus onClick={() => void editor.saveAndGoOn()} />
+        </>
+      }
+    >
+      <p>
+        {name} has changes that are not saved. Without saving they are kept in its journal, and offered when you
+        open it again.
+      </p>
+    </Dialog>
+  );
+}
+
 /** Before an edit file is replaced that something else wrote: another tab, another program. */
 export function ReplaceQuestion({ page }: { page: Page }) {
   const { editor } = page;
   const file = editor.replacing.value;
   if (file === null) return null;
-  const leave = () => (editor.replacing.value = null);
+  const leave = () => (editor.replacing.value = editor.leaving.value = null);
   const saveAs = () => {
-    leave();
+    editor.replacing.value = null;
     editor.dialog.value = "save";
   };
   return (

@@ -116,10 +116,11 @@ interface TripleProps {
   unit?: "mm" | "cm" | "m" | "in" | "none";
   suffix?: string;
   step: number;
+  above?: number;
   tip?: string;
 }
 
-function Triple({ label, value, onChange, quantity, unit, suffix, step, tip }: TripleProps) {
+function Triple({ label, value, onChange, quantity, unit, suffix, step, above, tip }: TripleProps) {
   return (
     <div class="triple" role="group" aria-label={label} data-tip={tip}>
       <span class="label">
@@ -133,6 +134,7 @@ function Triple({ label, value, onChange, quantity, unit, suffix, step, tip }: T
             quantity={quantity}
             unit={unit}
             step={step}
+            above={above}
             onChange={(to) => onChange(withComponent(value, k, to))}
           />
         </span>
@@ -159,7 +161,7 @@ function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
         data-tip="About an axis by any angle; more than 360° winds up. “2 turns” may be typed, too."
       >
         <span class="label">
-          Turn <small>{turns === "" ? "°" : turns}</small>
+          Turn <small class={turns === "" ? "" : "turns"}>{turns === "" ? "°" : turns}</small>
         </span>
         <NumberField
           label="Turn angle"
@@ -210,6 +212,7 @@ function Scale({ numbers: { scale }, change }: PartProps) {
             value={scale[0]}
             quantity="factor"
             step={0.05}
+            above={0}
             onChange={(s) => change({ scale: [s, s, s] })}
           />
         </div>
@@ -219,6 +222,7 @@ function Scale({ numbers: { scale }, change }: PartProps) {
           suffix="×"
           quantity="factor"
           step={0.05}
+          above={0}
           value={scale}
           onChange={(to) => change({ scale: to })}
         />

@@ -2,7 +2,7 @@ import { useRef, useState } from "preact/hooks";
 import type { OpenRequest } from "../app/editor";
 import type { Page } from "../app/page";
 import { baseName, folderOf } from "../app/paths";
-import { recentIn } from "../app/recent";
+import { recentIn, wasLeftUnsaved } from "../app/recent";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
 import { Thumbnail } from "./graft_library";
@@ -95,6 +95,7 @@ function Card({
         <span>
           <strong>{name}</strong>
           <small>{detail}</small>
+          {wasLeftUnsaved(request) && <small class="unsaved">has unsaved work to restore</small>}
         </span>
       </button>
     </li>

@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Box, Work } from "../app/editor";
+import { graftWords, shownSize } from "../app/graft_words";
 import { liveWords, stageWords } from "../app/live_words";
 import type { Page } from "../app/page";
 import { changeLabel } from "../app/request_labels";
@@ -10,7 +11,8 @@ import { Icon } from "./ui/icon";
 export function StatusBar({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
-  const words = liveWords(state, editor.live.value);
+  const grafts = state !== null && editor.graft.mode.value === "graft";
+  const words = grafts ? graftWords(editor.graft) : liveWords(state, editor.live.value);
   return (
     <footer class="status" aria-label="Status">
       <Progress page={page} />
@@ -22,9 +24,9 @@ export function StatusBar({ page }: { page: Page }) {
         )}
         {words.text}
       </span>
-      <LiveFigures page={page} />
+      {!grafts && <LiveFigures page={page} />}
       <span class="space" />
-      {state !== null && <ModelFigures page={page} />}
+      {grafts ? <ShownFigures page={page} /> : state !== null && <ModelFigures page={page} />}
     </footer>
   );
 }
@@ -71,6 +73,30 @@ function ModelFigures({ page }: { page: Page }) {
       {box !== null && (
         <span data-tip="Sides of the box around the model. The unit is set under View.">
           {formatSize(sidesOf(box), editor.view.unit.value)}
+        </span>
+      )}
+    </>
+  );
+}
+
+/** While grafting: of what is shown, result and parts. */
+function ShownFigures({ page }: { page: Page }) {
+  const { editor, viewport } = page;
+  const [size] = useState(() =>
+    shownSize(editor.graft, (mesh) => viewport.surfaceOf(mesh)?.size.toArray()),
+  );
+  const { vertices, faces, sides } = size.value;
+  const selected = editor.graft.paintsFixed.value ? editor.selected.value : 0;
+  return (
+    <>
+      {selected > 0 && <span class="selected-count">{formatCount(selected)} selected</span>}
+      <span class="wide-only" data-tip="Of all that is shown, parts among it.">
+        {counted(vertices, "vertex", "vertices")}
+      </span>
+      <span class="wide-only">{counted(faces, "face")}</span>
+      {sides !== undefined && (
+        <span data-tip="Sides of the box around what is shown. The unit is set under View.">
+          {formatSize(sides, editor.view.unit.value)}
         </span>
       )}
     </>

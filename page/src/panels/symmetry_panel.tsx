@@ -8,16 +8,20 @@ import {
   type PlaneAxis,
 } from "../app/mirror_plane";
 import type { Page } from "../app/page";
+import { mirrorTolerance } from "../app/symmetry";
 import { formatNumber } from "../app/units";
 import { Segments, Slider, Toggle } from "./ui/fields";
-import { More, Section } from "./ui/section";
+import { Section } from "./ui/section";
 
 /** What is done on one side happens on the other one, too. */
 export function SymmetryPanel({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
   const symmetry = state?.symmetry ?? null;
-  const turn = (on: boolean) => void editor.ask(on ? { do: "symmetry" } : { do: "symmetry", plane: null });
+  const tolerate = (tolerance_rel: number) => {
+    mirrorTolerance.value = tolerance_rel;
+    if (symmetry !== null) void editor.ask({ do: "symmetry", plane: symmetry.plane, tolerance_rel });
+  };
   return (
     <Section
       title="Symmetry"
@@ -28,7 +32,7 @@ export function SymmetryPanel({ page }: { page: Page }) {
         label="Symmetric editing"
         value={symmetry !== null}
         help="Each handle gets a twin at its mirror image."
-        onChange={turn}
+        onChange={(on) => void editor.mirror(on)}
       />
       {symmetry !== null && (
         <>
@@ -38,24 +42,20 @@ export function SymmetryPanel({ page }: { page: Page }) {
               ? "No handle has a twin yet."
               : `Twins: ${symmetry.twins.map(({ of }) => of).join(", ")}.`}
           </p>
-          <More label="More of symmetry">
-            <Slider
-              label="Tolerance"
-              value={symmetry.tolerance_rel}
-              min={1e-9}
-              max={1}
-              softMin={1e-5}
-              softMax={0.1}
-              logarithmic
-              step={0.001}
-              help="How far a vertex may be from the mirror image of another one, × the diagonal of the model."
-              onChange={(tolerance_rel) =>
-                void editor.ask({ do: "symmetry", plane: symmetry.plane, tolerance_rel })
-              }
-            />
-          </More>
         </>
       )}
+      <Slider
+        label="Tolerance"
+        value={symmetry?.tolerance_rel ?? mirrorTolerance.value}
+        min={1e-9}
+        max={1}
+        softMin={1e-5}
+        softMax={0.1}
+        logarithmic
+        step={0.001}
+        help="How far a vertex may be from the mirror image of another one, × the diagonal of the model."
+        onChange={tolerate}
+      />
     </Section>
   );
 }

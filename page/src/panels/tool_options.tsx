@@ -104,7 +104,7 @@ function HandleLine({ page }: { page: Page }) {
   const usualMove = 0.01 * (state.value?.model.diagonal ?? 1);
   return (
     <div class="tool-line handle-line" role="toolbar" aria-label="Gizmo">
-      <strong>{tools.activeHandle.value}</strong>
+      <strong data-tip={tools.activeHandle.value}>{tools.activeHandle.value}</strong>
       <CommandButton page={page} id="gizmo-space" icon="gizmo-space" />
       <CommandButton page={page} id="pivot" icon="pivot" />
       <CommandButton page={page} id="snap" icon="snap" />

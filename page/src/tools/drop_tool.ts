@@ -51,7 +51,7 @@ export class DropTool implements Tool {
       move: (at) => this.hover(at, undefined),
       end: (at) => {
         this.hover(at, undefined);
-        void this.finish();
+        if (this.canLand(at.spot)) void this.finish();
       },
       cancel: () => this.giveUp(),
     };
@@ -112,16 +112,23 @@ export class DropTool implements Tool {
   async finish(): Promise<void> {
     const fields = this.fields();
     if (fields === undefined) return this.giveUp();
-    this.graft.dropped.value = null;
+    const done = this.graft.endDrop(fields);
     this.end();
-    await this.graft.set(fields);
+    await done;
+  }
+  /** Leaves it, and says why: it was let go beside the surface. */
+  async miss(): Promise<void> {
+    const done = this.graft.missDropped();
+    this.end();
+    await done;
   }
   giveUp(): void {
     if (this.graft.dropped.value !== null) void this.graft.leaveDropped();
     this.end();
   }
-  get hasPlace(): boolean {
-    return this.drop !== undefined;
+  /** Whether the surface is there. */
+  canLand(spot: Spot): boolean {
+    return this.pointUnder(spot) !== undefined;
   }
   private end(): void {
     this.drop = undefined;

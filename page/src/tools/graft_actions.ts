@@ -49,14 +49,9 @@ export class GraftPanelActions implements GraftActions {
   }
 
   private async begin(add: () => Promise<string | undefined>, then = () => {}): Promise<boolean> {
-    const { graft } = this.editor;
-    const before = new Set(graft.parts.value.map((part) => part.name));
-    const name = await add();
-    if (name === undefined) return false;
-    graft.tool.value = "drop";
-    graft.dropped.value = { name, isNew: !before.has(name) };
-    then();
-    return true;
+    const name = await this.editor.graft.beginDrop(add);
+    if (name !== undefined) then();
+    return name !== undefined;
   }
 
   private follow(event: PointerEvent): void {
@@ -64,8 +59,11 @@ export class GraftPanelActions implements GraftActions {
   }
   private async finish(event: PointerEvent): Promise<void> {
     if (this.editor.graft.dropped.value === null) return; // given up
-    if (this.isOverView(event) && this.dropTool.hasPlace) await this.dropTool.finish();
-    else this.dropTool.giveUp();
+    const at = pointerOf(event);
+    if (this.isOverView(event) && this.dropTool.canLand(at.spot)) {
+      this.dropTool.hover(at, undefined);
+      await this.dropTool.finish();
+    } else await this.dropTool.miss();
   }
   private isOverView(event: PointerEvent): boolean {
     return document.elementFromPoint(event.clientX, event.clientY) === this.viewport.canvas;

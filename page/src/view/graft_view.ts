@@ -1,7 +1,7 @@
 import { effect, untracked } from "@preact/signals";
 import { Group, Matrix4, Vector3 } from "three";
 import type { Graft, LoopRef, Thing } from "../app/graft";
-import type { Rows4 } from "../app/graft_step";
+import type { Rows4, Vector3Tuple } from "../app/graft_step";
 import type { BinaryFrame } from "../engine/binary_frame";
 import { standBeside, type Box } from "./beside";
 import { partColour, seamColour } from "../app/graft_colours";
@@ -18,6 +18,7 @@ export class GraftView {
   private readonly lines = new MatchLines();
   private readonly ghost = new Ghost();
   private preview: { frame: BinaryFrame; surface: Surface } | undefined;
+  private readonly sides = new Map<string, Vector3Tuple>(); // where parts stand, as seen from the model
   private framed = ""; // what was in the picture when it was framed last
 
   constructor(
@@ -82,7 +83,7 @@ export class GraftView {
     const { graft, viewport } = this;
     void viewport.parts.changed.value;
     const on = graft.mode.value === "graft";
-    const shows = this.shown(on);
+    const shows = on ? graft.shownMeshes.value : new Set([graft.model.value?.mesh ?? -1]);
     for (const surface of viewport.surfaces.values()) surface.object.visible = !on || shows.has(surface.id);
     for (const part of graft.parts.value) {
       const shown = viewport.parts.get(part.mesh);
@@ -101,33 +102,34 @@ export class GraftView {
     viewport.requestRender();
   }
 
-  /** The meshes that are shown themselves: all but those that went into what comes of them. */
-  private shown(on: boolean): Set<number> {
-    const { graft } = this;
-    const { value: model } = graft.model;
-    const all = [...(model === undefined ? [] : [model]), ...graft.parts.value.filter((part) => graft.isShown(part))];
-    const meshes = new Set(on ? all.map((thing) => thing.mesh) : [model?.mesh ?? -1]);
-    if (!on || graft.preview.value === null) return meshes;
-    const { value: arrangement } = graft.arrangement;
-    if (arrangement !== "apart") meshes.delete(graft.target.value?.mesh ?? -1);
-    if (arrangement === "result") meshes.delete(graft.source.value?.mesh ?? -1);
-    return meshes;
-  }
-
   private standParts(shows: ReadonlySet<number>): void {
     const { graft, viewport } = this;
     const main = viewport.main;
     if (main === undefined) return;
+    for (const name of this.sides.keys()) if (graft.named(name) === undefined) this.sides.delete(name);
     const posed = graft.step.value?.pose === "keep" ? graft.source.value?.mesh : undefined;
     const beside = graft.parts.value.filter((part) => part.mesh !== posed && this.standsBeside(part, shows));
     const surfaces = beside.map((part) => viewport.parts.get(part.mesh)).filter((part) => part !== undefined);
-    const stands = standBeside(boxOf(main), surfaces.map((part) => boxOf(part.surface)));
+    const boxes = beside.flatMap(({ mesh, name }) => {
+      const part = viewport.parts.get(mesh);
+      return part === undefined ? [] : [{ ...boxOf(part.surface), towards: this.sideOf(name) }];
+    });
+    const stands = standBeside(boxOf(main), boxes);
     surfaces.forEach((part, i) => {
       const { scale = 1, offset = [0, 0, 0] } = stands[i] ?? {};
       part.stand = new Matrix4().makeScale(scale, scale, scale).setPosition(...offset);
     });
     const part = posed === undefined ? undefined : viewport.parts.get(posed);
     if (part !== undefined) part.stand = this.posedAt();
+  }
+
+  // A part goes to the camera's right as it was when the part came, and stays there while the view turns.
+  private sideOf(part: string): Vector3Tuple {
+    const known = this.sides.get(part);
+    if (known !== undefined) return known;
+    const side = this.viewport.navigation.rightward().toArray();
+    if (this.graft.mode.value === "graft") this.sides.set(part, side);
+    return side;
   }
 
   // The part in the result keeps its place in the row, so that the others stay where they are.
@@ -194,14 +196,16 @@ export class GraftView {
     this.ghost.show(source, this.group.matrix.clone().multiply(matrixOfRows(rows)));
   }
 
-  /** Frames all when something else is shown than before. */
+  /** Frames all when something else is shown than before; where a part is dropped, the view stays as it is. */
   private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
-    if (this.graft.dragged.value !== null) return;
+    const { away, dragged, step } = this.graft;
+    if (away.value !== null || dragged.value !== null) return;
     const there = [...shows].filter((mesh) => this.viewport.surfaceOf(mesh) !== undefined);
     const key = on ? `${there.sort().join()} ${this.preview?.surface.object.visible === true}` : "";
     if (key === this.framed) return;
     const grew = this.framed !== "" || shows.size > 1;
     this.framed = key;
+    if (step.value?.at !== undefined) return;
     if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));
   }
 }

@@ -192,6 +192,11 @@ export class Navigation {
     return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(x, y, this.eyeDirection(stand)));
   }
 
+  /** To the right in the picture, once the view has come to rest; of length 1. */
+  rightward(): Vector3 {
+    return new Vector3(1, 0, 0).applyQuaternion(this.orientation(this.goal()));
+  }
+
   private eyeDirection(stand: { yaw: number; pitch: number }): Vector3 {
     const [front, right, above] = this.axes();
     const level = front.multiplyScalar(Math.cos(stand.yaw)).addScaledVector(right, Math.sin(stand.yaw));

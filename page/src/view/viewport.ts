@@ -140,6 +140,7 @@ export class Viewport {
       overflow: "hidden",
     });
     host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
+    this.cube.element.hidden = this.main === undefined;
     effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);
     new ResizeObserver(() => this.requestRender()).observe(host);
@@ -447,6 +448,8 @@ export class Viewport {
     this.arrival = this.bringIn(surface);
     this.followLegend(surface);
     this.applyTo(surface);
+    if (this.instead === undefined) this.legend.value = surface.legend; // what is there is of the one before
+    this.cube.element.hidden = false;
     this.measure();
     this.layGround();
     const similar =

@@ -224,6 +224,22 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
   };
   await slide("Normal angle", 0.1);
   expect(await graftOf(person)).toMatchObject({ normal_angle_deg: expect.closeTo(18, -1) });
+  const before = ((await graftOf(person)) as { normal_angle_deg: number }).normal_angle_deg;
+  const angle = person.page.getByRole("slider", { name: "Normal angle" });
+  await angle.press("ArrowRight");
+  await grafted(person);
+  expect(await graftOf(person)).toMatchObject({ normal_angle_deg: Math.round(before) + 1 });
+  const field = person.page.getByRole("textbox", { name: "Twist" });
+  await field.fill("180");
+  await field.press("Enter");
+  await grafted(person);
+  expect(await field.inputValue()).not.toMatch(/^[-−]/);
+  await field.press("ArrowUp"); // beyond the end: it says so, and stays
+  await person.page.getByRole("alert").getByText("-180 to 180", { exact: true }).waitFor();
+  expect(await field.inputValue()).not.toMatch(/^[-−]/);
+  await field.fill("0");
+  await field.press("Enter");
+  await grafted(person);
   await slide("Twist", 0.25);
   const twist = await person.page.evaluate(() => window.meshgraft.editor.graft.starts.twistOf(0));
   expect(Math.abs(twist - 90)).toBeLessThan(25);
@@ -361,6 +377,48 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   expect(person.complaints).toEqual([]);
 }, 240_000);
 
+/** The rectangle around a mesh on the page: left, top, right, bottom. */
+function boxOnPage(person: Person, mesh: "model" | "part"): Promise<[number, number, number, number]> {
+  return person.page.evaluate((which) => {
+    const { editor, viewport, graftView } = window.meshgraft;
+    const thing = which === "model" ? editor.graft.model.value : editor.graft.parts.value[0];
+    const count = viewport.surfaceOf(thing?.mesh ?? -1)?.vertexCount ?? 0;
+    const box: [number, number, number, number] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (let v = 0; v < count; ++v) {
+      const { x, y } = viewport.project(graftView.place(thing?.mesh ?? -1, v)!);
+      box[0] = Math.min(box[0], x);
+      box[1] = Math.min(box[1], y);
+      box[2] = Math.max(box[2], x);
+      box[3] = Math.max(box[3], y);
+    }
+    return box;
+  }, mesh);
+}
+
+test("puts a part to the right of the model, from wherever that is seen", async () => {
+  const { stage, person } = await open();
+  await stage.openSample("bust", 20);
+  await person.page.getByRole("tab", { name: "Graft" }).click();
+  for (const [yaw, pitch] of [[0, 0], [2, 0.3], [2.2, -0.6]] as const) {
+    await person.page.evaluate(
+      async ([yaw, pitch]) => {
+        const { editor, viewport } = window.meshgraft;
+        viewport.navigation.orbit(yaw, pitch);
+        await editor.graft.addPart({ sample: "head", resolution: 20 }, false);
+      },
+      [yaw, pitch] as const,
+    );
+    await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
+    await person.page.waitForTimeout(900); // the view comes to rest
+    const [part, model] = [await boxOnPage(person, "part"), await boxOnPage(person, "model")];
+    expect(part[0]).toBeGreaterThan(model[2] + 5);
+    await person.screenshot(`graft-beside-${Math.round(10 * yaw)}`);
+    await person.press("Control+z");
+    await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
+  }
+  expect(person.complaints).toEqual([]);
+}, 120_000);
+
 test("drops a part from the library onto the surface", async () => {
   const { stage, person } = await open();
   await stage.openSample("torus", 40);
@@ -369,11 +427,36 @@ test("drops a part from the library onto the surface", async () => {
   if (card === null) throw new Error("the library is not shown");
   await person.page.mouse.move(card.x + 30, card.y + 30);
   await person.page.mouse.down();
+  const status = person.page.getByRole("contentinfo", { name: "Status" });
+  await status.getByText("Add a part from the library").waitFor();
+  const eye = () => person.page.evaluate(() => window.meshgraft.viewport.camera.matrixWorld.toArray());
+  const standing = () =>
+    person.page.evaluate(() => window.meshgraft.viewport.parts.shown().map(({ surface }) => surface.id));
+  const seen = await eye();
   await person.page.mouse.move(500, 420, { steps: 5 });
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
+  await status.getByText("Point where the part is to grow").waitFor();
+  await person.page.waitForTimeout(700);
+  expect(await standing()).toEqual([]); // it follows the pointer, and stands nowhere else
+  await person.screenshot("drop-loaded");
   await person.page.keyboard.press("Escape");
   await person.page.mouse.up();
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
+  expect(await eye()).toEqual(seen);
+  expect(await person.page.getByText(/was let go beside the surface/).count()).toBe(0);
+
+  const beside: Point = await person.page.evaluate(() => {
+    const { canvas } = window.meshgraft.viewport;
+    const { left, bottom } = canvas.getBoundingClientRect();
+    return [left + 30, bottom - 120] as const;
+  });
+  await person.stroke([[card.x + 30, card.y + 30], [500, 420], beside]);
+  await person.page.getByText("Cylinder was let go beside the surface, so nothing is added").waitFor();
+  await person.screenshot("drop-missed");
+  expect(await person.page.evaluate(() => window.meshgraft.editor.graft.parts.value.length)).toBe(0);
+  expect(await graftOf(person)).toBeNull();
+  expect(await eye()).toEqual(seen);
+  await person.press("Escape");
   await person.page.evaluate(async () => {
     await window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false);
   });
@@ -406,9 +489,20 @@ test("drops a part from the library onto the surface", async () => {
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.transform.value !== null);
   await person.page.waitForTimeout(600);
   await person.screenshot("drop-dragged");
+  expect(await standing()).toEqual([]);
+  const before = await eye();
   await person.page.mouse.up();
   const report = await grafted(person);
   expect(report?.error).toBeUndefined();
+  expect(await standing()).toEqual([]);
+  expect(await eye()).toEqual(before);
+  await status.getByText("Grafted; Accept keeps it").waitFor();
+  const counts = await person.page.evaluate(() => {
+    const frame = window.meshgraft.editor.graft.preview.value;
+    return { shown: frame?.indices("triangles")?.length ?? 0, model: window.meshgraft.editor.state.value?.model.faces };
+  });
+  expect(counts.shown / 3).not.toBe(counts.model);
+  await status.getByText(`${String(counts.shown / 3).replace(/\B(?=(\d{3})+$)/g, "\u202f")} faces`).waitFor();
   expect(await graftOf(person)).toMatchObject({ source: "head", at: { spin_deg: 22.5 } });
   await person.page.waitForTimeout(800);
   await person.screenshot("drop-done");

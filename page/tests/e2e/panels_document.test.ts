@@ -55,6 +55,17 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await type("Move Y", "nonsense");
   expect((await state())?.handles[0]?.pose.translate).toEqual([50, 0, 0]);
   await person.screenshot("panels-pose");
+  for (const text of ["0", "-2", "nothing"]) {
+    await type("Scale", text);
+    const field = person.page.getByRole("textbox", { name: "Scale", exact: true });
+    expect(await field.getAttribute("aria-invalid")).toBe("true");
+    expect(await field.evaluate((one) => one === document.activeElement)).toBe(true);
+    await person.page.getByRole("alert").getByText("more than 0", { exact: true }).waitFor();
+  }
+  await person.screenshot("panels-out-of-range");
+  await person.press("Tab"); // which leaves it, and the number that was
+  expect(await person.page.getByRole("textbox", { name: "Scale", exact: true }).inputValue()).toBe("1.5");
+  expect((await state())?.handles[0]?.pose.scale).toEqual([1.5, 1.5, 1.5]);
 
   await person.click(/^More for handle/);
   await person.page.getByRole("menuitem", { name: "Rename" }).click();
@@ -188,4 +199,58 @@ test("symmetric editing has its plane", async () => {
   await page.getByRole("switch", { name: "Symmetric editing" }).uncheck();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry === null);
   expect(person.complaints).toEqual([]);
+});
+
+test("the heat map's legend is the open model's, and no message covers it", async () => {
+  const { person } = stage;
+  const { page } = person;
+  await page.evaluate(() => (window.meshgraft.editor.view.heatMap.value = "detail"));
+  const legend = page.locator(".view-legend");
+  await legend.getByText(/^Detail/).waitFor();
+  const before = await page.evaluate(() => window.meshgraft.viewport.legend.value?.max);
+  await page.evaluate(() => window.meshgraft.editor.note("Something happened.", "", "This stays."));
+  await page.getByText("Something happened.").waitFor();
+  await person.screenshot("panels-legend");
+  const [told, shown] = [await page.locator(".toast").boundingBox(), await legend.boundingBox()];
+  expect((told?.y ?? 0) + (told?.height ?? 0)).toBeLessThanOrEqual(shown?.y ?? 0);
+  // In the same turn in which the new model is there.
+  await page.evaluate(() => {
+    const { viewport } = window.meshgraft;
+    const setMesh = viewport.show.bind(viewport);
+    const seen: unknown[] = [];
+    viewport.show = (frame) => {
+      setMesh(frame);
+      seen.push(viewport.legend.value === (viewport.main?.legend ?? null));
+    };
+    Object.assign(window, { seen });
+  });
+  await stage.openSample("octopus", 20);
+  await legend.getByText(/^Detail/).waitFor();
+  const fits = await page.evaluate(() => (window as unknown as { seen: boolean[] }).seen);
+  expect(fits.length).toBeGreaterThan(0);
+  expect(fits).not.toContain(false);
+  expect(await page.evaluate(() => window.meshgraft.viewport.legend.value?.max)).not.toBe(before);
+  await page.evaluate(() => (window.meshgraft.editor.view.heatMap.value = "none"));
+});
+
+test("undo and redo of the making of handles leave one active", async () => {
+  const { person } = stage;
+  const active = () => person.page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value);
+  const step = async (keys: string, handles: number) => {
+    await person.press(keys);
+    await person.page.waitForFunction(
+      (count) => window.meshgraft.editor.isIdle() && window.meshgraft.editor.state.value?.handles.length === count,
+      handles,
+    );
+  };
+  await makeHandle(3);
+  const [first] = [await active()];
+  await person.page.evaluate(() =>
+    window.meshgraft.editor.ask({ do: "paint-handle", vertices: [0], name: "other" }).then(() => (window.meshgraft.editor.tools.activeHandle.value = "other")),
+  );
+  expect(await active()).toBe("other");
+  for (let i = 0; i < 3 && (await state())?.handles.length === 2; ++i) await person.press("Control+z").then(() => person.settle());
+  expect(await active()).toBe(first);
+  await step("Control+Shift+z", 2);
+  expect(await active()).toBe("other");
 });

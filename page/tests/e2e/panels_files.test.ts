@@ -108,6 +108,49 @@ test("saving asks where, then not again, and before it replaces", async () => {
   await person.click("Close the message");
 });
 
+test("what is not saved is asked about before another model is opened", async () => {
+  const { person, folder } = stage;
+  const { page } = person;
+  await stage.openSample("bar", 8);
+  await page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    if (editor.offer.value !== null) await editor.ask({ do: "discard" });
+    editor.offer.value = null;
+  });
+  await moveTop(0.25);
+  const name = () => page.evaluate(() => window.meshgraft.editor.state.value?.name);
+  const openTorus = async () => {
+    await page.getByRole("dialog").getByText("Samples", { exact: true }).click();
+    await page.getByRole("dialog").getByRole("button", { name: /^torus/ }).click();
+    await page.getByText("Open torus?").waitFor();
+  };
+  await person.press("Control+o");
+  await openTorus();
+  await person.screenshot("panels-leave");
+  await person.click("Cancel");
+  await page.getByText("Open torus?").waitFor({ state: "hidden" });
+  expect(await name()).toBe("bar");
+  await openTorus();
+  await person.click("Save…");
+  await page.getByRole("dialog").getByRole("textbox").fill("before torus");
+  await person.press("Enter");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.name === "torus");
+  expect(JSON.parse(readFileSync(folder.file("before torus.json"), "utf8")).steps[0].handles[0].name).toBe("top");
+  expect(await page.getByRole("dialog").count()).toBe(0);
+
+  await stage.openSample("bar", 8);
+  await moveTop(0.25);
+  await person.press("Control+o");
+  await openTorus();
+  await person.click("Open without saving");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.name === "torus");
+  await stage.openSample("bar", 8);
+  expect(await page.evaluate(() => window.meshgraft.editor.offer.value?.changes)).toBeGreaterThan(0);
+  await person.click("Restore");
+  await page.waitForFunction(() => (window.meshgraft.editor.state.value?.handles.length ?? 0) > 0);
+  await moveTop(0.75); // as the next test has it
+});
+
 test("the mesh is exported as it is shown, also as a morph target", async () => {
   const { person, folder } = stage;
   await person.press("Control+e");

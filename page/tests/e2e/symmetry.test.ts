@@ -116,3 +116,28 @@ test("what is done on one side of the plane happens on the other, to a millionth
   expect(asymmetry(bent)).toBeLessThan(1e-6);
   expect(person.complaints).toEqual([]);
 }, 120_000);
+
+test("a refusal names the tolerance that would do, and takes it by a click", async () => {
+  const { person } = stage;
+  const { page } = person;
+  await stage.openSample("octopus", 30);
+  const tolerance = page.locator(".section").filter({ hasText: "Symmetric editing" }).getByRole("textbox", { name: "Tolerance" });
+  await tolerance.fill("1e-6"); // it is there while symmetry is off, too
+  await tolerance.press("Enter");
+  await page.getByRole("switch", { name: "Symmetric editing" }).check();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry?.tolerance_rel === 1e-6);
+  await page.evaluate(() =>
+    window.meshgraft.editor
+      .ask({ do: "handle", what: "add", name: "arm", select: { half_space: { point: [0.5, 0, 0], normal: [1, 0, 0] } }, reach: 0.2 })
+      .then(() => undefined),
+  );
+  const told = page.getByRole("alert").filter({ hasText: "a mirror image" });
+  await told.waitFor();
+  await person.screenshot("symmetry-refused");
+  expect(await told.textContent()).not.toContain("tolerance_rel");
+  await told.getByRole("button", { name: /^Use 0\.\d+$/ }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.isIdle());
+  const { symmetry, handles } = (await page.evaluate(() => window.meshgraft.editor.state.value)) ?? {};
+  expect(symmetry?.tolerance_rel).toBeGreaterThan(1e-6);
+  expect([handles?.length, await page.getByRole("alert").count()]).toEqual([1, 0]);
+}, 60_000);

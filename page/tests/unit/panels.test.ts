@@ -6,10 +6,12 @@ import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/hand
 import { liveWords, stageWords } from "../../src/app/live_words";
 import { applicable, backToUsual, fitting, settingsTable, type NumberSetting } from "../../src/app/method_settings";
 import { axisOfPlane, placeOf, planeAcross } from "../../src/app/mirror_plane";
-import { baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
+import { asPeopleSort, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
 import { refusalOf, uploadLimit } from "../../src/app/upload";
-import { Track } from "../../src/panels/ui/fields";
-import type { DocumentState } from "../../src/protocol";
+import { inPanelWords, sufficientTolerance, withTolerance } from "../../src/app/symmetry";
+import { asTyped } from "../../src/app/units";
+import { rangeWords, takes, Track } from "../../src/panels/ui/fields";
+import type { DocumentState, EngineError } from "../../src/protocol";
 
 describe("poses in numbers", () => {
   test("what has no effect is left out, and turns are kept", () => {
@@ -31,6 +33,66 @@ describe("poses in numbers", () => {
     expect(nameOfAxis([0, -1, 0])).toBe("free");
     expect(nameOfAxis([1, 1, 0])).toBe("free");
   });
+});
+
+describe("fields for numbers", () => {
+  test("say what they take", () => {
+    expect(rangeWords({ min: 1, max: 20 })).toBe("1 to 20");
+    expect(rangeWords({ min: 1, max: 20, integer: true })).toBe("whole numbers, 1 to 20");
+    expect(rangeWords({ min: -Infinity, above: 0 })).toBe("more than 0");
+    expect(rangeWords({ min: 2 })).toBe("at least 2");
+    expect(rangeWords({})).toBe("a number");
+  });
+  test("take what they say", () => {
+    expect([0.9, 1, 20, 20.1].map((x) => takes(x, { min: 1, max: 20 }))).toEqual([false, true, true, false]);
+    expect([-1, 0, 1e-9].map((x) => takes(x, { above: 0 }))).toEqual([false, false, true]);
+    expect(takes(-1e300, {})).toBe(true);
+  });
+  test("keep a turn as it was typed where it is the same", () => {
+    expect(asTyped(-180, 180)).toBe(180);
+    expect(asTyped(180, -180)).toBe(-180);
+    expect(asTyped(0, 360)).toBe(360);
+    expect(asTyped(-179, 180)).toBe(-179);
+    expect(asTyped(0, 180)).toBe(0);
+  });
+});
+
+describe("what the engine says of symmetry", () => {
+  const refused = {
+    code: "input",
+    problem: "3 of the 40 vertices of the handle 'left arm' have no vertex at their mirror image, the first is 17",
+    place: "steps[0].handles[0]",
+    remedy: "A 'symmetry.tolerance_rel' of 0.033 finds one for each; or leave them out.",
+  } as EngineError;
+  test("is told in the panels' words, with the tolerance that would do", () => {
+    expect(sufficientTolerance(refused)).toBe(0.033);
+    expect(inPanelWords(refused)).toMatchObject({
+      problem: "3 of the 40 vertices of “left arm” lack a mirror image",
+      place: "",
+      remedy: expect.stringContaining("a tolerance of 0.033"),
+    });
+    const all = { ...refused, problem: refused.problem.replace("3 of the 40", "40 of the 40") };
+    expect(inPanelWords(all).problem).toBe("all 40 vertices of “left arm” lack a mirror image");
+    const overlap = { ...refused, problem: "the handle 'a' overlaps its mirror image, in 2 of 3 vertices", remedy: "…'union'…" };
+    expect(inPanelWords(overlap).remedy).not.toContain("union");
+    const other = { ...refused, remedy: "Close the file." };
+    expect(inPanelWords(other)).toEqual(other);
+    expect(sufficientTolerance(other)).toBeUndefined();
+    expect(sufficientTolerance({ ...refused, remedy: refused.remedy.replace("0.033", "1e-05") })).toBe(1e-5);
+  });
+  test("is asked again with it", () => {
+    expect(withTolerance({ do: "symmetry" }, 0.1, undefined)).toEqual([{ do: "symmetry", tolerance_rel: 0.1 }]);
+    const paint = { do: "paint-handle", vertices: [1] } as const;
+    const plane = { point: [0, 0, 0], normal: [1, 0, 0] } as { point: [number, number, number]; normal: [number, number, number] };
+    expect(withTolerance({ ...paint, vertices: [1] }, 0.1, plane)).toEqual([
+      { do: "symmetry", plane, tolerance_rel: 0.1 },
+      { do: "paint-handle", vertices: [1] },
+    ]);
+  });
+});
+
+test("names are sorted as people sort", () => {
+  expect(["part 10", "b", "Part 2", "a", "B"].sort(asPeopleSort)).toEqual(["a", "B", "b", "Part 2", "part 10"]);
 });
 
 describe("settings of the method", () => {

@@ -1,4 +1,4 @@
-import { useId, useRef, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { formatNumber, parseQuantity, type Quantity, type Unit } from "../../app/units";
 
@@ -13,6 +13,8 @@ interface NumberFieldProps {
   step?: number;
   min?: number;
   max?: number;
+  /** It is more than this, and not this itself. */
+  above?: number;
   integer?: boolean;
   disabled?: boolean;
   digits?: number;
@@ -24,27 +26,44 @@ interface NumberFieldProps {
 export function NumberField(props: NumberFieldProps) {
   const { label, value, onChange, quantity = "number", unit = "none", suffix, step = 1, disabled } = props;
   const [typed, setTyped] = useState<string | null>(null);
+  const saysId = useId();
   const shown = formatNumber(value, props.digits ?? 4);
   const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
-  const bad = parsed === undefined;
-  const confirm = () => {
-    if (typed !== null && parsed !== undefined && typed.trim() !== shown) onChange(clamp(parsed, props));
+  const bad = parsed === undefined || (typed !== null && !takes(parsed, props));
+  const [told, setTold] = useState(false);
+  useEffect(() => {
+    if (!told || typed !== null) return undefined; // what is refused stays, and is told, until it is changed or left
+    const timer = setTimeout(() => setTold(false), tellingMs);
+    return () => clearTimeout(timer);
+  }, [told, typed]);
+  /** Whether there is nothing more to be said. */
+  const confirm = (): boolean => {
+    if (bad) setTold(true);
+    else if (typed !== null && typed.trim() !== shown) onChange(inForm(parsed, props));
+    if (!bad) setTyped(null);
+    return !bad;
+  };
+  const onBlur = () => {
+    confirm();
     setTyped(null);
   };
   const leave = (event: KeyboardEvent) => {
     event.stopPropagation();
     if (typed === null && event.target instanceof HTMLElement) event.target.blur();
     setTyped(null);
+    setTold(false);
   };
   const onKeyDown = (event: KeyboardEvent) => {
-    if (event.key === "Enter") confirm();
+    if (event.key === "Enter" && !confirm()) event.preventDefault();
     if (event.key === "Escape") leave(event);
     if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
     event.preventDefault();
     const by = (event.key === "ArrowUp" ? 1 : -1) * step * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
-    const next = clamp((parsed ?? value) + by, props);
+    const next = Number(inForm((parsed ?? value) + by, props).toPrecision(12));
     setTyped(null);
-    onChange(Number(next.toPrecision(12)));
+    const kept = Math.min(props.max ?? Infinity, Math.max(props.min ?? -Infinity, next));
+    setTold(!takes(next, props));
+    if (takes(kept, props) && kept !== value) onChange(kept);
   };
   return (
     <span class={`number ${bad ? "bad" : ""} ${disabled === true ? "disabled" : ""}`} data-tip={props.tip}>
@@ -56,21 +75,48 @@ export function NumberField(props: NumberFieldProps) {
         aria-label={props.labelledBy === undefined ? label : undefined}
         aria-labelledby={props.labelledBy}
         aria-invalid={bad}
+        aria-describedby={told ? saysId : undefined}
         disabled={disabled}
         value={typed ?? shown}
         onFocus={(event) => event.currentTarget.select()}
-        onInput={(event) => setTyped(event.currentTarget.value)}
+        onInput={(event) => {
+          setTyped(event.currentTarget.value);
+          setTold(false);
+        }}
         onKeyDown={onKeyDown}
-        onBlur={confirm}
+        onBlur={onBlur}
       />
       {suffix !== undefined && suffix !== "" && <span class="suffix">{suffix}</span>}
+      {told && (
+        <span class="number-says" role="alert" id={saysId}>
+          {rangeWords(props)}
+        </span>
+      )}
     </span>
   );
 }
 
-function clamp(value: number, { min = -Infinity, max = Infinity, integer }: NumberFieldProps): number {
-  const inside = Math.min(max, Math.max(min, value));
-  return integer === true ? Math.round(inside) : inside;
+const tellingMs = 4000;
+
+type Range = Pick<NumberFieldProps, "min" | "max" | "above" | "integer">;
+
+function inForm(value: number, { integer }: Range): number {
+  return integer === true ? Math.round(value) : value;
+}
+
+/** Whether a number may stand in a field. */
+export function takes(value: number, { min = -Infinity, max = Infinity, above = -Infinity }: Range): boolean {
+  return value >= min && value <= max && (value > above || above === -Infinity);
+}
+
+/** What a field takes: "1 to 20". */
+export function rangeWords({ min = -Infinity, max = Infinity, above, integer }: Range): string {
+  const number = (value: number) => formatNumber(value);
+  const kind = integer === true ? "whole numbers, " : "";
+  if (above !== undefined) return `${kind}more than ${number(above)}${max < Infinity ? `, to ${number(max)}` : ""}`;
+  if (min > -Infinity && max < Infinity) return `${kind}${number(min)} to ${number(max)}`;
+  if (min > -Infinity) return `${kind}at least ${number(min)}`;
+  return max < Infinity ? `${kind}at most ${number(max)}` : integer === true ? "a whole number" : "a number";
 }
 
 interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
@@ -81,6 +127,8 @@ interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
   softMax?: number;
   /** Steps grow with the value; 0 stays reachable. */
   logarithmic?: boolean;
+  /** What the arrow keys on the track change it by; as far as the track's picture allows without. */
+  arrowStep?: number;
   help?: string;
   /** While it is dragged; `onChange` comes at the end. */
   onInput?: (value: number) => void;
@@ -88,6 +136,7 @@ interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
 }
 
 const positions = 1000;
+const arrowKeys: Readonly<Record<string, number>> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
 
 /** A named slider with a number field. */
 export function Slider(props: SliderProps) {
@@ -105,6 +154,17 @@ export function Slider(props: SliderProps) {
     if (dragged !== null && dragged !== props.value) props.onChange(dragged);
     setDragged(null);
   };
+  const move = (next: number) => {
+    setDragged(next);
+    props.onInput?.(next);
+  };
+  const onKeyDown = (event: KeyboardEvent) => {
+    const by = arrowKeys[event.key];
+    if (by === undefined || props.arrowStep === undefined) return;
+    event.preventDefault();
+    const next = Math.round(value / props.arrowStep + by) * props.arrowStep;
+    move(Number(Math.min(high, Math.max(low, next)).toPrecision(12)));
+  };
   return (
     <div class={`row slider ${props.disabled === true ? "disabled" : ""}`} data-tip={props.help}>
       <label id={id}>{props.label}</label>
@@ -118,11 +178,10 @@ export function Slider(props: SliderProps) {
         disabled={props.disabled}
         value={Math.round(positions * track.position(value))}
         style={{ "--at": `${100 * track.position(value)}%` }}
-        onInput={(event) => {
-          const next = take(Number(event.currentTarget.value));
-          setDragged(next);
-          props.onInput?.(next);
-        }}
+        onInput={(event) => move(take(Number(event.currentTarget.value)))}
+        onKeyDown={onKeyDown}
+        onKeyUp={(event) => arrowKeys[event.key] !== undefined && end()}
+        onBlur={end}
         onChange={end}
       />
       <NumberField {...props} value={value} labelledBy={id} tip={undefined} />

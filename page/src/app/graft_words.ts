@@ -1,0 +1,90 @@
+import { computed, type ReadonlySignal } from "@preact/signals";
+import type { Graft } from "./graft";
+import type { LiveWords } from "./live_words";
+
+/** What there is to do before a graft is in work; undefined while there is no part. */
+export function pairingWords(graft: Graft): string | undefined {
+  const waiting = graft.parts.value.filter((part) => graft.isShown(part));
+  if (waiting.length === 0) return undefined;
+  const open = waiting.filter((part) => part.loops > 0);
+  if (open.length === 0) return "The part has no open boundary: cut it first, by a plane or along a curve.";
+  if ((graft.model.value?.loops ?? 0) === 0)
+    return "The model has no open boundary: cut it, or drop the part on its surface.";
+  return graft.picked.value === null
+    ? "Click a loop of the model and a loop of a part: these two meet."
+    : "Now click the loop of the other one that it meets.";
+}
+
+/** What the mode Graft waits for, in few words. */
+export function graftWords(graft: Graft): LiveWords {
+  const idle = (text: string, explained = ""): LiveWords => ({ tone: "idle", text, explained });
+  switch (graft.tool.value) {
+    case "plane":
+      return graft.cutPlane.value === null
+        ? idle("Drag across the surface to lay the plane")
+        : idle("Move the plane, then choose the side to keep");
+    case "stroke":
+      return graft.cutCurve.value?.closed === true
+        ? idle("Choose the side to keep")
+        : idle("Draw a closed curve around what is to come off");
+    case "drop":
+      return idle("Point where the part is to grow; a click, or letting go, grafts it");
+    case "fixed":
+      return idle("Paint what of the part must stay, then Done");
+    case "loops":
+      return graft.kept.value === undefined ? beforeGraft(graft) : inGraft(graft, graft.pairs.value.length);
+  }
+}
+
+function beforeGraft(graft: Graft): LiveWords {
+  const text = pairingWords(graft)?.replace(/\.$/, "") ?? "Add a part from the library, or drag one onto the surface";
+  return { tone: "idle", text, explained: "" };
+}
+
+function inGraft(graft: Graft, pairs: number): LiveWords {
+  const { value: report } = graft.report;
+  if (report?.error !== undefined) return { tone: "problem", text: report.error.problem, explained: report.error.remedy };
+  if (pairs === 0 && graft.kept.value?.at === undefined)
+    return { tone: "idle", text: "Click a loop on each to pair them", explained: "" };
+  if ((report?.open_starts ?? []).length > 0)
+    return { tone: "warning", text: "Say where the loops meet: drag their numbered starts, or twist", explained: "They fit alike in several ways." };
+  if (graft.preview.value === null || graft.dragged.value !== null)
+    return { tone: "busy", text: "Working out the graft", explained: "A preview comes in a moment." };
+  return { tone: "good", text: "Grafted; Accept keeps it", explained: "Change it as you like before: the panel and the view show what comes of it." };
+}
+
+/** How large is what is shown. */
+export interface ShownSize {
+  vertices: number;
+  faces: number;
+  /** Sides of the box around it, where it is one thing. */
+  sides: readonly number[] | undefined;
+}
+
+/** Of the mode Graft: what comes of it where that is shown, and what stands beside. `sidesOf` a mesh's box. */
+export function shownSize(graft: Graft, sidesOf: (mesh: number) => readonly number[] | undefined): ReadonlySignal<ShownSize> {
+  const ofPreview = computed(() => sizeOf(graft.preview.value));
+  return computed(() => {
+    const things = graft.things.value.filter((thing) => graft.shownMeshes.value.has(thing.mesh));
+    const isPreviewed = graft.preview.value !== null && graft.arrangement.value !== "apart";
+    const result = isPreviewed ? ofPreview.value : undefined;
+    const sum = (of: (thing: { vertices: number; faces: number }) => number) =>
+      [...things, ...(result === undefined ? [] : [result])].reduce((all, thing) => all + of(thing), 0);
+    const [only] = things;
+    const alone = result !== undefined ? (only === undefined ? result.sides : undefined) : things.length === 1 && only !== undefined ? sidesOf(only.mesh) : undefined;
+    return { vertices: sum((thing) => thing.vertices), faces: sum((thing) => thing.faces), sides: alone };
+  });
+}
+
+function sizeOf(frame: Graft["preview"]["value"]): { vertices: number; faces: number; sides: number[] } | undefined {
+  const places = frame?.floats("positions");
+  if (frame === null || places === undefined) return undefined;
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  places.forEach((x, i) => {
+    low[i % 3] = Math.min(low[i % 3] as number, x);
+    high[i % 3] = Math.max(high[i % 3] as number, x);
+  });
+  const faces = (frame.indices("triangles")?.length ?? 0) / 3;
+  return { vertices: places.length / 3, faces, sides: high.map((most, k) => most - (low[k] as number)) };
+}

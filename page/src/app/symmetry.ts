@@ -1,0 +1,47 @@
+import { signal } from "@preact/signals";
+import type { EngineError, PageRequest } from "../protocol";
+
+/** How far a vertex may be from the mirror image of another one, × the model's diagonal: for when symmetry is turned on. */
+export const mirrorTolerance = signal(1e-3);
+
+/** The tolerance that would do, where a refusal names one. */
+export function sufficientTolerance({ remedy }: EngineError): number | undefined {
+  const found = /'symmetry\.tolerance_rel' of ([\d.]+(?:e[+-]?\d+)?)/.exec(remedy)?.[1];
+  const tolerance = Number(found);
+  return found !== undefined && tolerance > 0 ? tolerance : undefined;
+}
+
+/** What the engine says of symmetry in the words of the panels; all else as it is. */
+export function inPanelWords(error: EngineError): EngineError {
+  const tolerance = sufficientTolerance(error);
+  const { problem, remedy } = error;
+  if (tolerance !== undefined) {
+    const lost = /^(\d+) of the (\d+) vertices of the handle '(.*)' have/.exec(problem);
+    return {
+      ...error,
+      problem: lost === null ? "a vertex lacks a mirror image" : lackWords(Number(lost[1]), Number(lost[2]), lost[3] ?? ""),
+      place: "",
+      remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance} each finds a partner; or hold something else.`,
+    };
+  }
+  if (problem.includes("overlaps its mirror image"))
+    return { ...error, place: "", remedy: "Keep it on one side of the plane, or move the plane under Symmetry." };
+  if (remedy.includes("symmetry.tolerance_rel"))
+    return { ...error, place: "", remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere." };
+  return error;
+}
+
+function lackWords(lost: number, all: number, handle: string): string {
+  const who = lost === all ? (all === 1 ? "the vertex" : `all ${all} vertices`) : `${lost} of the ${all} vertices`;
+  return `${who} of “${handle}” ${lost === 1 ? "lacks" : "lack"} a mirror image`;
+}
+
+/** What is asked so that a refused request finds its partners: the tolerance, then the request again. */
+export function withTolerance(
+  refused: PageRequest,
+  tolerance_rel: number,
+  plane: Extract<PageRequest, { do: "symmetry" }>["plane"],
+): PageRequest[] {
+  if (refused.do === "symmetry") return [{ ...refused, tolerance_rel }];
+  return [{ do: "symmetry", ...(plane == null ? {} : { plane }), tolerance_rel }, refused];
+}
