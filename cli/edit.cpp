@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,12 @@ namespace meshgraft::cli {
 
 namespace {
 
+// The same each time, so that the browser keeps for its page what it is told to.
+constexpr int usual_port = 8417;
+
 struct EditArguments {
   editor::EditorOptions options;
-  int port = 0;
+  std::optional<int> port;
   bool no_browser = false;
 };
 
@@ -40,7 +44,8 @@ void open_browser(const std::string& url) {
 
 void run_edit(const EditArguments& arguments, const Context& context) {
   editor::EditorOptions options = arguments.options;
-  options.port = static_cast<std::uint16_t>(arguments.port);
+  options.port = static_cast<std::uint16_t>(arguments.port.value_or(usual_port));
+  options.or_free_port = !arguments.port;
   if (options.address != "127.0.0.1")
     fmt::print(stderr,
                "meshgraft: warning: {} may be reached from other machines, without encryption. Whoever has the "
@@ -64,7 +69,12 @@ void add_edit(CLI::App& program, Action& action) {
       ->add_option("models", arguments->options.models,
                    "Models and edit files to offer; their folders may be used")
       ->type_name("MODEL");
-  command->add_option("--port", arguments->port, "The port to listen to; 0: one that is free")
+  command
+      ->add_option(
+          "--port", arguments->port,
+          fmt::format(
+              "The port to listen to; 0: one that is free. Without: {}, or a free one where it is taken",
+              usual_port))
       ->type_name("N")
       ->check(whole_number_from(0, 65535));
   command

@@ -61,6 +61,7 @@ void run_editor(const EditorOptions& options, const std::function<void(const std
   ServerOptions server_options;
   server_options.address = options.address;
   server_options.port = options.port;
+  server_options.or_free_port = options.or_free_port;
   server_options.upload_folder = uploads.path();
   Server server(server_options, page_files(), [&](std::shared_ptr<Channel> channel) {
     return std::make_unique<Session>(std::move(channel), shared, retirement);

@@ -202,6 +202,7 @@ struct Server::Impl {
   std::list<std::weak_ptr<Connection>> pages;
 
   void take_address();
+  error_code listen(std::uint16_t port);
   asio::awaitable<void> accept();
   asio::awaitable<void> serve(beast::tcp_stream stream);
   asio::awaitable<void> talk(beast::tcp_stream stream, const Request& request);
@@ -212,14 +213,20 @@ struct Server::Impl {
   Response open_session_refusal(const Request& request, const Target& target) const;
 };
 
-void Server::Impl::take_address() {
+error_code Server::Impl::listen(std::uint16_t port) {
   error_code failed;
-  const auto address = asio::ip::make_address(options.address, failed);
-  const tcp::endpoint endpoint(address, options.port);
+  const tcp::endpoint endpoint(asio::ip::make_address(options.address, failed), port);
+  acceptor = tcp::acceptor(io);
   if (!failed) acceptor.open(endpoint.protocol(), failed);
-  if (!failed && options.port != 0) acceptor.set_option(tcp::acceptor::reuse_address(true), failed);
+  if (!failed && port != 0) acceptor.set_option(tcp::acceptor::reuse_address(true), failed);
   if (!failed) acceptor.bind(endpoint, failed);
   if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
+  return failed;
+}
+
+void Server::Impl::take_address() {
+  error_code failed = listen(options.port);
+  if (failed == asio::error::address_in_use && options.or_free_port) failed = listen(0);
   if (failed)
     throw Error(ErrorCode::io, fmt::format("the address cannot be taken: {}", failed.message()),
                 fmt::format("{}:{}", options.address, options.port),

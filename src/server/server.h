@@ -45,6 +45,7 @@ class PageSession {
 struct ServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;                               ///< 0: one that is free
+  bool or_free_port = false;                            ///< one that is free, where `port` is taken
   std::size_t message_limit = 64u << 20;                ///< bytes of a message from the page
   std::uint64_t upload_limit = std::uint64_t{1} << 30;  ///< bytes of a file from the page
   std::size_t page_limit = 32;                          ///< pages at the same time

@@ -18,7 +18,7 @@ class Engine:
 
     def __init__(self, program, *arguments, cwd=None, limits=None, env=None):
         self.process = subprocess.Popen(
-            [program, "edit", "--no-browser", *map(str, arguments)],
+            [program, "edit", "--no-browser", "--port", "0", *map(str, arguments)],
             cwd=cwd, preexec_fn=limits, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, **(env or {})})
         self.url = self.process.stdout.readline().strip()

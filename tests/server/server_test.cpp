@@ -288,6 +288,16 @@ TEST(Server, EndsAConversationOfMessagesThatAreTooLarge) {
   EXPECT_TRUE(Tab(server).is_open());
 }
 
+TEST(Server, TakesAFreePortForATakenOneWhereItMay) {
+  const Running first;
+  ServerOptions options;
+  options.port = first.port();
+  EXPECT_THROW(Running{options}, Error);
+  options.or_free_port = true;
+  const Running second(options);
+  EXPECT_NE(second.port(), first.port());
+}
+
 TEST(Server, TakesSoManyTabsAndNoMore) {
   ServerOptions options;
   options.page_limit = 2;

@@ -82,7 +82,8 @@ export class Engine {
 
   /** `mostKilobytes`: of a file that it can write, as if the disk were full then. */
   static start(words: string[], options: { mostKilobytes?: number } = {}): Promise<Engine> {
-    const command = [program, "edit", "--no-browser", ...words];
+    const port = words.includes("--port") ? [] : ["--port", "0"]; // engines run side by side
+    const command = [program, "edit", "--no-browser", ...port, ...words];
     const limited = ["bash", "-c", `ulimit -f ${options.mostKilobytes}; exec "$@"`, "limited", ...command];
     const [first = "", ...rest] = options.mostKilobytes === undefined ? command : limited;
     const child = spawn(first, rest, { stdio: ["ignore", "pipe", "inherit"] });
