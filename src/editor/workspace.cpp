@@ -8,6 +8,7 @@
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
+#include "twist.h"
 
 namespace meshgraft::editor {
 
@@ -40,11 +41,12 @@ Json step_details(const Json& step) {
   return details;
 }
 
-Json step_summary(const Json& step) {
+Json step_summary(const Json& step, const Json& found) {
   Json summary = {{"kind", step["kind"]}};
   if (step.contains("name")) summary["name"] = step["name"];
   summary["handles"] = step.contains("handles") ? step["handles"].size() : 0;
   summary["fields"] = step_details(step);
+  if (!found.is_null()) summary["found"] = found;
   return summary;
 }
 
@@ -148,7 +150,8 @@ void Workspace::show_parts(const Stage& next) {
 
 // What the document's graft came to is not to be run again.
 void Workspace::learn_graft() {
-  if (auto outcome = graft_view_.take_outcome()) objects_.learn(document_, std::move(outcome));
+  StepOutcome outcome = graft_view_.take_outcome();
+  if (outcome.scene) objects_.learn(document_, std::move(outcome));
 }
 
 void Workspace::show_graft(const Document& document, const Stage& stage, bool dragged) {
@@ -297,6 +300,18 @@ void Workspace::restore(const Context& context) {
   write([](Journal& journal) { journal.take_up(); });
 }
 
+Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_deg, const Context& context) {
+  const auto& steps = document_.edit.steps;
+  const auto* merge = index < steps.size() ? std::get_if<MergeStep>(&steps[index].action) : nullptr;
+  const Json found = merge != nullptr && index < stage_.found.size() ? stage_.found[index] : Json();
+  if (found.is_null() || merge->at || pair >= found["starts"].size())
+    throw Error(ErrorCode::input, fmt::format("step {} is no earlier graft with a pair {}", index, pair), "twist");
+  const Json& start = found["starts"][pair];
+  const auto source = objects_.after(document_, index, merge->source, context);
+  const auto target = objects_.after(document_, index, merge->target, context);
+  return editor::twisted_start(source->mesh, target->mesh, {start[0].get<Index>(), start[1].get<Index>()}, by_deg);
+}
+
 fs::path Workspace::decline() {
   if (!offer()) throw Error(ErrorCode::usage, "there is nothing to discard", "discard");
   return journal_->set_aside();
@@ -305,7 +320,7 @@ fs::path Workspace::decline() {
 void Workspace::finish(const Context& context) {
   const DeformStep* step = deform_in_work(document_.edit);
   if (step == nullptr || !is_ready(*step)) return;
-  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, std::move(scene));
+  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, {std::move(scene)});
 }
 
 Workspace::Outcome Workspace::outcome(const Context& context) {
@@ -342,7 +357,9 @@ fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folde
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();
   Json graft = nullptr;
-  for (const Json& step : document_.json["steps"]) steps.push_back(step_summary(step));
+  for (const Json& step : document_.json["steps"])
+    steps.push_back(
+        step_summary(step, steps.size() < stage_.found.size() ? stage_.found[steps.size()] : Json()));
   Json settings = nullptr, symmetry = nullptr;
   if (deform_in_work(document_.edit) != nullptr) {
     const Json& step = document_.json["steps"].back();

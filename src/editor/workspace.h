@@ -95,6 +95,10 @@ class Workspace {
   std::int64_t graft_number() const { return graft_number_; }
   std::optional<Eigen::Affine3d> drop_stand_of_last();
 
+  /// The start of a pair of the graft that a step is, turned by an angle from where it was found or given. Throws
+  /// Error(input) for a step or a pair that is none.
+  Match twisted_start(std::size_t step, std::size_t pair, double by_deg, const Context& context);
+
   /// What a page needs to know of it (the event `state`).
   Json summary() const;
 
