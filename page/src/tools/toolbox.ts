@@ -247,7 +247,7 @@ export class ToolBox implements ToolActions {
       return;
     }
     const hit = this.hitUnder(spot);
-    canvas.style.cursor = hit === undefined && !(this.tool instanceof OutlineTool) ? "default" : this.tool.cursor;
+    canvas.style.cursor = hit === undefined && this.tool.beginsBeside !== true ? "default" : this.tool.cursor;
     this.tool.hover(this.pointer, hit);
   }
 
