@@ -44,9 +44,7 @@ void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVe
   frame.add("line_pairs", pairs);
 }
 
-Json start_json(const PairReport& pair) {
-  return {pair.start.source, std::max(Index{0}, pair.start.target)};
-}
+Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
 
 Json pair_json(const PairReport& pair) {
   return {{"start", start_json(pair)},

@@ -42,7 +42,8 @@ struct Object {
 struct Stage {
   std::shared_ptr<const Object> model;  ///< what is deformed, or grafted onto
   std::vector<std::shared_ptr<const Object>> parts;
-  /// Of each step before it that is a graft: its `size`, and where its pairs start to meet (`starts`); else null.
+  /// Of each step before it that is a graft: its `size`, and where its pairs start to meet (`starts`); else
+  /// null.
   std::vector<Json> found;
 
   /// The object of that name. Throws Error(input).

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "defects.h"
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
@@ -219,6 +220,11 @@ void Workspace::write(Step&& step) {
   }
 }
 
+// Whoever has taken all back, or has come back to what is saved, leaves nothing to restore.
+void Workspace::note_whether_saved() {
+  if (document_.text == saved_) write([](Journal& journal) { journal.mark_saved(); });
+}
+
 void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
   Document next = checked(make_document(changed, document_.edit.base_folder));
   if (next.text == document_.text) return;
@@ -227,6 +233,7 @@ void Workspace::change(const std::string& label, const Json& changed, const Cont
     if (journal.found()) journal.set_aside();  // going on is an answer to the offer
     journal.add(label, history_.current(), document_.text);
   });
+  note_whether_saved();
   if (begins)
     before_set_up_ = history_.position();
   else if (before_set_up_ && *before_set_up_ > history_.position())
@@ -239,6 +246,7 @@ void Workspace::undo(const Context& context) {
   if (show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context))
     before_set_up_ = history_.position();
   write([](Journal& journal) { journal.undo(); });
+  note_whether_saved();
   history_.undo();
 }
 
@@ -247,6 +255,7 @@ void Workspace::redo(const Context& context) {
   if (show(checked(parse_document(history_.after().document, document_.edit.base_folder)), context))
     before_set_up_ = history_.position();
   write([](Journal& journal) { journal.redo(); });
+  note_whether_saved();
   history_.redo();
 }
 
@@ -280,6 +289,7 @@ void Workspace::leave_set_up(const Context& context) {
     write([](Journal& journal) { journal.redo(); });
     history_.redo();
   }
+  note_whether_saved();
   before_set_up_.reset();
   if (begins && history_.can_undo()) before_set_up_ = history_.position() - 1;
 }
@@ -305,11 +315,13 @@ Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_de
   const auto* merge = index < steps.size() ? std::get_if<MergeStep>(&steps[index].action) : nullptr;
   const Json found = merge != nullptr && index < stage_.found.size() ? stage_.found[index] : Json();
   if (found.is_null() || merge->at || pair >= found["starts"].size())
-    throw Error(ErrorCode::input, fmt::format("step {} is no earlier graft with a pair {}", index, pair), "twist");
+    throw Error(ErrorCode::input, fmt::format("step {} is no earlier graft with a pair {}", index, pair),
+                "twist");
   const Json& start = found["starts"][pair];
   const auto source = objects_.after(document_, index, merge->source, context);
   const auto target = objects_.after(document_, index, merge->target, context);
-  return editor::twisted_start(source->mesh, target->mesh, {start[0].get<Index>(), start[1].get<Index>()}, by_deg);
+  return editor::twisted_start(source->mesh, target->mesh, {start[0].get<Index>(), start[1].get<Index>()},
+                               by_deg);
 }
 
 fs::path Workspace::decline() {
@@ -354,6 +366,20 @@ fs::path Workspace::kept_upload(const fs::path& upload) {
 
 fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
 
+// What loading has found already.
+std::vector<std::string> Workspace::defects(const std::string& name, const fs::path& uploads) {
+  std::vector<std::string> notes;
+  for (const EditInput& input : document_.edit.inputs) {
+    if (input.file.empty() || (!name.empty() && input.name != name)) continue;
+    const fs::path file = (document_.edit.base_folder / input.file).lexically_normal();
+    const bool is_upload = file.parent_path() == uploads || file.parent_path() == kept_folder();
+    const auto scene = objects_.after(document_, 0, input.name, {});
+    if (auto note = defect_note(scene->triage, (is_upload ? uploaded_as(file) : file).string()))
+      notes.push_back(std::move(*note));
+  }
+  return notes;
+}
+
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();
   Json graft = nullptr;
@@ -378,6 +404,7 @@ Json Workspace::summary() const {
     graft = {{"graft", graft_number_}, {"step", document_.json["steps"].back()}};
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
+          {"up", !document_.edit.inputs.empty() && stands_on_y(document_.edit.inputs.front().file) ? "y" : "z"},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},
           {"parts", parts},

@@ -349,9 +349,7 @@ TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
   open_bust_and_head();
   ASSERT_FALSE(graft({{"source", "head"}}).contains("error"));
   page_.ask({{"do", "accept"}});
-  page_.ask({{"do", "cut"},
-             {"plane", {{"point", {0.01, 0, 0}}, {"normal", {1, 0, 0}}}},
-             {"keep", "above"}});
+  page_.ask({{"do", "cut"}, {"plane", {{"point", {0.01, 0, 0}}, {"normal", {1, 0, 0}}}}, {"keep", "above"}});
   const auto change = [&](std::size_t index, const Json& fields) {
     return Json{{"do", "step"}, {"what", "change"}, {"index", index}, {"fields", fields}};
   };
@@ -378,7 +376,8 @@ TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
   page_.ask(change(0, {{"size", twice}, {"normal_angle_deg", 10}}));
   EXPECT_NEAR(state()["steps"][0]["found"]["size"].get<double>(), twice, 1e-6);
   const Json before = state();
-  const Json refused = page_.refusal(change(0, {{"pairs", {{{"source_loop", {{"loop", 7}}}, {"target_loop", loop_0}}}}}));
+  const Json refused =
+      page_.refusal(change(0, {{"pairs", {{{"source_loop", {{"loop", 7}}}, {"target_loop", loop_0}}}}}));
   EXPECT_NE(refused["problem"].get<std::string>().find("loop"), std::string::npos) << refused;
   EXPECT_EQ(state(), before) << "nothing is lost";
 
@@ -387,7 +386,8 @@ TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
   ASSERT_EQ(turned["fields"]["matches"].size(), 1U);
   EXPECT_NE(turned["found"]["starts"], before["steps"][0]["found"]["starts"]);
   page_.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 0}, {"by_deg", -90}}}});
-  EXPECT_NE(page_.refusal({{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 1}, {"by_deg", 1}}}}),
+  EXPECT_NE(page_.refusal(
+                {{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 1}, {"by_deg", 1}}}}),
             Json());
 }
 

@@ -97,7 +97,10 @@ export class Editor {
   /** Asks the engine; a refusal becomes a message to the person, and undefined. */
   async ask(request: PageRequest): Promise<Outcome | undefined> {
     const answer = await this.attempt(request);
-    if (!("code" in answer)) return answer;
+    if (!("code" in answer)) {
+      if (request.do === "part") this.tellDefects(answer);
+      return answer;
+    }
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
     if (!isToldAlready) this.tell("problem", answer);
     return undefined;
@@ -129,6 +132,7 @@ export class Editor {
     this.opened = request;
     this.dialog.value = null;
     this.dismissMessages();
+    this.tellDefects(done);
     rememberOpened(request);
     return true;
   }
@@ -220,6 +224,11 @@ export class Editor {
   tellFiles(done: string, outcome: Outcome): void {
     const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
     this.note(done, files.join("\n"), (outcome.notes ?? []).join("\n"));
+  }
+
+  // Of files that are opened or added; it stays until it is read.
+  private tellDefects({ notes = [] }: Outcome): void {
+    for (const note of notes) this.note("The mesh has defects that editing may come upon", "", note);
   }
 
   private hear(event: EngineEvent): void {
