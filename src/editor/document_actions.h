@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include <meshgraft/merge/correspondence.h>
+
 #include "document.h"
 
 namespace meshgraft::editor {
@@ -53,6 +55,8 @@ struct StepChange {
 };
 
 void change_step(Json& document, std::size_t index, const StepChange& change);
+/// Where a pair of a merge step starts to meet from now on; its other matches, which say the same, go.
+void set_start(Json& document, std::size_t index, std::size_t pair, const Match& start);
 /// Throws Error(usage) for the only step.
 void remove_step(Json& document, std::size_t index);
 /// With what names the step for what it produced; an empty name is none.

@@ -201,7 +201,7 @@ Json Worker::open(const json::Value& message, const Context& context) {
   }
   show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, shared_.numbers,
                                    outbox_, context));
-  return {{"name", workspace_->source().name}};
+  return {{"name", workspace_->source().name}, {"notes", workspace_->defects({}, shared_.upload_folder)}};
 }
 
 Json Worker::list(const json::Value& message, const Context&) {

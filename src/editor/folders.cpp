@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -10,6 +11,8 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+
+#include "server/utf8.h"
 
 namespace meshgraft::editor {
 
@@ -32,6 +35,17 @@ void require_honest_name(const fs::path& path) {
                 "Give it a name that ends in .glb.");
 }
 
+// No file system takes longer ones.
+void require_short_names(const fs::path& path) {
+  constexpr std::size_t most_bytes = 255;
+  for (const fs::path& part : path)
+    if (part.native().size() > most_bytes)
+      throw Error(
+          ErrorCode::input,
+          fmt::format("a name has {} bytes, and file systems take {}", part.native().size(), most_bytes),
+          whole_characters(part.string(), 60) + "…", "Choose a shorter name.");
+}
+
 }  // namespace
 
 Folders::Folders(const std::vector<fs::path>& folders) {
@@ -48,6 +62,7 @@ fs::path Folders::inside(const fs::path& path) const {
   const std::string remedy = "Start the editor with --folder to open it.";
   if (path.native().find('\0') != std::string::npos)
     throw Error(ErrorCode::input, "a path has no zero bytes", path.filename().string());
+  require_short_names(path);
   const fs::path given = path.is_absolute() || roots_.empty() ? path : roots_.front() / path;
   std::error_code failed;
   const fs::path leads = fs::weakly_canonical(follow_links(given), failed);
@@ -87,6 +102,14 @@ fs::path copy_into(const fs::path& folder, const fs::path& file) {
   }
   fs::copy_file(file, copy);
   return copy;
+}
+
+bool stands_on_y(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  constexpr std::array y_up = {".obj", ".gltf", ".glb", ".ply", ".off"};
+  return std::find(y_up.begin(), y_up.end(), extension) != y_up.end();
 }
 
 fs::path uploaded_as(const fs::path& upload) {

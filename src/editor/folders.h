@@ -39,6 +39,10 @@ class Folders {
 /// Throws std::filesystem::filesystem_error, and Error(io) where one of them cannot be read.
 std::filesystem::path copy_into(const std::filesystem::path& folder, const std::filesystem::path& file);
 
+/// Whether the axis y stands upright in files of the kind: of those that do not say, what most of their makers
+/// mean.
+bool stands_on_y(const std::filesystem::path& file);
+
 /// What an uploaded file was called: without what the server puts behind its name to make it the only one.
 std::filesystem::path uploaded_as(const std::filesystem::path& upload);
 

@@ -44,8 +44,10 @@ void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVe
   frame.add("line_pairs", pairs);
 }
 
+Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
+
 Json pair_json(const PairReport& pair) {
-  return {{"start", {pair.start.source, std::max(Index{0}, pair.start.target)}},
+  return {{"start", start_json(pair)},
           {"confidence", pair.confidence},
           {"misfit_rel", pair.misfit_rel},
           {"edge_ratio", pair.edge_ratio},
@@ -68,7 +70,20 @@ Eigen::Affine3d map_of(const Similarity& similarity) {
   return map;
 }
 
+// Of the source's own coordinates, but for its bending.
+Eigen::Affine3d whole_map(const MergeOutcome& merge) {
+  return map_of(merge.report.shape.similarity) * merge.posing;
+}
+
+double scale_of(const Eigen::Affine3d& map) { return std::cbrt(std::abs(map.linear().determinant())); }
+
 }  // namespace
+
+Json found_json(const MergeOutcome& merge) {
+  Json starts = Json::array();
+  for (const PairReport& pair : merge.report.pairs) starts.push_back(start_json(pair));
+  return {{"size", scale_of(whole_map(merge))}, {"starts", starts}};
+}
 
 Json matrix_json(const Eigen::Affine3d& map) {
   Json rows = Json::array();
@@ -110,12 +125,12 @@ Json graft_fields(const ShownGraft& graft) {
   const MergeReport& report = merge.report;
   Json pairs = Json::array();
   for (const PairReport& pair : report.pairs) pairs.push_back(pair_json(pair));
-  const Eigen::Affine3d map = map_of(report.shape.similarity) * merge.posing;
+  const Eigen::Affine3d map = whole_map(merge);
   return {{"graft", graft.number},
           {"dragged", graft.dragged},
           {"seconds", graft.report.seconds.total},
           {"transform", matrix_json(map)},
-          {"size", std::cbrt(std::abs(map.linear().determinant()))},
+          {"size", scale_of(map)},
           {"normal_angle_deg", merge.options.normal_angle_deg},
           {"pairs", pairs},
           {"seam", seam_json(report.seam)},

@@ -30,6 +30,9 @@ Json graft_fields(const ShownGraft& graft);
 /// The field `open_starts` of the event.
 Json open_starts_json(const std::vector<OpenStart>& starts);
 
+/// What `Stage::found` tells.
+Json found_json(const MergeOutcome& merge);
+
 /// Rows of a 4×4 matrix.
 Json matrix_json(const Eigen::Affine3d& map);
 

@@ -1,7 +1,6 @@
 // The requests that concern parts, cuts and grafts.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,15 +24,6 @@ constexpr std::array<std::string_view, 18> merge_fields = {
     "target",   "source",           "pose",        "shape",   "pairs", "matches",          "at",
     "mirror",   "source_transform", "align",       "size",    "fixed", "normal_angle_deg", "reach",
     "features", "smooth_boundary",  "fix_winding", "settings"};
-
-// As the page shows a model of such a file, unless it is told otherwise: most of their makers mean y by up.
-bool stands_on_y(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  constexpr std::array y_up = {".obj", ".gltf", ".glb", ".ply", ".off"};
-  return std::find(y_up.begin(), y_up.end(), extension) != y_up.end();
-}
 
 std::vector<std::string_view> graft_fields_and(std::initializer_list<std::string_view> others) {
   std::vector<std::string_view> names(merge_fields.begin(), merge_fields.end());
@@ -111,7 +101,9 @@ Json Worker::part(const json::Value& message, const Context& context) {
   const bool is_named = fields.has("name");
   if (is_named) name = fields.required("name").name();
   const std::string part = add_part(document, edit, input, name, !is_named);
-  return change("add part", document, context, {{"name", part}});
+  Json result = change("add part", document, context, {{"name", part}});
+  result["notes"] = open_one().defects(part, shared_.upload_folder);
+  return result;
 }
 
 Json Worker::loops(const json::Value& message, const Context&) {

@@ -25,7 +25,7 @@ GraftView::~GraftView() {
 std::int64_t GraftView::show(GraftJob job) {
   const std::lock_guard lock(mutex_);
   if (!job.dragged || running_dragged_ == false) running_stop_.request_stop();
-  if (!job.dragged) outcome_.reset();
+  if (!job.dragged) outcome_ = {};
   const std::int64_t number = numbers_.next();
   waiting_ = Numbered{std::move(job), number};
   changed_.notify_all();
@@ -41,12 +41,12 @@ void GraftView::clear() {
   const std::lock_guard lock(mutex_);
   running_stop_.request_stop();
   waiting_.reset();
-  outcome_.reset();
+  outcome_ = {};
 }
 
-std::shared_ptr<const Scene> GraftView::take_outcome() {
+StepOutcome GraftView::take_outcome() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(outcome_, nullptr);
+  return std::exchange(outcome_, {});
 }
 
 void GraftView::work(const std::stop_token& stop) {
@@ -78,7 +78,7 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
       outbox.tell("progress", {{"of", nullptr}, {"stage", stage}, {"fraction", fraction}}, "graft progress");
     };
   std::vector<std::byte> frame;
-  std::shared_ptr<const Scene> outcome;
+  StepOutcome outcome;
   Json told = {{"graft", number}, {"dragged", job.dragged}};
   try {
     std::map<std::string, Scene> scenes{{job.target->name, job.target->scene()},
@@ -86,8 +86,9 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     const StepReport report =
         run_step(edit, step, fmt::format("{}: steps[{}]", edit.place, edit.steps.size() - 1), scenes,
                  {.estimate_condition = false}, context);
-    outcome = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
-    const ShownGraft shown{*job.target, *job.source, outcome->mesh, report, number, job.dragged};
+    outcome = {std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step)))),
+               found_json(*report.merge)};
+    const ShownGraft shown{*job.target, *job.source, outcome.scene->mesh, report, number, job.dragged};
     frame = graft_frame(shown);
     told = graft_fields(shown);
   } catch (const OpenStartError& error) {

@@ -40,8 +40,8 @@ class GraftView {
   /// Nothing more is sent, from this call on.
   void clear();
 
-  /// What the last job from the document came to, once: absent while it runs, and where it failed.
-  std::shared_ptr<const Scene> take_outcome();
+  /// What the last job from the document came to, once: without a scene while it runs, and where it failed.
+  StepOutcome take_outcome();
 
  private:
   struct Numbered {
@@ -58,7 +58,7 @@ class GraftView {
   std::optional<Numbered> waiting_;
   std::optional<bool> running_dragged_;
   std::stop_source running_stop_;
-  std::shared_ptr<const Scene> outcome_;
+  StepOutcome outcome_;
   std::jthread thread_;
 };
 

@@ -16,7 +16,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "edit/sha256.h"
 #include "folders.h"
+#include "server/utf8.h"
 
 namespace meshgraft::editor {
 
@@ -30,6 +32,16 @@ constexpr int most_sessions = 9;  // that are open on one model
 [[noreturn]] void fail(const fs::path& path) {
   throw Error(ErrorCode::io, "the journal cannot be written: " + std::generic_category().message(errno),
               path.string(), "Make room, or save to another place.");
+}
+
+// What is behind a model's name must find room in a file's, too, with what is put behind that.
+fs::path journal_of(const fs::path& model) {
+  constexpr std::size_t most_bytes = 200;
+  const std::string name = model.filename().string();
+  const std::string short_name = name.size() <= most_bytes
+                                     ? name
+                                     : whole_characters(name, most_bytes - 9) + "-" + sha256(name).substr(0, 8);
+  return model.parent_path() / (short_name + ".meshgraft-session");
 }
 
 fs::path numbered(const fs::path& stem, int number) {
@@ -96,10 +108,11 @@ std::optional<JournalContent> read_journal(std::string_view text) {
   return content;
 }
 
-Journal::Journal(fs::path path) : stem_(path.string() + ".meshgraft-session") {
+Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (!open(false)) return;
   found_ = read_journal(read_file(path_));
   if (found_ && found_->changes > 0 && !found_->saved) return;
+  if (found_ && ::ftruncate(file_, 0) != 0) fail(path_);  // all of it is saved: it goes with this session
   found_.reset();
 }
 
@@ -119,7 +132,6 @@ bool Journal::open(bool create) {
   for (int number = 1; number <= most_sessions; ++number) {
     path_ = numbered(stem_, number);
     const int file = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0), 0600);
-    if (file < 0 && !create && errno == ENOENT) return false;
     if (file < 0) continue;
     const bool locked = lock(file, number == 1 ? patience : 0s);
     if (locked && is_at(path_, file)) {
@@ -130,6 +142,7 @@ bool Journal::open(bool create) {
     if (locked) --number;  // the session that had it took it away at its end: once more
   }
   if (create) fail(stem_);
+  path_ = stem_;
   return false;
 }
 

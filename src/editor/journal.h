@@ -25,12 +25,13 @@ std::optional<JournalContent> read_journal(std::string_view text);
 
 /// A file beside a model that has every change of a document as soon as it is made: one JSON line each, on the
 /// disk before the call returns. It is there from the first change on, belongs to one session at a time, and
-/// goes with it where all is saved.
+/// goes with it where all is saved. One that an earlier session could not take away, though all was saved, goes
+/// with the next.
 class Journal {
  public:
   /// For the model or edit file at `path`; "NAME.meshgraft-session", or with a number behind where another
   /// session has that for longer than it takes to end one.
-  explicit Journal(std::filesystem::path path);
+  explicit Journal(const std::filesystem::path& path);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;

@@ -10,6 +10,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "edit/sha256.h"
+#include "graft_frames.h"
 
 namespace meshgraft::editor {
 
@@ -139,8 +140,10 @@ std::shared_ptr<const Scene> Objects::scene(const Document& document, const std:
   std::map<std::string, Scene> scenes;
   for (const std::string& used : meshes_of(step))
     scenes.insert_or_assign(used, *scene(document, used, *maker, keys, context));
-  run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.place, *maker), scenes,
-           {.estimate_condition = false}, context);
+  const StepReport report =
+      run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.place, *maker), scenes,
+               {.estimate_condition = false}, context);
+  if (report.merge) found_.put(key, std::make_shared<const Json>(found_json(*report.merge)));
   auto made = std::make_shared<const Scene>(std::move(scenes.at(name)));
   scenes_.put(key, made);
   return made;
@@ -175,7 +178,12 @@ Stage Objects::before(const Document& document, const Context& context) {
     else
       stage.parts.push_back(std::move(found));
   }
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto found = found_.find(keys.steps[i]);
+    stage.found.push_back(found ? *found : Json());
+  }
   constexpr std::size_t most_undone = 3;
+  found_.keep(count + most_undone);
   const std::size_t most = stage.parts.size() + 1 + most_undone;
   inputs_.keep(edit.inputs.size() + most_undone);
   scenes_.keep(most);
@@ -188,9 +196,11 @@ std::shared_ptr<const Scene> Objects::after(const Document& document, std::size_
   return scene(document, name, count, Keys(document), context);
 }
 
-void Objects::learn(const Document& document, std::shared_ptr<const Scene> outcome) {
+void Objects::learn(const Document& document, StepOutcome outcome) {
   const std::string key = Keys(document).steps.back();
-  if (!scenes_.find(key)) scenes_.put(key, std::move(outcome));
+  if (scenes_.find(key)) return;
+  scenes_.put(key, std::move(outcome.scene));
+  if (!outcome.found.is_null()) found_.put(key, std::make_shared<const Json>(std::move(outcome.found)));
 }
 
 }  // namespace meshgraft::editor

@@ -42,9 +42,18 @@ struct Object {
 struct Stage {
   std::shared_ptr<const Object> model;  ///< what is deformed, or grafted onto
   std::vector<std::shared_ptr<const Object>> parts;
+  /// Of each step before it that is a graft: its `size`, and where its pairs start to meet (`starts`); else
+  /// null.
+  std::vector<Json> found;
 
   /// The object of that name. Throws Error(input).
   const std::shared_ptr<const Object>& named(const std::string& name) const;
+};
+
+/// What a step made, as `run_step` left it, and what of it `Stage::found` tells.
+struct StepOutcome {
+  std::shared_ptr<const Scene> scene;
+  Json found = nullptr;
 };
 
 /// Values by what they were made from; those that were not used for longest go.
@@ -81,8 +90,8 @@ class Objects {
   std::shared_ptr<const Scene> after(const Document& document, std::size_t count, const std::string& name,
                                      const Context& context);
 
-  /// What the last step made, as `run_step` left it: no need to run it again when it is accepted or saved.
-  void learn(const Document& document, std::shared_ptr<const Scene> outcome);
+  /// What the last step made: no need to run it again when it is accepted or saved.
+  void learn(const Document& document, StepOutcome outcome);
 
  private:
   /// What each step was made from, and each input.
@@ -99,6 +108,7 @@ class Objects {
   const Numbers& numbers_;
   Recent<Scene> inputs_, scenes_;
   Recent<Object> objects_;
+  Recent<Json> found_;
 };
 
 /// The named selections that `json` may use, and those that they use.

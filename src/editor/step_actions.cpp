@@ -56,6 +56,18 @@ void change_step(Json& document, std::size_t index, const StepChange& change) {
   }
 }
 
+void set_start(Json& document, std::size_t index, std::size_t pair, const Match& start) {
+  Json& step = step_at(document, index);
+  const Json match = {start.source, start.target};
+  if (!step.contains("pairs")) {
+    step["matches"] = Json::array({match});
+    return;
+  }
+  Json& changed = step["pairs"].at(pair);
+  changed["start"] = match;
+  changed.erase("matches");
+}
+
 void remove_step(Json& document, std::size_t index) {
   step_at(document, index);
   if (document["steps"].size() == 1)

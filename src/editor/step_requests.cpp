@@ -41,7 +41,7 @@ Json Worker::symmetry(const json::Value& message, const Context& context) {
 
 Json Worker::step(const json::Value& message, const Context& context) {
   enum class What { change, remove, rename };
-  const json::Object fields(message, {"id", "do", "what", "index", "fields", "poses", "name"});
+  const json::Object fields(message, {"id", "do", "what", "index", "fields", "poses", "twist", "name"});
   const What what = fields.required("what").choice<What>(
       {{"change", What::change}, {"remove", What::remove}, {"rename", What::rename}});
   const auto index = static_cast<std::size_t>(fields.required("index").vertex());
@@ -49,6 +49,12 @@ Json Worker::step(const json::Value& message, const Context& context) {
   switch (what) {
     case What::change:
       change_step(document, index, {object_in(fields, "fields"), object_in(fields, "poses")});
+      fields.optional("twist", [&](const json::Value& value) {
+        const json::Object twist(value, {"pair", "by_deg"});
+        const auto pair = static_cast<std::size_t>(twist.required("pair").vertex());
+        set_start(document, index, pair,
+                  open_one().twisted_start(index, pair, twist.required("by_deg").number(), context));
+      });
       return change("change step", document, context);
     case What::remove: remove_step(document, index); return change("remove step", document, context);
     case What::rename: break;

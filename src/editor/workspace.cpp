@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "defects.h"
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
+#include "twist.h"
 
 namespace meshgraft::editor {
 
@@ -40,11 +42,12 @@ Json step_details(const Json& step) {
   return details;
 }
 
-Json step_summary(const Json& step) {
+Json step_summary(const Json& step, const Json& found) {
   Json summary = {{"kind", step["kind"]}};
   if (step.contains("name")) summary["name"] = step["name"];
   summary["handles"] = step.contains("handles") ? step["handles"].size() : 0;
   summary["fields"] = step_details(step);
+  if (!found.is_null()) summary["found"] = found;
   return summary;
 }
 
@@ -148,7 +151,8 @@ void Workspace::show_parts(const Stage& next) {
 
 // What the document's graft came to is not to be run again.
 void Workspace::learn_graft() {
-  if (auto outcome = graft_view_.take_outcome()) objects_.learn(document_, std::move(outcome));
+  StepOutcome outcome = graft_view_.take_outcome();
+  if (outcome.scene) objects_.learn(document_, std::move(outcome));
 }
 
 void Workspace::show_graft(const Document& document, const Stage& stage, bool dragged) {
@@ -216,6 +220,11 @@ void Workspace::write(Step&& step) {
   }
 }
 
+// Whoever has taken all back, or has come back to what is saved, leaves nothing to restore.
+void Workspace::note_whether_saved() {
+  if (document_.text == saved_) write([](Journal& journal) { journal.mark_saved(); });
+}
+
 void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
   Document next = checked(make_document(changed, document_.edit.base_folder));
   if (next.text == document_.text) return;
@@ -224,6 +233,7 @@ void Workspace::change(const std::string& label, const Json& changed, const Cont
     if (journal.found()) journal.set_aside();  // going on is an answer to the offer
     journal.add(label, history_.current(), document_.text);
   });
+  note_whether_saved();
   if (begins)
     before_set_up_ = history_.position();
   else if (before_set_up_ && *before_set_up_ > history_.position())
@@ -236,6 +246,7 @@ void Workspace::undo(const Context& context) {
   if (show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context))
     before_set_up_ = history_.position();
   write([](Journal& journal) { journal.undo(); });
+  note_whether_saved();
   history_.undo();
 }
 
@@ -244,6 +255,7 @@ void Workspace::redo(const Context& context) {
   if (show(checked(parse_document(history_.after().document, document_.edit.base_folder)), context))
     before_set_up_ = history_.position();
   write([](Journal& journal) { journal.redo(); });
+  note_whether_saved();
   history_.redo();
 }
 
@@ -277,6 +289,7 @@ void Workspace::leave_set_up(const Context& context) {
     write([](Journal& journal) { journal.redo(); });
     history_.redo();
   }
+  note_whether_saved();
   before_set_up_.reset();
   if (begins && history_.can_undo()) before_set_up_ = history_.position() - 1;
 }
@@ -297,6 +310,20 @@ void Workspace::restore(const Context& context) {
   write([](Journal& journal) { journal.take_up(); });
 }
 
+Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_deg, const Context& context) {
+  const auto& steps = document_.edit.steps;
+  const auto* merge = index < steps.size() ? std::get_if<MergeStep>(&steps[index].action) : nullptr;
+  const Json found = merge != nullptr && index < stage_.found.size() ? stage_.found[index] : Json();
+  if (found.is_null() || merge->at || pair >= found["starts"].size())
+    throw Error(ErrorCode::input, fmt::format("step {} is no earlier graft with a pair {}", index, pair),
+                "twist");
+  const Json& start = found["starts"][pair];
+  const auto source = objects_.after(document_, index, merge->source, context);
+  const auto target = objects_.after(document_, index, merge->target, context);
+  return editor::twisted_start(source->mesh, target->mesh, {start[0].get<Index>(), start[1].get<Index>()},
+                               by_deg);
+}
+
 fs::path Workspace::decline() {
   if (!offer()) throw Error(ErrorCode::usage, "there is nothing to discard", "discard");
   return journal_->set_aside();
@@ -305,7 +332,7 @@ fs::path Workspace::decline() {
 void Workspace::finish(const Context& context) {
   const DeformStep* step = deform_in_work(document_.edit);
   if (step == nullptr || !is_ready(*step)) return;
-  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, std::move(scene));
+  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, {std::move(scene)});
 }
 
 Workspace::Outcome Workspace::outcome(const Context& context) {
@@ -339,10 +366,26 @@ fs::path Workspace::kept_upload(const fs::path& upload) {
 
 fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
 
+// What loading has found already.
+std::vector<std::string> Workspace::defects(const std::string& name, const fs::path& uploads) {
+  std::vector<std::string> notes;
+  for (const EditInput& input : document_.edit.inputs) {
+    if (input.file.empty() || (!name.empty() && input.name != name)) continue;
+    const fs::path file = (document_.edit.base_folder / input.file).lexically_normal();
+    const bool is_upload = file.parent_path() == uploads || file.parent_path() == kept_folder();
+    const auto scene = objects_.after(document_, 0, input.name, {});
+    if (auto note = defect_note(scene->triage, (is_upload ? uploaded_as(file) : file).string()))
+      notes.push_back(std::move(*note));
+  }
+  return notes;
+}
+
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();
   Json graft = nullptr;
-  for (const Json& step : document_.json["steps"]) steps.push_back(step_summary(step));
+  for (const Json& step : document_.json["steps"])
+    steps.push_back(
+        step_summary(step, steps.size() < stage_.found.size() ? stage_.found[steps.size()] : Json()));
   Json settings = nullptr, symmetry = nullptr;
   if (deform_in_work(document_.edit) != nullptr) {
     const Json& step = document_.json["steps"].back();
@@ -361,6 +404,7 @@ Json Workspace::summary() const {
     graft = {{"graft", graft_number_}, {"step", document_.json["steps"].back()}};
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
+          {"up", !document_.edit.inputs.empty() && stands_on_y(document_.edit.inputs.front().file) ? "y" : "z"},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},
           {"parts", parts},

@@ -95,6 +95,14 @@ class Workspace {
   std::int64_t graft_number() const { return graft_number_; }
   std::optional<Eigen::Affine3d> drop_stand_of_last();
 
+  /// The start of a pair of the graft that a step is, turned by an angle from where it was found or given.
+  /// Throws Error(input) for a step or a pair that is none.
+  Match twisted_start(std::size_t step, std::size_t pair, double by_deg, const Context& context);
+
+  /// What stands in the way of editing these inputs, one sentence for each that is not sound; of all where none
+  /// is named. `uploads`: the folder of files whose names are not people's.
+  std::vector<std::string> defects(const std::string& name, const std::filesystem::path& uploads);
+
   /// What a page needs to know of it (the event `state`).
   Json summary() const;
 
@@ -104,6 +112,7 @@ class Workspace {
   void show_graft(const Document& document, const Stage& stage, bool dragged);
   void learn_graft();
   void carry_selection();
+  void note_whether_saved();
   bool show(Document next, const Context& context);
   std::optional<std::size_t> set_up_origin() const;
   Json set_up_label() const;

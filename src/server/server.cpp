@@ -26,6 +26,7 @@
 #include <meshgraft/core/error.h>
 
 #include "access.h"
+#include "utf8.h"
 
 namespace meshgraft {
 
@@ -257,15 +258,25 @@ Response Server::Impl::find_file(const Request& request, const Target& target) c
   return respond(request, http::status::ok, file->content_type, file->bytes);
 }
 
-/// A new file in the folder of uploads, whatever the page calls it; readers go by the extension.
+// What some file system or shell takes for something else than a part of a name.
+bool is_plain(char c) {
+  constexpr std::string_view special = "/\\:*?\"<>|";
+  return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f && special.find(c) == std::string_view::npos;
+}
+
+/// A new file in the folder of uploads, called as the page calls it as far as that goes; readers go by the
+/// extension.
 std::filesystem::path Server::Impl::new_upload(std::string_view name) const {
+  constexpr std::size_t most_bytes = 120;  // with room for what is added to it, here and for journals
   const std::filesystem::path given = std::filesystem::path(name).filename();
-  std::string stem, extension = given.extension().string().substr(0, 16);
-  for (const char c : given.stem().string().substr(0, 64))
-    stem += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+  std::string stem = whole_characters(given.stem().string(), most_bytes);
+  std::string extension = given.extension().string().substr(0, 16);
+  for (char& c : stem)
+    if (!is_plain(c)) c = '_';
+  if (stem.starts_with('.')) stem.front() = '_';  // or it would be hidden
   std::erase_if(extension, [](char c) { return c != '.' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
   return options.upload_folder /
-         fmt::format("{}-{}{}", stem.empty() ? "model" : stem, random_token(), extension);
+         fmt::format("{}-{}{}", is_utf8(stem) && !stem.empty() ? stem : "model", random_token(), extension);
 }
 
 asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, beast::flat_buffer& buffer,

@@ -9,6 +9,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
+#include "editor/twist.h"
 #include "graft_editor.h"
 
 namespace meshgraft::test {
@@ -341,6 +342,66 @@ TEST_F(GraftEditor, OpensAGraftThatWasSaved) {
   EXPECT_EQ(now["graft"]["step"]["normal_angle_deg"], 5);
   EXPECT_EQ(now["model"]["name"], "bust");
   EXPECT_EQ(other.frame(6).numbers.at("positions"), frame.numbers.at("positions"));
+}
+
+/// A cut, a graft on it, and a handle on what came of that.
+TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
+  open_bust_and_head();
+  ASSERT_FALSE(graft({{"source", "head"}}).contains("error"));
+  page_.ask({{"do", "accept"}});
+  page_.ask({{"do", "cut"}, {"plane", {{"point", {0.01, 0, 0}}, {"normal", {1, 0, 0}}}}, {"keep", "above"}});
+  const auto change = [&](std::size_t index, const Json& fields) {
+    return Json{{"do", "step"}, {"what", "change"}, {"index", index}, {"fields", fields}};
+  };
+  const auto lowest_x = [&] {
+    double least = 1e9;
+    page_.vertices([&](double x, double, double) {
+      least = std::min(least, x);
+      return false;
+    });
+    return least;
+  };
+  const Json found = state()["steps"][0]["found"];
+  EXPECT_GT(found["size"], 0);
+  ASSERT_EQ(found["starts"].size(), 1U);
+  EXPECT_NEAR(lowest_x(), 0.01, 1e-6);
+  page_.ask(change(1, {{"plane", {{"point", {-0.05, 0, 0}}, {"normal", {1, 0, 0}}}}, {"snap", 0.2}}));
+  EXPECT_NEAR(lowest_x(), -0.05, 1e-6);
+  page_.ask(change(1, {{"keep", "below"}}));
+  EXPECT_LT(lowest_x(), -0.1);
+  page_.ask({{"do", "undo"}});
+  EXPECT_NEAR(lowest_x(), -0.05, 1e-6);
+
+  const double twice = 1.5 * found["size"].get<double>();
+  page_.ask(change(0, {{"size", twice}, {"normal_angle_deg", 10}}));
+  EXPECT_NEAR(state()["steps"][0]["found"]["size"].get<double>(), twice, 1e-6);
+  const Json before = state();
+  const Json refused =
+      page_.refusal(change(0, {{"pairs", {{{"source_loop", {{"loop", 7}}}, {"target_loop", loop_0}}}}}));
+  EXPECT_NE(refused["problem"].get<std::string>().find("loop"), std::string::npos) << refused;
+  EXPECT_EQ(state(), before) << "nothing is lost";
+
+  page_.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 0}, {"by_deg", 90}}}});
+  const Json turned = state()["steps"][0];
+  ASSERT_EQ(turned["fields"]["matches"].size(), 1U);
+  EXPECT_NE(turned["found"]["starts"], before["steps"][0]["found"]["starts"]);
+  page_.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 0}, {"by_deg", -90}}}});
+  EXPECT_NE(page_.refusal(
+                {{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 1}, {"by_deg", 1}}}}),
+            Json());
+}
+
+TEST(TwistedStart, TurnsAlongTheTargetsLoop) {
+  const Mesh source = make_sample("cylinder", 20), target = make_sample("cylinder", 20);
+  const std::vector<Index> from = boundary_loops(source)[0], to = boundary_loops(target)[1];
+  const Match start{from[3], to[5]};
+  const auto by = [&](double deg) { return editor::twisted_start(source, target, start, deg); };
+  EXPECT_EQ(by(0).source, start.source);
+  EXPECT_EQ(by(0).target, start.target);
+  EXPECT_EQ(by(360).target, start.target);
+  EXPECT_EQ(by(180).target, to[(5 + to.size() / 2) % to.size()]);
+  EXPECT_EQ(by(360.0 * 2 / static_cast<double>(to.size())).target, to[7]);
+  EXPECT_THROW(editor::twisted_start(source, target, {from[3], target.vertex_count() / 2}, 5), Error);
 }
 
 }  // namespace

@@ -120,5 +120,31 @@ TEST(Journal, GoesWhereAllIsSaved) {
   EXPECT_EQ(folder.entry_count(), 0u);
 }
 
+/// As a program that is killed leaves them, once all was saved, or beside another session.
+TEST(Journal, TakesAwayWhatWasSavedAndFindsTheSecondSessions) {
+  const Recorded recorded = record();
+  const TemporaryFolder folder;
+  folder.file("bar.ply.meshgraft-session", recorded.text + "{\"saved\":true}\n");
+  {
+    const Journal journal(folder / "bar.ply");
+    EXPECT_FALSE(journal.found());
+  }
+  EXPECT_EQ(folder.entry_count(), 0u);
+  folder.file("bar.ply.meshgraft-session-2", recorded.text);
+  Journal journal(folder / "bar.ply");
+  ASSERT_TRUE(journal.found());
+  EXPECT_EQ(journal.found()->changes, recorded.documents.size() - 1);
+}
+
+TEST(Journal, HasRoomBehindTheLongestName) {
+  const Recorded recorded = record();
+  const TemporaryFolder folder;
+  const std::string name(251, 'x');
+  Journal one(folder.path() / (name + ".ply")), other(folder.path() / (name + ".obj"));
+  one.add("first", recorded.documents[0], recorded.documents[1]);
+  other.add("first", recorded.documents[0], recorded.documents[1]);
+  EXPECT_EQ(folder.entry_count(), 2u);
+}
+
 }  // namespace
 }  // namespace meshgraft::test

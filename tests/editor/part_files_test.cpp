@@ -144,5 +144,95 @@ TEST_F(PartFiles, MakesThumbnails) {
   EXPECT_GT(cancelled, 15) << "the state did not wait for them";
 }
 
+TEST_F(PartFiles, TellsOfDefectsThatMatterForEditing) {
+  const Json sound = page_.ask({{"do", "open"}, {"path", "bust.ply"}});
+  EXPECT_EQ(sound["notes"], Json::array()) << "a boundary loop is no defect";
+  EXPECT_EQ(add("path", "library/head.ply")["notes"], Json::array());
+  folder_.file("torn it.obj", R"(v 0 0 0
+v 1 0 0
+v 0 1 0
+v nan 0 0
+v 5 5 5
+v 0 0 1
+v 0 0 -1
+f 1 2 3
+f 1 2 6
+f 1 2 7
+f 3 1 2
+)");
+  const Json opened = page_.ask({{"do", "open"}, {"path", "torn it.obj"}});
+  ASSERT_EQ(opened["notes"].size(), 1U);
+  const std::string note = opened["notes"][0];
+  for (const char* said : {"not a finite number", "more than two faces", "belong", "corners of an earlier one",
+                           "meshgraft repair '", "-o 'torn it_repaired.obj'"})
+    EXPECT_NE(note.find(said), std::string::npos) << said << " in: " << note;
+  page_.ask({{"do", "open"}, {"path", "bust.ply"}});
+  const std::string upload = page_.upload("torn.obj", read_file(folder_ / "torn it.obj"));
+  const Json added = add("upload", upload);
+  ASSERT_EQ(added["notes"].size(), 1U);
+  EXPECT_NE(added["notes"][0].get<std::string>().find("meshgraft repair torn.obj -o"), std::string::npos)
+      << added;
+}
+
+TEST_F(PartFiles, UploadsKeepTheirNames) {
+  const std::string head = read_file(folder_ / "library" / "head.ply");
+  open_bust_file();
+  const auto name_of = [&](const std::string& encoded) {
+    return add("upload", page_.upload(encoded + ".ply", head))["name"].get<std::string>();
+  };
+  EXPECT_EQ(name_of("B%C3%A4r%20%E7%86%8A%20(2)"), "Bär 熊 (2)");
+  EXPECT_EQ(name_of("a%2F..%2Fb%22%01c"), "b__c");
+  std::string long_name;
+  for (int i = 0; i < 200; ++i) long_name += "%C3%A4";
+  EXPECT_EQ(name_of(long_name).size(), 120U);
+  EXPECT_EQ(name_of("%FF%FE"), "model");
+  const Json refused = page_.refusal({{"do", "save"}, {"mesh", std::string(300, 'x') + ".ply"}});
+  EXPECT_EQ(refused["remedy"], "Choose a shorter name.");
+}
+
+TEST_F(PartFiles, TellsWhichAxisStandsUp) {
+  open_bust_file();
+  EXPECT_EQ(state()["up"], "y");
+  open_bust();
+  EXPECT_EQ(state()["up"], "z") << "a sample";
+}
+
+/// What a session leaves beside the model, when it is over.
+TEST_F(PartFiles, JournalsGoWhereNothingIsLeftToRestore) {
+  const auto journals = [&] {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
+      count += entry.path().filename().string().find(".meshgraft-session") != std::string::npos ? 1 : 0;
+    return count;
+  };
+  const auto opened_elsewhere = [&] { page_.ask({{"do", "open"}, {"sample", "bar"}}); };
+  open_bust_file();
+  opened_elsewhere();
+  EXPECT_EQ(journals(), 0U) << "nothing done";
+  open_bust_file();
+  add("path", "library/head.ply");
+  EXPECT_EQ(journals(), 1U);
+  page_.ask({{"do", "undo"}});
+  opened_elsewhere();
+  EXPECT_EQ(journals(), 0U) << "all taken back";
+  open_bust_file();
+  add("path", "library/head.ply");
+  page_.ask({{"do", "save"}, {"edit", "bust.json"}});
+  page_.ask({{"do", "undo"}});
+  page_.ask({{"do", "redo"}});
+  opened_elsewhere();
+  EXPECT_EQ(journals(), 0U) << "back to what is saved";
+  open_bust_file();
+  add("path", "library/head.ply");
+  opened_elsewhere();
+  EXPECT_EQ(journals(), 1U) << "not saved";
+  open_bust_file();
+  EXPECT_EQ(page_.event("offer-restore")["changes"], 1);
+  page_.ask({{"do", "restore"}});
+  page_.ask({{"do", "save"}, {"edit", "bust2.json"}});
+  opened_elsewhere();
+  EXPECT_EQ(journals(), 0U);
+}
+
 }  // namespace
 }  // namespace meshgraft::test

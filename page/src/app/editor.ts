@@ -110,7 +110,10 @@ export class Editor {
   /** Asks the engine; a refusal becomes a message to the person, and undefined. */
   async ask(request: PageRequest): Promise<Outcome | undefined> {
     const answer = await this.attempt(request);
-    if (!("code" in answer)) return answer;
+    if (!("code" in answer)) {
+      if (request.do === "part") this.tellDefects(answer);
+      return answer;
+    }
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
     if (!isToldAlready) this.tell("problem", answer, this.offerFor(answer, request));
     return undefined;
@@ -179,6 +182,7 @@ export class Editor {
     if (done === undefined) return false;
     this.dialog.value = null;
     this.dismissMessages();
+    this.tellDefects(done);
     rememberOpened(request);
     return true;
   }
@@ -298,6 +302,11 @@ export class Editor {
   tellFiles(done: string, outcome: Outcome): void {
     const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
     this.note(done, files.join("\n"), (outcome.notes ?? []).join("\n"));
+  }
+
+  // Of files that are opened or added; it stays until it is read.
+  private tellDefects({ notes = [] }: Outcome): void {
+    for (const note of notes) this.note("The mesh has defects that editing may come upon", "", note);
   }
 
   private hear(event: EngineEvent): void {

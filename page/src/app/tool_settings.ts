@@ -21,6 +21,8 @@ export class ToolSettings {
   readonly combine = signal<"set" | "add" | "remove">("add");
   readonly floodAngleDeg = signal(30);
   readonly activeHandle = signal<string | null>(null);
+  /** A reach that is being chosen: what it comes to lights up. */
+  readonly reachFor = signal<{ handle: string; reach: number } | null>(null);
   readonly movesPivot = signal(false); // a drag of the gizmo moves the pivot, and nothing else
   readonly gizmoSpace = signal<"local" | "world">("local");
   readonly snap = signal(false);

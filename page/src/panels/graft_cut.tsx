@@ -23,7 +23,7 @@ export function CutPanel({ page }: { page: Page }) {
             value={chosen}
             choices={[
               { value: "none", label: "Nothing" },
-              { value: "plane", label: "Plane", help: "Drag across the surface, or start from an axis." },
+              { value: "plane", label: "Plane", help: "Draw a line across what is to be cut, or start from an axis." },
               { value: "stroke", label: "Curve", help: "Draw around what is to come off." },
             ]}
             onChange={(value) => {
@@ -94,7 +94,7 @@ function PlaneFields({ page }: { page: Page }) {
           onChange={(value) => page.graft.movePlane(value)}
         />
       )}
-      {cut === null && <p class="hint">Drag a line across the surface, or start from an axis.</p>}
+      {cut === null && <p class="hint">Draw a line across the model, also from beside it to beside it, or start from an axis. The middle button turns the view.</p>}
       {cut !== null && (
         <div class="buttons">
           <Button

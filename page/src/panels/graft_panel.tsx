@@ -2,16 +2,17 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Arrangement } from "../app/graft";
 import { cssColour, pairColour } from "../app/graft_colours";
 import { asTyped } from "../app/units";
-import type { GraftFields, GraftStep, OpenStart, Vector3Tuple } from "../app/graft_step";
+import type { GraftFields, GraftStep, OpenStart } from "../app/graft_step";
 import { withoutDot, withoutPair } from "../app/graft_step";
 import { pairingWords } from "../app/graft_words";
 import type { Page } from "../app/page";
 import { PartLibrary } from "./graft_library";
 import { CutInWork, CutPanel } from "./graft_cut";
 import { PartsPanel } from "./graft_parts";
+import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { GraftReportView } from "./graft_report";
 import { Button, IconButton } from "./ui/button";
-import { Segments, Select, Slider, Toggle } from "./ui/fields";
+import { Segments, Slider } from "./ui/fields";
 import { More, Section } from "./ui/section";
 import "./graft.css";
 
@@ -56,6 +57,7 @@ function GraftPanel({ page }: { page: Page }) {
   const { graft } = page.editor;
   const step = graft.step.value;
   if (step === undefined) return null;
+  const keep = (fields: GraftFields) => void graft.set(fields);
   return (
     <Section
       title="Graft"
@@ -72,31 +74,15 @@ function GraftPanel({ page }: { page: Page }) {
       <GraftReportView page={page} />
       {step.at === undefined && <Pairs page={page} />}
       <Sliders page={page} step={step} />
-      <Segments
-        label="Shape"
-        value={step.shape}
-        help="Away from the seam the part keeps its shape, or all of it bends with the loops (linear, as in the paper)."
-        choices={[
-          { value: "similar", label: "Keeps it" },
-          { value: "ft05", label: "Bends" },
-        ]}
-        onChange={(shape) => void graft.set({ shape })}
+      <ShapeField step={step} keep={keep} />
+      <MirrorField
+        step={step}
+        keep={keep}
+        middle={() => page.graft.middleOf(graft.source.value?.mesh ?? -1)}
       />
-      <MirrorSelect page={page} step={step} />
       {step.at === undefined && <PoseFields page={page} step={step} />}
       <More label="More of the graft">
-        <Toggle
-          label="Smooth ragged loops"
-          value={step.smoothBoundary}
-          help="Matches smoothed curves where a boundary is frayed."
-          onChange={(on) => void graft.set({ smooth_boundary: on || null })}
-        />
-        <Toggle
-          label="Turn part inside out"
-          value={step.fixWinding}
-          help="For a part whose faces look inward."
-          onChange={(on) => void graft.set({ fix_winding: on || null })}
-        />
+        <LoopToggles step={step} keep={keep} />
         <Button
           label="Swap the two"
           icon="reset"
@@ -218,55 +204,14 @@ function confidenceWords(confidence: number | undefined): string {
 // Sliders take their values from the document; while one is dragged it keeps its own.
 function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
   const { graft } = page.editor;
-  const step = graft.kept.value ?? shown;
-  const drag = (fields: GraftFields) => graft.drag(fields);
-  const keep = (fields: GraftFields) => void graft.set(fields);
-  const used = graft.report.value?.size ?? 1;
   return (
-    <>
-      <Slider
-        label="Normal angle"
-        min={-180}
-        max={180}
-        softMin={-90}
-        softMax={90}
-        suffix="°"
-        step={5}
-        arrowStep={1}
-        value={step.normalAngleDeg}
-        help="Turns the way the part leaves the surface, about the loop."
-        onInput={(value) => drag({ normal_angle_deg: value })}
-        onChange={(value) => keep({ normal_angle_deg: value === 0 ? null : value })}
-      />
-      {step.at === undefined ? <Twist page={page} /> : <Spin page={page} step={step} />}
-      {(step.pose === "find" || step.at !== undefined) && (
-        <div class="size-row">
-          <Slider
-            label="Size"
-            min={-Infinity}
-            above={0}
-            max={1e6}
-            softMin={0.1}
-            softMax={10}
-            logarithmic
-            suffix="×"
-            step={0.05}
-            digits={3}
-            value={step.size ?? used}
-            help={
-              step.size === undefined
-                ? "As the loops ask for. Drag to choose it."
-                : "The part's scale, as you chose it."
-            }
-            onInput={(value) => drag({ size: value })}
-            onChange={(value) => keep({ size: value })}
-          />
-          {step.size !== undefined && (
-            <IconButton label="Size as the loops ask for" icon="reset" onClick={() => keep({ size: null })} />
-          )}
-        </div>
-      )}
-    </>
+    <GraftNumbers
+      step={graft.kept.value ?? shown}
+      foundSize={graft.report.value?.size}
+      drag={(fields) => graft.drag(fields)}
+      keep={(fields) => void graft.set(fields)}
+      twist={<Twist page={page} />}
+    />
   );
 }
 
@@ -304,60 +249,6 @@ function Twist({ page }: { page: Page }) {
       }
       onInput={(value) => twist(value, "drag")}
       onChange={(value) => twist(value, "keep")}
-    />
-  );
-}
-
-function Spin({ page, step }: { page: Page; step: GraftStep }) {
-  const { graft } = page.editor;
-  const at = (spin_deg: number): GraftFields => ({ at: { ...step.at, spin_deg } });
-  return (
-    <Slider
-      label="Spin"
-      min={-180}
-      max={180}
-      suffix="°"
-      step={15}
-      arrowStep={1}
-      value={step.at?.spin_deg ?? 0}
-      help="Turns the part about the surface's normal."
-      onInput={(value) => graft.drag(at(value))}
-      onChange={(value) => void graft.set(at(value))}
-    />
-  );
-}
-
-const axes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] } as const;
-type MirrorAxis = "none" | keyof typeof axes | "other";
-
-function MirrorSelect({ page, step }: { page: Page; step: GraftStep }) {
-  const { graft } = page.editor;
-  const normal = step.mirror?.normal;
-  const value: MirrorAxis =
-    normal === undefined
-      ? "none"
-      : ((Object.keys(axes) as (keyof typeof axes)[]).find((axis) =>
-          axes[axis].every((x, k) => Math.abs(Math.abs(normal[k] ?? 0) - x) < 1e-9),
-        ) ?? "other");
-  const mirror = (axis: MirrorAxis) => {
-    if (axis === "other") return;
-    if (axis === "none") return void graft.set({ mirror: null });
-    const point: Vector3Tuple = page.graft.middleOf(graft.source.value?.mesh ?? -1);
-    void graft.set({ mirror: { point, normal: [...axes[axis]] } });
-  };
-  return (
-    <Select
-      label="Mirror"
-      value={value}
-      help="Mirrors the part first: a left hand becomes a right one."
-      choices={[
-        { value: "none", label: "No" },
-        { value: "x", label: "Across X" },
-        { value: "y", label: "Across Y" },
-        { value: "z", label: "Across Z" },
-        ...(value === "other" ? [{ value: "other" as const, label: "Another plane" }] : []),
-      ]}
-      onChange={mirror}
     />
   );
 }

@@ -12,13 +12,13 @@ const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: str
     icon: "loop",
     tip: "Click a loop on each to pair them; drag what meets along them.",
   },
-  { tool: "plane", label: "Cut by a plane", icon: "box", tip: "Drag across the surface to lay the plane." },
+  { tool: "plane", label: "Cut by a plane", icon: "box", tip: "Draw a line across the model: the plane goes through it and your eye." },
   { tool: "stroke", label: "Cut along a curve", icon: "lasso", tip: "Draw a closed curve on the surface." },
 ];
 
 const hints: Record<GraftTool, string> = {
   loops: "Click a loop on each of two models to pair them. Drag beside the models to turn the view.",
-  plane: "Drag across the surface to lay the plane; move and turn it by its arrows and rings.",
+  plane: "Draw a line across the model, also from beside it; move and turn the plane by its arrows and rings.",
   stroke: "Draw a closed curve on the surface; turn the view between strokes to go round.",
   fixed: "Paint what of the part must stay as it is. Alt takes away.",
   drop: "Point where the part is to grow. Wheel or R spins, shift+wheel or S scales, a click grafts it, Esc leaves it.",

@@ -136,7 +136,12 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
       step={0.01 * diagonal}
       digits={3}
       help="How far the surface around follows, measured along it. The pull fades to nothing there."
-      onChange={(length) => void editor.ask({ do: "reach", handle: handle.name, reach: length })}
+      onInput={(length) => (editor.tools.reachFor.value = { handle: handle.name, reach: length })}
+      onChange={(length) =>
+        void editor
+          .ask({ do: "reach", handle: handle.name, reach: length })
+          .then(() => (editor.tools.reachFor.value = null))
+      }
     />
   );
 }

@@ -120,7 +120,8 @@ interface TripleProps {
   tip?: string;
 }
 
-function Triple({ label, value, onChange, quantity, unit, suffix, step, above, tip }: TripleProps) {
+/** Three numbers along the axes. */
+export function Triple({ label, value, onChange, quantity, unit, suffix, step, above, tip }: TripleProps) {
   return (
     <div class="triple" role="group" aria-label={label} data-tip={tip}>
       <span class="label">

@@ -12,6 +12,7 @@ import type { Bench, Pointer, Stroke, Tool } from "./tool";
 import type { Hit } from "../view/picking";
 
 const name = "cutting plane";
+const betweenPicksPx = 6;
 const up = new Vector3(0, 0, 1);
 
 /** The cutting plane in the world, and moved and turned by the gizmo. */
@@ -82,9 +83,13 @@ function normalThrough(normal: Vector3, matrix: Matrix4): Vector3 {
   return normal.clone().transformDirection(matrix);
 }
 
-/** A stroke across a surface lays the cutting plane through it, along the view. */
+/**
+ * A line across a model or a part, from beside it or on it, lays the cutting plane through the line and the eye. What is
+ * cut is what the line begins on, or what it comes to first.
+ */
 export class CutPlaneTool implements Tool {
   readonly cursor = "crosshair";
+  readonly beginsBeside = true;
   private readonly line = svg("path", { class: "cut-line", display: "none" });
 
   constructor(
@@ -94,9 +99,8 @@ export class CutPlaneTool implements Tool {
     bench.viewport.overlay.append(this.line);
   }
 
-  hover({ spot }: Pointer, hit: Hit | undefined): void {
-    if (hit === undefined) this.bench.status.clear();
-    else this.bench.status.say("Drag across to lay the plane", spot);
+  hover({ spot }: Pointer): void {
+    this.bench.status.say("Draw a line across what is to be cut", spot);
   }
   leave(): void {
     this.bench.status.clear();
@@ -104,24 +108,35 @@ export class CutPlaneTool implements Tool {
   }
 
   press({ spot: first }: Pointer, hit: Hit | undefined): Stroke | undefined {
-    if (hit === undefined) return undefined;
     const { overlay } = this.bench.viewport;
+    const follow = ({ spot }: Pointer) => this.lay(hit ?? this.firstBetween(first, spot), first, spot);
     return {
-      move: ({ spot }) => {
+      move: (pointer) => {
         show(this.line, true);
-        set(this.line, { d: linesThrough(onOverlay(overlay, [first, spot])) });
-        this.lay(hit, first, spot);
+        set(this.line, { d: linesThrough(onOverlay(overlay, [first, pointer.spot])) });
+        follow(pointer);
       },
-      end: ({ spot }) => {
+      end: (pointer) => {
         show(this.line, false);
-        this.lay(hit, first, spot);
+        follow(pointer);
       },
       cancel: () => show(this.line, false),
     };
   }
 
-  private lay(hit: Hit, first: Spot, last: Spot): void {
-    if (Math.hypot(last.x - first.x, last.y - first.y) < 12) return;
+  // What a line that begins beside all surfaces comes to first.
+  private firstBetween(first: Spot, last: Spot): Hit | undefined {
+    const count = Math.ceil(Math.hypot(last.x - first.x, last.y - first.y) / betweenPicksPx);
+    for (let i = 1; i <= count; ++i) {
+      const t = i / count;
+      const hit = this.bench.viewport.pick(first.x + t * (last.x - first.x), first.y + t * (last.y - first.y));
+      if (hit !== undefined) return hit;
+    }
+    return undefined;
+  }
+
+  private lay(hit: Hit | undefined, first: Spot, last: Spot): void {
+    if (hit === undefined || Math.hypot(last.x - first.x, last.y - first.y) < 12) return;
     const { eye } = this.bench;
     const [a, b] = [atDepthOf(eye, hit.point, first), atDepthOf(eye, hit.point, last)];
     const plane = planeThroughLine(a, b, eye.towards(a), eye.towards(b));

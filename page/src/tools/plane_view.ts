@@ -2,13 +2,15 @@ import { effect } from "@preact/signals";
 import {
   BufferGeometry, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineLoop, Mesh, Quaternion, ShaderMaterial, Vector3,
 } from "three";
-import type { Graft } from "../app/graft";
+import type { Cut, Graft } from "../app/graft";
+import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import type { PlaneControl } from "./plane_control";
 
-/** The cutting plane as a pane: blue on the side that the normal points to, red on the other. */
+/** The cutting plane as a pane, and the two sides of what it cuts: blue where the normal points, red on the other side. */
 export class PlaneView {
   private readonly group = new Group();
+  private tinted: Surface | undefined;
 
   constructor(viewport: Viewport, control: PlaneControl, graft: Graft) {
     const corners = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0];
@@ -25,6 +27,7 @@ export class PlaneView {
       this.group.visible = cut !== null && mode.value === "graft" && tool.value === "plane";
       viewport.requestRender();
       const surface = viewport.surfaceOf(cut?.mesh ?? -1);
+      this.tint(this.group.visible ? surface : undefined, cut);
       if (cut === null || surface === undefined) return;
       const { point, normal } = control.inWorld(cut);
       const middle = control.middleOf(cut.mesh) ?? point;
@@ -33,6 +36,12 @@ export class PlaneView {
       this.group.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal));
       this.group.scale.setScalar(0.6 * control.sizeOf(cut.mesh));
     });
+  }
+
+  private tint(surface: Surface | undefined, cut: Cut | null): void {
+    if (this.tinted !== surface) this.tinted?.showCut(null);
+    this.tinted = surface;
+    surface?.showCut(cut?.plane ?? null);
   }
 }
 

@@ -101,6 +101,7 @@ export class BrushTool implements Tool {
 /** Draws around what is to be selected: a lasso, or a rectangle. Begins beside the model, too. */
 export class OutlineTool implements Tool {
   readonly cursor = "crosshair";
+  readonly beginsBeside = true;
   private readonly outline = svg("path", { class: "outline", display: "none" });
 
   constructor(

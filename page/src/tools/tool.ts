@@ -38,6 +38,8 @@ export interface Bench {
 export interface Tool {
   /** Of the pointer over the model. */
   readonly cursor: string;
+  /** Its strokes may begin beside the model, too. */
+  readonly beginsBeside?: boolean;
   /** The pointer is over the model, or beside it, without a button. */
   hover(pointer: Pointer, hit: Hit | undefined): void;
   /** A press; undefined leaves it to the navigation. */

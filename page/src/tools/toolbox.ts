@@ -22,7 +22,7 @@ import { PartControl } from "./part_control";
 import { CutPlaneTool, PlaneControl } from "./plane_control";
 import { PlaneView } from "./plane_view";
 import { Preview } from "./preview";
-import { ReachRing } from "./reach_ring";
+import { ReachKnob } from "./reach_knob";
 import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
 import { Status } from "./status";
 import { SymmetryPlane } from "./symmetry_plane";
@@ -34,7 +34,7 @@ export class ToolBox implements ToolActions {
   readonly control: HandleControl;
   private readonly bench: Bench;
   private readonly gizmo: Gizmo;
-  private readonly reach: ReachRing;
+  private readonly reach: ReachKnob;
   private readonly tools: Record<ToolName, Tool>;
   private readonly graftTools: Record<GraftTool, Tool>;
   readonly graft: GraftPanelActions;
@@ -68,7 +68,7 @@ export class ToolBox implements ToolActions {
       fixed: new FixedTool(this.bench),
       drop,
     };
-    this.reach = new ReachRing(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
+    this.reach = new ReachKnob(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
     new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();
@@ -247,7 +247,7 @@ export class ToolBox implements ToolActions {
       return;
     }
     const hit = this.hitUnder(spot);
-    canvas.style.cursor = hit === undefined && !(this.tool instanceof OutlineTool) ? "default" : this.tool.cursor;
+    canvas.style.cursor = hit === undefined && this.tool.beginsBeside !== true ? "default" : this.tool.cursor;
     this.tool.hover(this.pointer, hit);
   }
 

@@ -5,6 +5,7 @@ import {
   Mesh,
   Sphere,
   Vector3,
+  Vector4,
   type IUniform,
   type LineSegments,
   type Matrix4,
@@ -99,6 +100,8 @@ export class Surface {
       heatColours: { value: null },
       heatRange: { value: [0, 1] },
       hasHeat: { value: false },
+      hasCut: { value: false },
+      cutPlane: { value: new Vector4() },
     };
     this.linear = new LinearFrames(this.deform, this.geometry, this.vertexCount, this.offset, () => {
       this.deform.linear.value = false;
@@ -124,6 +127,15 @@ export class Surface {
   }
   get triangleCount(): number {
     return this.triangles.length / 3;
+  }
+
+  /** Tints what lies above and below a plane, in coordinates of the mesh; null: nothing. */
+  showCut(plane: { point: readonly number[]; normal: readonly number[] } | null): void {
+    Object.assign(this.own["hasCut"] ?? {}, { value: plane !== null });
+    if (plane === null) return;
+    const [x = 0, y = 0, z = 0] = plane.normal;
+    const along = [x, y, z].reduce((sum, n, k) => sum + n * ((plane.point[k] ?? 0) - (this.offset[k] ?? 0)), 0);
+    Object.assign(this.own["cutPlane"] ?? {}, { value: new Vector4(x, y, z, along) });
   }
 
   /** The sphere around it, in the world. */

@@ -13,6 +13,8 @@ export interface LookUniforms {
   selectionColour: IUniform<Color>;
   wireColour: IUniform<Color>;
   boundaryColour: IUniform<Color>;
+  cutAbove: IUniform<Color>;
+  cutBelow: IUniform<Color>;
 }
 
 export function lookUniforms(): LookUniforms {
@@ -23,6 +25,8 @@ export function lookUniforms(): LookUniforms {
     selectionColour: { value: new Color(1.0, 0.5, 0.08) },
     wireColour: { value: new Color() },
     boundaryColour: { value: new Color() },
+    cutAbove: { value: new Color(0.23, 0.49, 0.96) }, // blue and red, as the cutting plane's pane
+    cutBelow: { value: new Color(0.9, 0.28, 0.3) },
   };
 }
 
@@ -30,6 +34,7 @@ const vertexShader = /* glsl */ `
 ${deformShader}
 in vec4 tint;       // colours of roles, times their strength; alpha: that
 in float selection;
+uniform vec4 cutPlane;  // normal and offset, in the surface's own coordinates; 0: none
 #ifdef HAS_COLOURS
   in vec3 colours;
 #endif
@@ -41,7 +46,7 @@ in float selection;
 #endif
 centroid out vec3 shownNormal, seenFrom;
 out vec4 shownTint;
-out float shownSelection, shownHeat;
+out float shownSelection, shownHeat, shownAbove;
 out vec3 shownColour, shownRest;
 out vec2 shownUv;
 
@@ -53,6 +58,7 @@ void main() {
   seenFrom = seen.xyz;
   shownTint = tint;
   shownSelection = selection;
+  shownAbove = dot(cutPlane.xyz, place) - cutPlane.w;
   shownHeat = 0.0;
   #ifdef HAS_HEAT
     shownHeat = heat;
@@ -95,13 +101,13 @@ vec3 plainLight(vec3 n) {
 const fragmentShader = /* glsl */ `
 centroid in vec3 shownNormal, seenFrom;
 in vec4 shownTint;
-in float shownSelection, shownHeat;
+in float shownSelection, shownHeat, shownAbove;
 in vec3 shownColour, shownRest;
 in vec2 shownUv;
 uniform int shading;
-uniform bool showRoles, hasHeat, linear;
+uniform bool showRoles, hasHeat, linear, hasCut;
 uniform float cavity, checkSize;
-uniform vec3 selectionColour;
+uniform vec3 selectionColour, cutAbove, cutBelow;
 uniform sampler2D heatColours;
 uniform vec2 heatRange;
 uniform sampler2D picture;
@@ -152,6 +158,7 @@ void main() {
   if (hasHeat)
     own = texture(heatColours, vec2((shownHeat - heatRange.x) / max(1e-30, heatRange.y - heatRange.x), 0.5)).rgb;
   if (showRoles && !hasHeat) own = own * (1.0 - shownTint.a) + shownTint.rgb;
+  if (hasCut) own = mix(own, shownAbove > 0.0 ? cutAbove : cutBelow, 0.55);
   own = mix(own, selectionColour, 0.85 * smoothstep(0.05, 0.75, shownSelection));
   bool clay = shading == 0 && !hasHeat;
   vec3 lit = own * (clay ? clayLight(n) : plainLight(n));

@@ -83,6 +83,7 @@ export class Viewport {
   );
   private ball = new Sphere(new Vector3(), 1);
   private fileName = "";
+  private fileUp: "y" | "z" = "z";
   private posesTimer: ReturnType<typeof setTimeout> | undefined;
   private posesMove = 0; // until when handles count as moving
 
@@ -207,6 +208,7 @@ export class Viewport {
     if (state.file !== this.fileName) {
       const was = this.navigation.up;
       this.fileName = state.file;
+      this.fileUp = state.up;
       this.setUp();
       if (was !== this.navigation.up) this.fit("all", false);
     }
@@ -419,7 +421,7 @@ export class Viewport {
   /** Which axis stands upright: as set, or as files of the kind have it. */
   private setUp(): void {
     const set = this.settings.up.value;
-    this.navigation.up = set === "auto" ? upOf(this.fileName) : set;
+    this.navigation.up = set === "auto" ? this.fileUp : set;
     this.layGround();
   }
 
@@ -553,11 +555,6 @@ export class Viewport {
     const place = new Matrix4().makeTranslation(surface.object.position);
     return { matrix: matrix.multiply(place).elements, box: this.box() };
   }
-}
-
-/** The axis that stands upright in files of a kind: of those that do not say, what makers of such files mostly mean. */
-function upOf(fileName: string): "y" | "z" {
-  return /\.(obj|gltf|glb|ply|off)$/i.test(fileName) ? "y" : "z";
 }
 
 /** Places (3 numbers each) where a map takes them. */

@@ -329,6 +329,54 @@ test("keeps the pose of a part that the gizmo puts in its place, and what is pai
   expect(person.complaints).toEqual([]);
 }, 240_000);
 
+test("a line from beside the model to beside it lays the plane, and the sides are blue and red", async () => {
+  const { stage, person } = await open();
+  await stage.openSample("octopus", 40);
+  await person.page.getByRole("tab", { name: "Graft" }).click();
+  const eye = () => person.page.evaluate(() => window.meshgraft.viewport.camera.position.toArray());
+  const start = await eye();
+  await person.stroke([[200, 680], [260, 640]]); // beside the model, without a tool that cuts
+  await person.page.waitForTimeout(600);
+  expect(await eye()).not.toEqual(start);
+  await person.click("Cut by a plane");
+  await person.page.waitForTimeout(300);
+  const before = await eye();
+  const middle = await person.page.evaluate(() => {
+    const { viewport, graftView } = window.meshgraft;
+    const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
+    return [x, y] as const;
+  });
+  await person.stroke([[110, middle[1] - 10], [800, middle[1] - 10]], { steps: 12 });
+  await person.page.waitForTimeout(300);
+  expect(await eye()).toEqual(before);
+  const picture = (await person.page.screenshot()).toString("base64");
+  const sides = await person.page.evaluate(async (png) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${png}`;
+    await image.decode();
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [image.width, image.height];
+    const context = copy.getContext("2d");
+    context?.drawImage(image, 0, 0);
+    const seen = { red: 0, blue: 0 };
+    for (let y = 0; y < image.height; y += 6)
+      for (let x = 0; x < image.width; x += 6) {
+        if (window.meshgraft.viewport.pick(x, y) === undefined) continue;
+        const [r = 0, , b = 0] = context?.getImageData(x, y, 1, 1).data ?? [];
+        if (Math.abs(r - b) > 25) seen[r > b ? "red" : "blue"] += 1;
+      }
+    return seen;
+  }, picture);
+  await person.screenshot("cut-line-beside");
+  expect(sides.red).toBeGreaterThan(50);
+  expect(sides.blue).toBeGreaterThan(50);
+  await person.click("Keep blue side");
+  await person.page.waitForFunction(() => window.meshgraft.editor.graft.lastCut.value !== null);
+  await person.settle();
+  expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.loops)).toBeGreaterThan(0);
+  expect(person.complaints).toEqual([]);
+}, 120_000);
+
 test("cuts by a plane and along a curve, and keeps the other side instead", async () => {
   const { stage, person } = await open();
   await stage.openSample("octopus", 40);

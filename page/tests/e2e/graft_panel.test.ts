@@ -138,3 +138,72 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   for (let i = 0; i < 4; ++i) await person.press("Control+z");
   expect(person.complaints).toEqual([]);
 }, 180_000);
+
+test("an earlier graft and an earlier cut are changed from the steps panel, and the later steps follow", async () => {
+  stage = await Stage.open({
+    models: { "bust.ply": ["bust", "--resolution", "30"], "head.ply": ["head", "--resolution", "30"] },
+  });
+  const { person } = stage;
+  const { page } = person;
+  page.setDefaultTimeout(20_000);
+  await person.click("Graft head");
+  await grafted(person);
+  await person.press("Control+Enter");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
+  await page.evaluate(async () => {
+    const plane = { point: [0.02, 0, 0], normal: [1, 0, 0] } as const;
+    await window.meshgraft.editor.ask({
+      do: "cut",
+      plane: { point: [...plane.point], normal: [...plane.normal] },
+      keep: "above",
+    });
+  });
+  await person.settle();
+  await page.getByRole("tab", { name: "Deform" }).click();
+  if ((await page.getByRole("list", { name: "Steps" }).count()) === 0) await page.getByText("Steps", { exact: true }).click();
+  const steps = page.getByRole("list", { name: "Steps" });
+  const fields = (index: number) =>
+    page.evaluate((i) => window.meshgraft.editor.state.value?.steps[i]?.fields as Record<string, unknown>, index);
+  const leftmost = () =>
+    page.evaluate(() => {
+      const { main } = window.meshgraft.viewport;
+      let least = Infinity;
+      for (let i = 0; i < (main?.rest.length ?? 0); i += 3) least = Math.min(least, main?.rest[i] ?? 0);
+      return least + (main?.offset[0] ?? 0);
+    });
+  const typed = async (label: string, text: string) => {
+    const field = steps.getByRole("textbox", { name: label, exact: true });
+    await field.fill(text);
+    await field.press("Enter");
+    await person.settle();
+  };
+
+  await steps.getByText("2. Cut").click();
+  await person.screenshot("steps-cut");
+  expect(await leftmost()).toBeCloseTo(0.02, 4);
+  await typed("Point X", "-0.1");
+  expect(await leftmost()).toBeCloseTo(-0.1, 4);
+  await steps.getByText("Both", { exact: true }).click();
+  await person.settle();
+  expect((await fields(1))["keep"]).toBe("both");
+  expect(await leftmost()).toBeLessThan(-0.11);
+  await person.press("Control+z");
+  await person.settle();
+  expect(await leftmost()).toBeCloseTo(-0.1, 4);
+  await typed("Point X", "50"); // nothing is above: the step is impossible
+  await page.getByRole("alert").or(page.getByRole("status")).getByText(/./).first().waitFor();
+  expect(await leftmost()).toBeCloseTo(-0.1, 4);
+  expect(((await fields(1))["plane"] as { point: number[] }).point[0]).toBe(-0.1);
+  await person.screenshot("steps-refused");
+
+  await steps.getByText("1. Graft").click();
+  await typed("Normal angle", "20");
+  await typed("Turn by", "90");
+  const changed = await fields(0);
+  expect(changed["normal_angle_deg"]).toBe(20);
+  expect(JSON.stringify(changed["pairs"] ?? changed["matches"])).toMatch(/\d+,\d+/);
+  await person.screenshot("steps-graft");
+  await steps.getByText("Bends", { exact: true }).click();
+  await person.settle();
+  expect((await fields(0))["shape"]).toBe("ft05");
+}, 180_000);

@@ -184,10 +184,35 @@ test("drags the reach of a handle", async () => {
     const box = document.querySelector(".reach-knob")?.getBoundingClientRect() ?? new DOMRect();
     return [box.x + box.width / 2, box.y + box.height / 2] as const;
   });
-  await person.stroke([knob, [knob[0] + 40, knob[1] + 40]]);
+  const { page } = person;
+  await page.mouse.move(...knob);
+  await page.mouse.down();
+  await page.mouse.move(knob[0] + 40, knob[1] + 40, { steps: 6 });
+  await page.waitForFunction(() => window.meshgraft.editor.tools.reachFor.value !== null);
+  await person.screenshot("tools-reach-dragged");
+  await page.mouse.up();
   await person.page.waitForFunction((was) => window.meshgraft.editor.state.value?.handles[0]?.reach !== was, before);
   await person.settle();
   await person.screenshot("tools-reach");
   expect(await reach()).toBeGreaterThan(1.2 * before);
   expect(await region()).toBeGreaterThan(inside);
+  expect(await page.evaluate(() => window.meshgraft.editor.tools.reachFor.value)).toBeNull();
+
+  // What lights up while it is chosen is what the engine then reaches.
+  const lit = await page.evaluate(() => {
+    const { editor, viewport } = window.meshgraft;
+    const handle = editor.state.value?.handles[0];
+    editor.tools.reachFor.value = { handle: handle?.name ?? "", reach: handle?.reach ?? 0 };
+    const shown = new Set<number>();
+    viewport.scene.traverse((object) => {
+      const mesh = object as typeof object & { isMesh?: boolean; geometry?: { index: { array: Uint32Array } | null } };
+      if (mesh.isMesh === true && mesh.visible && mesh.parent === viewport.scene && mesh.renderOrder === 0)
+        mesh.geometry?.index?.array.forEach((v) => shown.add(v));
+    });
+    editor.tools.reachFor.value = null;
+    const region = new Set(viewport.main?.region);
+    return { shown: shown.size, outside: [...shown].filter((v) => !region.has(v)).length };
+  });
+  expect(lit.shown).toBeGreaterThan(0.8 * (await region()));
+  expect(lit.outside).toBe(0);
 });

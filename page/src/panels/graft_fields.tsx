@@ -1,0 +1,155 @@
+import type { ComponentChildren } from "preact";
+import type { GraftFields, GraftStep, Vector3Tuple } from "../app/graft_step";
+import { IconButton } from "./ui/button";
+import { Segments, Select, Slider, Toggle } from "./ui/fields";
+
+/** What of a graft can be changed, in work or later: all that is needed of it. */
+export interface GraftFieldsProps {
+  step: GraftStep;
+  /** From now on; null takes a field away. */
+  keep: (fields: GraftFields) => void;
+}
+
+interface NumbersProps extends GraftFieldsProps {
+  /** The scale that came out, where it is known. */
+  foundSize: number | undefined;
+  /** For now, while a slider is dragged. */
+  drag?: (fields: GraftFields) => void;
+  /** How it is turned, where loops are paired. */
+  twist: ComponentChildren;
+}
+
+/** Normal angle, turn and size. */
+export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProps) {
+  return (
+    <>
+      <Slider
+        label="Normal angle"
+        min={-180}
+        max={180}
+        softMin={-90}
+        softMax={90}
+        suffix="°"
+        step={5}
+        arrowStep={1}
+        value={step.normalAngleDeg}
+        help="Turns the way the part leaves the surface, about the loop."
+        onInput={(value) => drag?.({ normal_angle_deg: value })}
+        onChange={(value) => keep({ normal_angle_deg: value === 0 ? null : value })}
+      />
+      {step.at === undefined ? twist : <Spin step={step} drag={drag} keep={keep} />}
+      {(step.pose === "find" || step.at !== undefined) && (
+        <div class="size-row">
+          <Slider
+            label="Size"
+            min={-Infinity}
+            above={0}
+            max={1e6}
+            softMin={0.1}
+            softMax={10}
+            logarithmic
+            suffix="×"
+            step={0.05}
+            digits={3}
+            value={step.size ?? foundSize ?? 1}
+            help={
+              step.size === undefined
+                ? "As the loops ask for. Drag to choose it."
+                : "The part's scale, as you chose it."
+            }
+            onInput={(value) => drag?.({ size: value })}
+            onChange={(value) => keep({ size: value })}
+          />
+          {step.size !== undefined && (
+            <IconButton label="Size as the loops ask for" icon="reset" onClick={() => keep({ size: null })} />
+          )}
+        </div>
+      )}
+    </>
+  );
+}
+
+function Spin({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "twist">) {
+  const at = (spin_deg: number): GraftFields => ({ at: { ...step.at, spin_deg } });
+  return (
+    <Slider
+      label="Spin"
+      min={-180}
+      max={180}
+      suffix="°"
+      step={15}
+      arrowStep={1}
+      value={step.at?.spin_deg ?? 0}
+      help="Turns the part about the surface's normal."
+      onInput={(value) => drag?.(at(value))}
+      onChange={(value) => keep(at(value))}
+    />
+  );
+}
+
+export function ShapeField({ step, keep }: GraftFieldsProps) {
+  return (
+    <Segments
+      label="Shape"
+      value={step.shape}
+      help="Away from the seam the part keeps its shape, or all of it bends with the loops (linear, as in the paper)."
+      choices={[
+        { value: "similar", label: "Keeps it" },
+        { value: "ft05", label: "Bends" },
+      ]}
+      onChange={(shape) => keep({ shape })}
+    />
+  );
+}
+
+const axes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] } as const;
+type MirrorAxis = "none" | keyof typeof axes | "other";
+
+/** `middle`: of the part, where the mirror stands. */
+export function MirrorField({ step, keep, middle }: GraftFieldsProps & { middle: () => Vector3Tuple }) {
+  const normal = step.mirror?.normal;
+  const value: MirrorAxis =
+    normal === undefined
+      ? "none"
+      : ((Object.keys(axes) as (keyof typeof axes)[]).find((axis) =>
+          axes[axis].every((x, k) => Math.abs(Math.abs(normal[k] ?? 0) - x) < 1e-9),
+        ) ?? "other");
+  const mirror = (axis: MirrorAxis) => {
+    if (axis === "none") keep({ mirror: null });
+    else if (axis !== "other") keep({ mirror: { point: middle(), normal: [...axes[axis]] } });
+  };
+  return (
+    <Select
+      label="Mirror"
+      value={value}
+      help="Mirrors the part first: a left hand becomes a right one."
+      choices={[
+        { value: "none", label: "No" },
+        { value: "x", label: "Across X" },
+        { value: "y", label: "Across Y" },
+        { value: "z", label: "Across Z" },
+        ...(value === "other" ? [{ value: "other" as const, label: "Another plane" }] : []),
+      ]}
+      onChange={mirror}
+    />
+  );
+}
+
+export function LoopToggles({ step, keep }: GraftFieldsProps) {
+  return (
+    <>
+      <Toggle
+        label="Smooth ragged loops"
+        value={step.smoothBoundary}
+        help="Matches smoothed curves where a boundary is frayed."
+        onChange={(on) => keep({ smooth_boundary: on || null })}
+      />
+      <Toggle
+        label="Turn part inside out"
+        value={step.fixWinding}
+        help="For a part whose faces look inward."
+        onChange={(on) => keep({ fix_winding: on || null })}
+      />
+    </>
+  );
+}

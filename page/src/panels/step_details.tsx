@@ -1,0 +1,227 @@
+import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
+import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
+import type { Page } from "../app/page";
+import { readStep, type GraftFields } from "../app/graft_step";
+import { formatNumber } from "../app/units";
+import type { DocumentState, Plane, Pose, Vector } from "../protocol";
+import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
+import { PoseNumberFields, Triple } from "./pose_fields";
+import { Segments, Select, Slider } from "./ui/fields";
+import { More } from "./ui/section";
+
+export type Step = DocumentState["steps"][number];
+
+export interface DetailsProps {
+  page: Page;
+  step: Step;
+  index: number;
+}
+
+/** Of a deform step: its method, what that has most use for, and its poses. */
+export function DeformDetails({ page, step, index }: DetailsProps) {
+  const { editor } = page;
+  const fields = step.fields as { settings?: Settings; handles?: unknown };
+  const settings = fields.settings ?? {};
+  const change = (changes: Record<string, number | string>) =>
+    void editor.ask({ do: "step", what: "change", index, fields: { settings: changes } });
+  return (
+    <div class="step-details">
+      <Select
+        label="Method"
+        value={methodOf(settings)}
+        choices={methods}
+        onChange={(method) => change({ method })}
+      />
+      {applicable(settings)
+        .filter(({ group, more }) => group === "shape" && more !== true)
+        .map((setting) => {
+          if (setting.kind === "number")
+            return (
+              <Slider
+                {...setting}
+                key={setting.key}
+                value={numberOf(settings, setting)}
+                onChange={(value) => change({ [setting.key]: value })}
+              />
+            );
+          if (setting.kind === "choice")
+            return (
+              <Select
+                key={setting.key}
+                label={setting.label}
+                choices={setting.choices}
+                value={choiceOf(settings, setting)}
+                onChange={(value) => change({ [setting.key]: value })}
+              />
+            );
+          return null;
+        })}
+      {handlesIn(fields.handles).map(({ name, pose }) => (
+        <StepPose
+          key={name}
+          name={name}
+          pose={pose}
+          page={page}
+          onChange={(next) => void editor.ask({ do: "step", what: "change", index, poses: { [name]: next } })}
+        />
+      ))}
+    </div>
+  );
+}
+
+function handlesIn(list: unknown): { name: string; pose: Pose }[] {
+  if (!Array.isArray(list)) return [];
+  return list.map((handle: { name: string; pose?: Pose }) => ({
+    name: handle.name,
+    pose: handle.pose ?? {},
+  }));
+}
+
+interface StepPoseProps {
+  page: Page;
+  name: string;
+  pose: Pose;
+  onChange: (pose: Pose) => void;
+}
+
+function StepPose({ page, name, pose, onChange }: StepPoseProps) {
+  const rest: Vector = pose.pivot ?? [0, 0, 0];
+  const numbers = numbersOf(pose, rest);
+  return (
+    <fieldset>
+      <legend>{name}</legend>
+      {numbers === undefined ? (
+        <p class="hint">
+          {pose.matrix === undefined
+            ? "A redrawn curve."
+            : `A matrix with the shift ${pose.matrix
+                .slice(0, 3)
+                .map((row) => formatNumber(row[3], 3))
+                .join(", ")}.`}
+        </p>
+      ) : (
+        <PoseNumberFields
+          page={page}
+          numbers={numbers}
+          withPivot={pose.pivot !== undefined}
+          change={(changes: Partial<PoseNumbers>) => onChange(withNumbers(pose, changes))}
+        />
+      )}
+    </fieldset>
+  );
+}
+
+/** Of a graft: all that its own panel has in numbers and choices. Loops are paired there alone. */
+export function GraftDetails({ page, step: { fields, found }, index }: DetailsProps) {
+  const step = readStep(fields);
+  const keep = (changes: GraftFields) =>
+    void page.editor.ask({ do: "step", what: "change", index, fields: { ...changes } });
+  const mesh = page.editor.graft.named(step.source)?.mesh ?? -1;
+  return (
+    <div class="step-details">
+      <p class="hint">{`${step.source} onto ${step.target}.`}</p>
+      <GraftNumbers
+        step={step}
+        foundSize={found?.size}
+        keep={keep}
+        twist={<Twists page={page} count={found?.starts.length ?? 0} index={index} />}
+      />
+      <ShapeField step={step} keep={keep} />
+      <MirrorField step={step} keep={keep} middle={() => page.graft.middleOf(mesh)} />
+      <More label="More of the graft">
+        <LoopToggles step={step} keep={keep} />
+      </More>
+    </div>
+  );
+}
+
+interface TwistsProps {
+  page: Page;
+  count: number;
+  index: number;
+}
+
+function Twists({ page, count, index }: TwistsProps) {
+  const twist = (pair: number, by_deg: number) => {
+    if (by_deg !== 0) void page.editor.ask({ do: "step", what: "change", index, twist: { pair, by_deg } });
+  };
+  return (
+    <>
+      {Array.from({ length: count }, (_, pair) => (
+        <Slider
+          key={pair}
+          label={count > 1 ? `Turn pair ${pair + 1}` : "Turn by"}
+          min={-180}
+          max={180}
+          suffix="°"
+          step={5}
+          arrowStep={1}
+          value={0}
+          help="Turns the part on along its loop, from how it is now."
+          onChange={(value) => twist(pair, value)}
+        />
+      ))}
+    </>
+  );
+}
+
+type Keep = "above" | "below" | "both";
+
+/** Of a cut: its plane, where it has one, and what stays. */
+export function CutDetails({ page, step, index }: DetailsProps) {
+  const fields = step.fields as { mesh?: string; plane?: Plane; keep?: Keep; snap?: number };
+  const change = (changes: { plane?: Plane; keep?: Keep; snap?: number }) =>
+    void page.editor.ask({ do: "step", what: "change", index, fields: changes });
+  const { plane } = fields;
+  const unit = page.editor.view.unit.value;
+  return (
+    <div class="step-details">
+      <Segments
+        label="What stays"
+        value={fields.keep ?? "both"}
+        choices={[
+          { value: "above", label: plane === undefined ? "Inside" : "Above", help: aboveHelp(plane) },
+          { value: "below", label: plane === undefined ? "Outside" : "Below" },
+          { value: "both", label: "Both" },
+        ]}
+        onChange={(keep) => change({ keep })}
+      />
+      {plane !== undefined && (
+        <>
+          <Triple
+            label="Point"
+            tip="A point of the plane."
+            quantity="length"
+            unit={unit}
+            suffix={unit === "none" ? "" : unit}
+            step={0.01 * (page.editor.state.value?.model.diagonal ?? 1)}
+            value={plane.point}
+            onChange={(point) => change({ plane: { ...plane, point } })}
+          />
+          <Triple
+            label="Normal"
+            tip="Points to what is above; any length."
+            quantity="number"
+            step={0.1}
+            value={plane.normal}
+            onChange={(normal) => normal.some((n) => n !== 0) && change({ plane: { ...plane, normal } })}
+          />
+        </>
+      )}
+      <Slider
+        label="Snap"
+        min={0}
+        max={0.5}
+        step={0.05}
+        digits={2}
+        value={fields.snap ?? 0.1}
+        help="An edge that is cut within this share of its length from an end is cut at that end: no slivers."
+        onChange={(snap) => change({ snap })}
+      />
+    </div>
+  );
+}
+
+function aboveHelp(plane: Plane | undefined): string {
+  return plane === undefined ? "What lies at the left hand of the curve." : "Where the normal points: the blue side.";
+}

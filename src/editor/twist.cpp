@@ -1,0 +1,67 @@
+#include "twist.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft::editor {
+
+namespace {
+
+/// A loop from a vertex on, each of its vertices at its share of the loop's length, 0 to below 1.
+struct LoopArcs {
+  std::vector<Index> vertices;
+  std::vector<double> arcs;
+};
+
+LoopArcs loop_from(const Mesh& mesh, Index first) {
+  for (std::vector<Index>& loop : boundary_loops(mesh)) {
+    const auto found = std::find(loop.begin(), loop.end(), first);
+    if (found == loop.end()) continue;
+    std::rotate(loop.begin(), found, loop.end());
+    LoopArcs along{std::move(loop), {}};
+    double length = 0;
+    for (std::size_t i = 0; i < along.vertices.size(); ++i) {
+      along.arcs.push_back(length);
+      const Index next = along.vertices[(i + 1) % along.vertices.size()];
+      length += (mesh.positions.row(next) - mesh.positions.row(along.vertices[i])).norm();
+    }
+    for (double& arc : along.arcs) arc /= length > 0 ? length : 1;
+    return along;
+  }
+  throw Error(ErrorCode::input, "the start is on no boundary loop", "twist", "Pair the loops anew.");
+}
+
+double to_unit(double arc) { return arc - std::floor(arc); }
+
+// Along the shorter way round.
+double distance(double a, double b) { return std::abs(a - b - std::round(a - b)); }
+
+std::size_t nearest(const std::vector<double>& arcs, double arc) {
+  const auto above = static_cast<std::size_t>(std::upper_bound(arcs.begin(), arcs.end(), arc) - arcs.begin());
+  const std::size_t before = above - 1, after = above % arcs.size();  // the first arc is 0
+  return distance(arcs[before], arc) <= distance(arcs[after], arc) ? before : after;
+}
+
+}  // namespace
+
+Match twisted_start(const Mesh& source, const Mesh& target, const Match& start, double by_deg) {
+  const LoopArcs from = loop_from(source, start.source), to = loop_from(target, start.target);
+  Match best = start;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < from.vertices.size(); ++i) {
+    const double wanted = to_unit(by_deg / 360 - from.arcs[i]);  // loops run opposite ways
+    const std::size_t met = nearest(to.arcs, wanted);
+    const double off = distance(to.arcs[met], wanted) + 1e-9 * distance(from.arcs[i], 0);
+    if (off >= least) continue;
+    least = off;
+    best = {from.vertices[i], to.vertices[met]};
+  }
+  return best;
+}
+
+}  // namespace meshgraft::editor
