@@ -1,11 +1,9 @@
 import { effect, signal } from "@preact/signals";
 import {
-  BufferGeometry,
   ColorManagement,
   Group,
   LinearSRGBColorSpace,
   Matrix4,
-  Points,
   Ray,
   Scene,
   Sphere,
@@ -18,9 +16,10 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
+import { Eye } from "./eye";
 import type { Legend } from "./heat";
 import { Navigation } from "./navigation";
-import { cardIsIdle, Pace, type Drawn } from "./pace";
+import { Pace, type Drawn } from "./pace";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
 import { inOwn, Parts } from "./parts";
 import { PickTree } from "./pick_tree";
@@ -29,10 +28,11 @@ import type { Polygon } from "./polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
 import { Surface } from "./surface";
+import { bringToCard } from "./to_card";
 import { ViewCube, viewFrom, type Side } from "./view_cube";
 import { ViewNotes } from "./view_notes";
 import "./view.css";
-import { seenVertices, type Sight } from "./visibility";
+import { seenVertices } from "./visibility";
 import { lookUniforms, shadings } from "./surface_material";
 
 const isLarge = 200_000; // vertices, from which on a surface is brought to the card in parts
@@ -51,6 +51,7 @@ export class Viewport {
   readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   readonly navigation: Navigation;
+  private readonly eye: Eye;
   /** Called before each picture. */
   readonly onFrame = new Set<() => void>();
   /** Called after each picture, when the card is done with it. */
@@ -96,6 +97,7 @@ export class Viewport {
       bounds: () => this.ball,
       fitUnder: (x, y) => this.fitUnder(x, y),
     });
+    this.eye = new Eye(this.navigation, () => this.canvas);
     this.cube = new ViewCube(this.navigation, (direction, up) => this.lookAlong(direction, up));
   }
 
@@ -260,50 +262,30 @@ export class Viewport {
 
   /** Vertices in a polygon (pixels of the page); not `through`: those that face the eye and are not hidden. */
   verticesInPolygon(surface: Surface, polygon: Polygon, through: boolean): Uint32Array {
-    const found = verticesInPolygon(surface, this.projectionOf(surface), polygon);
+    const found = verticesInPolygon(surface, this.eye.projectionOf(surface), polygon);
     if (through) return found;
-    return seenVertices(surface, found, this.treeOf(surface), {
-      ...this.sight(),
-      rayAt: (x, y) => this.rayAt(x, y),
-    });
+    return seenVertices(surface, found, this.treeOf(surface), this.eye.sight());
   }
 
   /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
   verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
     const part = this.parts.of(surface);
-    const seen = { hit, radius, eye: this.eyeFor(hit.point) };
+    const seen = { hit, radius, eye: this.eye.from(hit.point, this.ball.radius) };
     const own = part === undefined ? seen : inOwn(part, hit, radius, seen.eye);
     return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
   }
 
   /** Of the world, for a pixel of the page at the depth of `point`. */
   worldPerPixel(point: Vector3): number {
-    const height = Math.max(1, this.host?.clientHeight ?? 1);
-    const { navigation } = this;
-    if (navigation.orthographic) return navigation.viewHeight / height;
-    const depth = point.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
-    return (Math.abs(depth) * navigation.viewHeight) / (navigation.distance * height);
+    return this.eye.worldPerPixel(point);
   }
-
   /** Where a place of the world is on the page; `behind` the camera. */
   project(point: Vector3): { x: number; y: number; behind: boolean } {
-    const box = this.box();
-    const behind = point.clone().applyMatrix4(this.camera.matrixWorldInverse).z > 0 && !this.navigation.orthographic;
-    const p = point.clone().project(this.camera);
-    return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height, behind };
+    return this.eye.project(point);
   }
-
   /** The ray of the world through a place of the page. */
   rayAt(clientX: number, clientY: number): Ray {
-    const box = this.box();
-    const at = new Vector2((2 * (clientX - box.left)) / box.width - 1, 1 - (2 * (clientY - box.top)) / box.height);
-    const far = new Vector3(at.x, at.y, 0.5).unproject(this.camera);
-    if (!this.navigation.orthographic) {
-      const origin = this.camera.position.clone();
-      return new Ray(origin, far.sub(origin).normalize());
-    }
-    const along = new Vector3(0, 0, -1).applyQuaternion(this.camera.quaternion);
-    return new Ray(new Vector3(at.x, at.y, -1).unproject(this.camera), along);
+    return this.eye.rayAt(clientX, clientY);
   }
 
   /** Frames everything, or some vertices of the model, as they are shown. */
@@ -456,7 +438,7 @@ export class Viewport {
     this.layGround();
     const similar =
       before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
-    this.navigation.update(this.box().width / Math.max(1, this.box().height));
+    this.navigation.update(this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight));
     if (first || !similar) this.fit("all", false);
   }
 
@@ -464,7 +446,8 @@ export class Viewport {
   private async bringIn(surface: Surface): Promise<void> {
     if (surface.vertexCount > isLarge && this.renderer !== undefined) {
       this.pace.expectMuch();
-      await this.stage(surface, this.renderer);
+      const isWanted = () => this.surfaces.get(surface.id) === surface;
+      await bringToCard(surface, this.renderer, this.background.mesh.material, this.camera, isWanted);
     }
     if (this.surfaces.get(surface.id) !== surface) return;
     this.scene.add(surface.object);
@@ -478,20 +461,6 @@ export class Viewport {
       const drawn = () => (this.onDrawn.delete(drawn), resolve());
       this.onDrawn.add(drawn);
     });
-  }
-
-  private async stage(surface: Surface, renderer: WebGLRenderer): Promise<void> {
-    const stage = new Scene();
-    const carrier = new Points(new BufferGeometry(), this.background.mesh.material); // which is compiled already
-    carrier.frustumCulled = false;
-    stage.add(carrier);
-    for (const geometry of surface.attributesAlone()) {
-      await cardIsIdle(renderer);
-      if (this.surfaces.get(surface.id) !== surface) break;
-      carrier.geometry = geometry;
-      renderer.render(stage, this.camera);
-    }
-    await cardIsIdle(renderer);
   }
 
   /** What is to be seen, and where it stands. */
@@ -519,41 +488,6 @@ export class Viewport {
     const hit = this.pick(clientX, clientY);
     if (hit === undefined) return this.fit();
     this.navigation.fit(Float32Array.from(hit.point.toArray()), 0.12 * hit.surface.box.diagonal);
-  }
-
-  private box(): DOMRect {
-    return this.canvas.getBoundingClientRect();
-  }
-
-  private eyeFor(point: Vector3): Vector3 {
-    if (!this.navigation.orthographic) return this.camera.position.clone();
-    const back = new Vector3(0, 0, 1).applyQuaternion(this.camera.quaternion);
-    return back.multiplyScalar(1e4 * this.ball.radius).add(point);
-  }
-
-  /** Functions of places that are asked for many, so they allocate nothing. */
-  private sight(): Pick<Sight, "towardsEye" | "depthOf" | "pixelOf"> {
-    const { camera } = this;
-    const box = this.box();
-    const toView = camera.matrixWorldInverse.clone();
-    const eye = this.camera.position.clone();
-    const back = new Vector3(0, 0, 1).applyQuaternion(camera.quaternion);
-    const p = new Vector3();
-    return {
-      towardsEye: (place, out) => (this.navigation.orthographic ? out.copy(back) : out.copy(eye).sub(place)),
-      depthOf: (place) => -p.copy(place).applyMatrix4(toView).z,
-      pixelOf: (place) => {
-        p.copy(place).project(camera);
-        return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
-      },
-    };
-  }
-
-  private projectionOf(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
-    const { camera } = this;
-    const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    const place = new Matrix4().makeTranslation(surface.object.position);
-    return { matrix: matrix.multiply(place).elements, box: this.box() };
   }
 }
 
