@@ -82,27 +82,48 @@ std::string picture_of(const MaterialTexture& texture, const Folders& folders) {
   }
 }
 
-// Pictures, and which of them each triangle has.
-void add_textures(BinaryFrame& frame, const Object& object, const Folders& folders) {
-  const Attribute* material = object.mesh().find_attribute(Domain::face, "material");
-  if (material == nullptr) return;
-  std::vector<Index> picture_of_material(material->labels.size(), 0);
-  Index count = 0;
-  for (const MaterialTexture& texture : textures_of(object.mesh())) {
+// The pictures of faces, by the number that the attribute `numbers` has for each; null: 0 for all.
+struct Pictures {
+  const Attribute* numbers = nullptr;
+  std::vector<MaterialTexture> textures;  ///< by that number
+};
+
+Pictures pictures_of(const Mesh& mesh) {
+  Pictures pictures;
+  const Attribute* material = mesh.find_attribute(Domain::face, "material");
+  if (material == nullptr) {
+    pictures.textures = textures_of(mesh);
+    pictures.numbers = mesh.find_attribute(Domain::face, "texnumber");
+    return pictures;
+  }
+  pictures.numbers = material;
+  pictures.textures.resize(material->labels.size());
+  for (MaterialTexture& texture : textures_of(mesh)) {
     const auto label = std::find(material->labels.begin(), material->labels.end(), texture.material);
     if (label == material->labels.end()) continue;
+    pictures.textures[static_cast<std::size_t>(label - material->labels.begin())] = std::move(texture);
+  }
+  return pictures;
+}
+
+// Pictures, and which of them each triangle has.
+void add_textures(BinaryFrame& frame, const Object& object, const Folders& folders) {
+  const auto [numbers, textures] = pictures_of(object.mesh());
+  std::vector<Index> sent;  // its number there, 0 where it cannot be shown
+  Index count = 0;
+  for (const MaterialTexture& texture : textures) {
     const std::string bytes = picture_of(texture, folders);
+    sent.push_back(bytes.empty() ? 0 : ++count);
     if (bytes.empty()) continue;
-    picture_of_material[static_cast<std::size_t>(label - material->labels.begin())] = ++count;
     const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
     frame.add(fmt::format("picture {}", count), std::span(begin, bytes.size()));
   }
   if (count == 0) return;
   std::vector<Index> pictures;
   for (const Index face : object.triangle_faces) {
-    const double value = material->values[static_cast<std::size_t>(face)];
-    const bool is_known = value >= 0 && value < static_cast<double>(picture_of_material.size());
-    pictures.push_back(is_known ? picture_of_material[static_cast<std::size_t>(value)] : 0);
+    const double number = numbers == nullptr ? 0 : numbers->values[static_cast<std::size_t>(face)];
+    const bool is_known = number >= 0 && number < static_cast<double>(sent.size());
+    pictures.push_back(is_known ? sent[static_cast<std::size_t>(number)] : 0);
   }
   frame.add("pictures", pictures);
 }

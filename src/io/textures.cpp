@@ -1,12 +1,15 @@
 #include <meshgraft/io/textures.h>
 
+#include <filesystem>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 #include <meshgraft/mesh/join.h>
 
 #include "gltf/images.h"
 #include "obj/materials.h"
+#include "ply/document.h"
 
 namespace meshgraft {
 
@@ -18,10 +21,23 @@ std::vector<MaterialTexture> textures_in(const SourceDocument* source) {
   return {};
 }
 
+// Of all faces, or as `texnumber` counts them.
+std::vector<MaterialTexture> textures_without_material(const SourceDocument* source) {
+  std::vector<MaterialTexture> textures;
+  const auto* ply = dynamic_cast<const io::PlyDocument*>(source);
+  if (ply == nullptr) return textures;
+  for (const std::filesystem::path& file : io::texture_files(*ply)) {
+    std::error_code ignored;
+    textures.push_back(
+        {{}, std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path(), {}});
+  }
+  return textures;
+}
+
 }  // namespace
 
 std::vector<MaterialTexture> textures_of(const Mesh& mesh) {
-  std::vector<MaterialTexture> textures;
+  std::vector<MaterialTexture> textures = textures_without_material(mesh.source.get());
   const auto sources = sources_of(mesh);
   if (!sources) return textures;
   for (const JoinedSources::Part& part : sources->parts)

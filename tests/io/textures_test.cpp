@@ -53,6 +53,25 @@ TEST(Textures, AreThoseOfTheLibrary) {
   EXPECT_TRUE(fs::equivalent(textures[0].file, folder / "looks/a b.png"));
 }
 
+TEST(Textures, AreThoseOfTheCommentsOfAPly) {
+  const TemporaryFolder folder;
+  put(folder / "scan.ply",
+      "ply\nformat ascii 1.0\ncomment TextureFile missing.png\ncomment TextureFile a b.png\nelement vertex 3\n"
+      "property float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\n"
+      "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1 1\n");
+  put(folder / "a b.png", "picture");
+  const Mesh scan = read_mesh(folder / "scan.ply");
+  const auto textures = textures_of(scan);
+  ASSERT_EQ(textures.size(), 2u);
+  EXPECT_EQ(textures[0].file, "");
+  EXPECT_EQ(textures[1].material, "");
+  EXPECT_TRUE(fs::equivalent(textures[1].file, folder / "a b.png"));
+  const Attribute* number = scan.find_attribute(Domain::face, "texnumber");
+  ASSERT_NE(number, nullptr);
+  EXPECT_EQ(number->values, std::vector{1.0});
+}
+
 TEST(Textures, StayWithTheMaterialsOfJoinedMeshes) {
   const TemporaryFolder folder;
   for (const char* part : {"a", "b"}) {

@@ -152,7 +152,7 @@ export class Viewport {
 
   /** Shows what the engine sent. */
   show(frame: BinaryFrame): void {
-    if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.parts.add(this.surfaceFrom(frame));
+    if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.addPart(this.surfaceFrom(frame));
     else if (frame.kind === FrameKind.mesh) this.setMesh(this.surfaceFrom(frame));
     const surface = this.surfaceOf(frame.header.mesh);
     if (frame.kind === FrameKind.selection) this.deselectOthers(surface);
@@ -332,6 +332,7 @@ export class Viewport {
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.pace.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
+    for (const part of this.parts.shown()) part.surface.showCoarse(coarse);
     const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
     this.look.cavity.value = detail.occlusion ? 1 : 0;
     const { viewHeight, distance, orthographic } = this.navigation;
@@ -372,6 +373,7 @@ export class Viewport {
       for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
       this.ground.mesh.visible = settings.grid.value;
       for (const surface of this.surfaces.values()) this.applyTo(surface);
+      for (const part of this.parts.all()) this.applyShading(part.surface);
       if (this.instead !== undefined) this.showInstead(this.instead);
       this.requestRender();
     });
@@ -396,8 +398,18 @@ export class Viewport {
     surface.setBefore(settings.before.value);
     surface.showWire(settings.wireframe.value);
     surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
-    if (settings.shading.value === "texture") surface.needRest();
-    surface.showTextures(settings.shading.value === "texture");
+    this.applyShading(surface);
+  }
+
+  private addPart(surface: Surface): void {
+    this.parts.add(surface);
+    this.applyShading(surface);
+  }
+
+  private applyShading(surface: Surface): void {
+    const textured = this.settings.shading.value === "texture";
+    if (textured) surface.needRest();
+    surface.showTextures(textured);
   }
 
   /** Which axis stands upright: as set, or as files of the kind have it. */

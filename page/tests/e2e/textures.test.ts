@@ -147,6 +147,41 @@ test("a model is shown with its picture, also when it is bent and after", async 
   expect(person.complaints).toEqual([]);
 });
 
+/** The same as a PLY of a scanner. */
+function plateOfScan(): string {
+  const lines = plate("squares").split("\n");
+  const numbers = (of: string) => lines.filter((line) => line.startsWith(`${of} `)).map((line) => line.slice(of.length + 1));
+  const uv = numbers("vt");
+  const faces = numbers("f").map((line) => line.split(" ").map((corner) => corner.split("/").map((n) => Number(n) - 1)));
+  const face = (corners: number[][]) =>
+    `4 ${corners.map(([v]) => v).join(" ")} 8 ${corners.map(([, at]) => uv[at ?? 0]).join(" ")}`;
+  return ["ply", "format ascii 1.0", "comment TextureFile squares.png", `element vertex ${numbers("v").length}`,
+    "property float x", "property float y", "property float z", `element face ${faces.length}`,
+    "property list uchar int vertex_indices", "property list uchar float texcoord", "end_header",
+    ...numbers("v"), ...faces.map(face), ""].join("\n");
+}
+
+test("a scan's PLY is shown with its picture, also as a part", async () => {
+  const { folder, person } = stage;
+  writeFileSync(folder.file("squares.png"), picture([red, green, blue, yellow]));
+  writeFileSync(folder.file("scan.ply"), plateOfScan());
+  await open(folder.file("scan.ply"));
+  await person.screenshot("texture-ply");
+  await expectPictures();
+
+  const drawn = await person.page.evaluate(async (path) => {
+    const { editor, viewport } = window.meshgraft;
+    await editor.ask({ do: "part", what: "add", path });
+    editor.graft.mode.value = "graft";
+    await new Promise((later) => setTimeout(later, 2500));
+    const shown = viewport.parts.shown().map(({ surface }) => surface.mesh.visible);
+    return { shown, complaints: editor.messages.value.map(({ error }) => error.problem) };
+  }, folder.file("scan.ply"));
+  await person.screenshot("texture-part");
+  expect(drawn).toEqual({ shown: [false], complaints: [] }); // its wedges are drawn in its place
+  expect(person.complaints).toEqual([]);
+});
+
 test("a model whose picture is not there has checks", async () => {
   const { folder } = stage;
   writeFileSync(folder.file("bare.obj"), plate("nothing"));

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -69,6 +70,10 @@ struct PlyDocument : FileDocument {
 
   std::vector<std::string> beside_the_mesh() const override;
 };
+
+/// The pictures of comments "TextureFile NAME", in their order, missing ones among them: `texnumber` of faces
+/// counts them.
+std::vector<std::filesystem::path> texture_files(const PlyDocument& document);
 
 /// Whether the byte order of a binary file is not the machine's.
 bool needs_swap(PlyEncoding encoding);

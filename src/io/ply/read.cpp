@@ -391,6 +391,14 @@ std::vector<std::string> PlyDocument::beside_the_mesh() const {
   return list;
 }
 
+std::vector<std::filesystem::path> texture_files(const PlyDocument& document) {
+  constexpr std::string_view key = "TextureFile ";
+  std::vector<std::filesystem::path> files;
+  for (const std::string& comment : document.header.comments)
+    if (comment.starts_with(key)) files.push_back(document.path.parent_path() / comment.substr(key.size()));
+  return files;
+}
+
 Mesh read_ply(std::string content, const std::string& name, const Context& context) {
   return PlyReader(std::move(content), name, context).read();
 }
