@@ -3,6 +3,8 @@ import type { Detail } from "./pipeline";
 
 const slowMs = 50; // a picture that takes longer is made with less detail while something moves
 const smoothMs = 6 * slowMs; // a picture with smooth edges may take this long at rest
+const refinedMs = 600; // a picture with rough edges that took no longer is drawn once more with smooth ones,
+const idleMs = 400; // when nothing was asked for since
 
 /** Times of performance.now(): when a picture was begun, all drawing of it was called for, and the card was done. */
 export interface Drawn {
@@ -22,6 +24,8 @@ export class Pace {
   private wanted = false;
   private busy = false;
   private smooth = true; // whether edges are drawn smoothly at rest
+  private refining = false; // whether the next picture, or the one on its way, is the last one with smooth edges
+  private refineTimer: ReturnType<typeof setTimeout> | undefined;
   private readonly recent: number[] = [];
 
   constructor(
@@ -30,6 +34,8 @@ export class Pace {
   ) {}
 
   request(): void {
+    clearTimeout(this.refineTimer);
+    if (!this.busy) this.refining = false;
     if (this.wanted) return;
     this.wanted = true;
     if (!this.busy) requestAnimationFrame(() => this.begin());
@@ -42,7 +48,7 @@ export class Pace {
 
   /** What full detail is, for a card as quick as this one. */
   detail(moving: boolean, mayReduce: boolean, occlusion: boolean): Detail {
-    const full = { scale: 1, samples: this.smooth ? 4 : 0, occlusion };
+    const full = { scale: 1, samples: this.smooth || this.refining ? 4 : 0, occlusion };
     if (!moving || !mayReduce || this.restMs <= slowMs) return full;
     return { scale: this.movingMs > slowMs ? 0.5 : 0.75, samples: 0, occlusion: false };
   }
@@ -68,7 +74,8 @@ export class Pace {
     this.busy = false;
     const ms = picture.end - picture.begin;
     if (moving) this.movingMs = this.movingMs === 0 ? ms : 0.7 * this.movingMs + 0.3 * ms;
-    else this.takeRest(ms);
+    else if (!this.refining) this.takeRest(ms);
+    this.refining = false;
     this.recent.push(ms);
     if (this.recent.length > 31) this.recent.shift();
     const sorted = [...this.recent].sort((a, b) => a - b);
@@ -78,11 +85,13 @@ export class Pace {
 
   private takeRest(ms: number): void {
     this.restMs = ms;
-    if (this.smooth && ms > smoothMs) this.smooth = false;
-    if (!this.smooth && ms < smoothMs / 4) {
-      this.smooth = true;
-      this.wanted = true;
-    }
+    if (!this.smooth && ms < refinedMs) this.refineTimer = setTimeout(() => this.refine(), idleMs);
+    this.smooth = ms < (this.smooth ? smoothMs : smoothMs / 4);
+  }
+
+  private refine(): void {
+    this.request();
+    this.refining = true;
   }
 }
 

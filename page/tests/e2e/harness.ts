@@ -218,6 +218,7 @@ export class Person {
   async screenshot(name: string): Promise<void> {
     mkdirSync(screenshots, { recursive: true });
     const isJpeg = name.endsWith(".jpg");
+    if (isJpeg) await this.page.waitForTimeout(1500); // for the manual: the view comes to rest, its edges smooth
     const path = join(screenshots, isJpeg ? name : `${name}.png`);
     await this.page.screenshot(isJpeg ? { path, type: "jpeg", quality: 85 } : { path });
   }
