@@ -29,7 +29,12 @@ std::string word(const std::string& text) {
 
 }  // namespace
 
-std::optional<std::string> defect_note(const TriageReport& triage, const std::string& file) {
+std::optional<std::string> defect_note(const Scene& scene, const std::string& file) {
+  const TriageReport& triage = scene.triage;
+  const std::filesystem::path path(file);
+  if (scene.mesh.face_count() == 0)
+    return fmt::format("{}: it has points and no faces, so there is no surface to edit",
+                       path.filename().string());
   constexpr std::size_t most_told = 4;
   std::vector<std::string> told;
   std::size_t kinds = 0;
@@ -39,7 +44,6 @@ std::optional<std::string> defect_note(const TriageReport& triage, const std::st
   }
   if (kinds == 0) return std::nullopt;
   if (kinds > most_told) told.push_back(fmt::format("and more of {} other kinds", kinds - most_told));
-  const std::filesystem::path path(file);
   const std::string mended = path.stem().string() + "_repaired" + path.extension().string();
   return fmt::format("{}: {}. To mend that: meshgraft repair {} -o {}", path.filename().string(),
                      fmt::join(told, "; "), word(file), word(mended));

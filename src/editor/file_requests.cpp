@@ -13,6 +13,7 @@
 
 #include "edit/sha256.h"
 #include "graft_actions.h"
+#include "journal.h"
 #include "session.h"
 
 namespace meshgraft::editor {
@@ -225,7 +226,8 @@ Json Worker::list(const json::Value& message, const Context&) {
     else if (entry.is_regular_file(ignored) && (is_mesh(entry.path()) || is_edit(entry.path())))
       files.push_back({{"name", name},
                        {"kind", is_mesh(entry.path()) ? "model" : "edit"},
-                       {"bytes", entry.file_size(ignored)}});
+                       {"bytes", entry.file_size(ignored)},
+                       {"unsaved", fs::exists(journal_of(entry.path()), ignored)}});
   }
   return {{"folder", folder.string()}, {"folders", folders}, {"files", files}};
 }

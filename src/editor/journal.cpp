@@ -34,16 +34,6 @@ constexpr int most_sessions = 9;  // that are open on one model
               path.string(), "Make room, or save to another place.");
 }
 
-// What is behind a model's name must find room in a file's, too, with what is put behind that.
-fs::path journal_of(const fs::path& model) {
-  constexpr std::size_t most_bytes = 200;
-  const std::string name = model.filename().string();
-  const std::string short_name = name.size() <= most_bytes
-                                     ? name
-                                     : whole_characters(name, most_bytes - 9) + "-" + sha256(name).substr(0, 8);
-  return model.parent_path() / (short_name + ".meshgraft-session");
-}
-
 fs::path numbered(const fs::path& stem, int number) {
   return number == 1 ? stem : fs::path(stem.string() + fmt::format("-{}", number));
 }
@@ -93,6 +83,16 @@ bool take_line(const Json& line, std::optional<JournalContent>& content) {
 }
 
 }  // namespace
+
+// What is behind a model's name must find room in a file's, too, with what is put behind that.
+fs::path journal_of(const fs::path& model) {
+  constexpr std::size_t most_bytes = 200;
+  const std::string name = model.filename().string();
+  const std::string short_name = name.size() <= most_bytes
+                                     ? name
+                                     : whole_characters(name, most_bytes - 9) + "-" + sha256(name).substr(0, 8);
+  return model.parent_path() / (short_name + ".meshgraft-session");
+}
 
 std::optional<JournalContent> read_journal(std::string_view text) {
   std::optional<JournalContent> content;

@@ -23,6 +23,9 @@ struct JournalContent {
 /// even the first document is there.
 std::optional<JournalContent> read_journal(std::string_view text);
 
+/// Where the first journal of a model or an edit file lies.
+std::filesystem::path journal_of(const std::filesystem::path& model);
+
 /// A file beside a model that has every change of a document as soon as it is made: one JSON line each, on the
 /// disk before the call returns. It is there from the first change on, belongs to one session at a time, and
 /// goes with it where all is saved. One that an earlier session could not take away, though all was saved, goes

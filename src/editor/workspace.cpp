@@ -374,7 +374,7 @@ std::vector<std::string> Workspace::defects(const std::string& name, const fs::p
     const fs::path file = (document_.edit.base_folder / input.file).lexically_normal();
     const bool is_upload = file.parent_path() == uploads || file.parent_path() == kept_folder();
     const auto scene = objects_.after(document_, 0, input.name, {});
-    if (auto note = defect_note(scene->triage, (is_upload ? uploaded_as(file) : file).string()))
+    if (auto note = defect_note(*scene, (is_upload ? uploaded_as(file) : file).string()))
       notes.push_back(std::move(*note));
   }
   return notes;

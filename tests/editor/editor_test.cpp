@@ -558,7 +558,10 @@ TEST(Editor, OpensAnEditFileAndWhatBelongsToIt) {
   const RunningEditor editor({folder.path()});
   Page page(editor.url());
   page.ask({{"do", "open"}, {"path", "bar.ply"}});
+  const auto model = [&] { return page.ask({{"do", "list"}, {"folder", folder.path().string()}})["files"][0]; };
+  EXPECT_FALSE(model()["unsaved"]);
   paint_top(page);
+  EXPECT_TRUE(model()["unsaved"]);
   const std::vector<float> shown = page.exact(pose_top(page)["pose"]);
   page.ask({{"do", "save"}, {"edit", "edits/bar.json"}});
   EXPECT_FALSE(page.ask({{"do", "state"}})["dirty"]);

@@ -6,7 +6,7 @@ import type { Surface } from "../view/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft";
 import { Library } from "./library";
-import { baseName } from "./paths";
+import { baseName, folderOf } from "./paths";
 import { rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
 import { inPanelWords, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
@@ -144,7 +144,9 @@ export class Editor {
     const handles = () => (this.state.value?.handles ?? []).map(({ name }) => name);
     const before = handles();
     const active = this.tools.activeHandle.value;
-    if ((await this.ask({ do: way })) === undefined || this.graft.mode.value === "graft") return;
+    const answer = await this.attempt({ do: way });
+    if ("code" in answer && answer.code !== "usage") this.tell("problem", answer); // usage: there is nothing more
+    if ("code" in answer || this.graft.mode.value === "graft") return;
     const after = handles();
     const back = after.filter((name) => !before.includes(name));
     const isGone = active !== null && !after.includes(active);
@@ -169,6 +171,12 @@ export class Editor {
   /** Whether everything that was asked has been answered. */
   isIdle(): boolean {
     return this.working.value.size === 0;
+  }
+
+  /** Where the file lies that was opened; undefined: it was no file of the engine's machine. */
+  get openedFolder(): string | undefined {
+    const { opened } = this;
+    return opened !== undefined && "path" in opened && opened.path !== undefined ? folderOf(opened.path) : undefined;
   }
 
   /** Opens a model, and remembers it for when the connection is lost. */

@@ -145,6 +145,7 @@ export class Graft {
     const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
     const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.told(done.graft);
     const start = this.startFor(report);
+    if (start !== undefined) this.report.value = null; // what was said of the first try is settled
     this.takenStarts.value = new Set(start?.map((pair) => String(pair.start)));
     await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
   }

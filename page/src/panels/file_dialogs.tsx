@@ -122,9 +122,9 @@ function TargetDialog(props: TargetProps) {
 }
 
 function firstFolder(page: Page): string | null {
-  const { state, welcome } = page.editor;
+  const { state, welcome, openedFolder } = page.editor;
   const edit = state.value?.edit ?? "";
-  return edit !== "" ? folderOf(edit) : (welcome.value?.folders[0] ?? null);
+  return edit !== "" ? folderOf(edit) : (openedFolder ?? welcome.value?.folders[0] ?? null);
 }
 
 /** The edit file: what was done, without the mesh. */
@@ -132,7 +132,7 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
   const { editor } = page;
   const state = editor.state.value;
   const name =
-    state === null || state.edit === "" ? `${stemOf(state?.name ?? "model")} edit` : stemOf(state.edit);
+    state === null || state.edit === "" ? `${stemOf(state?.name ?? "model")}_edit` : stemOf(state.edit);
   return (
     <TargetDialog
       page={page}
@@ -176,7 +176,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
       done="Exported"
       action="Export"
       extension={format.extension}
-      start={{ folder: firstFolder(page), name: `${stemOf(state?.name ?? "model")} deformed` }}
+      start={{ folder: firstFolder(page), name: `${stemOf(state?.name ?? "model")}_deformed` }}
       request={(path, overwrite) => ({
         do: "export",
         path,

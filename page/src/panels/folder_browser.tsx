@@ -8,6 +8,8 @@ export interface Entry {
   name: string;
   kind: "model" | "edit";
   bytes: number;
+  /** Whether a session left changes, or has it open. */
+  unsaved: boolean;
 }
 
 export interface Listing {
@@ -92,7 +94,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
             >
               <Icon name={entry.kind} size={16} />
               <span class="list-name">{entry.name}</span>
-              <small>{formatBytes(entry.bytes)}</small>
+              <small>{entry.unsaved ? "unsaved work" : formatBytes(entry.bytes)}</small>
             </button>
           </li>
         ))}

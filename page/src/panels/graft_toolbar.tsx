@@ -72,7 +72,9 @@ export function GraftToolHint({ page }: { page: Page }) {
         <span class="tool-hint">
           {posed
             ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone."
-            : hints[tool]}
+            : tool === "loops" && graft.model.value?.loops === 0
+              ? "The model is closed: cut it open by a plane or along a curve, or drop a part on its surface."
+              : hints[tool]}
         </span>
         {tool === "fixed" && (
           <>

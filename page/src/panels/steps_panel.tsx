@@ -38,7 +38,7 @@ export function StepsPanel({ page }: { page: Page }) {
               onOpen={() => setOpen(open === i ? null : i)}
             />
             {open === i && i < steps.length - 1 && (
-              <li class="step-item">
+              <li class="step-item" ref={bringIntoView}>
                 <StepDetails page={page} step={step} index={i} />
               </li>
             )}
@@ -48,6 +48,10 @@ export function StepsPanel({ page }: { page: Page }) {
       <CommandLabelButton page={page} id="accept" icon="accept" />
     </Section>
   );
+}
+
+function bringIntoView(item: HTMLElement | null): void {
+  item?.scrollIntoView({ block: "nearest" });
 }
 
 interface RowProps {

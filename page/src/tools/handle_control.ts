@@ -30,7 +30,8 @@ export class HandleControl {
   private readonly ahead = new Map<string, Placement>();
   /** Pivots of sheared handles, which the document has no place for. */
   private readonly pivots = new Map<string, Vector3>();
-  private scheduled = false;
+  /** What the next picture shows, and the engine is asked for. */
+  private scheduled: { name: string; placement: Placement } | undefined;
 
   constructor(
     private readonly editor: Editor,
@@ -108,23 +109,24 @@ export class HandleControl {
   /** Where a handle is for now: in the next picture, and by what the engine streams. */
   show(name: string, placement: Placement): void {
     this.ahead.set(name, placement);
-    if (this.scheduled) return this.viewport.requestRender();
-    this.scheduled = true;
-    requestAnimationFrame(() => {
-      this.scheduled = false;
-      const latest = this.ahead.get(name);
-      const handle = this.active;
-      if (latest === undefined || handle === undefined || handle.name !== name) return;
-      const isShown = this.showAtOnce(name, latest);
-      this.editor.drag({ [name]: poseOf(latest, handle.defaultPivot) }, isShown);
-    });
+    if (this.scheduled === undefined) requestAnimationFrame(() => this.showScheduled());
+    this.scheduled = { name, placement };
     this.viewport.requestRender(); // after it, so that the picture has the surface where the handle is
+  }
+
+  private showScheduled(): void {
+    const { scheduled, active: handle } = this;
+    this.scheduled = undefined;
+    if (scheduled === undefined || handle === undefined || handle.name !== scheduled.name) return;
+    const isShown = this.showAtOnce(handle.name, scheduled.placement);
+    this.editor.drag({ [handle.name]: poseOf(scheduled.placement, handle.defaultPivot) }, isShown);
   }
 
   /** Where a handle is from now on. */
   async commit(name: string, placement: Placement): Promise<void> {
     const handle = this.active;
     if (handle === undefined || handle.name !== name) return;
+    this.scheduled = undefined; // it would come after, and is not newer
     this.ahead.set(name, placement);
     this.pivots.set(name, placement.pivot.clone());
     this.showAtOnce(name, placement);

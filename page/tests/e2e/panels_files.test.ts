@@ -179,7 +179,7 @@ test("the mesh is exported as it is shown, also as a morph target", async () => 
   await person.page.getByLabel("Name of the target").fill("lean");
   await person.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
   await person.page.getByText("Exported", { exact: true }).waitFor();
-  const glb = folder.file("bar deformed.glb");
+  const glb = folder.file("bar_deformed.glb");
   expect(existsSync(glb)).toBe(true);
   expect(readFileSync(glb, "latin1")).toContain('"lean"');
   expect(person.complaints).toEqual([]);

@@ -52,7 +52,7 @@ test("a matrix of a file gets a gizmo, and goes on from where it was", async () 
   writeFileSync(stage.folder.file("top.def"), matrix.map((row) => row.join(" ")).join("\n"));
   const select = { half_space: { point: [0, 0, 1.8], normal: [0, 0, 1] } };
   writeFileSync(
-    stage.folder.file("bar edit.json"),
+    stage.folder.file("bar_edit.json"),
     editWith({ name: "top", select, pose: { def: "top.def" } }),
   );
   await person.page.reload();
@@ -96,7 +96,7 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
     },
     pose: { curve: course },
   };
-  writeFileSync(stage.folder.file("bar edit.json"), editWith(handle));
+  writeFileSync(stage.folder.file("bar_edit.json"), editWith(handle));
   await page.reload();
   await openCard(person, /bar edit\.json/);
   await page.getByRole("button", { name: /^edge/ }).first().click();
