@@ -56,7 +56,7 @@ test("a matrix of a file gets a gizmo, and goes on from where it was", async () 
     editWith({ name: "top", select, pose: { def: "top.def" } }),
   );
   await person.page.reload();
-  await openCard(person, /bar edit\.json/);
+  await openCard(person, /bar_edit\.json/);
   await page.getByRole("button", { name: /^top/ }).first().click();
   const before = placesOf(await exported(stage, "before", ".obj"));
   const ball = await gripOf(person, "ball");
@@ -98,7 +98,7 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
   };
   writeFileSync(stage.folder.file("bar_edit.json"), editWith(handle));
   await page.reload();
-  await openCard(person, /bar edit\.json/);
+  await openCard(person, /bar_edit\.json/);
   await page.getByRole("button", { name: /^edge/ }).first().click();
   const before = placesOf(await exported(stage, "before", ".obj"));
   const arrow = await gripOf(person, "arrow-y"); // which is up in such a file
