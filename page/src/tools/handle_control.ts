@@ -26,12 +26,13 @@ interface Painted {
 /** Makes handles and moves them: what is shown at once, what the engine streams, and what the document has in the end. */
 export class HandleControl {
   private readonly painted = new Map<string, Painted>();
-  /** Where handles are while the document does not have it yet. */
-  private readonly ahead = new Map<string, Placement>();
+  /** Where a gesture that goes on has a handle. */
+  private dragged: { name: string; placement: Placement } | undefined;
+  /** Where handles are by what the engine is asked for, until the document has it. */
+  private readonly asked = new Map<string, Placement>();
   /** Pivots of sheared handles, which the document has no place for. */
   private readonly pivots = new Map<string, Vector3>();
-  /** What the next picture shows, and the engine is asked for. */
-  private scheduled: { name: string; placement: Placement } | undefined;
+  private isScheduled = false; // what is dragged, for the next picture
 
   constructor(
     private readonly editor: Editor,
@@ -108,39 +109,44 @@ export class HandleControl {
 
   /** Where a handle is for now: in the next picture, and by what the engine streams. */
   show(name: string, placement: Placement): void {
-    this.ahead.set(name, placement);
-    if (this.scheduled === undefined) requestAnimationFrame(() => this.showScheduled());
-    this.scheduled = { name, placement };
+    this.dragged = { name, placement };
+    if (!this.isScheduled) requestAnimationFrame(() => this.showDragged());
+    this.isScheduled = true;
     this.viewport.requestRender(); // after it, so that the picture has the surface where the handle is
   }
 
-  private showScheduled(): void {
-    const { scheduled, active: handle } = this;
-    this.scheduled = undefined;
-    if (scheduled === undefined || handle === undefined || handle.name !== scheduled.name) return;
-    const isShown = this.showAtOnce(handle.name, scheduled.placement);
-    this.editor.drag({ [handle.name]: poseOf(scheduled.placement, handle.defaultPivot) }, isShown);
+  // The gesture may have ended meanwhile: then this is not newer.
+  private showDragged(): void {
+    const { dragged, active: handle } = this;
+    this.isScheduled = false;
+    if (dragged === undefined || handle === undefined || handle.name !== dragged.name) return;
+    const isShown = this.showAtOnce(handle.name, dragged.placement);
+    this.editor.drag({ [handle.name]: poseOf(dragged.placement, handle.defaultPivot) }, isShown);
   }
 
   /** Where a handle is from now on. */
   async commit(name: string, placement: Placement): Promise<void> {
     const handle = this.active;
     if (handle === undefined || handle.name !== name) return;
-    this.scheduled = undefined; // it would come after, and is not newer
-    this.ahead.set(name, placement);
+    this.dragged = undefined;
+    this.asked.set(name, placement);
     this.pivots.set(name, placement.pivot.clone());
     this.showAtOnce(name, placement);
     await this.editor.pose({ [name]: poseOf(placement, handle.defaultPivot) });
-    if (this.ahead.get(name) === placement) this.ahead.delete(name);
+    if (this.asked.get(name) === placement) this.asked.delete(name);
     this.viewport.requestRender();
   }
 
-  /** Puts a handle back to where a gesture found it. */
-  revert(name: string, placement: Placement): void {
-    this.show(name, placement);
-    requestAnimationFrame(() => {
-      if (this.ahead.get(name) === placement) this.ahead.delete(name);
-    });
+  /**
+   * Puts a handle back to where the document has it. Asked for at once and without a pose: whatever is taken back just
+   * before or after it, the picture is the document's.
+   */
+  revert(name: string): void {
+    this.dragged = undefined;
+    const handle = this.active;
+    const isShown = handle?.name === name && this.showAtOnce(name, handle.placement);
+    this.editor.drag({}, isShown);
+    this.viewport.requestRender();
   }
 
   resetPose(): void {
@@ -179,9 +185,14 @@ export class HandleControl {
     return maps;
   }
 
+  /** Where a handle is while the document does not have it yet. */
+  private ahead(name: string): Placement | undefined {
+    return this.dragged?.name === name ? this.dragged.placement : this.asked.get(name);
+  }
+
   private ofPainted(name: string, painted: Painted | undefined): ActiveHandle | undefined {
     if (painted === undefined) return undefined;
-    const placement = this.ahead.get(name) ?? atRest(painted.pivot);
+    const placement = this.ahead(name) ?? atRest(painted.pivot);
     return { name, placement, defaultPivot: painted.pivot, reach: undefined, vertices: painted.vertices };
   }
 
@@ -197,7 +208,7 @@ export class HandleControl {
     const asTold = isSheared && pivot !== undefined ? { ...known, pivot } : known;
     return {
       name: handle.name,
-      placement: this.ahead.get(handle.name) ?? asTold,
+      placement: this.ahead(handle.name) ?? asTold,
       defaultPivot,
       reach: handle.reach,
       vertices: surface.handles.get(handle.name) ?? new Uint32Array(),

@@ -3,20 +3,20 @@ export class Slices {
   private readonly running = new Map<string, Generator<void, void>>();
 
   private isGoing = false;
+  private isAwaited = false; // the next slice
   private readonly channel = new MessageChannel(); // timers would wait for 4 ms each
 
   constructor(private readonly budgetMs = 10) {
     this.channel.port1.onmessage = () => {
-      if (!this.go(performance.now() + this.budgetMs)) this.later();
+      this.isAwaited = false;
+      this.go();
     };
   }
 
   /** Begins `work`; what still ran by that name is given up. */
   start(name: string, work: Generator<void, void>): void {
-    const idle = this.running.size === 0;
     this.running.set(name, work);
-    if (this.isGoing) return; // begun by such work itself
-    if (!this.go(performance.now() + this.budgetMs) && idle) this.later();
+    if (!this.isGoing) this.go(); // else begun by such work itself
   }
   isRunning(name: string): boolean {
     return this.running.has(name);
@@ -28,18 +28,22 @@ export class Slices {
     this.running.clear();
   }
 
-  private later(): void {
-    this.channel.port2.postMessage(null);
-  }
-
-  private go(until: number): boolean {
+  private go(): void {
     this.isGoing = true;
-    const isDone = this.goOn(until);
-    this.isGoing = false;
-    return isDone;
+    try {
+      this.goOn(performance.now() + this.budgetMs);
+    } finally {
+      this.isGoing = false;
+      if (this.running.size > 0) this.later();
+    }
   }
 
-  private goOn(until: number): boolean {
+  private later(): void {
+    if (!this.isAwaited) this.channel.port2.postMessage(null);
+    this.isAwaited = true;
+  }
+
+  private goOn(until: number): void {
     for (const [name, work] of this.running)
       for (;;) {
         if (work.next().done === true) {
@@ -47,8 +51,7 @@ export class Slices {
           break;
         }
         if (this.running.get(name) !== work) break;
-        if (performance.now() > until) return false;
+        if (performance.now() > until) return;
       }
-    return this.running.size === 0;
   }
 }

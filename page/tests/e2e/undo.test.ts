@@ -1,5 +1,5 @@
 import { afterEach, expect, test } from "vitest";
-import { aimAt, exported, farthest, gripOf, verticesOf } from "./grips";
+import { aimAt, exported, farthest, gripOf, openFresh, poseOf, sampled, verticesOf } from "./grips";
 import { hashOf, placesOf, run, Stage, type Person } from "./harness";
 
 let stage: Stage | undefined;
@@ -89,6 +89,76 @@ test("a selection, handles, moves and an accepted step are all taken back, to th
   await person.page.waitForFunction(() => !document.title.startsWith("●"));
   expect(person.complaints).toEqual([]);
 }, 240_000);
+
+/** Keys that come one upon the other, before the page draws. */
+function pressAtOnce(person: Person, keys: readonly { key: string; ctrlKey?: boolean }[]): Promise<void> {
+  return person.page.evaluate((all) => {
+    for (const one of all) window.dispatchEvent(new KeyboardEvent("keydown", { ...one, bubbles: true }));
+  }, keys);
+}
+const ctrlZ = { key: "z", ctrlKey: true };
+
+/** Waits until what is shown is as far from rest as this. */
+async function strays(person: Person, far: number): Promise<void> {
+  await person.settle();
+  await expect.poll(() => strayed(person), { timeout: 5000 }).toBeCloseTo(far, 5);
+  await person.page.waitForTimeout(300); // and it stays so
+  expect(await strayed(person)).toBeCloseTo(far, 5);
+}
+
+for (const method of ["corotational", "ft05"])
+  test(`a gesture that is given up leaves what the document has, whatever else is taken back: ${method}`, async () => {
+    stage = await Stage.open();
+    const { person } = stage;
+    const { page } = person;
+    await openFresh(stage, "bust");
+    const nose = await aimAt(person, farthest(sampled(stage, "bust"), [0, -1, 0.2]));
+    await person.press("h");
+    await person.stroke([nose, [nose[0] + 8, nose[1]]]);
+    await page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
+    await person.settle();
+    await page.evaluate((method) => window.meshgraft.editor.ask({ do: "settings", settings: { method } }), method);
+    await person.settle();
+    const ball = await gripOf(person, "ball");
+    await person.stroke([ball, [ball[0] + 10, ball[1] - 40]]);
+    await page.waitForFunction(() => window.meshgraft.editor.live.value.quality === "exact");
+    await page.waitForTimeout(500);
+    const moved = await strayed(person);
+    expect(moved).toBeGreaterThan(0.01);
+    const drag = async () => {
+      const [x, y] = await gripOf(person, "ball");
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 40, y - 80, { steps: 6 });
+      await page.waitForTimeout(400);
+    };
+    const letGo = async () => {
+      await page.mouse.move(500, 200, { steps: 3 });
+      await page.mouse.up();
+    };
+
+    await drag();
+    await person.press("Control+z");
+    await letGo();
+    await strays(person, moved);
+
+    await drag();
+    await pressAtOnce(person, [ctrlZ, ctrlZ]);
+    await letGo();
+    await strays(person, 0);
+    expect(await poseOf(person)).toEqual({});
+
+    // A gesture by keys goes on while the panel changes the pose.
+    await person.press("Control+Shift+z");
+    await strays(person, moved);
+    await pressAtOnce(person, [{ key: "g" }]);
+    await page.mouse.move(520, 300, { steps: 4 });
+    await page.getByRole("button", { name: "Put back" }).click();
+    await person.settle();
+    await person.press("Escape");
+    await strays(person, 0);
+    expect(person.complaints).toEqual([]);
+  }, 120_000);
 
 test("a cut and a graft are taken back, to the byte", async () => {
   const { stage, person } = await openWith(
