@@ -29,7 +29,7 @@ void say(std::string_view text) {
   [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
 }
 
-void watch(std::stop_source source) {
+void watch(std::stop_source source) {  // NOLINT(performance-unnecessary-value-param): a thread's own
   char byte = 0;
   while (true) {
     const auto count = read(signal_pipe[0], &byte, 1);

@@ -52,7 +52,7 @@ RepairOptions options_of(const RepairArguments& arguments) {
   if (arguments.debris_size) options.debris_rel = *arguments.debris_size;
   options.split_non_manifold = !arguments.no_split;
   options.unify_winding = !arguments.no_winding;
-  if (arguments.hole_edges) options.hole_edges = *arguments.hole_edges;
+  if (arguments.hole_edges) options.hole_edges = arguments.hole_edges;
   options.remove_isolated = !arguments.keep_isolated;
   return options;
 }

@@ -7,7 +7,7 @@ import { ViewSettings } from "./app/view_settings";
 import { viewActions } from "./app/view_actions";
 import { App } from "./panels/app";
 import { ToolBox } from "./tools/toolbox";
-import { GraftView } from "./view/graft_view";
+import { GraftView } from "./view/graft/graft_view";
 import { Viewport } from "./view/viewport";
 import "./style.css";
 

@@ -16,11 +16,9 @@ namespace {
 /// C (M⁻¹C)^(k−1), the symmetric form of Δᵏ with Δ = M⁻¹C: cotangent weights over mixed areas M.
 SparseRows harmonic_operator(const EditProblem& problem, const std::vector<double>& areas, int order,
                              const Context& context) {
-  const SparseRows C = cotangent_laplacian(problem);
-  SparseRows laplace = C;
+  SparseRows power = cotangent_laplacian(problem), laplace = power;
   for (Index i = 0; i < problem.size(); ++i)
     for (SparseRows::InnerIterator entry(laplace, i); entry; ++entry) entry.valueRef() /= areas[i];
-  SparseRows power = C;
   for (int k = 1; k < order; ++k) power = multiply(power, laplace, context);
   return power;
 }

@@ -172,7 +172,7 @@ ProxyGround make_ground(const Points& rest, const Triangles& triangles, const Ve
 std::vector<std::uint8_t> vertices_to_keep(const ProxyGround& ground, bool all) {
   constexpr double apart = 0.7;  // of the spacing, so that few edges become longer than it
   std::vector<std::uint8_t> keep(ground.vertices.size(), 0);
-  const std::vector<std::uint8_t> rim = flag_rim(ground);
+  std::vector<std::uint8_t> rim = flag_rim(ground);
   if (all) return rim;
   std::vector<std::uint8_t> settled(keep.size(), 0);
   BallWalk ball(ground.points, ground.rings);

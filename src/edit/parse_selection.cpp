@@ -26,7 +26,7 @@ std::vector<SelectionSpec> parse_operands(const Value& value) {
 
 SelectionSpec::Kind parse_box(const Value& value) {
   const Object fields(value, {"min", "max"});
-  const Selection::Box box{fields.required("min").vector3(), fields.required("max").vector3()};
+  Selection::Box box{fields.required("min").vector3(), fields.required("max").vector3()};
   if ((box.min.array() > box.max.array()).any()) value.fail("'min' is greater than 'max'");
   return box;
 }

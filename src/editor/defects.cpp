@@ -27,6 +27,24 @@ std::string word(const std::string& text) {
   return quoted + "'";
 }
 
+// What a graphics card works with: beyond these, squares of single-precision numbers overflow or vanish.
+constexpr double largest_shown = 1e15, smallest_shown = 1e-15;
+
+std::optional<std::string> range_note(const Points& positions) {
+  if (positions.rows() == 0) return std::nullopt;
+  constexpr int numbers = Eigen::PropagateNumbers;  // what is none is told as a defect of its own
+  const double reach = positions.cwiseAbs().maxCoeff<numbers>();
+  double extent = 0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    extent =
+        std::max(extent, positions.col(axis).maxCoeff<numbers>() - positions.col(axis).minCoeff<numbers>());
+  if (reach <= largest_shown && !(extent > 0 && extent < smallest_shown)) return std::nullopt;
+  return fmt::format(
+      "its coordinates reach {:.3g} and its size is {:.3g}, which cannot be shown; scale it to "
+      "sizes between {:g} and {:g}",
+      reach, extent, smallest_shown, largest_shown);
+}
+
 }  // namespace
 
 std::optional<std::string> defect_note(const Scene& scene, const std::string& file) {
@@ -35,6 +53,8 @@ std::optional<std::string> defect_note(const Scene& scene, const std::string& fi
   if (scene.mesh.face_count() == 0)
     return fmt::format("{}: it has points and no faces, so there is no surface to edit",
                        path.filename().string());
+  if (const auto note = range_note(scene.mesh.positions))
+    return fmt::format("{}: {}", path.filename().string(), *note);
   constexpr std::size_t most_told = 4;
   std::vector<std::string> told;
   std::size_t kinds = 0;

@@ -14,7 +14,7 @@
 #include "edit/sha256.h"
 #include "graft_actions.h"
 #include "journal.h"
-#include "session.h"
+#include "worker.h"
 
 namespace meshgraft::editor {
 
@@ -89,7 +89,8 @@ void require_own(const fs::path& file, const Workspace::Source& source) {
 }
 
 // What was uploaded lasts no longer than the program or the journal: the edit gets a copy beside it.
-Document with_kept_uploads(Document document, const std::vector<fs::path>& uploads, const fs::path& folder) {
+Document with_kept_uploads(const Document& document, const std::vector<fs::path>& uploads,
+                           const fs::path& folder) {
   Json json = document.json;
   for (const EditInput& input : document.edit.inputs) {
     const fs::path file = document.edit.base_folder / input.file;

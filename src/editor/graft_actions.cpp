@@ -40,7 +40,7 @@ bool is_alone_about(const EditStep& step, const std::string& name) {
 // What is worked on from then on: the model as the step in work leaves it; a step that does nothing goes.
 std::string end_step_in_work(Json& document, const EditFile& edit) {
   const DeformStep* step = deform_in_work(edit);
-  const std::string model = model_of(edit);
+  std::string model = model_of(edit);
   if (step == nullptr) return step_in_work(edit) ? outcome_of(edit.steps.back()) : model;
   if (is_ready(*step)) return outcome_of(edit.steps.back());
   document["steps"].erase(document["steps"].size() - 1);

@@ -12,7 +12,7 @@
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
-#include "session.h"
+#include "worker.h"
 
 namespace meshgraft::editor {
 

@@ -1,7 +1,6 @@
+#include "worker.h"
 // The requests that concern whole steps, and what of them holds for all of a step.
 #include <meshgraft/core/error.h>
-
-#include "session.h"
 
 namespace meshgraft::editor {
 

@@ -84,7 +84,7 @@ Json handle_summary(const Json& step, const Json& handle, const LiveView& view) 
   if (const auto reach = reach_of(step, handle)) summary["reach"] = *reach;
   for (std::size_t h = 0; h < view.handles().size(); ++h) {
     const ShownHandle& one = view.handles()[h];
-    if (one.handle.name != handle["name"]) continue;
+    if (one.handle.name != handle["name"].get_ref<const std::string&>()) continue;
     summary.update({{"vertices", one.handle.vertices.size()},
                     {"closed", one.handle.closed},
                     {"centre", vector_json(one.centre)},
@@ -296,8 +296,10 @@ void Workspace::leave_set_up(const Context& context) {
 
 std::optional<Json> Workspace::offer() const {
   if (!journal_ || !journal_->found()) return std::nullopt;
-  const JournalContent& found = *journal_->found();
-  return Json{{"changes", found.changes}, {"last", found.history.label()}};
+  const History& history = journal_->found()->history;
+  return Json{{"changes", history.position()},
+              {"undone", history.size() - 1 - history.position()},
+              {"last", history.label()}};
 }
 
 void Workspace::restore(const Context& context) {

@@ -184,7 +184,7 @@ void prefer_huge_pages(const void* begin, std::size_t size) {
   const std::uintptr_t first = (address + page - 1) / page * page;
   const std::uintptr_t last = (address + size) / page * page;
   if (last <= first || last - first < (std::size_t{1} << 23)) return;
-  // A hint: where the system does not take it, nothing changes.
+  // A hint: where the system does not take it, nothing changes. NOLINTNEXTLINE(performance-no-int-to-ptr)
   if (::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE) != 0) errno = 0;
 #endif
 }

@@ -9,6 +9,7 @@
 #include <meshgraft/core/parallel.h>
 
 // BLAS and LAPACK as Fortran names them; the lengths of their one-letter strings are not read.
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
             const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
@@ -19,6 +20,7 @@ void dtrsm_(const char* side, const char* uplo, const char* transa, const char* 
             const int* n, const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace meshgraft {
 

@@ -90,7 +90,8 @@ struct VertexTree::Tree {
 };
 
 VertexTree::VertexTree(const Points& positions, std::vector<Index> vertices) {
-  if (!vertices.empty()) tree_.reset(new Tree{{positions, std::move(vertices)}});
+  if (!vertices.empty())
+    tree_.reset(new Tree{{positions, std::move(vertices)}});  // NOLINT(modernize-make-unique): an aggregate
 }
 
 VertexTree::~VertexTree() = default;

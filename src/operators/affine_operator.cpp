@@ -219,7 +219,7 @@ SparseRows AffineOperator::coupling(const Context& context) const {
       static_cast<std::size_t>(n),
       [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
-          const int first = K.outerIndexPtr()[3 * v], length = lengths[static_cast<std::size_t>(3 * v)];
+          const int first = K.outerIndexPtr()[3 * v], length = lengths[3 * static_cast<std::size_t>(v)];
           if (length == 0) continue;
           int place = 0;
           const auto write = [&](Index partner, const Eigen::Matrix3d& block, int at) {

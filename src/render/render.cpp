@@ -325,8 +325,9 @@ class Painter {
     const int samples = grid_ * grid_;
     for (int s = 0; s < samples; ++s) {
       Random random(number, static_cast<std::uint32_t>(s));
-      const float dx = (static_cast<float>(s % grid_) + random.next()) / static_cast<float>(grid_);
-      const float dy = (static_cast<float>(s / grid_) + random.next()) / static_cast<float>(grid_);
+      const int column = s % grid_, row = s / grid_;
+      const float dx = (static_cast<float>(column) + random.next()) / static_cast<float>(grid_);
+      const float dy = (static_cast<float>(row) + random.next()) / static_cast<float>(grid_);
       const Strata strata{s * occlusion_rays_, shift, turn};
       sum += ray(static_cast<float>(x) + dx, static_cast<float>(y) + dy, strata, random);
     }

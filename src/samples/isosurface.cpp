@@ -244,7 +244,7 @@ class LatticeBlock {
     const std::uint64_t point =
         (static_cast<std::uint64_t>(p.z()) * side + static_cast<std::uint64_t>(p.y())) * side +
         static_cast<std::uint64_t>(p.x());
-    const auto sign = [](int value) { return static_cast<std::uint64_t>((value > 0) - (value < 0) + 1); };
+    const auto sign = [](int value) { return std::uint64_t{value < 0 ? 0U : value > 0 ? 2U : 1U}; };
     return point * 27 + sign(step.z()) * 9 + sign(step.y()) * 3 + sign(step.x());
   }
 

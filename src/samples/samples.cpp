@@ -85,7 +85,8 @@ std::vector<char> kept_triangles(const Surface& surface, const SculptedModel& mo
       stack.pop_back();
       ++sizes.back();
       for (int c = 0; c < 3; ++c) {
-        const auto u = static_cast<std::size_t>(surface.twin[static_cast<std::size_t>(3 * t + c)] / 3);
+        const auto u = static_cast<std::size_t>(
+            surface.twin[3 * static_cast<std::size_t>(t) + static_cast<std::size_t>(c)] / 3);
         if (!keep[u] || part[u] >= 0) continue;
         part[u] = number;
         stack.push_back(static_cast<int>(u));

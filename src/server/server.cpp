@@ -411,7 +411,7 @@ std::string Server::url() const {
 
 std::uint16_t Server::port() const { return impl_->acceptor.local_endpoint().port(); }
 
-void Server::run(std::stop_token stop) {
+void Server::run(const std::stop_token& stop) {
   asio::co_spawn(impl_->io, impl_->accept(), asio::detached);
   const std::stop_callback on_stop(stop, [this] {
     asio::post(impl_->io, [this] {

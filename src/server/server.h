@@ -73,7 +73,7 @@ class Server {
   std::uint16_t port() const;
 
   /// Serves until a stop is requested; then pages are told, and their sessions ended.
-  void run(std::stop_token stop);
+  void run(const std::stop_token& stop);
 
  private:
   struct Impl;

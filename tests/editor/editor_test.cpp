@@ -527,7 +527,9 @@ TEST(Editor, RestoresWhatWasNotSaved) {
   {
     Page page(editor.url());
     page.ask({{"do", "open"}, {"path", model.string()}});
-    EXPECT_EQ(page.event("offer-restore")["changes"], 3) << "the undo went to the journal, too";
+    const Json offer = page.event("offer-restore");
+    EXPECT_EQ(offer["changes"], 1);
+    EXPECT_EQ(offer["undone"], 1) << "the undo went to the journal, too";
     const fs::path aside = page.ask({{"do", "discard"}})["aside"].get<std::string>();
     EXPECT_TRUE(fs::exists(aside));
     paint_top(page);

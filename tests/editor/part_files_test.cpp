@@ -144,6 +144,15 @@ TEST_F(PartFiles, MakesThumbnails) {
   EXPECT_GT(cancelled, 15) << "the state did not wait for them";
 }
 
+TEST_F(PartFiles, TellsOfSizesThatCannotBeShown) {
+  for (const std::string size : {"1e308", "1e20", "1e-30"}) {
+    folder_.file("size.obj", "v 0 0 0\nv " + size + " 0 0\nv 0 " + size + " 0\nf 1 2 3\n");
+    const Json notes = page_.ask({{"do", "open"}, {"path", "size.obj"}})["notes"];
+    ASSERT_EQ(notes.size(), 1U) << size;
+    EXPECT_NE(notes[0].get<std::string>().find("cannot be shown"), std::string::npos) << notes;
+  }
+}
+
 TEST_F(PartFiles, TellsOfDefectsThatMatterForEditing) {
   const Json sound = page_.ask({{"do", "open"}, {"path", "bust.ply"}});
   EXPECT_EQ(sound["notes"], Json::array()) << "a boundary loop is no defect";

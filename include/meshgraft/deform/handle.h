@@ -54,8 +54,8 @@ Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const Ind
 /// Throws Error(input) for a number that is not finite and for an axis without length where there is an angle.
 HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_pivot);
 
-/// What is seen of a pose in a mirror: S ∘ pose ∘ S for the reflection S, with all its turns (the axis mirrored,
-/// the other way round); each point of a redrawn curve mirrored. `reflection` has to be one.
+/// What is seen of a pose in a mirror: S ∘ pose ∘ S for the reflection S, with all its turns (the axis
+/// mirrored, the other way round); each point of a redrawn curve mirrored. `reflection` has to be one.
 HandlePose reflected(const HandlePose& pose, const Eigen::Affine3d& reflection);
 
 /// A polyline (k×3) sampled at the relative arc lengths of the curve handle's rest vertices: one row per

@@ -19,7 +19,8 @@ struct MaterialTexture {
 
 /// The pictures of the mesh's materials, at most one each: `map_Kd` of an OBJ's libraries, `baseColorTexture`
 /// of glTF, the comments `TextureFile` of a PLY. Also, but for those of a PLY, of a mesh that was cut or
-/// grafted from such files. What is missing or malformed is left out; files are looked for and not read.
+/// grafted from such files. What is missing or malformed is left out, but a PLY's picture that is not there
+/// keeps its place, for `texnumber` counts it; files are looked for and not read.
 std::vector<MaterialTexture> textures_of(const Mesh& mesh);
 
 }  // namespace meshgraft

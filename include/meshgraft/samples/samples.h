@@ -28,10 +28,10 @@ std::span<const SampleInfo> sample_list();
 /// - bust: one loop in the plane z = −0.28 around the same axis; shoulders |x| > 0.55; flat base z = −1.34;
 /// - dinosaur: closed; head x < −1.7 and z > 3, tail x > 1.2, soles at z = 0;
 /// - cactus: closed; trunk within 0.40 of the z axis, arms x > 0.45, x < −0.45 and y < −0.45;
-/// - bracket: genus 5, a flange about the z axis with a bore and four bolt holes; four loops in the plane z = −1,
-///   of radius 0.18, 1.1 from the axis at the azimuths 0°, 90°, 180°, 270°;
-/// - posts: four components, each with a loop in the plane z = 1.2: at (1.35, 0.15) of radius 0.15, (−0.1, 1.25)
-///   0.26, (−1.2, −0.1) 0.20, (0.1, −1.45) 0.12; feet at z = 0;
+/// - bracket: genus 5, a flange about the z axis with a bore and four bolt holes; four loops in the plane
+///   z = −1, of radius 0.18, 1.1 from the axis at the azimuths 0°, 90°, 180°, 270°;
+/// - posts: four components, each with a loop in the plane z = 1.2: at (1.35, 0.15) of radius 0.15,
+///   (−0.1, 1.25) 0.26, (−1.2, −0.1) 0.20, (0.1, −1.45) 0.12; feet at z = 0;
 /// - bumpy_plane: [−0.5, 0.5]², one loop; bar: [−0.5, 0.5]² × [0, 4], closed; cylinder: radius 0.5, 0 ≤ z ≤ 4,
 ///   two loops; torus: radii 1 and 0.4 about the z axis; knot: a trefoil tube of radius 0.42.
 ///

@@ -1,4 +1,4 @@
-import { handleColour as shownColour } from "../view/roles";
+import { handleColour as shownColour } from "../view/surface/roles";
 
 /** The colour of a handle by its place in the list, as the view shows it. */
 export function handleColour(index: number): string {

@@ -2,15 +2,17 @@ import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
-import type { Surface } from "../view/surface";
+import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft";
 import { Library } from "./library";
+import { inPanelWords } from "./error_words";
 import { baseName, folderOf } from "./paths";
-import { rememberOpened, rememberUnsaved } from "./recent";
+import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
-import { inPanelWords, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
+import { mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
+import { counted } from "./units";
 import type { ViewSettings } from "./view_settings";
 
 export type Event<Name> = Extract<EngineEvent, { event: Name }>;
@@ -79,7 +81,8 @@ export class Editor {
   private lastMessage = 0;
   private setupBegan: number | undefined;
   private opened: OpenRequest | undefined;
-  private returning = false; // after the connection was lost
+  /** What is opened again, with all its changes, as soon as the engine answers. */
+  private returning: { to: OpenRequest | undefined; since: string } | undefined;
 
   constructor(
     readonly token: string,
@@ -320,9 +323,9 @@ export class Editor {
   private hear(event: EngineEvent): void {
     switch (event.event) {
       case "welcome":
-        if (this.welcome.value === null) void this.openGiven(event.models);
+        if (this.welcome.value === null) this.begin(event.models);
         this.welcome.value = event;
-        if (this.returning) void this.takeUp();
+        if (this.returning !== undefined) void this.takeUp(this.returning.to);
         break;
       case "state":
         batch(() => {
@@ -334,6 +337,7 @@ export class Editor {
           this.graft.follow(event);
         });
         rememberUnsaved(this.opened, event.dirty);
+        if (this.opened !== undefined) rememberOpen(this.toReturnTo(event, this.opened));
         this.viewport.setDocument(event);
         break;
       case "progress":
@@ -346,7 +350,7 @@ export class Editor {
         this.graft.hear(event);
         break;
       case "offer-restore":
-        if (this.returning) void this.restoreAtOnce(event.changes);
+        if (this.returning !== undefined) void this.restoreAtOnce(event.changes, this.returning.since);
         else this.offer.value = event;
         break;
       case "notice":
@@ -395,7 +399,9 @@ export class Editor {
 
   private noteLink(link: Link): void {
     if (link === "lost" && this.link.value !== "lost") {
-      if (this.state.value !== null) this.returning = true;
+      const { value: state } = this.state;
+      const to = state !== null && this.opened !== undefined ? this.toReturnTo(state, this.opened) : undefined;
+      if (state !== null) this.returning = { to, since: "The connection was lost, and is back." };
       this.progress.value = new Map();
       void this.askForToken();
     }
@@ -416,20 +422,27 @@ export class Editor {
     }
   }
 
-  /** After a lost connection: opens what was open. */
-  private async takeUp(): Promise<void> {
-    const { opened } = this;
-    const before = this.state.value;
-    if (opened !== undefined && before !== null) {
-      const saved = !before.dirty && before.edit !== "";
-      await this.ask(saved ? { do: "open", path: before.edit } : opened);
-    }
-    this.returning = false;
+  /** What was open before the page was loaded again, or else what the command line names. */
+  private begin(models: readonly string[]): void {
+    const before = openBeforeReload();
+    if (before === undefined) void this.openGiven(models);
+    else this.returning = { to: before, since: "The page was loaded again." };
   }
 
-  private async restoreAtOnce(changes: number): Promise<void> {
+  // What is saved is in its edit file; else the journal of what was opened has the changes.
+  private toReturnTo({ dirty, edit }: DocumentState, opened: OpenRequest): OpenRequest {
+    return !dirty && edit !== "" ? { do: "open", path: edit } : opened;
+  }
+
+  /** After a lost connection, or a reload. */
+  private async takeUp(to: OpenRequest | undefined): Promise<void> {
+    if (to !== undefined && (await this.ask(to)) !== undefined) this.opened = to;
+    this.returning = undefined;
+  }
+
+  private async restoreAtOnce(changes: number, since: string): Promise<void> {
     const done = await this.ask({ do: "restore" });
-    if (done !== undefined) this.note("The connection was lost, and is back.", "", `All ${changes} changes are here.`);
+    if (done !== undefined) this.note(since, "", `All ${counted(changes, "change")} are here.`);
   }
 
   private show(frame: BinaryFrame): void {

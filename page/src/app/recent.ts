@@ -26,6 +26,27 @@ export function wasLeftUnsaved(request: OpenRequest): boolean {
   return unsaved.value.includes(nameOf(request) ?? "");
 }
 
+const openKey = "meshgraft open";
+
+/** What this tab has open: it is taken up again when the page is loaded again. */
+export function rememberOpen(open: OpenRequest): void {
+  try {
+    sessionStorage.setItem(openKey, JSON.stringify(open));
+  } catch {
+    // Then it has to be opened by hand.
+  }
+}
+/** What was open before the page was loaded again. */
+export function openBeforeReload(): OpenRequest | undefined {
+  const [loaded] = performance.getEntriesByType("navigation") as PerformanceNavigationTiming[];
+  if (loaded?.type !== "reload") return undefined;
+  try {
+    return JSON.parse(sessionStorage.getItem(openKey) ?? "null") ?? undefined;
+  } catch {
+    return undefined;
+  }
+}
+
 /** Those that may be opened now, and are not offered anyway. */
 export function recentIn(folders: readonly string[], offered: readonly string[]): string[] {
   return recentPaths.value.filter(

@@ -12,7 +12,7 @@ export function sufficientTolerance({ remedy }: EngineError): number | undefined
 }
 
 /** What the engine says of symmetry in the words of the panels; all else as it is. */
-export function inPanelWords(error: EngineError): EngineError {
+export function inSymmetryWords(error: EngineError): EngineError {
   const tolerance = sufficientTolerance(error);
   const { problem, remedy } = error;
   if (tolerance !== undefined) {

@@ -21,14 +21,14 @@ const anglesDeg: Record<string, number> = {
   turns: 360,
 };
 
-/** `value` with some significant digits, and no zeros at the end. */
-export function formatNumber(value: number, digits = 4): string {
+/** `value` with some significant digits, no more than some behind the point, and no zeros at the end. */
+export function formatNumber(value: number, digits = 4, decimals = 12): string {
   if (!Number.isFinite(value)) return "–";
-  if (value === 0) return "0";
   const size = Math.abs(value);
+  if (size < 0.5 * 10 ** -decimals) return "0";
   if (size >= 1e7 || size < 1e-5) return value.toExponential(digits - 1).replace(/\.?0+e/, "e").replace("e+", "e");
   const places = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
-  const text = value.toFixed(Math.min(12, places));
+  const text = value.toFixed(Math.min(decimals, places));
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 

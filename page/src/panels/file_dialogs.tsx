@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Page } from "../app/page";
 import {
   faultOfName,
@@ -224,8 +224,12 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
     welcome?.folders.length === 0 ? "samples" : "files",
   );
   const listing = useListing(page, folder);
+  const body = useRef<HTMLDivElement>(null);
+  const isListed = listing !== undefined;
+  useEffect(() => body.current?.querySelector<HTMLElement>(".browser-list button")?.focus(), [isListed, source]);
   return (
     <Dialog title="Open" onClose={onClose} wide>
+      <div ref={body}>
       <Segments
         label="From"
         hideLabel
@@ -262,6 +266,7 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
         </ul>
       )}
       <p class="hint">Or drop a file anywhere on the page.</p>
+      </div>
     </Dialog>
   );
 }

@@ -12,6 +12,7 @@ export function CutPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Cut"
+      startsOpen
       hint="A closed model has no loop to graft at: cut one open, by a plane or along a closed curve."
     >
       {inWork && <p class="hint">Accept or cancel the graft first.</p>}

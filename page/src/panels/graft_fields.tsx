@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
 import type { GraftFields, GraftStep, Vector3Tuple } from "../app/graft_step";
 import { IconButton } from "./ui/button";
-import { Segments, Select, Slider, Toggle } from "./ui/fields";
+import { degrees, Segments, Select, Slider, Toggle } from "./ui/fields";
 
 /** What of a graft can be changed, in work or later: all that is needed of it. */
 export interface GraftFieldsProps {
@@ -25,13 +25,10 @@ export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProp
     <>
       <Slider
         label="Normal angle"
-        min={-180}
-        max={180}
+        {...degrees}
         softMin={-90}
         softMax={90}
-        suffix="°"
         step={5}
-        arrowStep={1}
         value={step.normalAngleDeg}
         help="Turns the way the part leaves the surface, about the loop."
         onInput={(value) => drag?.({ normal_angle_deg: value })}
@@ -74,11 +71,8 @@ function Spin({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "twist">) {
   return (
     <Slider
       label="Spin"
-      min={-180}
-      max={180}
-      suffix="°"
+      {...degrees}
       step={15}
-      arrowStep={1}
       value={step.at?.spin_deg ?? 0}
       help="Turns the part about the surface's normal."
       onInput={(value) => drag?.(at(value))}

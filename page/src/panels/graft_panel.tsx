@@ -12,7 +12,7 @@ import { PartsPanel } from "./graft_parts";
 import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { GraftReportView } from "./graft_report";
 import { Button, IconButton } from "./ui/button";
-import { Segments, Slider } from "./ui/fields";
+import { degrees, Segments, Slider } from "./ui/fields";
 import { More, Section } from "./ui/section";
 import "./graft.css";
 
@@ -234,11 +234,8 @@ function Twist({ page }: { page: Page }) {
   return (
     <Slider
       label="Twist"
-      min={-180}
-      max={180}
-      suffix="°"
+      {...degrees}
       step={5}
-      arrowStep={1}
       digits={3}
       value={held ? 0 : turned}
       disabled={held}

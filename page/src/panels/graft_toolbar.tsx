@@ -12,8 +12,8 @@ const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: str
     icon: "loop",
     tip: "Click a loop on each to pair them; drag what meets along them.",
   },
-  { tool: "plane", label: "Cut by a plane", icon: "box", tip: "Draw a line across the model: the plane goes through it and your eye." },
-  { tool: "stroke", label: "Cut along a curve", icon: "lasso", tip: "Draw a closed curve on the surface." },
+  { tool: "plane", label: "Cut by a plane", icon: "cut-plane", tip: "Draw a line across the model: the plane goes through it and your eye." },
+  { tool: "stroke", label: "Cut along a curve", icon: "cut-curve", tip: "Draw a closed curve on the surface." },
 ];
 
 const hints: Record<GraftTool, string> = {

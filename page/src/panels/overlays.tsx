@@ -34,7 +34,8 @@ export function RestoreOffer({ page }: { page: Page }) {
       <p>
         An earlier session on {editor.state.value?.name ?? "this model"} ended before its work was saved. It
         left <strong>{counted(offer.changes, "change")}</strong>
-        {offer.last !== "" && <> (the last one: {changeLabel(offer.last)})</>}.
+        {offer.last !== "" && <> (the last one: {changeLabel(offer.last)})</>}
+        {offer.undone > 0 && <>, and {offer.undone} undone that can be done again</>}.
       </p>
     </Dialog>
   );
@@ -55,7 +56,7 @@ export function LeaveQuestion({ page }: { page: Page }) {
           <Button label="Cancel" kind="quiet" onClick={() => (editor.leaving.value = null)} />
           <Button
             label="Open without saving"
-            tip={`The changes stay in the journal of ${name}, and are offered when you open it again.`}
+            tip={`The changes stay in a session file beside ${name}, and are offered when you open it again.`}
             onClick={() => editor.goOn()}
           />
           <Button label="Save…" kind="primary" autoFocus onClick={() => void editor.saveAndGoOn()} />
@@ -63,8 +64,8 @@ export function LeaveQuestion({ page }: { page: Page }) {
       }
     >
       <p>
-        {name} has changes that are not saved. Without saving they are kept in its journal, and offered when you
-        open it again.
+        {name} has changes that are not saved. Without saving they are kept in a session file beside it, and
+        offered when you open it again.
       </p>
     </Dialog>
   );

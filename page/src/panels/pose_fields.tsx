@@ -135,6 +135,7 @@ export function Triple({ label, value, onChange, quantity, unit, suffix, step, a
             quantity={quantity}
             unit={unit}
             step={step}
+            decimals={Math.max(2, 2 - Math.floor(Math.log10(step)))}
             above={above}
             onChange={(to) => onChange(withComponent(value, k, to))}
           />

@@ -6,7 +6,7 @@ import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
 import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
-import { Segments, Select, Slider } from "./ui/fields";
+import { degrees, Segments, Select, Slider } from "./ui/fields";
 import { More } from "./ui/section";
 
 export type Step = DocumentState["steps"][number];
@@ -151,11 +151,8 @@ function Twists({ page, count, index }: TwistsProps) {
         <Slider
           key={pair}
           label={count > 1 ? `Turn pair ${pair + 1}` : "Turn by"}
-          min={-180}
-          max={180}
-          suffix="°"
+          {...degrees}
           step={5}
-          arrowStep={1}
           value={0}
           help="Turns the part on along its loop, from how it is now."
           onChange={(value) => twist(pair, value)}

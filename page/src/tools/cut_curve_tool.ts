@@ -1,7 +1,7 @@
 import { effect } from "@preact/signals";
 import { Vector3 } from "three";
-import type { GraftView } from "../view/graft_view";
-import type { Hit } from "../view/picking";
+import type { GraftView } from "../view/graft/graft_view";
+import type { Hit } from "../view/picking/picking";
 import type { Spot } from "./eye";
 import { runsLeft } from "./graft_plane_math";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";

@@ -1,8 +1,8 @@
 import type { Graft } from "../app/graft";
 import type { GraftFields } from "../app/graft_step";
-import type { GraftView } from "../view/graft_view";
-import type { Hit } from "../view/picking";
-import { meetSurface } from "../view/picking";
+import type { GraftView } from "../view/graft/graft_view";
+import type { Hit } from "../view/picking/picking";
+import { meetSurface } from "../view/picking/picking";
 import type { Spot } from "./eye";
 import type { Bench, Pointer, Stroke, Tool } from "./tool";
 

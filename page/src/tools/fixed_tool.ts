@@ -1,4 +1,4 @@
-import type { Hit } from "../view/picking";
+import type { Hit } from "../view/picking/picking";
 import { BrushTool } from "./select_tools";
 import type { Bench, Pointer, Stroke, Tool } from "./tool";
 

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
-import { Slices } from "../view/slices";
-import type { Surface } from "../view/surface";
+import { Slices } from "../view/surface/slices";
+import type { Surface } from "../view/surface/surface";
 import { MeshGraph } from "./mesh_graph";
 
 /** The graphs of surfaces, made behind what the person does. */

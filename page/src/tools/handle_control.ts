@@ -2,7 +2,7 @@ import { effect } from "@preact/signals";
 import { Matrix4, Vector3 } from "three";
 import type { Editor } from "../app/editor";
 import type { Handle } from "../protocol";
-import type { Surface } from "../view/surface";
+import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import type { GraphStore } from "./graph_store";
 import { atRest, isRedrawn, matrixOf, mirrored, placementOf, poseOf, type Placement, type Plane } from "./pose_math";

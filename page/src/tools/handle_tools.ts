@@ -1,8 +1,8 @@
-import type { Hit } from "../view/picking";
+import type { Hit } from "../view/picking/picking";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 import { BrushRing, BrushStroke } from "./select_tools";
 import type { Bench, Pointer, Stroke, Tool } from "./tool";
-import type { Surface } from "../view/surface";
+import type { Surface } from "../view/surface/surface";
 import type { Spot } from "./eye";
 
 /** A click on a handle picks it up, whatever the tool. */

@@ -3,7 +3,7 @@ import {
   BufferGeometry, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineLoop, Mesh, Quaternion, ShaderMaterial, Vector3,
 } from "three";
 import type { Cut, Graft } from "../app/graft";
-import type { Surface } from "../view/surface";
+import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import type { PlaneControl } from "./plane_control";
 

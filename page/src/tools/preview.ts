@@ -1,5 +1,5 @@
 import { BufferAttribute, BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, Points, PointsMaterial } from "three";
-import type { Surface } from "../view/surface";
+import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import type { GraphStore } from "./graph_store";
 

@@ -1,7 +1,7 @@
 import { Vector3 } from "three";
 import type { AskedSelection } from "../protocol";
-import type { Hit } from "../view/picking";
-import type { Surface } from "../view/surface";
+import type { Hit } from "../view/picking/picking";
+import type { Surface } from "../view/surface/surface";
 import type { Spot } from "./eye";
 import { DabPath } from "./dab_path";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";

@@ -1,5 +1,5 @@
 import type { Editor } from "../app/editor";
-import type { Hit } from "../view/picking";
+import type { Hit } from "../view/picking/picking";
 import type { Viewport } from "../view/viewport";
 import type { Eye, Spot } from "./eye";
 import type { GraphStore } from "./graph_store";

@@ -1,8 +1,8 @@
 import { signal } from "@preact/signals";
 import { Group, Matrix4, Ray, Sphere, Vector3, type Scene } from "three";
-import { meetSurface, type Hit } from "./picking";
-import type { PickTree } from "./pick_tree";
-import type { Surface } from "./surface";
+import { meetSurface, type Hit } from "./picking/picking";
+import type { PickTree } from "./picking/pick_tree";
+import type { Surface } from "./surface/surface";
 
 /** A part, and where it stands: its own coordinates are mapped by `stand`, for the view alone. */
 export class Part {

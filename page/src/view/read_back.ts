@@ -11,8 +11,8 @@ import {
   WebGLRenderTarget,
 } from "three";
 import type { WebGLRenderer } from "three";
-import { deformShader } from "./deform_shader";
-import type { Surface } from "./surface";
+import { deformShader } from "./surface/deform_shader";
+import type { Surface } from "./surface/surface";
 
 const width = 2048;
 

@@ -1,6 +1,6 @@
 import type { Vector3 } from "three";
 import { roundLength } from "./backdrop";
-import type { Legend } from "./heat";
+import type { Legend } from "./surface/heat";
 
 type Unit = "mm" | "cm" | "m" | "in" | "none";
 

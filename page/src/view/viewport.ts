@@ -16,24 +16,24 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
-import { Eye } from "./eye";
-import type { Legend } from "./heat";
+import { Projection } from "./projection";
+import type { Legend } from "./surface/heat";
 import { Navigation } from "./navigation";
 import { Pace, type Drawn } from "./pace";
-import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking";
+import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking/picking";
 import { inOwn, Parts } from "./parts";
-import { PickTree } from "./pick_tree";
+import { PickTree } from "./picking/pick_tree";
 import { Pipeline } from "./pipeline";
-import type { Polygon } from "./polygon";
+import type { Polygon } from "./picking/polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
-import { Surface } from "./surface";
-import { bringToCard } from "./to_card";
+import { Surface } from "./surface/surface";
+import { bringToCard } from "./surface/to_card";
 import { ViewCube, viewFrom, type Side } from "./view_cube";
 import { ViewNotes } from "./view_notes";
 import "./view.css";
-import { seenVertices } from "./visibility";
-import { lookUniforms, shadings } from "./surface_material";
+import { seenVertices } from "./picking/visibility";
+import { lookUniforms, shadings } from "./surface/surface_material";
 
 const isLarge = 200_000; // vertices, from which on a surface is brought to the card in parts
 
@@ -51,7 +51,7 @@ export class Viewport {
   readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   readonly navigation: Navigation;
-  private readonly eye: Eye;
+  private readonly projection: Projection;
   /** Called before each picture. */
   readonly onFrame = new Set<() => void>();
   /** Called after each picture, when the card is done with it. */
@@ -97,7 +97,7 @@ export class Viewport {
       bounds: () => this.ball,
       fitUnder: (x, y) => this.fitUnder(x, y),
     });
-    this.eye = new Eye(this.navigation, () => this.canvas);
+    this.projection = new Projection(this.navigation, () => this.canvas);
     this.cube = new ViewCube(this.navigation, (direction, up) => this.lookAlong(direction, up));
   }
 
@@ -262,30 +262,30 @@ export class Viewport {
 
   /** Vertices in a polygon (pixels of the page); not `through`: those that face the eye and are not hidden. */
   verticesInPolygon(surface: Surface, polygon: Polygon, through: boolean): Uint32Array {
-    const found = verticesInPolygon(surface, this.eye.projectionOf(surface), polygon);
+    const found = verticesInPolygon(surface, this.projection.toClip(surface), polygon);
     if (through) return found;
-    return seenVertices(surface, found, this.treeOf(surface), this.eye.sight());
+    return seenVertices(surface, found, this.treeOf(surface), this.projection.sight());
   }
 
   /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
   verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
     const part = this.parts.of(surface);
-    const seen = { hit, radius, eye: this.eye.from(hit.point, this.ball.radius) };
+    const seen = { hit, radius, eye: this.projection.from(hit.point, this.ball.radius) };
     const own = part === undefined ? seen : inOwn(part, hit, radius, seen.eye);
     return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
   }
 
   /** Of the world, for a pixel of the page at the depth of `point`. */
   worldPerPixel(point: Vector3): number {
-    return this.eye.worldPerPixel(point);
+    return this.projection.worldPerPixel(point);
   }
   /** Where a place of the world is on the page; `behind` the camera. */
   project(point: Vector3): { x: number; y: number; behind: boolean } {
-    return this.eye.project(point);
+    return this.projection.project(point);
   }
   /** The ray of the world through a place of the page. */
   rayAt(clientX: number, clientY: number): Ray {
-    return this.eye.rayAt(clientX, clientY);
+    return this.projection.rayAt(clientX, clientY);
   }
 
   /** Frames everything, or some vertices of the model, as they are shown. */

@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { chromium, type Browser, type Page } from "playwright-core";
 import type { Editor } from "../../src/app/editor";
-import type { GraftView } from "../../src/view/graft_view";
+import type { GraftView } from "../../src/view/graft/graft_view";
 import type { Viewport } from "../../src/view/viewport";
 
 declare global {

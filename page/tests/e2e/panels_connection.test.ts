@@ -62,6 +62,38 @@ test("an engine that is killed: the page says so, and the next one offers to res
   }
 });
 
+test("a page that is loaded again has what it had, with all changes", async () => {
+  const stage = await Stage.open();
+  const { person, folder } = stage;
+  const { page } = person;
+  page.on("dialog", (dialog) => void dialog.accept()); // unsaved changes: leave?
+  const handles = () => page.evaluate(() => window.meshgraft.editor.state.value?.handles.map(({ pose }) => pose));
+  const again = async () => {
+    await page.reload();
+    await page.waitForFunction(() => (window.meshgraft.editor.state.value?.handles.length ?? 0) > 0);
+    await person.settle();
+  };
+  try {
+    run("sample", "bar", "--resolution", "8", "-o", folder.file("bar.obj"));
+    await page.reload();
+    await openAndMove(stage);
+    await again();
+    await page.getByText("The page was loaded again.").waitFor();
+    expect(await handles()).toEqual([{ translate: [0.5, 0, 0] }]);
+    expect(await page.evaluate(() => window.meshgraft.editor.state.value?.dirty)).toBe(true);
+    expect(await page.getByRole("dialog").count()).toBe(0);
+    // The edit file has what is saved.
+    const edit = folder.file("bar_edit.json");
+    await page.evaluate((edit) => window.meshgraft.editor.ask({ do: "save", edit }), edit);
+    await again();
+    expect(await handles()).toEqual([{ translate: [0.5, 0, 0] }]);
+    expect(await page.evaluate(() => window.meshgraft.editor.state.value?.edit)).toBe(edit);
+    expect(person.complaints).toEqual([]);
+  } finally {
+    await stage.close();
+  }
+});
+
 test("leaving with unsaved work asks, and without does not", async () => {
   const stage = await Stage.open();
   const { page } = stage.person;

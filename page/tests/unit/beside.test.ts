@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { standBeside, type Beside, type Box, type Standing } from "../../src/view/beside";
+import { standBeside, type Beside, type Box, type Standing } from "../../src/view/graft/beside";
 
 const cube = (size: number, at: [number, number, number] = [0, 0, 0]): Box => ({
   min: at,

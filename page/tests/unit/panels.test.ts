@@ -8,7 +8,8 @@ import { applicable, backToUsual, fitting, settingsTable, type NumberSetting } f
 import { axisOfPlane, placeOf, planeAcross } from "../../src/app/mirror_plane";
 import { asPeopleSort, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
 import { refusalOf, uploadLimit } from "../../src/app/upload";
-import { inPanelWords, sufficientTolerance, withTolerance } from "../../src/app/symmetry";
+import { inPanelWords, placeWords } from "../../src/app/error_words";
+import { sufficientTolerance, withTolerance } from "../../src/app/symmetry";
 import { asTyped } from "../../src/app/units";
 import { rangeWords, takes, Track } from "../../src/panels/ui/fields";
 import type { DocumentState, EngineError } from "../../src/protocol";
@@ -79,6 +80,12 @@ describe("what the engine says of symmetry", () => {
     expect(inPanelWords(other)).toEqual(other);
     expect(sufficientTolerance(other)).toBeUndefined();
     expect(sufficientTolerance({ ...refused, remedy: refused.remedy.replace("0.033", "1e-05") })).toBe(1e-5);
+  });
+  test("and of places, counted as the panel counts", () => {
+    expect(placeWords("edit: steps[1]")).toBe("Step 2");
+    expect(placeWords("edit: steps[0].handles[2].pose")).toBe("Step 1, handles[2].pose");
+    expect(placeWords("nose.json: steps[1]")).toBe("nose.json: steps[1]");
+    expect(placeWords("/models/bust.ply")).toBe("/models/bust.ply");
   });
   test("is asked again with it", () => {
     expect(withTolerance({ do: "symmetry" }, 0.1, undefined)).toEqual([{ do: "symmetry", tolerance_rel: 0.1 }]);

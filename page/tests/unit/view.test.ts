@@ -13,21 +13,21 @@ import {
 import { MeshBVH } from "three-mesh-bvh";
 import { describe, expect, it } from "vitest";
 import { roundLength } from "../../src/view/backdrop";
-import { colourAt, colourTable, diverging, rising } from "../../src/view/colour_maps";
-import { writeFrame } from "../../src/view/deform_shader";
-import { bendsOf, detailOf, heatRange, stretchOf } from "../../src/view/heat";
-import { coarseTriangles, edgesOf } from "../../src/view/mesh_topology";
+import { colourAt, colourTable, diverging, rising } from "../../src/view/surface/colour_maps";
+import { writeFrame } from "../../src/view/surface/deform_shader";
+import { bendsOf, detailOf, heatRange, stretchOf } from "../../src/view/surface/heat";
+import { coarseTriangles, edgesOf } from "../../src/view/surface/mesh_topology";
 import { Navigation } from "../../src/view/navigation";
-import { NormalsOfPart } from "../../src/view/normals";
-import { PolygonTest } from "../../src/view/polygon";
+import { NormalsOfPart } from "../../src/view/surface/normals";
+import { PolygonTest } from "../../src/view/picking/polygon";
 import { matrixOfPose } from "../../src/view/pose_matrix";
-import { meetTriangles } from "../../src/view/ray";
-import { depthInRegion } from "../../src/view/roles";
-import { Slices } from "../../src/view/slices";
-import { runsOf, spanOfChange } from "../../src/view/spans";
+import { meetTriangles } from "../../src/view/picking/ray";
+import { depthInRegion } from "../../src/view/surface/roles";
+import { Slices } from "../../src/view/surface/slices";
+import { runsOf, spanOfChange } from "../../src/view/surface/spans";
 import { viewFrom } from "../../src/view/view_cube";
 import { lengthText, sizeText } from "../../src/view/view_notes";
-import { textureSize } from "../../src/view/weight_textures";
+import { textureSize } from "../../src/view/surface/weight_textures";
 
 /** A sequence of numbers from 0 to 1 that is the same each time. */
 function randoms(seed: number): () => number {

@@ -84,7 +84,8 @@ class FaceColours {
     attribute.domain = Domain::face;
     attribute.type = *type();
     attribute.components = has_alpha_ ? 4 : 3;
-    attribute.values.reserve(static_cast<std::size_t>(mesh.face_count() * attribute.components));
+    attribute.values.reserve(static_cast<std::size_t>(mesh.face_count()) *
+                             static_cast<std::size_t>(attribute.components));
     for (std::size_t f = 0; f < whole_.size(); ++f) {
       const double* colour = colours_.data() + 4 * f;
       const double divisor =
@@ -279,7 +280,7 @@ class OffReader {
   void read_corners(Index f) {
     const double size =
         cursor_.number(ScalarType::int32, [&] { return "number of corners of face " + std::to_string(f); });
-    if (size < 0 || size > static_cast<double>((cursor_.remaining() + 1) / 2)) {
+    if (size < 0 || size > static_cast<double>(cursor_.remaining() + 1) / 2) {
       cursor_.fail("face " + std::to_string(f) + " has " + std::to_string(static_cast<std::int64_t>(size)) +
                        " corners, " + (size < 0 ? "less than none" : "more than the rest of the file holds"),
                    "The file is cut off or damaged; copy or export it again");

@@ -100,7 +100,8 @@ class RecordReader {
   static std::optional<std::size_t> load_binary_length(const char* at, const PlyProperty& list, bool swap,
                                                        std::size_t bytes_left, Index corners_before) {
     const double length = load_binary(at, list.count_type, swap);
-    if (length < 0 || length > static_cast<double>(bytes_left / size_of(list.type))) return std::nullopt;
+    const std::size_t most = bytes_left / size_of(list.type);
+    if (length < 0 || length > static_cast<double>(most)) return std::nullopt;
     if (length > std::numeric_limits<Index>::max() - corners_before) return std::nullopt;
     return static_cast<std::size_t>(length);
   }

@@ -182,7 +182,7 @@ void append_tag(std::string& out, std::string_view tag, const Eigen::RowVector3d
             [](const Change& a, const Change& b) { return a.old.data() < b.old.data(); });
   const char* copied = tag.data();
   for (const Change& change : changes) {
-    out.append(copied, change.old.data());
+    out.append(copied, static_cast<std::size_t>(change.old.data() - copied));
     append_number(out, change.value, ScalarType::float64);
     copied = change.old.data() + change.old.size();
   }

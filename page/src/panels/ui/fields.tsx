@@ -18,6 +18,8 @@ interface NumberFieldProps {
   integer?: boolean;
   disabled?: boolean;
   digits?: number;
+  /** No more than these behind the point are shown. */
+  decimals?: number;
   labelledBy?: string;
   tip?: string;
 }
@@ -27,7 +29,7 @@ export function NumberField(props: NumberFieldProps) {
   const { label, value, onChange, quantity = "number", unit = "none", suffix, step = 1, disabled } = props;
   const [typed, setTyped] = useState<string | null>(null);
   const saysId = useId();
-  const shown = formatNumber(value, props.digits ?? 4);
+  const shown = formatNumber(value, props.digits, props.decimals);
   const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
   const bad = parsed === undefined || (typed !== null && !takes(parsed, props));
   const [told, setTold] = useState(false);
@@ -135,7 +137,11 @@ interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
   children?: ComponentChildren;
 }
 
+/** Of a turn by degrees: any number may be typed as far as half a turn. */
+export const degrees = { min: -180, max: 180, suffix: "°", arrowStep: 1 } as const;
+
 const positions = 1000;
+const pauseMs = 300; // presses of arrow keys that follow sooner are one change
 const arrowKeys: Readonly<Record<string, number>> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
 
 /** A named slider with a number field. */
@@ -150,7 +156,9 @@ export function Slider(props: SliderProps) {
     const raw = track.value(position / positions);
     return props.integer === true ? Math.round(raw) : Number(raw.toPrecision(3));
   };
+  const ending = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
   const end = () => {
+    clearTimeout(ending.current);
     if (dragged !== null && dragged !== props.value) props.onChange(dragged);
     setDragged(null);
   };
@@ -162,6 +170,7 @@ export function Slider(props: SliderProps) {
     const by = arrowKeys[event.key];
     if (by === undefined || props.arrowStep === undefined) return;
     event.preventDefault();
+    clearTimeout(ending.current);
     const next = Math.round(value / props.arrowStep + by) * props.arrowStep;
     move(Number(Math.min(high, Math.max(low, next)).toPrecision(12)));
   };
@@ -180,7 +189,9 @@ export function Slider(props: SliderProps) {
         style={{ "--at": `${100 * track.position(value)}%` }}
         onInput={(event) => move(take(Number(event.currentTarget.value)))}
         onKeyDown={onKeyDown}
-        onKeyUp={(event) => arrowKeys[event.key] !== undefined && end()}
+        onKeyUp={(event) => {
+          if (arrowKeys[event.key] !== undefined) ending.current = setTimeout(end, pauseMs);
+        }}
         onBlur={end}
         onChange={end}
       />

@@ -1,8 +1,8 @@
 import { Box3, BufferAttribute, BufferGeometry, DoubleSide, Ray, Sphere, Vector3 } from "three";
 import { MeshBVH } from "three-mesh-bvh";
-import { MeshWork, type FromWorker } from "./mesh_work";
+import { MeshWork, type FromWorker } from "../surface/mesh_work";
 import { meetTriangles, type RayHit } from "./ray";
-import type { Surface } from "./surface";
+import type { Surface } from "../surface/surface";
 
 const refittedHere = 200_000; // triangles, that the page itself brings up to date in some milliseconds
 const isLarge = 300_000; // triangles, from which on there is a coarse version

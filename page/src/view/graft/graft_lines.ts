@@ -2,9 +2,9 @@ import { DoubleSide, Group, Mesh, ShaderMaterial, Vector3, type Matrix4 } from "
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import type { BinaryFrame } from "../engine/binary_frame";
-import { pairColour } from "../app/graft_colours";
-import type { Surface } from "./surface";
+import type { BinaryFrame } from "../../engine/binary_frame";
+import { pairColour } from "../../app/graft_colours";
+import type { Surface } from "../surface/surface";
 
 const mostLines = 90; // of a pair: more are a web
 

@@ -1,10 +1,10 @@
 import { Matrix4, Ray, Vector2, Vector3, type OrthographicCamera, type PerspectiveCamera } from "three";
 import type { Navigation } from "./navigation";
-import type { Surface } from "./surface";
-import type { Sight } from "./visibility";
+import type { Surface } from "./surface/surface";
+import type { Sight } from "./picking/visibility";
 
 /** Where places of the world are on the page, and the other way round. */
-export class Eye {
+export class Projection {
   constructor(
     private readonly navigation: Navigation,
     private readonly canvas: () => HTMLCanvasElement,
@@ -74,7 +74,7 @@ export class Eye {
   }
 
   /** From a surface's own places to the clip box, and the canvas on the page. */
-  projectionOf(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
+  toClip(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
     const { camera } = this;
     const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const place = new Matrix4().makeTranslation(surface.object.position);

@@ -1,6 +1,6 @@
 import { DataTexture, FloatType, Int32BufferAttribute, IntType, Matrix4, NearestFilter, RGBAFormat } from "three";
 import type { BufferGeometry, ExternalTexture, WebGLRenderer } from "three";
-import type { BinaryFrame } from "../engine/binary_frame";
+import type { BinaryFrame } from "../../engine/binary_frame";
 import { writeFrame, type DeformUniforms } from "./deform_shader";
 import { uploadArray } from "./weight_textures";
 

@@ -11,9 +11,9 @@ import {
   type Matrix4,
 } from "three";
 import type { ShaderMaterial, WebGLRenderer } from "three";
-import type { BinaryFrame } from "../engine/binary_frame";
+import type { BinaryFrame } from "../../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
-import type { HeatMap } from "../app/view_settings";
+import type { HeatMap } from "../../app/view_settings";
 import { bendsOf, detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";

@@ -1,15 +1,15 @@
 import { effect, untracked } from "@preact/signals";
 import { Group, Matrix4, Vector3 } from "three";
-import type { Graft, LoopRef, Thing } from "../app/graft";
-import type { Rows4, Vector3Tuple } from "../app/graft_step";
-import type { BinaryFrame } from "../engine/binary_frame";
+import type { Graft, LoopRef, Thing } from "../../app/graft";
+import type { Rows4, Vector3Tuple } from "../../app/graft_step";
+import type { BinaryFrame } from "../../engine/binary_frame";
 import { standBeside, type Box } from "./beside";
-import { partColour, seamColour } from "../app/graft_colours";
+import { partColour, seamColour } from "../../app/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
 import { LoopLines } from "./loop_lines";
-import { writeTint } from "./roles";
-import type { Surface } from "./surface";
-import type { Viewport } from "./viewport";
+import { writeTint } from "../surface/roles";
+import type { Surface } from "../surface/surface";
+import type { Viewport } from "../viewport";
 
 /** Shows parts beside the model, their loops, what meets what, and what comes of a graft. Follows `Graft`. */
 export class GraftView {

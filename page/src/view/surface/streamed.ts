@@ -1,4 +1,4 @@
-import type { BinaryFrame } from "../engine/binary_frame";
+import type { BinaryFrame } from "../../engine/binary_frame";
 import { NormalsOfPart } from "./normals";
 import type { Slices } from "./slices";
 import { sameList } from "./spans";

@@ -1,5 +1,5 @@
 import { DataTexture, LinearFilter, Triangle, Vector3 } from "three";
-import type { HeatMap } from "../app/view_settings";
+import type { HeatMap } from "../../app/view_settings";
 import { colourTable, cssGradient, diverging, rising, type ColourMap } from "./colour_maps";
 
 /** What a heat map's colours stand for, for a legend beside the view. */

@@ -1,6 +1,6 @@
 import { Vector3, type Ray } from "three";
 import type { PickTree } from "./pick_tree";
-import type { Surface } from "./surface";
+import type { Surface } from "../surface/surface";
 
 const mostRays = 20_000; // for single vertices; for more of them a grid of depths is looked up
 

@@ -1,7 +1,7 @@
 import { Vector3, type Ray } from "three";
 import { isNear, type PickTree } from "./pick_tree";
 import { PolygonTest, type Polygon } from "./polygon";
-import type { Surface } from "./surface";
+import type { Surface } from "../surface/surface";
 
 /** What the pointer is over. */
 export interface Hit {

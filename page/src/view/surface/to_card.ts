@@ -1,5 +1,5 @@
 import { BufferGeometry, Points, Scene, type Camera, type Material, type WebGLRenderer } from "three";
-import { cardIsIdle } from "./pace";
+import { cardIsIdle } from "../pace";
 import type { Surface } from "./surface";
 
 /** Brings a surface's arrays to the card, one after the other, while it `isWanted`. `compiled`: a material that is in use. */

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "edit/json_value.h"
+#include "folders.h"
+#include "numbers.h"
+#include "protocol.h"
+#include "request_queue.h"
+#include "thumbnails.h"
+#include "workspace.h"
+
+namespace meshgraft::editor {
+
+/// What all sessions have in common.
+struct Shared {
+  Folders folders;
+  std::vector<std::filesystem::path> models;  ///< to offer to the page
+  std::filesystem::path upload_folder;        ///< empty: there are no uploads
+  Numbers numbers{};
+};
+
+/// Works on one page's requests (protocol.schema.json) on a thread of its own.
+class Worker {
+ public:
+  Worker(std::shared_ptr<Channel> channel, const Shared& shared);
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// Queues a message, and answers one that is malformed.
+  void receive(std::string_view text);
+
+ private:
+  using Answer = Json (Worker::*)(const json::Value&, const Context&);
+  static Answer answer_to(const std::string& what);
+
+  void queue(Request request);
+  void work(const std::stop_token& stop);
+  void perform(const RequestQueue::Work& work);
+  Context context_of(const RequestQueue::Work& work) const;
+  Workspace& open_one();
+  void show(std::unique_ptr<Workspace> workspace);
+  void tell_state();
+  std::filesystem::path output(const json::Object& fields, std::string_view name, bool overwrite);
+  std::vector<std::filesystem::path> files_of(const json::Value& parts);
+  void save_edit(const std::filesystem::path& file);
+  Json selection_or(const json::Object& fields, const std::string& on);
+  Json selected_on(const std::string& name);
+  std::string model_name() { return open_one().stage().model->name; }
+  std::shared_ptr<const Object> object_of(const json::Object& fields);
+  std::filesystem::path mesh_file(const json::Object& fields);
+  Json graft_fields_of(const json::Object& fields);
+  Json with_graft(Json given);
+  Json shown_graft();  ///< the number of what shows it, and where a part stands that is dropped
+  Json change(const std::string& label, const Json& document, const Context& context,
+              Json result = Json::object());
+  Json shown(Json result = Json::object());  ///< with the pose whose frames show what was done
+
+  // One for each request; what is discarded, another thread answers.
+  Json open(const json::Value& message, const Context& context);
+  Json list(const json::Value& message, const Context& context);
+  Json restore(const json::Value& message, const Context& context);
+  Json discard(const json::Value& message, const Context& context);
+  Json select(const json::Value& message, const Context& context);
+  Json group(const json::Value& message, const Context& context);
+  Json paint_handle(const json::Value& message, const Context& context);
+  Json reach(const json::Value& message, const Context& context);
+  Json region(const json::Value& message, const Context& context);
+  Json fixed(const json::Value& message, const Context& context);
+  Json handle(const json::Value& message, const Context& context);
+  Json drag(const json::Value& message, const Context& context);
+  Json pose(const json::Value& message, const Context& context);
+  Json part(const json::Value& message, const Context& context);
+  Json loops(const json::Value& message, const Context& context);
+  Json cut(const json::Value& message, const Context& context);
+  Json graft(const json::Value& message, const Context& context);
+  Json graft_drag(const json::Value& message, const Context& context);
+  Json thumbnail(const json::Value& message, const Context& context);
+  Json settings(const json::Value& message, const Context& context);
+  Json symmetry(const json::Value& message, const Context& context);
+  Json step(const json::Value& message, const Context& context);
+  Json accept(const json::Value& message, const Context& context);
+  Json undo(const json::Value& message, const Context& context);
+  Json redo(const json::Value& message, const Context& context);
+  Json reset(const json::Value& message, const Context& context);
+  Json leave_set_up(const json::Value& message, const Context& context);
+  Json save(const json::Value& message, const Context& context);
+  Json export_mesh(const json::Value& message, const Context& context);
+  Json state(const json::Value& message, const Context& context);
+
+  const Shared& shared_;
+  Outbox outbox_;
+  RequestQueue queue_;
+  std::unique_ptr<Workspace> workspace_;
+  Thumbnails thumbnails_;
+  std::jthread thread_;
+};
+
+}  // namespace meshgraft::editor
