@@ -54,7 +54,7 @@ Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads)
 }  // namespace
 
 void run_editor(const EditorOptions& options, const std::function<void(const std::string&)>& started,
-                std::stop_token stop) {
+                const std::stop_token& stop) {
   const UploadFolder uploads;
   const Shared shared = shared_by_sessions(options, uploads.path());
   Retirement retirement;
@@ -67,7 +67,7 @@ void run_editor(const EditorOptions& options, const std::function<void(const std
     return std::make_unique<Session>(std::move(channel), shared, retirement);
   });
   if (started) started(server.url());
-  server.run(std::move(stop));
+  server.run(stop);
 }
 
 }  // namespace meshgraft::editor

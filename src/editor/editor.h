@@ -20,6 +20,6 @@ struct EditorOptions {
 /// Serves the editor until a stop is requested. Calls `started` with the address to open, once it is listened
 /// to. Throws Error(io) for a model or folder that does not exist, and for an address that cannot be taken.
 void run_editor(const EditorOptions& options, const std::function<void(const std::string& url)>& started,
-                std::stop_token stop);
+                const std::stop_token& stop);
 
 }  // namespace meshgraft::editor

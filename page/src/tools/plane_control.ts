@@ -100,7 +100,7 @@ export class CutPlaneTool implements Tool {
   }
 
   hover({ spot }: Pointer): void {
-    this.bench.status.say("Draw a line across what is to be cut", spot);
+    if (this.control.active === undefined) this.bench.status.say("Draw a line across what is to be cut", spot);
   }
   leave(): void {
     this.bench.status.clear();

@@ -180,12 +180,12 @@ export class Viewport {
       const { wireframe, heatMap } = this.settings;
       if (wireframe.value || heatMap.value === "detail") this.treeOf(surface); // which finds the edges
     }
-    this.legend.value = (surface ?? this.main)?.legend ?? null;
+    this.legend.value = (surface ?? this.main)?.heat.legend ?? null;
   }
 
   private followLegend(surface: Surface): void {
     surface.onChange = () => {
-      if (surface === (this.instead ?? this.main)) this.legend.value = surface.legend;
+      if (surface === (this.instead ?? this.main)) this.legend.value = surface.heat.legend;
       this.requestRender();
     };
   }
@@ -397,7 +397,7 @@ export class Viewport {
     const { settings } = this;
     surface.setBefore(settings.before.value);
     surface.showWire(settings.wireframe.value);
-    surface.showHeat(settings.heatMap.value, settings.stretchOf.value);
+    surface.heat.show(settings.heatMap.value, settings.stretchOf.value);
     this.applyShading(surface);
   }
 
@@ -444,7 +444,7 @@ export class Viewport {
     this.arrival = this.bringIn(surface);
     this.followLegend(surface);
     this.applyTo(surface);
-    if (this.instead === undefined) this.legend.value = surface.legend; // what is there is of the one before
+    if (this.instead === undefined) this.legend.value = surface.heat.legend; // what is there is of the one before
     this.cube.element.hidden = false;
     this.measure();
     this.layGround();

@@ -220,7 +220,7 @@ test("the heat map's legend is the open model's, and no message covers it", asyn
     const seen: unknown[] = [];
     viewport.show = (frame) => {
       setMesh(frame);
-      seen.push(viewport.legend.value === (viewport.main?.legend ?? null));
+      seen.push(viewport.legend.value === (viewport.main?.heat.legend ?? null));
     };
     Object.assign(window, { seen });
   });

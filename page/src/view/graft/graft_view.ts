@@ -153,7 +153,7 @@ export class GraftView {
     if (frame !== null && this.preview === undefined) {
       const surface = this.viewport.surfaceFrom(frame);
       surface.setTint(tintOf(frame, surface.vertexCount));
-      surface.setSeam(seamOf(frame));
+      surface.heat.setSeam(seamOf(frame));
       this.preview = { frame, surface };
       this.group.add(surface.object);
     }

@@ -13,14 +13,13 @@ import {
 import type { ShaderMaterial, WebGLRenderer } from "three";
 import type { BinaryFrame } from "../../engine/binary_frame";
 import { deformUniforms } from "./deform_shader";
-import type { HeatMap } from "../../app/view_settings";
-import { bendsOf, detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
 import { depthInRegion, fixedColour, fixedStrength, handleColour, regionColour, regionStrength, writeTint } from "./roles";
 import { Slices } from "./slices";
 import { mergedIndices, runsOf, spanOfChange } from "./spans";
 import { StreamedFrames } from "./streamed";
+import { SurfaceHeat } from "./surface_heat";
 import { surfaceMaterial, type LookUniforms } from "./surface_material";
 import { TexturedSurface } from "./textured";
 
@@ -49,6 +48,7 @@ export class Surface {
   readonly linear: LinearFrames;
   readonly own: Record<string, IUniform>;
   readonly slices = new Slices();
+  readonly heat = new SurfaceHeat(this);
   readonly uv: Float32Array | undefined;
   readonly colours: Float32Array | undefined;
   private readonly textured: TexturedSurface | undefined;
@@ -63,12 +63,6 @@ export class Surface {
   /** Called when something was changed that a picture shows. */
   onChange: () => void = () => undefined;
 
-  private heatMap: HeatMap = "none";
-  private stretchOf: StretchOf = "area";
-  private heatVersion = -1;
-  private seam: Uint32Array = new Uint32Array();
-  /** What the colours of the heat map stand for; null: there is none. */
-  legend: Legend | null = null;
   private readonly restNormals: Float32Array;
   private readonly streamed: StreamedFrames;
   private readonly tint: Uint8Array;
@@ -97,9 +91,7 @@ export class Surface {
     this.measure();
     this.own = {
       checkSize: { value: this.box.diagonal / 40 },
-      heatColours: { value: null },
-      heatRange: { value: [0, 1] },
-      hasHeat: { value: false },
+      ...this.heat.uniforms,
       hasCut: { value: false },
       cutPlane: { value: new Vector4() },
     };
@@ -175,7 +167,7 @@ export class Surface {
     this.useAttributes();
     this.deform.linear.value = !before && this.linear.isShown;
     ++this.version;
-    this.renewHeat();
+    this.heat.renew();
     this.onChange();
   }
 
@@ -197,7 +189,7 @@ export class Surface {
   private noteShown(frame: BinaryFrame): void {
     this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
     ++this.version;
-    this.renewHeat();
+    this.heat.renew();
     this.onChange();
   }
 
@@ -351,7 +343,7 @@ export class Surface {
   private followTextures(): void {
     const drawn = this.textured?.mesh;
     if (drawn === undefined) return;
-    drawn.visible = this.wantsTextures && this.own["hasHeat"]?.value !== true;
+    drawn.visible = this.wantsTextures && !this.heat.isShown;
     this.mesh.visible = !drawn.visible;
     const asOf = `${this.version} ${this.painted} ${this.isBefore} ${this.linear.isReady}`;
     if (drawn.visible) this.textured?.follow(asOf);
@@ -384,66 +376,6 @@ export class Surface {
     if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
   }
 
-  /** Colours for numbers of vertices, which follow what is shown. */
-  showHeat(map: HeatMap, of: StretchOf): void {
-    if (map === this.heatMap && of === this.stretchOf && (map === "none" || this.heatVersion >= 0)) return;
-    this.heatMap = map;
-    this.stretchOf = of;
-    this.heatVersion = -1;
-    if (map !== "none") return this.renewHeat();
-    this.slices.stop("heat");
-    Object.assign(this.own["hasHeat"] ?? {}, { value: false });
-    this.legend = null;
-    this.onChange();
-  }
-
-  /** Vertices of a seam, for the heat map that shows it. */
-  setSeam(vertices: Uint32Array): void {
-    this.seam = vertices;
-    this.heatVersion = -1;
-    if (this.heatMap === "seam") this.renewHeat();
-  }
-
-  private renewHeat(): void {
-    if (this.heatMap !== "none" && !this.slices.isRunning("heat")) this.slices.start("heat", this.followHeat());
-  }
-
-  private *followHeat(): Generator<void, void> {
-    while (this.heatVersion !== this.version) {
-      const version = this.version;
-      const values = yield* this.heatValues();
-      this.heatVersion = version;
-      if (values === undefined) return;
-      const range = heatRange(this.heatMap, values);
-      this.geometry.setAttribute("heat", this.heatAttribute(values));
-      Object.assign(this.own["heatRange"] ?? {}, { value: range });
-      Object.assign(this.own["heatColours"] ?? {}, { value: heatTexture(this.heatMap) });
-      Object.assign(this.own["hasHeat"] ?? {}, { value: true });
-      this.legend = legendOf(this.heatMap, this.stretchOf, range);
-      this.onChange();
-    }
-  }
-
-  private heatAttribute(values: Float32Array): BufferAttribute {
-    const known = this.geometry.getAttribute("heat") as BufferAttribute | undefined;
-    if (known === undefined) {
-      this.mesh.material.defines["HAS_HEAT"] = 1;
-      this.mesh.material.needsUpdate = true;
-      return new BufferAttribute(values, 1);
-    }
-    (known.array as Float32Array).set(values);
-    known.needsUpdate = true;
-    return known;
-  }
-
-  private *heatValues(): Generator<void, Float32Array | undefined> {
-    if (this.heatMap === "stretch") return yield* stretchOf(this.stretchOf, this.rest, this.positions, this.triangles);
-    if (this.heatMap === "seam")
-      return this.seam.length === 0 ? undefined : bendsOf(this.positions, this.triangles, this.seam);
-    if (this.edges === undefined) return undefined; // the worker looks for them
-    return yield* detailOf(this.positions, this.edges);
-  }
-
   /** Each edge once, and those of the boundary: two vertices each. */
   setEdges(edges: Uint32Array, boundary: Uint32Array): void {
     this.edges = edges;
@@ -453,10 +385,7 @@ export class Surface {
       this.object.add(this.boundary);
     }
     this.showWire(this.wantsWire);
-    if (this.heatMap === "detail") {
-      this.heatVersion = -1;
-      this.renewHeat();
-    }
+    this.heat.setEdges(edges);
     this.onChange();
   }
   showWire(wire: boolean): void {

@@ -1,0 +1,110 @@
+import { BufferAttribute, type BufferGeometry, type IUniform, type ShaderMaterial } from "three";
+import type { HeatMap } from "../../app/view_settings";
+import { bendsOf, detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
+import type { Slices } from "./slices";
+
+/** What the colours are of. */
+interface Coloured {
+  readonly rest: Float32Array;
+  readonly positions: Float32Array;
+  readonly triangles: Uint32Array;
+  /** Counts changes of `positions`. */
+  readonly version: number;
+  readonly geometry: BufferGeometry;
+  readonly mesh: { readonly material: ShaderMaterial };
+  readonly slices: Slices;
+  onChange: () => void;
+}
+
+/** Colours for numbers of vertices, which follow where a surface is shown. */
+export class SurfaceHeat {
+  readonly uniforms: Record<"heatColours" | "heatRange" | "hasHeat", IUniform> = {
+    heatColours: { value: null },
+    heatRange: { value: [0, 1] },
+    hasHeat: { value: false },
+  };
+  /** What the colours stand for; null: there are none. */
+  legend: Legend | null = null;
+  private map: HeatMap = "none";
+  private of: StretchOf = "area";
+  private madeOf = -1; // the surface's version
+  private edges: Uint32Array | undefined;
+  private seam: Uint32Array = new Uint32Array();
+
+  constructor(private readonly surface: Coloured) {}
+
+  get isShown(): boolean {
+    return this.uniforms.hasHeat.value === true;
+  }
+
+  show(map: HeatMap, of: StretchOf): void {
+    if (map === this.map && of === this.of && (map === "none" || this.madeOf >= 0)) return;
+    this.map = map;
+    this.of = of;
+    this.madeOf = -1;
+    if (map !== "none") return this.renew();
+    this.surface.slices.stop("heat");
+    this.uniforms.hasHeat.value = false;
+    this.legend = null;
+    this.surface.onChange();
+  }
+
+  /** The surface is shown elsewhere. */
+  renew(): void {
+    const { slices } = this.surface;
+    if (this.map !== "none" && !slices.isRunning("heat")) slices.start("heat", this.follow());
+  }
+
+  /** Vertices of a seam, for the heat map that shows it. */
+  setSeam(vertices: Uint32Array): void {
+    this.seam = vertices;
+    this.renewFrom("seam");
+  }
+  /** Each edge once: two vertices. */
+  setEdges(edges: Uint32Array): void {
+    this.edges = edges;
+    this.renewFrom("detail");
+  }
+  private renewFrom(map: HeatMap): void {
+    if (this.map !== map) return;
+    this.madeOf = -1;
+    this.renew();
+  }
+
+  private *follow(): Generator<void, void> {
+    while (this.madeOf !== this.surface.version) {
+      const { version } = this.surface;
+      const values = yield* this.values();
+      this.madeOf = version;
+      if (values === undefined) return;
+      const range = heatRange(this.map, values);
+      this.surface.geometry.setAttribute("heat", this.attributeOf(values));
+      this.uniforms.heatRange.value = range;
+      this.uniforms.heatColours.value = heatTexture(this.map);
+      this.uniforms.hasHeat.value = true;
+      this.legend = legendOf(this.map, this.of, range);
+      this.surface.onChange();
+    }
+  }
+
+  private attributeOf(values: Float32Array): BufferAttribute {
+    const { geometry, mesh } = this.surface;
+    const known = geometry.getAttribute("heat") as BufferAttribute | undefined;
+    if (known === undefined) {
+      mesh.material.defines["HAS_HEAT"] = 1;
+      mesh.material.needsUpdate = true;
+      return new BufferAttribute(values, 1);
+    }
+    (known.array as Float32Array).set(values);
+    known.needsUpdate = true;
+    return known;
+  }
+
+  private *values(): Generator<void, Float32Array | undefined> {
+    const { rest, positions, triangles } = this.surface;
+    if (this.map === "stretch") return yield* stretchOf(this.of, rest, positions, triangles);
+    if (this.map === "seam") return this.seam.length === 0 ? undefined : bendsOf(positions, triangles, this.seam);
+    if (this.edges === undefined) return undefined; // the worker looks for them
+    return yield* detailOf(positions, this.edges);
+  }
+}
