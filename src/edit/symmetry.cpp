@@ -141,6 +141,10 @@ std::string MirrorMatch::sufficient_tolerance(const std::vector<Index>& vertices
   if (!(diagonal_ > 0)) return "Leave them out.";
   // Rounded up to two digits.
   const double needed = farthest / diagonal_;
+  constexpr double most = 0.05;  // beyond it whatever is nearest would be called an image
+  if (needed > most)
+    return "Choose a plane that mirrors the mesh: this one leaves images " +
+           fmt::format("{:.2g} of its diagonal from any vertex; or leave them out.", needed);
   const double unit = std::pow(10.0, std::floor(std::log10(std::max(needed, 1e-12))) - 1);
   return fmt::format("A 'symmetry.tolerance_rel' of {:.2g} finds one for each; or leave them out.",
                      std::ceil(needed / unit) * unit);

@@ -228,7 +228,8 @@ Json Worker::list(const json::Value& message, const Context&) {
       files.push_back({{"name", name},
                        {"kind", is_mesh(entry.path()) ? "model" : "edit"},
                        {"bytes", entry.file_size(ignored)},
-                       {"unsaved", fs::exists(journal_of(entry.path()), ignored)}});
+                       {"unsaved", !(workspace_ && workspace_->is_saved(entry.path())) &&
+                                       fs::exists(journal_of(entry.path()), ignored)}});
   }
   return {{"folder", folder.string()}, {"folders", folders}, {"files", files}};
 }

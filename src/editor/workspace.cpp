@@ -349,6 +349,10 @@ Workspace::Outcome Workspace::outcome(const Context& context) {
   return {scene->mesh, scene->rest};
 }
 
+bool Workspace::is_saved(const fs::path& model) const {
+  return source_.journal == model && document_.text == saved_ && !offer();
+}
+
 void Workspace::mark_saved(const fs::path& edit, std::string edit_sha256) {
   source_.edit = edit;
   source_.edit_sha256 = std::move(edit_sha256);

@@ -74,6 +74,8 @@ class Workspace {
   LiveView& view() { return view_; }
   const LiveView& view() const { return view_; }
   const Source& source() const { return source_; }
+  /// Whether it is what is open, and all that was done is saved.
+  bool is_saved(const std::filesystem::path& model) const;
 
   /// The page's selection, which lies on one object.
   struct PageSelection {

@@ -113,7 +113,8 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
       id: "accept", group: "edit", label: "Accept step", keys: ["ctrl+Enter"],
       help: "Keeps this deformation and starts the next one on its shape.",
       run: () => void (editor.graft.kept.value === undefined ? editor.ask({ do: "accept" }) : editor.graft.accept()),
-      enabled: () => hasHandles() || editor.graft.kept.value !== undefined,
+      enabled: () =>
+        editor.graft.kept.value === undefined ? hasHandles() : editor.graft.report.value?.error === undefined,
     },
     {
       id: "confirm", group: "edit", label: "Confirm", keys: ["Enter"],

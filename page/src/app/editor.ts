@@ -23,6 +23,8 @@ export interface Message {
   key: number;
   kind: "problem" | "note";
   error: EngineError;
+  /** What was refused: it is no longer told once such a thing succeeds. */
+  of?: PageRequest["do"] | "live" | undefined;
   /** What helps, as a button. */
   offer?: { label: string; run: () => void } | undefined;
 }
@@ -32,6 +34,8 @@ export interface Leaving {
   name: string;
   open: () => unknown;
 }
+
+const ofFiles: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
 
 /** A request that the engine works on. */
 export interface Work {
@@ -118,7 +122,7 @@ export class Editor {
       return answer;
     }
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
-    if (!isToldAlready) this.tell("problem", answer, this.offerFor(answer, request));
+    if (!isToldAlready) this.tell("problem", answer, { of: request.do, offer: this.offerFor(answer, request) });
     return undefined;
   }
 
@@ -162,7 +166,9 @@ export class Editor {
     const { id, answer } = this.connection.send(request);
     this.setWork(id, { id, label: labelOf(request), since: performance.now() });
     try {
-      return await answer;
+      const outcome = await answer;
+      this.dismissOutdated(request.do);
+      return outcome;
     } catch (failure) {
       if (!(failure instanceof Refusal)) throw failure;
       return failure.error;
@@ -295,12 +301,19 @@ export class Editor {
     this.messages.value = [];
     return had;
   }
-  tell(kind: Message["kind"], told: EngineError, offer?: Message["offer"]): void {
+  /** What was refused before, and is done now, or taken back. */
+  private dismissOutdated(done: Message["of"]): void {
+    const goesBack = done === "undo" || done === "redo" || done === "reset";
+    const isOutdated = ({ of }: Message) => of !== undefined && (of === done || (goesBack && !ofFiles.has(of)));
+    if (this.messages.value.some(isOutdated))
+      this.messages.value = this.messages.value.filter((message) => !isOutdated(message));
+  }
+  tell(kind: Message["kind"], told: EngineError, more: Pick<Message, "of" | "offer"> = {}): void {
     const error = inPanelWords(told);
     const same = this.messages.value.some(
       (told) => told.error.problem === error.problem && told.error.place === error.place,
     );
-    if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error, offer }];
+    if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error, ...more }];
   }
   note(problem: string, place = "", remedy = ""): void {
     this.tell("note", { code: "usage", problem, place, remedy });
@@ -390,7 +403,8 @@ export class Editor {
       this.setupBegan = undefined;
     }
     this.live.value = anew ? event : { ...before, ...event };
-    if (event.error !== undefined) this.tell("problem", event.error);
+    if (event.error !== undefined) this.tell("problem", event.error, { of: "live" });
+    else if (event.quality !== undefined) this.dismissOutdated("live");
     if (event.stage === "ready" || event.stage === "failed" || event.stage === "proxy-only") {
       const progress = new Map(this.progress.value);
       if (progress.delete("null")) this.progress.value = progress;

@@ -3,11 +3,13 @@ import { inSymmetryWords } from "./symmetry";
 
 /** What the engine says in the words of the panels. */
 export function inPanelWords(error: EngineError): EngineError {
-  return inSymmetryWords({ ...error, place: placeWords(error.place) });
+  const remedy = error.remedy.replace(/(\b[Nn])ame another place/, (_, n: string) => `${n === "N" ? "D" : "d"}rag it to another place`);
+  return inSymmetryWords({ ...error, place: placeWords(error.place), remedy });
 }
 
 /** "edit: steps[1].handles[0]" is what a file would call it; the panel counts from 1. */
 export function placeWords(place: string): string {
+  if (/^pose \d+$/.test(place)) return ""; // the one that is typed, or dragged
   const found = /^edit: steps\[(\d+)\]\.?(.*)$/.exec(place);
   if (found === null) return place.replace(/^edit: /, "");
   const [, step, rest = ""] = found;

@@ -1,4 +1,4 @@
-import { matches, parseChord, type KeyPress } from "./chord";
+import { chordOf, matches, parseChord, type KeyPress } from "./chord";
 
 /** Where a command stands in menus and on the help sheet. */
 export type CommandGroup = "file" | "edit" | "tool" | "select" | "handle" | "view" | "help";
@@ -28,13 +28,24 @@ export function commandFor(commands: readonly Command[], press: KeyPress): Comma
   return commands.find((command) => command.keys.some((keys) => matches(parseChord(keys), press)));
 }
 
-/** Whether typing belongs to `target`: keys are no commands there. */
+/** Whether typing belongs to `target`: keys are no commands there, but for those of `isForAll`. */
 export function takesTyping(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
   if (target instanceof HTMLSelectElement) return true;
   const noText = ["button", "checkbox", "color", "radio", "range", "file", "submit", "reset"];
   return target instanceof HTMLInputElement && !noText.includes(target.type);
+}
+
+/**
+ * Files are saved and opened from a field, too. Where nothing has been typed since it was confirmed (`data-confirmed`),
+ * and in lists, all commands with ctrl go on, but those of the text itself.
+ */
+function isForAll(command: Command, press: KeyPress, target: EventTarget | null): boolean {
+  const { ctrl, key } = chordOf(press);
+  if (!ctrl) return false;
+  const isText = target instanceof HTMLElement && !(target instanceof HTMLSelectElement) && target.dataset["confirmed"] === undefined;
+  return command.group === "file" || !(isText || ["A", "C", "V", "X"].includes(key));
 }
 
 /**
@@ -47,11 +58,14 @@ export function listenForKeys(
 ): () => void {
   const held = new Map<string, Command>(); // by the code of the key
   const down = (event: KeyboardEvent) => {
-    if (event.defaultPrevented || event.isComposing || takesTyping(event.target)) return;
-    if (first(event)) return event.preventDefault();
+    if (event.defaultPrevented || event.isComposing) return;
+    const { target } = event;
+    const types = takesTyping(target);
+    if (!types && first(event)) return event.preventDefault();
     const command = commandFor(commands(), event);
-    if (command === undefined || ownsKey(event)) return;
+    if (command === undefined || ownsKey(event) || (types && !isForAll(command, event, target))) return;
     event.preventDefault(); // even where it cannot be done now: ctrl+S must not save the page
+    if (types && target instanceof HTMLInputElement) target.blur(); // what is typed counts
     if (!command.enabled() || (event.repeat && command.repeats !== true)) return;
     if (command.release !== undefined) held.set(event.code, command);
     command.run();

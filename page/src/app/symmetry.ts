@@ -16,12 +16,20 @@ export function inSymmetryWords(error: EngineError): EngineError {
   const tolerance = sufficientTolerance(error);
   const { problem, remedy } = error;
   if (tolerance !== undefined) {
-    const lost = /^(\d+) of the (\d+) vertices of the handle '(.*)' have/.exec(problem);
     return {
       ...error,
-      problem: lost === null ? "a vertex lacks a mirror image" : lackWords(Number(lost[1]), Number(lost[2]), lost[3] ?? ""),
+      problem: lostBy(problem) ?? "a vertex lacks a mirror image",
       place: "",
       remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance} each finds a partner; or hold something else.`,
+    };
+  }
+  if (remedy.startsWith("Choose a plane that mirrors")) {
+    const lost = lostBy(problem);
+    return {
+      ...error,
+      problem: lost ?? problem,
+      place: "",
+      remedy: "The model is not the same on both sides of this plane. Move the plane or choose another axis, under Symmetry.",
     };
   }
   if (problem.includes("overlaps its mirror image"))
@@ -29,6 +37,11 @@ export function inSymmetryWords(error: EngineError): EngineError {
   if (remedy.includes("symmetry.tolerance_rel"))
     return { ...error, place: "", remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere." };
   return error;
+}
+
+function lostBy(problem: string): string | undefined {
+  const lost = /^(\d+) of the (\d+) vertices of the handle '(.*)' have/.exec(problem);
+  return lost === null ? undefined : lackWords(Number(lost[1]), Number(lost[2]), lost[3] ?? "");
 }
 
 function lackWords(lost: number, all: number, handle: string): string {

@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import type { Pose } from "../protocol";
 
 /** What a drag on the surface does. A drag beside it turns the view, but with lasso and box. */
 export type ToolName =
@@ -21,6 +22,8 @@ export class ToolSettings {
   readonly combine = signal<"set" | "add" | "remove">("add");
   readonly floodAngleDeg = signal(30);
   readonly activeHandle = signal<string | null>(null);
+  /** Where a gesture has a handle, while it goes on. */
+  readonly dragged = signal<{ handle: string; pose: Pose } | null>(null);
   /** A reach that is being chosen: what it comes to lights up. */
   readonly reachFor = signal<{ handle: string; reach: number } | null>(null);
   readonly movesPivot = signal(false); // a drag of the gizmo moves the pivot, and nothing else

@@ -110,6 +110,7 @@ class Parser {
     private readonly factorOf: (unit: string) => number | undefined,
   ) {
     this.rest = text.trim().replace(/[−–]/g, "-").replace(/·/g, "*").replace(/÷/g, "/");
+    this.rest = this.rest.replace(/(?<=\d)[ \u00a0\u202f](?=\d{3}(?!\d))/g, ""); // thousands
   }
 
   parse(): number | undefined {

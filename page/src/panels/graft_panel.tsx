@@ -71,7 +71,6 @@ function GraftPanel({ page }: { page: Page }) {
         choices={arrangements}
         onChange={(value: Arrangement) => (graft.arrangement.value = value)}
       />
-      <GraftReportView page={page} />
       {step.at === undefined && <Pairs page={page} />}
       <Sliders page={page} step={step} />
       <ShapeField step={step} keep={keep} />
@@ -90,6 +89,7 @@ function GraftPanel({ page }: { page: Page }) {
           onClick={() => void page.editor.ask({ do: "graft", what: "swap" })}
         />
       </More>
+      <GraftReportView page={page} />
       <div class="graft-end">
         <Button
           label="Accept"

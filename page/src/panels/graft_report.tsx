@@ -1,4 +1,6 @@
 import type { Page } from "../app/page";
+import { inPanelWords } from "../app/error_words";
+import { sentence } from "./messages";
 import { Button } from "./ui/button";
 import { Icon } from "./ui/icon";
 
@@ -22,12 +24,12 @@ export function GraftReportView({ page }: { page: Page }) {
       </p>
     );
   if (report.error !== undefined) {
-    const { problem, place, remedy } = report.error;
+    const { problem, place, remedy } = inPanelWords(report.error);
     const { value: proposed } = graft.proposed;
     return (
       <div class="graft-state failed" role="alert">
         <strong>
-          <Icon name="warning" size={15} /> {problem}
+          <Icon name="warning" size={15} /> {sentence(problem)}
         </strong>
         {place !== "" && <small>{place}</small>}
         {proposed === undefined && remedy !== "" && <span>{remedy}</span>}

@@ -51,6 +51,7 @@ export function GraftToolbar({ page }: { page: Page }) {
 export function GraftToolHint({ page }: { page: Page }) {
   const { graft, tools: settings } = page.editor;
   const tool = graft.tool.value;
+  const busy = graft.kept.value !== undefined;
   const posed = tool === "loops" && graft.step.value?.pose === "keep";
   return (
     <div class="tool-options">
@@ -72,7 +73,7 @@ export function GraftToolHint({ page }: { page: Page }) {
         <span class="tool-hint">
           {posed
             ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone."
-            : tool === "loops" && graft.model.value?.loops === 0
+            : tool === "loops" && !busy && graft.model.value?.loops === 0
               ? "The model is closed: cut it open by a plane or along a curve, or drop a part on its surface."
               : hints[tool]}
         </span>

@@ -20,7 +20,9 @@ const axes = ["X", "Y", "Z"] as const;
 /** Where a handle goes, in numbers. */
 export function PoseFields({ page, handle }: { page: Page; handle: Handle }) {
   const { editor } = page;
-  const numbers = numbersOf(handle.pose, handle.pivot ?? handle.centre ?? [0, 0, 0]);
+  const { value: dragged } = editor.tools.dragged;
+  const pose = dragged?.handle === handle.name ? dragged.pose : handle.pose;
+  const numbers = numbersOf(pose, handle.pivot ?? handle.centre ?? [0, 0, 0]);
   const reset = (
     <Button
       label="Put back"

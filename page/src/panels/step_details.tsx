@@ -150,7 +150,7 @@ function Twists({ page, count, index }: TwistsProps) {
       {Array.from({ length: count }, (_, pair) => (
         <Slider
           key={pair}
-          label={count > 1 ? `Turn pair ${pair + 1}` : "Turn by"}
+          label={count > 1 ? `Twist pair ${pair + 1} by` : "Twist by"}
           {...degrees}
           step={5}
           value={0}

@@ -59,6 +59,11 @@ export class Gizmo {
     return part !== undefined;
   }
 
+  leave(): void {
+    if (this.hovered !== undefined) this.viewport.requestRender();
+    this.hovered = undefined;
+  }
+
   /** Begins a drag where a part is; returns whether there is one. */
   press(spot: Spot, generosity: number): boolean {
     const handle = this.control.active;

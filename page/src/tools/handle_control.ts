@@ -121,7 +121,9 @@ export class HandleControl {
     this.isScheduled = false;
     if (dragged === undefined || handle === undefined || handle.name !== dragged.name) return;
     const isShown = this.showAtOnce(handle.name, dragged.placement);
-    this.editor.drag({ [handle.name]: poseOf(dragged.placement, handle.defaultPivot) }, isShown);
+    const pose = poseOf(dragged.placement, handle.defaultPivot);
+    this.editor.tools.dragged.value = { handle: handle.name, pose };
+    this.editor.drag({ [handle.name]: pose }, isShown);
   }
 
   /** Where a handle is from now on. */
@@ -134,6 +136,7 @@ export class HandleControl {
     this.showAtOnce(name, placement);
     await this.editor.pose({ [name]: poseOf(placement, handle.defaultPivot) });
     if (this.asked.get(name) === placement) this.asked.delete(name);
+    if (this.dragged === undefined) this.editor.tools.dragged.value = null;
     this.viewport.requestRender();
   }
 
@@ -143,6 +146,7 @@ export class HandleControl {
    */
   revert(name: string): void {
     this.dragged = undefined;
+    this.editor.tools.dragged.value = null;
     const handle = this.active;
     const isShown = handle?.name === name && this.showAtOnce(name, handle.placement);
     this.editor.drag({}, isShown);

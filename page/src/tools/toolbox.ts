@@ -83,7 +83,7 @@ export class ToolBox implements ToolActions {
     canvas.addEventListener("pointerup", (event) => this.release(event));
     canvas.addEventListener("pointercancel", () => this.giveUp());
     canvas.addEventListener("lostpointercapture", () => this.giveUp());
-    canvas.addEventListener("pointerleave", () => this.stroke === undefined && this.tool.leave());
+    canvas.addEventListener("pointerleave", () => this.leave());
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
     effect(() => {
@@ -187,6 +187,12 @@ export class ToolBox implements ToolActions {
     void this.editor.state.value?.model.mesh;
     const { main } = this.viewport;
     if (main !== undefined) this.bench.graphs.of(main);
+  }
+
+  private leave(): void {
+    if (this.stroke !== undefined || this.gizmo.isGoing) return;
+    this.tool.leave();
+    this.gizmo.leave();
   }
 
   private press(event: PointerEvent): void {

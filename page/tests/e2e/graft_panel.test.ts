@@ -198,7 +198,7 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
 
   await steps.getByText("1. Graft").click();
   await typed("Normal angle", "20");
-  await typed("Turn by", "90");
+  await typed("Twist by", "90");
   const changed = await fields(0);
   expect(changed["normal_angle_deg"]).toBe(20);
   expect(JSON.stringify(changed["pairs"] ?? changed["matches"])).toMatch(/\d+,\d+/);

@@ -63,7 +63,18 @@ test.each([false, true])("a model is opened, deformed and saved without a pointe
     await person.settle();
     const x = await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose.translate?.[0] ?? 0);
     expect(x).toBeGreaterThan(0.5);
+    await person.press("Control+z"); // what is confirmed is no text any more
+    await person.settle();
+    expect(await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose.translate)).toEqual([0.5, 0, 0]);
+    await tabTo(person, /^Move X$/);
+    await page.keyboard.type("0.25");
+    await person.press("Control+s"); // saves what is typed
+    await page.getByRole("dialog").getByRole("textbox").waitFor();
+    await person.press("Escape");
+    await person.settle();
+    expect(await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose.translate)).toEqual([0.25, 0, 0]);
 
+    await tabTo(person, /^Move X$/);
     await page.keyboard.press("Shift+Tab"); // out of the number field: typing is no command there
     await tabTo(person, /^Natural|^Method/);
     await person.press("F1");

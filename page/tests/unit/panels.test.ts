@@ -76,6 +76,12 @@ describe("what the engine says of symmetry", () => {
     expect(inPanelWords(all).problem).toBe("all 40 vertices of “left arm” lack a mirror image");
     const overlap = { ...refused, problem: "the handle 'a' overlaps its mirror image, in 2 of 3 vertices", remedy: "…'union'…" };
     expect(inPanelWords(overlap).remedy).not.toContain("union");
+    const far = { ...refused, remedy: "Choose a plane that mirrors the mesh: …" };
+    expect(sufficientTolerance(far)).toBeUndefined();
+    expect(inPanelWords(far)).toMatchObject({
+      problem: "3 of the 40 vertices of “left arm” lack a mirror image",
+      remedy: expect.stringContaining("under Symmetry"),
+    });
     const other = { ...refused, remedy: "Close the file." };
     expect(inPanelWords(other)).toEqual(other);
     expect(sufficientTolerance(other)).toBeUndefined();

@@ -39,7 +39,7 @@ describe("numbers that people read", () => {
 describe("numbers that people type", () => {
   test.each([
     ["12", 12], ["  -3.5 ", -3.5], ["1,5", 1.5], [".5", 0.5], ["1e-3", 0.001], ["2*3+4", 10], ["2*(3+4)", 14], ["7/2", 3.5],
-    ["10-2-3", 5], ["--2", 2], ["−4", -4],
+    ["10-2-3", 5], ["1 000", 1000], ["1\u202f234\u202f567 + 1", 1234568], ["--2", 2], ["−4", -4],
   ])("%s", (text, value) => expect(parseQuantity(text, "number")).toBeCloseTo(value, 12));
 
   test.each([

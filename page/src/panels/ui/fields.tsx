@@ -79,6 +79,7 @@ export function NumberField(props: NumberFieldProps) {
         aria-invalid={bad}
         aria-describedby={told ? saysId : undefined}
         disabled={disabled}
+        data-confirmed={typed === null ? "" : undefined}
         value={typed ?? shown}
         onFocus={(event) => event.currentTarget.select()}
         onInput={(event) => {
@@ -91,7 +92,7 @@ export function NumberField(props: NumberFieldProps) {
       {suffix !== undefined && suffix !== "" && <span class="suffix">{suffix}</span>}
       {told && (
         <span class="number-says" role="alert" id={saysId}>
-          {rangeWords(props)}
+          {parsed === undefined ? writingWords(quantity) : rangeWords(props)}
         </span>
       )}
     </span>
@@ -109,6 +110,13 @@ function inForm(value: number, { integer }: Range): number {
 /** Whether a number may stand in a field. */
 export function takes(value: number, { min = -Infinity, max = Infinity, above = -Infinity }: Range): boolean {
   return value >= min && value <= max && (value > above || above === -Infinity);
+}
+
+/** How a quantity may be written. */
+function writingWords(quantity: Quantity): string {
+  if (quantity === "angle") return "degrees or turns: 45, 2 turns";
+  if (quantity === "length") return "a length: 12.5, 3 mm, 1 cm / 4";
+  return quantity === "factor" ? "a factor: 1.5, 150 %" : "a number: 12.5, 3 / 4";
 }
 
 /** What a field takes: "1 to 20". */
