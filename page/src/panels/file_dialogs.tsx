@@ -230,42 +230,42 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
   return (
     <Dialog title="Open" onClose={onClose} wide>
       <div ref={body}>
-      <Segments
-        label="From"
-        hideLabel
-        value={source}
-        choices={[
-          { value: "files", label: "Files" },
-          { value: "samples", label: "Samples" },
-        ]}
-        onChange={setSource}
-      />
-      {source === "files" && (
-        <FolderBrowser
-          page={page}
-          folder={folder}
-          onFolder={setFolder}
-          listing={listing}
-          onFile={(path) => editor.openInstead({ do: "open", path })}
+        <Segments
+          label="From"
+          hideLabel
+          value={source}
+          choices={[
+            { value: "files", label: "Files" },
+            { value: "samples", label: "Samples" },
+          ]}
+          onChange={setSource}
         />
-      )}
-      {source === "samples" && (
-        <ul class="list browser-list" aria-label="Samples">
-          {(welcome?.samples ?? []).map(({ name, description }) => (
-            <li key={name}>
-              <button
-                type="button"
-                class="list-main"
-                onClick={() => editor.openInstead({ do: "open", sample: name })}
-              >
-                <span class="list-name">{name}</span>
-                <small>{description}</small>
-              </button>
-            </li>
-          ))}
-        </ul>
-      )}
-      <p class="hint">Or drop a file anywhere on the page.</p>
+        {source === "files" && (
+          <FolderBrowser
+            page={page}
+            folder={folder}
+            onFolder={setFolder}
+            listing={listing}
+            onFile={(path) => editor.openInstead({ do: "open", path })}
+          />
+        )}
+        {source === "samples" && (
+          <ul class="list browser-list" aria-label="Samples">
+            {(welcome?.samples ?? []).map(({ name, description }) => (
+              <li key={name}>
+                <button
+                  type="button"
+                  class="list-main"
+                  onClick={() => editor.openInstead({ do: "open", sample: name })}
+                >
+                  <span class="list-name">{name}</span>
+                  <small>{description}</small>
+                </button>
+              </li>
+            ))}
+          </ul>
+        )}
+        <p class="hint">Or drop a file anywhere on the page.</p>
       </div>
     </Dialog>
   );

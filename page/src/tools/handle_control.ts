@@ -130,7 +130,7 @@ export class HandleControl {
   async commit(name: string, placement: Placement): Promise<void> {
     const handle = this.active;
     if (handle === undefined || handle.name !== name) return;
-    this.dragged = undefined;
+    this.dragged = undefined; // its numbers stay until the document has them
     this.asked.set(name, placement);
     this.pivots.set(name, placement.pivot.clone());
     this.showAtOnce(name, placement);
@@ -145,8 +145,7 @@ export class HandleControl {
    * before or after it, the picture is the document's.
    */
   revert(name: string): void {
-    this.dragged = undefined;
-    this.editor.tools.dragged.value = null;
+    this.forgetDragged();
     const handle = this.active;
     const isShown = handle?.name === name && this.showAtOnce(name, handle.placement);
     this.editor.drag({}, isShown);
@@ -163,6 +162,11 @@ export class HandleControl {
     if (handle === undefined) return;
     this.activate(null);
     void this.editor.ask({ do: "handle", what: "remove", name: handle.name });
+  }
+
+  private forgetDragged(): void {
+    this.dragged = undefined;
+    this.editor.tools.dragged.value = null;
   }
 
   private async add(surface: Surface, vertices: Uint32Array, ask: (name: string) => Promise<unknown>): Promise<void> {
@@ -239,6 +243,7 @@ export class HandleControl {
     const state = this.editor.state.value;
     const isGone = state?.handles.every((handle) => handle.name !== name) ?? true;
     if (name !== null && isGone && !this.painted.has(name)) activeHandle.value = null;
+    if (this.dragged !== undefined && !this.names.includes(this.dragged.name)) this.forgetDragged();
     this.viewport.requestRender();
   }
 }

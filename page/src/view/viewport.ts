@@ -16,6 +16,7 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
+import { areWithin, placesOf } from "./framing";
 import { Projection } from "./projection";
 import type { Legend } from "./surface/heat";
 import { Navigation } from "./navigation";
@@ -297,10 +298,12 @@ export class Viewport {
       return;
     }
     this.measure();
-    const samples = this.allShown().map(([surface, stand]) => transformed(surface.sample(), stand));
-    const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
-    samples.reduce((at, sample) => (all.set(sample, at), at + sample.length), 0);
-    this.navigation.fit(all, 1e-6 * main.box.diagonal, animated);
+    this.navigation.fit(placesOf(this.allShown()), 1e-6 * main.box.diagonal, animated);
+  }
+
+  /** Whether vertices of a surface lie in the picture, but for a few. */
+  sees(surface: Surface, vertices: Uint32Array): boolean {
+    return areWithin(surface.sample(vertices), this.canvas.getBoundingClientRect(), (point) => this.project(point));
   }
 
   /** Looks along a direction of the world. */
@@ -501,11 +504,4 @@ export class Viewport {
     if (hit === undefined) return this.fit();
     this.navigation.fit(Float32Array.from(hit.point.toArray()), 0.12 * hit.surface.box.diagonal);
   }
-}
-
-/** Places (3 numbers each) where a map takes them. */
-function transformed(places: Float32Array, map: Matrix4): Float32Array {
-  const place = new Vector3();
-  for (let at = 0; at + 2 < places.length; at += 3) place.fromArray(places, at).applyMatrix4(map).toArray(places, at);
-  return places;
 }

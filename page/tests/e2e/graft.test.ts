@@ -559,3 +559,30 @@ test("drops a part from the library onto the surface", async () => {
   expect(await saved(stage)).toMatchObject({ ...watertight, euler_characteristic: 0 });
   expect(person.complaints).toEqual([]);
 }, 240_000);
+
+test("a dropped part that reaches out of the view comes into it", async () => {
+  const { stage, person } = await open();
+  const { page } = person;
+  await stage.openSample("torus", 40);
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await page.evaluate(() => window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false));
+  await page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
+  await page.waitForTimeout(900);
+  const highest = () =>
+    page.evaluate(() => {
+      const { viewport, editor } = window.meshgraft;
+      const places = editor.graft.preview.value?.floats("positions") ?? viewport.main?.rest ?? new Float32Array();
+      const at = Array.from({ length: places.length / 3 }, (_, v) => places[3 * v + 2]!);
+      const top = viewport.camera.position.clone().fromArray(places, 3 * at.indexOf(Math.max(...at)));
+      return viewport.project(top).y - viewport.canvas.getBoundingClientRect().top;
+    });
+  await page.mouse.move(480, 400);
+  for (let i = 0; i < 12 && (await highest()) > 40; ++i) await page.mouse.wheel(0, -240).then(() => page.waitForTimeout(150));
+  await page.evaluate(() => window.meshgraft.editor.graft.set({ source: "head", at: { point: [0, 1, 0.4] } }));
+  const report = await grafted(person);
+  expect(report?.error).toBeUndefined();
+  await page.waitForTimeout(900);
+  await person.screenshot("drop-framed");
+  expect(await highest()).toBeGreaterThan(0);
+  expect(person.complaints).toEqual([]);
+}, 120_000);

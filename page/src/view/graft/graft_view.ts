@@ -153,7 +153,7 @@ export class GraftView {
     if (frame !== null && this.preview === undefined) {
       const surface = this.viewport.surfaceFrom(frame);
       surface.setTint(tintOf(frame, surface.vertexCount));
-      surface.heat.setSeam(seamOf(frame));
+      surface.heat.setSeam(verticesFrom(frame, 2));
       this.preview = { frame, surface };
       this.group.add(surface.object);
     }
@@ -196,7 +196,7 @@ export class GraftView {
     this.ghost.show(source, this.group.matrix.clone().multiply(matrixOfRows(rows)));
   }
 
-  /** Frames all when something else is shown than before; where a part is dropped, the view stays as it is. */
+  /** Frames all when something else is shown than before; where a part is dropped, only if it reaches out of the view. */
   private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
     const { away, dragged, step } = this.graft;
     if (away.value !== null || dragged.value !== null) return;
@@ -205,8 +205,14 @@ export class GraftView {
     if (key === this.framed) return;
     const grew = this.framed !== "" || shows.size > 1;
     this.framed = key;
-    if (step.value?.at !== undefined) return;
+    if (step.value?.at !== undefined && this.seesPart()) return;
     if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));
+  }
+
+  private seesPart(): boolean {
+    if (this.preview === undefined) return true;
+    const { frame, surface } = this.preview;
+    return untracked(() => this.viewport.sees(surface, verticesFrom(frame, 1)));
   }
 }
 
@@ -225,15 +231,15 @@ function boxOf(surface: Surface): Box {
   return { min: at(surface.box.min), max: at(surface.box.max) };
 }
 
-/** Vertices of the faces that were made between the two. */
-function seamOf(frame: BinaryFrame): Uint32Array {
+/** Vertices of faces by where they come from, 1: the part, 2: made between the two. */
+function verticesFrom(frame: BinaryFrame, kind: 1 | 2): Uint32Array {
   const triangles = frame.indices("triangles") ?? new Uint32Array();
   const origin = frame.bytes("origin") ?? new Uint8Array();
-  const seam = new Set<number>();
-  origin.forEach((kind, t) => {
-    if (kind === 2) for (const v of triangles.subarray(3 * t, 3 * t + 3)) seam.add(v);
+  const vertices = new Set<number>();
+  origin.forEach((from, t) => {
+    if (from === kind) for (const v of triangles.subarray(3 * t, 3 * t + 3)) vertices.add(v);
   });
-  return Uint32Array.from(seam);
+  return Uint32Array.from(vertices);
 }
 
 /** The part lightly in its colour, the seam strongly. */
