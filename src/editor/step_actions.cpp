@@ -1,11 +1,10 @@
-// Changes of steps that need not be the one that is worked on.
+#include "step_actions.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-
-#include "document_actions.h"
 
 namespace meshgraft::editor {
 

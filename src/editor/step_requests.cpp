@@ -1,6 +1,8 @@
-#include "worker.h"
 // The requests that concern whole steps, and what of them holds for all of a step.
 #include <meshgraft/core/error.h>
+
+#include "step_actions.h"
+#include "worker.h"
 
 namespace meshgraft::editor {
 

@@ -1,5 +1,5 @@
 import type { Editor } from "./editor";
-import type { SelectionChange } from "./graft";
+import type { SelectionChange } from "./graft/graft";
 import type { Command } from "./keys";
 import type { ToolName, ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";

@@ -4,7 +4,7 @@ import { Connection, Refusal, type Link, type Outcome } from "../engine/connecti
 import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
-import { Graft } from "./graft";
+import { Graft } from "./graft/graft";
 import { Library } from "./library";
 import { inPanelWords } from "./error_words";
 import { baseName, folderOf } from "./paths";

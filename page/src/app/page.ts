@@ -1,6 +1,6 @@
 import type { Viewport } from "../view/viewport";
 import type { Editor } from "./editor";
-import type { Rows4, Vector3Tuple } from "./graft_step";
+import type { Rows4, Vector3Tuple } from "./graft/graft_step";
 import type { Command } from "./keys";
 
 /** What the graft panel asks of the tools. */

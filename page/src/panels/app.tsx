@@ -2,7 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Page } from "../app/page";
 import { DropZone } from "./drop";
 import { ExportDialog, OpenDialog, SaveDialog } from "./file_dialogs";
-import { GraftToolbar, GraftToolHint } from "./graft_toolbar";
+import { GraftToolbar, GraftToolHint } from "./graft/graft_toolbar";
 import { Header } from "./header";
 import { HelpSheet } from "./help_sheet";
 import { Messages } from "./messages";

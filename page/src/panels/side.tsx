@@ -1,7 +1,7 @@
 import type { Signal } from "@preact/signals";
 import type { TargetedKeyboardEvent } from "preact";
 import type { Page } from "../app/page";
-import { GraftPanels } from "./graft_panel";
+import { GraftPanels } from "./graft/graft_panel";
 import { GroupsPanel } from "./groups_panel";
 import { HandlesPanel } from "./handles_panel";
 import { sentence } from "./messages";

@@ -5,7 +5,7 @@ import { baseName, folderOf } from "../app/paths";
 import { recentIn, wasLeftUnsaved } from "../app/recent";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
-import { Thumbnail } from "./graft_library";
+import { Thumbnail } from "./graft/graft_library";
 import { Button } from "./ui/button";
 import { Icon, Mark } from "./ui/icon";
 

@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Box, Work } from "../app/editor";
-import { graftWords, shownSize } from "../app/graft_words";
+import { graftWords, shownSize } from "../app/graft/graft_words";
 import { liveWords, stageWords } from "../app/live_words";
 import type { Page } from "../app/page";
 import { changeLabel } from "../app/request_labels";

@@ -1,10 +1,10 @@
 import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
 import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
 import type { Page } from "../app/page";
-import { readStep, type GraftFields } from "../app/graft_step";
+import { readStep, type GraftFields } from "../app/graft/graft_step";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
-import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
+import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
 import { degrees, Segments, Select, Slider } from "./ui/fields";
 import { More } from "./ui/section";

@@ -1,6 +1,6 @@
 import { Vector3 } from "three";
 import { expect, test } from "vitest";
-import { flipped, movedBy, nearestAlong, onBall, planeThroughLine, runsLeft, tiltedTo } from "../../src/tools/graft_plane_math";
+import { flipped, movedBy, nearestAlong, onBall, planeThroughLine, runsLeft, tiltedTo } from "../../src/tools/graft/graft_plane_math";
 
 const v = (x: number, y: number, z: number) => new Vector3(x, y, z);
 

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import {
   meetingsOf, pairsField, readStep, withDotAt, withFields, withMatch, withStarts, withoutDot, withPair, withoutPair,
   type OpenStart,
-} from "../../src/app/graft_step";
+} from "../../src/app/graft/graft_step";
 
 const step = {
   kind: "merge", target: "body", source: "arm", normal_angle_deg: 10, shape: "ft05",

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { areInOrder, between, LoopCurve, meetingPlace, nearestPlace, twistDeg, twisted } from "../../src/app/loop_curve";
+import { areInOrder, between, LoopCurve, meetingPlace, nearestPlace, twistDeg, twisted } from "../../src/app/graft/loop_curve";
 
 /** A circle of n vertices; vertex numbers from `first` on; `sense` -1 runs clockwise. */
 function circle(n: number, sense: 1 | -1, first = 0): LoopCurve {

@@ -3,7 +3,7 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import type { BinaryFrame } from "../../engine/binary_frame";
-import { pairColour } from "../../app/graft_colours";
+import { pairColour } from "../../app/graft/graft_colours";
 import type { Surface } from "../surface/surface";
 
 const mostLines = 90; // of a pair: more are a web

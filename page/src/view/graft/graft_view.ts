@@ -1,10 +1,10 @@
 import { effect, untracked } from "@preact/signals";
 import { Group, Matrix4, Vector3 } from "three";
-import type { Graft, LoopRef, Thing } from "../../app/graft";
-import type { Rows4, Vector3Tuple } from "../../app/graft_step";
+import type { Graft, LoopRef, Thing } from "../../app/graft/graft";
+import type { Rows4, Vector3Tuple } from "../../app/graft/graft_step";
 import type { BinaryFrame } from "../../engine/binary_frame";
 import { standBeside, type Box } from "./beside";
-import { partColour, seamColour } from "../../app/graft_colours";
+import { partColour, seamColour } from "../../app/graft/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
 import { LoopLines } from "./loop_lines";
 import { writeTint } from "../surface/roles";

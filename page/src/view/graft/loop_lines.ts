@@ -2,9 +2,9 @@ import { Color, Group } from "three";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import type { LoopRef, ShownLoop } from "../../app/graft";
-import type { Pair } from "../../app/graft_step";
-import { loopColour, pairColour, pickedColour, type Colour } from "../../app/graft_colours";
+import type { LoopRef, ShownLoop } from "../../app/graft/graft";
+import type { Pair } from "../../app/graft/graft_step";
+import { loopColour, pairColour, pickedColour, type Colour } from "../../app/graft/graft_colours";
 import type { Viewport } from "../viewport";
 
 /** What decides the colours of loops. */

@@ -1,19 +1,19 @@
 import { useEffect, useRef } from "preact/hooks";
-import type { Arrangement } from "../app/graft";
-import { cssColour, pairColour } from "../app/graft_colours";
-import { asTyped } from "../app/units";
-import type { GraftFields, GraftStep, OpenStart } from "../app/graft_step";
-import { withoutDot, withoutPair } from "../app/graft_step";
-import { pairingWords } from "../app/graft_words";
-import type { Page } from "../app/page";
+import type { Arrangement } from "../../app/graft/graft";
+import { cssColour, pairColour } from "../../app/graft/graft_colours";
+import { asTyped } from "../../app/units";
+import type { GraftFields, GraftStep, OpenStart } from "../../app/graft/graft_step";
+import { withoutDot, withoutPair } from "../../app/graft/graft_step";
+import { pairingWords } from "../../app/graft/graft_words";
+import type { Page } from "../../app/page";
 import { PartLibrary } from "./graft_library";
 import { CutInWork, CutPanel } from "./graft_cut";
 import { PartsPanel } from "./graft_parts";
 import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { GraftReportView } from "./graft_report";
-import { Button, IconButton } from "./ui/button";
-import { degrees, Segments, Slider } from "./ui/fields";
-import { More, Section } from "./ui/section";
+import { Button, IconButton } from "../ui/button";
+import { degrees, Segments, Slider } from "../ui/fields";
+import { More, Section } from "../ui/section";
 import "./graft.css";
 
 /** All of the mode Graft. */

@@ -1,11 +1,11 @@
 import { Matrix4, Vector3 } from "three";
-import type { Editor } from "../app/editor";
-import type { Vector3Tuple, Rows4 } from "../app/graft_step";
-import type { GraftActions } from "../app/page";
-import { matrixOfRows, rowsOfMatrix } from "../view/graft/graft_view";
-import type { Viewport } from "../view/viewport";
+import type { Editor } from "../../app/editor";
+import type { Vector3Tuple, Rows4 } from "../../app/graft/graft_step";
+import type { GraftActions } from "../../app/page";
+import { matrixOfRows, rowsOfMatrix } from "../../view/graft/graft_view";
+import type { Viewport } from "../../view/viewport";
 import type { DropTool } from "./drop_tool";
-import type { Pointer } from "./tool";
+import type { Pointer } from "../tool";
 
 const dragPx = 7; // a press that moves farther is a drag
 

@@ -1,6 +1,6 @@
-import type { Hit } from "../view/picking/picking";
-import { BrushTool } from "./select_tools";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { Hit } from "../../view/picking/picking";
+import { BrushTool } from "../select_tools";
+import type { Bench, Pointer, Stroke, Tool } from "../tool";
 
 /** Paints what of a part stays as it is, where it keeps its pose. */
 export class FixedTool implements Tool {

@@ -1,5 +1,5 @@
 // A merge step of the document, as the page works with it, and the fields that change it. No state, no screen.
-import type { EngineEvent, Match, PageRequest, SelectionSpec } from "../protocol";
+import type { EngineEvent, Match, PageRequest, SelectionSpec } from "../../protocol";
 
 /** Fields of a graft that the engine is asked to change; null takes one away. */
 export type GraftFields = Omit<Extract<PageRequest, { do: "graft-drag" }>, "do">;

@@ -1,11 +1,11 @@
 import { effect } from "@preact/signals";
 import { Vector3 } from "three";
-import type { GraftView } from "../view/graft/graft_view";
-import type { Hit } from "../view/picking/picking";
-import type { Spot } from "./eye";
+import type { GraftView } from "../../view/graft/graft_view";
+import type { Hit } from "../../view/picking/picking";
+import type { Spot } from "../eye";
 import { runsLeft } from "./graft_plane_math";
-import { linesThrough, onOverlay, set, show, svg } from "./svg";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import { linesThrough, onOverlay, set, show, svg } from "../svg";
+import type { Bench, Pointer, Stroke, Tool } from "../tool";
 
 const stepPx = 9; // between vertices of the curve
 const closePx = 16;

@@ -1,9 +1,9 @@
-import type { GraftTool } from "../app/graft";
-import type { Page } from "../app/page";
-import { CommandButton } from "./command_button";
-import { Button, IconButton } from "./ui/button";
-import { Slider } from "./ui/fields";
-import type { IconName } from "./ui/icon";
+import type { GraftTool } from "../../app/graft/graft";
+import type { Page } from "../../app/page";
+import { CommandButton } from "../command_button";
+import { Button, IconButton } from "../ui/button";
+import { Slider } from "../ui/fields";
+import type { IconName } from "../ui/icon";
 
 const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: string }[] = [
   {

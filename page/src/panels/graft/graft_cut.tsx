@@ -1,7 +1,7 @@
-import type { Page } from "../app/page";
-import { Button } from "./ui/button";
-import { Segments, Select, Slider } from "./ui/fields";
-import { Section } from "./ui/section";
+import type { Page } from "../../app/page";
+import { Button } from "../ui/button";
+import { Segments, Select, Slider } from "../ui/fields";
+import { Section } from "../ui/section";
 
 /** Opens the model or a part: by a plane, or along a curve that is drawn. */
 export function CutPanel({ page }: { page: Page }) {

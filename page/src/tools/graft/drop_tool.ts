@@ -1,10 +1,10 @@
-import type { Graft } from "../app/graft";
-import type { GraftFields } from "../app/graft_step";
-import type { GraftView } from "../view/graft/graft_view";
-import type { Hit } from "../view/picking/picking";
-import { meetSurface } from "../view/picking/picking";
-import type { Spot } from "./eye";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { Graft } from "../../app/graft/graft";
+import type { GraftFields } from "../../app/graft/graft_step";
+import type { GraftView } from "../../view/graft/graft_view";
+import type { Hit } from "../../view/picking/picking";
+import { meetSurface } from "../../view/picking/picking";
+import type { Spot } from "../eye";
+import type { Bench, Pointer, Stroke, Tool } from "../tool";
 
 /** Where a part is dropped, and how. */
 interface Drop {

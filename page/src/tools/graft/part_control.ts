@@ -1,9 +1,9 @@
 import { Matrix4 } from "three";
-import type { Graft } from "../app/graft";
-import { matrixOfRows, rowsOfMatrix } from "../view/graft/graft_view";
-import type { Viewport } from "../view/viewport";
-import type { Movable, Moved } from "./movable";
-import { matrixOf, type Placement } from "./pose_math";
+import type { Graft } from "../../app/graft/graft";
+import { matrixOfRows, rowsOfMatrix } from "../../view/graft/graft_view";
+import type { Viewport } from "../../view/viewport";
+import type { Movable, Moved } from "../movable";
+import { matrixOf, type Placement } from "../pose_math";
 
 const name = "part";
 

@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
-import type { GraftFields, GraftStep, Vector3Tuple } from "../app/graft_step";
-import { IconButton } from "./ui/button";
-import { degrees, Segments, Select, Slider, Toggle } from "./ui/fields";
+import type { GraftFields, GraftStep, Vector3Tuple } from "../../app/graft/graft_step";
+import { IconButton } from "../ui/button";
+import { degrees, Segments, Select, Slider, Toggle } from "../ui/fields";
 
 /** What of a graft can be changed, in work or later: all that is needed of it. */
 export interface GraftFieldsProps {

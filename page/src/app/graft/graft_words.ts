@@ -1,6 +1,6 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { Graft } from "./graft";
-import type { LiveWords } from "./live_words";
+import type { LiveWords } from "../live_words";
 
 /** What there is to do before a graft is in work; undefined while there is no part. */
 export function pairingWords(graft: Graft): string | undefined {

@@ -1,6 +1,6 @@
 // What a graft is made of, as the page knows it.
-import type { Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, PageRequest, Plane, SelectionSpec } from "../protocol";
+import type { Outcome } from "../../engine/connection";
+import type { DocumentState, EngineError, EngineEvent, PageRequest, Plane, SelectionSpec } from "../../protocol";
 import type { LoopCurve } from "./loop_curve";
 
 export type GraftReport = Extract<EngineEvent, { event: "graft" }>;

@@ -1,15 +1,15 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
-import type { Cut, Graft } from "../app/graft";
-import type { GraftView } from "../view/graft/graft_view";
-import type { Viewport } from "../view/viewport";
-import type { Eye, Spot } from "./eye";
-import type { Act } from "./gesture";
+import type { Cut, Graft } from "../../app/graft/graft";
+import type { GraftView } from "../../view/graft/graft_view";
+import type { Viewport } from "../../view/viewport";
+import type { Eye, Spot } from "../eye";
+import type { Act } from "../gesture";
 import { planeThroughLine, type CutPlane } from "./graft_plane_math";
-import type { Movable, Moved } from "./movable";
-import { axesOf, centreOf, type Placement } from "./pose_math";
-import { linesThrough, onOverlay, set, show, svg } from "./svg";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
-import type { Hit } from "../view/picking/picking";
+import type { Movable, Moved } from "../movable";
+import { axesOf, centreOf, type Placement } from "../pose_math";
+import { linesThrough, onOverlay, set, show, svg } from "../svg";
+import type { Bench, Pointer, Stroke, Tool } from "../tool";
+import type { Hit } from "../../view/picking/picking";
 
 const name = "cutting plane";
 const betweenPicksPx = 6;

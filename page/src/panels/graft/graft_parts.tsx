@@ -1,10 +1,10 @@
-import type { Thing } from "../app/graft";
-import type { Page } from "../app/page";
-import { counted } from "../app/units";
+import type { Thing } from "../../app/graft/graft";
+import type { Page } from "../../app/page";
+import { counted } from "../../app/units";
 import { Thumbnail } from "./graft_library";
-import { IconButton } from "./ui/button";
-import { Menu } from "./ui/menu";
-import { Section } from "./ui/section";
+import { IconButton } from "../ui/button";
+import { Menu } from "../ui/menu";
+import { Section } from "../ui/section";
 
 /** What there is beside the model. */
 export function PartsPanel({ page }: { page: Page }) {

@@ -1,7 +1,7 @@
 import { batch, computed, signal } from "@preact/signals";
-import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
-import type { Outcome } from "../engine/connection";
-import type { DocumentState, Matrix4 } from "../protocol";
+import { FrameKind, type BinaryFrame } from "../../engine/binary_frame";
+import type { Outcome } from "../../engine/connection";
+import type { DocumentState, Matrix4 } from "../../protocol";
 import {
   pairsField, readStep, withFields, withPair, withStarts,
   type DotRef, type GraftFields, type GraftStep, type Pair,
@@ -12,7 +12,7 @@ import type {
   SelectionChange, ShownLoop, Side, Thing,
 } from "./graft_types";
 import { LoopCurve } from "./loop_curve";
-import { Throttled } from "./throttled";
+import { Throttled } from "../throttled";
 
 export type * from "./graft_types";
 

@@ -2,9 +2,9 @@ import { effect } from "@preact/signals";
 import {
   BufferGeometry, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineLoop, Mesh, Quaternion, ShaderMaterial, Vector3,
 } from "three";
-import type { Cut, Graft } from "../app/graft";
-import type { Surface } from "../view/surface/surface";
-import type { Viewport } from "../view/viewport";
+import type { Cut, Graft } from "../../app/graft/graft";
+import type { Surface } from "../../view/surface/surface";
+import type { Viewport } from "../../view/viewport";
 import type { PlaneControl } from "./plane_control";
 
 /** The cutting plane as a pane, and the two sides of what it cuts: blue where the normal points, red on the other side. */

@@ -1,13 +1,13 @@
 import { useRef, useState } from "preact/hooks";
-import type { PartSource } from "../app/graft";
-import type { Pictured } from "../app/library";
-import type { Page } from "../app/page";
-import { baseName, joined } from "../app/paths";
-import { takePartFile } from "./drop";
-import { useListing } from "./folder_browser";
-import { Button, IconButton } from "./ui/button";
-import { Icon } from "./ui/icon";
-import { Section } from "./ui/section";
+import type { PartSource } from "../../app/graft/graft";
+import type { Pictured } from "../../app/library";
+import type { Page } from "../../app/page";
+import { baseName, joined } from "../../app/paths";
+import { takePartFile } from "../drop";
+import { useListing } from "../folder_browser";
+import { Button, IconButton } from "../ui/button";
+import { Icon } from "../ui/icon";
+import { Section } from "../ui/section";
 
 /** Something that can be put beside the model. */
 interface Offered {

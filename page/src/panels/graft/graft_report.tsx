@@ -1,8 +1,8 @@
-import type { Page } from "../app/page";
-import { inPanelWords } from "../app/error_words";
-import { sentence } from "./messages";
-import { Button } from "./ui/button";
-import { Icon } from "./ui/icon";
+import type { Page } from "../../app/page";
+import { inPanelWords } from "../../app/error_words";
+import { sentence } from "../messages";
+import { Button } from "../ui/button";
+import { Icon } from "../ui/icon";
 
 /** Whether a start that was found may well be another. */
 function isUnsure({ editor: { graft } }: Page): boolean {

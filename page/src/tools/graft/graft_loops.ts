@@ -1,13 +1,13 @@
 import { effect } from "@preact/signals";
 import { Vector3 } from "three";
-import type { LoopRef } from "../app/graft";
-import { meetingsOf, withDotAt, withMatch, withoutDot, type DotRef, type Meeting } from "../app/graft_step";
-import { areInOrder, meetingPlace, nearestPlace } from "../app/loop_curve";
-import { cssColour, pairColour } from "../app/graft_colours";
-import type { GraftView } from "../view/graft/graft_view";
-import type { Spot } from "./eye";
-import { onOverlay, set, show, svg } from "./svg";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { LoopRef } from "../../app/graft/graft";
+import { meetingsOf, withDotAt, withMatch, withoutDot, type DotRef, type Meeting } from "../../app/graft/graft_step";
+import { areInOrder, meetingPlace, nearestPlace } from "../../app/graft/loop_curve";
+import { cssColour, pairColour } from "../../app/graft/graft_colours";
+import type { GraftView } from "../../view/graft/graft_view";
+import type { Spot } from "../eye";
+import { onOverlay, set, show, svg } from "../svg";
+import type { Bench, Pointer, Stroke, Tool } from "../tool";
 
 const nearPx = { loop: 14, dot: 11 };
 
