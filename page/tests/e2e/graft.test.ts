@@ -578,7 +578,7 @@ test("a dropped part that reaches out of the view comes into it", async () => {
     });
   await page.mouse.move(480, 400);
   for (let i = 0; i < 12 && (await highest()) > 40; ++i) await page.mouse.wheel(0, -240).then(() => page.waitForTimeout(150));
-  await page.evaluate(() => window.meshgraft.editor.graft.set({ source: "head", at: { point: [0, 1, 0.4] } }));
+  await page.evaluate(() => window.meshgraft.editor.graft.set({ source: "head", at: { point: [0, 1, 0.8] } }));
   const report = await grafted(person);
   expect(report?.error).toBeUndefined();
   await page.waitForTimeout(900);

@@ -55,12 +55,12 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await type("Move Y", "nonsense");
   expect((await state())?.handles[0]?.pose.translate).toEqual([50, 0, 0]);
   await person.screenshot("panels-pose");
-  for (const text of ["0", "-2", "nothing"]) {
+  for (const [text, says] of [["0", "more than 0"], ["-2", "more than 0"], ["nothing", "a factor: 1.5, 150 %"]] as const) {
     await type("Scale", text);
     const field = person.page.getByRole("textbox", { name: "Scale", exact: true });
     expect(await field.getAttribute("aria-invalid")).toBe("true");
     expect(await field.evaluate((one) => one === document.activeElement)).toBe(true);
-    await person.page.getByRole("alert").getByText("more than 0", { exact: true }).waitFor();
+    await person.page.getByRole("alert").getByText(says, { exact: true }).waitFor();
   }
   await person.screenshot("panels-out-of-range");
   await person.press("Tab"); // which leaves it, and the number that was

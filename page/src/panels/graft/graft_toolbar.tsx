@@ -73,7 +73,9 @@ export function GraftToolHint({ page }: { page: Page }) {
         <span class="tool-hint">
           {posed
             ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone."
-            : tool === "loops" && !busy && graft.model.value?.loops === 0
+            : tool === "loops" && graft.step.value?.at !== undefined
+              ? "Spin, size and angle are at the right. Drag the part from its list to put it elsewhere."
+              : tool === "loops" && !busy && graft.model.value?.loops === 0
               ? "The model is closed: cut it open by a plane or along a curve, or drop a part on its surface."
               : hints[tool]}
         </span>
