@@ -1,5 +1,5 @@
 import type { Page } from "../app/page";
-import type { ToolName } from "../app/tool_settings";
+import type { ToolName, ToolSettings } from "../app/tool_settings";
 import { counted } from "../app/units";
 import { CommandButton, CommandLabelButton } from "./command_button";
 import { NumberField, Segments, Slider } from "./ui/fields";
@@ -21,6 +21,25 @@ const painting: readonly ToolName[] = ["handle", "brush"];
 const selecting: readonly ToolName[] = ["brush", "lasso", "box", "connected", "loop", "flood"];
 const seesThrough: readonly ToolName[] = ["handle", "brush", "lasso", "box"];
 
+/** Radius of all tools that paint. */
+export function BrushSize({ tools }: { tools: ToolSettings }) {
+  return (
+    <Slider
+      label="Size"
+      value={tools.brushRadiusPx.value}
+      min={2}
+      max={400}
+      softMax={200}
+      logarithmic
+      integer
+      suffix="px"
+      help="Radius of the brush. [ and ] change it."
+      onInput={(radius) => (tools.brushRadiusPx.value = radius)}
+      onChange={(radius) => (tools.brushRadiusPx.value = radius)}
+    />
+  );
+}
+
 /** What the active tool may be told, above the view; and what can be made of the selection. */
 export function ToolOptions({ page }: { page: Page }) {
   const { editor } = page;
@@ -30,21 +49,7 @@ export function ToolOptions({ page }: { page: Page }) {
   return (
     <div class="tool-options">
       <div class="tool-line" role="toolbar" aria-label="Options of the tool">
-        {painting.includes(tool) && (
-          <Slider
-            label="Size"
-            value={tools.brushRadiusPx.value}
-            min={2}
-            max={400}
-            softMax={200}
-            logarithmic
-            integer
-            suffix="px"
-            help="Radius of the brush. [ and ] change it."
-            onInput={(radius) => (tools.brushRadiusPx.value = radius)}
-            onChange={(radius) => (tools.brushRadiusPx.value = radius)}
-          />
-        )}
+        {painting.includes(tool) && <BrushSize tools={tools} />}
         {tool === "flood" && (
           <Slider
             label="Crease"

@@ -1,8 +1,8 @@
 import type { GraftTool } from "../../app/graft/graft";
 import type { Page } from "../../app/page";
 import { CommandButton } from "../command_button";
+import { BrushSize } from "../tool_options";
 import { Button, IconButton } from "../ui/button";
-import { Slider } from "../ui/fields";
 import type { IconName } from "../ui/icon";
 
 const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: string }[] = [
@@ -56,20 +56,7 @@ export function GraftToolHint({ page }: { page: Page }) {
   return (
     <div class="tool-options">
       <div class="tool-line">
-        {tool === "fixed" && (
-          <Slider
-            label="Size"
-            value={settings.brushRadiusPx.value}
-            min={2}
-            max={400}
-            softMax={200}
-            logarithmic
-            integer
-            suffix="px"
-            onInput={(px) => (settings.brushRadiusPx.value = px)}
-            onChange={(px) => (settings.brushRadiusPx.value = px)}
-          />
-        )}
+        {tool === "fixed" && <BrushSize tools={settings} />}
         <span class="tool-hint">
           {posed
             ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone."
