@@ -88,7 +88,7 @@ std::string face_kind(Index corners, Index count) {
 }
 
 template <class Range>
-std::string first_of(const Range& values, std::size_t limit) {
+std::string first_values(const Range& values, std::size_t limit) {
   std::string text = fmt::format(
       "{}", fmt::join(values.begin(),
                       values.begin() + static_cast<std::ptrdiff_t>(std::min(limit, values.size())), ", "));
@@ -126,7 +126,7 @@ void print_surface(const MeshFacts& facts) {
   std::vector<std::size_t> sizes;
   for (const auto& loop : facts.loops) sizes.push_back(loop.size());
   std::string boundary = fmt::format("{} loop{} of {} vertices", sizes.size(), sizes.size() == 1 ? "" : "s",
-                                     first_of(sizes, shown_loops));
+                                     first_values(sizes, shown_loops));
   if (sizes.empty())
     boundary = topology.faces == 0 ? "none, there are no faces"
                : topology.closed   ? "none, the surface is closed"

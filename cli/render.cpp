@@ -24,7 +24,7 @@ struct RenderArguments {
   int threads = 0;
 };
 
-render::RenderOptions options_of(const RenderArguments& arguments) {
+render::RenderOptions render_options_of(const RenderArguments& arguments) {
   render::RenderOptions options = options_of(arguments.view);
   options.wireframe = arguments.wireframe;
   options.smooth = !arguments.flat;
@@ -36,7 +36,7 @@ void run_render(const RenderArguments& arguments, Context context) {
   context.threads = arguments.threads;
   require_png(arguments.output);
   require_writable(arguments.output);
-  const render::RenderOptions options = options_of(arguments);
+  const render::RenderOptions options = render_options_of(arguments);
   require_not_an_input(arguments.output, arguments.meshes);
   std::vector<Mesh> meshes;
   std::vector<std::string> captions;

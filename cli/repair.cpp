@@ -42,7 +42,7 @@ struct RepairArguments {
 #endif
 };
 
-RepairOptions options_of(const RepairArguments& arguments) {
+RepairOptions repair_options_of(const RepairArguments& arguments) {
   RepairOptions options;
   options.clean_faces = !arguments.no_clean;
   options.weld = !arguments.no_weld;
@@ -119,8 +119,8 @@ Mesh drawable(const Mesh& mesh) {
 }
 #endif
 
-void write_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh& given,
-                   const RepairResult& result, WrittenOutputs& written, const Context& context) {
+void write_repair_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh& given,
+                          const RepairResult& result, WrittenOutputs& written, const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
@@ -144,7 +144,7 @@ void write_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh
 #endif
 }
 
-void check_outputs(const RepairArguments& arguments) {
+void check_repair_outputs(const RepairArguments& arguments) {
   if (arguments.output.empty() && !arguments.dry_run)
     throw Error(ErrorCode::usage, "where to? -o FILE is missing", "repair", "Or look first, with --dry-run.");
   require_outputs({.mesh = arguments.dry_run ? std::filesystem::path() : arguments.output,
@@ -157,20 +157,20 @@ void check_outputs(const RepairArguments& arguments) {
 }
 
 void run_repair(const RepairArguments& arguments, const Context& context) {
-  check_outputs(arguments);
+  check_repair_outputs(arguments);
   context.step("read");
   const Mesh given = read_mesh(arguments.mesh, context);
   if (given.face_count() == 0)
     throw Error(ErrorCode::input, "the mesh has no faces: there is no surface to repair",
                 arguments.mesh.string(),
                 "Export it with its faces; points alone need a program that reconstructs a surface.");
-  const RepairResult result = repair(given, options_of(arguments), context);
+  const RepairResult result = repair(given, repair_options_of(arguments), context);
   if (result.mesh.face_count() == 0 && !arguments.dry_run)
     throw Error(ErrorCode::input, "no face would be left, so nothing is written", arguments.mesh.string(),
                 "'--dry-run' tells what is wrong with them.");
   const TriageReport left = triage(result.mesh, context);
   WrittenOutputs written;
-  write_outputs(arguments, given, result, written, context);
+  write_repair_outputs(arguments, given, result, written, context);
   const auto dump = [&](bool with_maps) {
     return report_json(arguments, given, result, left, written, with_maps)
                .dump(2, ' ', false, Json::error_handler_t::replace) +

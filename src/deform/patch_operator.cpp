@@ -20,8 +20,6 @@ bool beside_others(Index vertex, const Triangles& triangles, std::span<const Ind
   });
 }
 
-bool is_unknown(const VertexStates& states, Index v) { return !states.position[v] || !states.transform[v]; }
-
 bool is_movable(const KnownParts& known, Index v) { return !known.position[v] && is_fitted(known, v); }
 
 std::vector<std::uint8_t> flag_active(const KnownParts& known) {
@@ -64,7 +62,7 @@ CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& sta
   active.resize(static_cast<std::size_t>(n));
   for (Index v = 0; v < n; ++v) {
     in_faces[v] = !faces_at[v].empty();
-    active[v] = in_faces[v] && is_unknown(states, v);
+    active[v] = in_faces[v] && states.is_unknown(v);
     if (active[v] && feature[v] >= 0) active[v] = beside_others(v, mesh->triangles, faces_at[v], feature);
   }
   patch = make_patch(mesh->points, mesh->triangles, faces_at, active, rings, context);
@@ -73,7 +71,7 @@ CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& sta
 std::optional<std::vector<std::uint8_t>> CutPatch::active_among(const VertexStates& states) const {
   std::vector<std::uint8_t> fewer(active.size());
   for (Index v = 0; v < static_cast<Index>(active.size()); ++v) {
-    fewer[v] = in_faces[v] && is_unknown(states, v);
+    fewer[v] = in_faces[v] && states.is_unknown(v);
     if (fewer[v] && feature[v] >= 0) fewer[v] = active[v];
     if (fewer[v] && !active[v]) return {};
   }

@@ -16,8 +16,6 @@ namespace meshgraft {
 
 namespace {
 
-bool is_unknown(const VertexStates& states, Index v) { return !states.position[v] || !states.transform[v]; }
-
 struct Reach {
   std::vector<std::uint8_t> inside;  ///< flags over the mesh
   Index unknown = 0;
@@ -30,7 +28,7 @@ Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const
   Reach reach{std::vector<std::uint8_t>(static_cast<std::size_t>(n), 0)};
   std::vector<Index> front;
   for (Index v = 0; v < n; ++v) {
-    if (!is_unknown(states, v) || faces_at[v].empty()) continue;
+    if (!states.is_unknown(v) || faces_at[v].empty()) continue;
     reach.inside[v] = 1;
     ++reach.unknown;
     front.push_back(v);
@@ -56,7 +54,7 @@ Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const
 double unknown_area(const Points& rest, const Triangles& triangles, const VertexStates& states) {
   double sum = 0;
   for (const auto& t : triangles.rowwise()) {
-    if (std::none_of(t.begin(), t.end(), [&](Index v) { return is_unknown(states, v); })) continue;
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return states.is_unknown(v); })) continue;
     const Eigen::RowVector3d u = rest.row(t[1]) - rest.row(t[0]), v = rest.row(t[2]) - rest.row(t[0]);
     sum += u.cross(v).norm() / 2;
   }

@@ -15,6 +15,7 @@
 #include <meshgraft/deform/intersections.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "../core/percentile.h"
 #include "free_vertices.h"
 
 namespace meshgraft {
@@ -255,14 +256,6 @@ std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited, con
       },
       context);
   return measures;
-}
-
-// The value of rank ⌈percent/100 · n⌉ (nearest rank, 1-based); reorders `values`.
-double percentile(std::vector<double>& values, double percent) {
-  const double rank = std::ceil(percent / 100 * static_cast<double>(values.size()));
-  const auto nth = values.begin() + std::max<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(rank) - 1, 0);
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
 }
 
 void report_areas(const std::vector<FaceMeasure>& faces, Quality& quality) {

@@ -18,6 +18,9 @@ struct VertexStates {
       : position(static_cast<std::size_t>(count), known),
         transform(static_cast<std::size_t>(count), known),
         feature(static_cast<std::size_t>(count), -1) {}
+
+  /// True where the solve has to find the position or the transform.
+  bool is_unknown(Index v) const { return !position[v] || !transform[v]; }
 };
 
 /// Throws Error(input) at `place` unless 0 ≤ vertex < count.

@@ -6,16 +6,16 @@ namespace meshgraft::json {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Document = nlohmann::ordered_json;
 
 constexpr std::size_t line_width = 100;
 
-std::string scalar_text(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string scalar_text(const Document& value) {
+  return value.dump(-1, ' ', false, Document::error_handler_t::replace);
 }
 
 // Appends the value in one line; gives up once the text is longer than a line.
-bool append_in_line(std::string& text, const Json& value, std::size_t limit) {
+bool append_in_line(std::string& text, const Document& value, std::size_t limit) {
   if (!value.is_structured()) {
     text += scalar_text(value);
   } else {
@@ -32,7 +32,7 @@ bool append_in_line(std::string& text, const Json& value, std::size_t limit) {
   return text.size() <= limit;
 }
 
-void append_filled(std::string& text, const Json& list, std::size_t indent) {
+void append_filled(std::string& text, const Document& list, std::size_t indent) {
   std::string line;
   const auto end_line = [&] {
     text += '\n' + std::string(indent, ' ') + line;
@@ -46,7 +46,7 @@ void append_filled(std::string& text, const Json& list, std::size_t indent) {
   end_line();
 }
 
-void append(std::string& text, const Json& value, std::size_t indent) {
+void append(std::string& text, const Document& value, std::size_t indent) {
   const std::size_t column = text.size() - (text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
   std::string line;
   if (append_in_line(line, value, line_width > column ? line_width - column : 0)) {
@@ -60,7 +60,7 @@ void append(std::string& text, const Json& value, std::size_t indent) {
   const std::size_t inner = indent + 2;
   text += value.is_object() ? '{' : '[';
   const bool scalars = value.is_array() && std::none_of(value.begin(), value.end(),
-                                                        [](const Json& v) { return v.is_structured(); });
+                                                        [](const Document& v) { return v.is_structured(); });
   if (scalars) {
     append_filled(text, value, inner);
   } else {
@@ -77,7 +77,7 @@ void append(std::string& text, const Json& value, std::size_t indent) {
 
 }  // namespace
 
-std::string to_text(const Json& document) {
+std::string to_text(const Document& document) {
   std::string text;
   append(text, document, 0);
   return text + '\n';

@@ -19,8 +19,8 @@ namespace meshgraft {
 
 namespace {
 
-void require_counts(const MergeCounts& expected, const MergeSide& source, const MergeSide& target,
-                    const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& place) {
+void require_merge_counts(const MergeCounts& expected, const MergeSide& source, const MergeSide& target,
+                          const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& place) {
   const auto require = [&](const char* name, const std::optional<Index>& count, std::size_t found) {
     if (count && static_cast<std::size_t>(*count) != found)
       throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, found),
@@ -205,7 +205,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   else
     pairs = resolve_pairs(step, source, target, place);
   outcome.options = resolve_options(step, source, options.overrides, place);
-  require_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
+  require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
   for (const MatchSpec& pair : step.align) {
     if (const auto* number = std::get_if<Index>(&pair.source)) source.require_usable(*number, place + ".align");
     if (const auto* number = std::get_if<Index>(&pair.target)) target.require_usable(*number, place + ".align");

@@ -98,11 +98,11 @@ class MeshLoops {
   std::map<Index, std::vector<std::size_t>> at_;
 };
 
+}  // namespace
+
 std::string pair_place(std::size_t pair, std::size_t count) {
   return count == 1 ? std::string() : fmt::format("pair {}", pair);
 }
-
-}  // namespace
 
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs) {
   if (pairs.empty())

@@ -47,7 +47,7 @@ double diagonal(const Mesh& mesh) {
   return (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).norm();
 }
 
-void validate(const MergeOptions& options, const Mesh& source, const Mesh& target) {
+void validate_options(const MergeOptions& options, const Mesh& source, const Mesh& target) {
   const auto require = [](bool good, std::string what, const char* field, std::string remedy = {}) {
     if (!good) throw Error(ErrorCode::input, std::move(what), field, std::move(remedy));
   };
@@ -147,10 +147,6 @@ void refine_within_reach(Source& source, const Context& context) {
     if (refined.parents.empty()) return;
     take_refined(source, std::move(refined));
   }
-}
-
-std::string pair_place(std::size_t pair, std::size_t count) {
-  return count == 1 ? std::string() : fmt::format("pair {}", pair);
 }
 
 /// `match_automatically`, with the numbers of all pairs in what it throws.
@@ -405,7 +401,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
 
   // Loops, and which of their points meet.
   context.step("match");
-  validate(options, source_mesh, target);
+  validate_options(options, source_mesh, target);
   const bool turn = windings_disagree(target, source_mesh);
   if (turn && !options.fix_winding)
     throw Error(

@@ -36,7 +36,7 @@ std::vector<int> count_rings(const Mesh& mesh, const SeamLayout& layout, int rin
   return ring;
 }
 
-Eigen::Vector3d area_vector(const SeamPatch& patch, Index t) {
+Eigen::Vector3d doubled_area_vector(const SeamPatch& patch, Index t) {
   const Eigen::Vector3d a = patch.points.row(patch.triangles(t, 0));
   const Eigen::Vector3d b = patch.points.row(patch.triangles(t, 1)),
                         c = patch.points.row(patch.triangles(t, 2));
@@ -101,7 +101,8 @@ std::vector<SeamEdge> inner_edges(const SeamPatch& patch) {
     const auto along = table.half_edges[e];
     if (along.size() != 2) continue;
     SeamEdge edge{table.ends[e], {along[0] / 3, along[1] / 3}, 0};
-    const Eigen::Vector3d a = area_vector(patch, edge.triangles[0]), b = area_vector(patch, edge.triangles[1]);
+    const Eigen::Vector3d a = doubled_area_vector(patch, edge.triangles[0]),
+                          b = doubled_area_vector(patch, edge.triangles[1]);
     edge.dihedral_deg = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
     edges.push_back(edge);
   }

@@ -9,20 +9,13 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "../core/percentile.h"
+
 namespace meshgraft {
 
 namespace {
 
 constexpr int neighbourhood_rings = 6;
-
-// The value below which the fraction lies, by the nearest rank; 0 for none.
-double percentile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(fraction * static_cast<double>(values.size())));
-  const auto at = values.begin() + std::clamp<std::ptrdiff_t>(rank - 1, 0, std::ssize(values) - 1);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 double smallest_angle_deg(const SeamPatch& patch, Eigen::Index t) {
   double smallest = 180;
@@ -40,7 +33,7 @@ void measure_shape(const SeamPatch& patch, SeamReport& report) {
   for (Eigen::Index t = 0; t < patch.triangles.rows(); ++t) {
     if (patch.side[t] == SeamSide::strip) angles.push_back(smallest_angle_deg(patch, t));
   }
-  report.angle_p1_deg = percentile(angles, 0.01);
+  report.angle_p1_deg = percentile(angles, 1);
 
   std::vector<double> strip, target, source;
   for (const SeamEdge& edge : inner_edges(patch)) {
@@ -51,9 +44,9 @@ void measure_shape(const SeamPatch& patch, SeamReport& report) {
       (a == SeamSide::target ? target : source).push_back(edge.dihedral_deg);
     }
   }
-  report.dihedral_p99_deg = percentile(strip, 0.99);
-  report.target_dihedral_p99_deg = percentile(target, 0.99);
-  report.source_dihedral_p99_deg = percentile(source, 0.99);
+  report.dihedral_p99_deg = percentile(strip, 99);
+  report.target_dihedral_p99_deg = percentile(target, 99);
+  report.source_dihedral_p99_deg = percentile(source, 99);
 }
 
 // Over the vertices of faces: a stray vertex does not count.

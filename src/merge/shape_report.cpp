@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "../core/percentile.h"
 #include "loop_curve.h"
 
 namespace meshgraft {
@@ -40,13 +41,6 @@ double smallest_stretch(const Points& rest, const Points& grafted, const Eigen::
       flat(grafted.row(t[1]) - grafted.row(t[0]), grafted.row(t[2]) - grafted.row(t[0]));
   if (!(before.determinant() > 1e-12 * before.squaredNorm()) || !after.allFinite()) return -1;
   return Eigen::JacobiSVD<Eigen::Matrix2d>(after * before.inverse()).singularValues()[1];
-}
-
-double percentile(std::vector<double>& values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-  const auto at = values.begin() + std::max<std::ptrdiff_t>(rank, 0);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace
@@ -88,7 +82,7 @@ ShapeReport measure_shape(const Points& rest, const Points& grafted, const Trian
     if (stretch >= 0) stretches[component[t[0]]].push_back(stretch / scale->second);
   }
   for (auto& [number, values] : stretches)
-    report.smallest_singular_p5 = std::min(report.smallest_singular_p5, percentile(values, 0.05));
+    report.smallest_singular_p5 = std::min(report.smallest_singular_p5, percentile(values, 5));
   return report;
 }
 

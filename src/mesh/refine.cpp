@@ -13,7 +13,7 @@ namespace meshgraft {
 namespace {
 
 // The middle of two elements.
-Between middle_of(Index a, Index b) { return {a, b, 0.5}; }
+Between midpoint_of(Index a, Index b) { return {a, b, 0.5}; }
 
 std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
   std::vector<bool> marked(vertex_count, false);
@@ -115,7 +115,7 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
   }
   std::vector<Between> vertex_origin;
   for (Index v = 0; v < old_count; ++v) vertex_origin.push_back(same(v));
-  for (const auto& [a, b] : result.parents) vertex_origin.push_back(middle_of(a, b));
+  for (const auto& [a, b] : result.parents) vertex_origin.push_back(midpoint_of(a, b));
   result.vertex.new_index.resize(old_count);
   for (Index v = 0; v < old_count; ++v) result.vertex.new_index[v] = v;
 
@@ -142,7 +142,7 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
       piece.vertex[c] = face[c];
       piece.corner[c] = corners[c];
       piece.vertex[3 + c] = middle[table.edge[half_edge]];
-      piece.corner[3 + c] = middle_of(corners[c].from, corners[(c + 1) % 3].from);
+      piece.corner[3 + c] = midpoint_of(corners[c].from, corners[(c + 1) % 3].from);
       split = split || piece.vertex[3 + c] >= 0;
     }
     if (split) {

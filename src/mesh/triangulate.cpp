@@ -242,7 +242,7 @@ std::vector<Corners> split(const std::vector<Index>& face, const Points& positio
   return triangles;
 }
 
-bool in_range(const Mesh& mesh, Index face, const TriangulateOptions& options) {
+bool refers_to_vertices(const Mesh& mesh, Index face, const TriangulateOptions& options) {
   for (const Index v : mesh.faces[face]) {
     if (v >= 0 && v < mesh.vertex_count()) continue;
     if (options.skip_out_of_range) return false;
@@ -268,7 +268,7 @@ Triangulation triangulate(const Mesh& mesh, const TriangulateOptions& options) {
   Triangulation result;
   std::vector<Index> face;
   for (Index f = 0; f < mesh.face_count(); ++f) {
-    if (!in_range(mesh, f, options)) continue;
+    if (!refers_to_vertices(mesh, f, options)) continue;
     drop_repeats(mesh.faces[f], face);
     if (face.size() < 3) continue;
     for (const Corners& corners : split(face, mesh.positions)) {

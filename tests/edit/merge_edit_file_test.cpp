@@ -21,7 +21,7 @@ std::string merge_with(const std::string& fields) {
          (fields.empty() ? "" : ", " + fields) + "}]}";
 }
 
-std::string refusal(const std::string& text) {
+std::string merge_refusal(const std::string& text) {
   try {
     parse_edit(text, "edit.json");
   } catch (const Error& error) {
@@ -109,23 +109,24 @@ TEST(MergeEditFile, ReadsVersionOneAsAMergeByThePaper) {
 }
 
 TEST(MergeEditFile, NamesTheFieldThatIsWrong) {
-  EXPECT_EQ(refusal(merge_with("")), "(accepted)");
-  EXPECT_EQ(refusal(merge_with(R"("pair": [])")),
+  EXPECT_EQ(merge_refusal(merge_with("")), "(accepted)");
+  EXPECT_EQ(merge_refusal(merge_with(R"("pair": [])")),
             "edit.json: steps[0]: unknown field 'pair'. Did you mean 'pairs'?");
-  EXPECT_EQ(refusal(merge_with(R"("pairs": [{"source_loop": {"loop": 0}, "target_loop": {"loop": 0},
+  EXPECT_EQ(merge_refusal(merge_with(R"("pairs": [{"source_loop": {"loop": 0}, "target_loop": {"loop": 0},
                                             "matches": [[1, 2], [3, -4]]}])")),
             "edit.json: steps[0].pairs[0].matches[1][1]: must be from 0 to 2147483647, is -4");
-  EXPECT_NE(refusal(merge_with(R"("fixed": "all")")).find("steps[0].fixed: nothing stays"), std::string::npos);
-  EXPECT_NE(
-      refusal(merge_with(R"("fixed": "top", "pose": "keep")")).find("steps[0].fixed: there is no selection"),
-      std::string::npos);
-  EXPECT_NE(refusal(merge_with(R"("pairs": [{"source_loop": "a", "target_loop": "all"}])"))
+  EXPECT_NE(merge_refusal(merge_with(R"("fixed": "all")")).find("steps[0].fixed: nothing stays"),
+            std::string::npos);
+  EXPECT_NE(merge_refusal(merge_with(R"("fixed": "top", "pose": "keep")"))
+                .find("steps[0].fixed: there is no selection"),
+            std::string::npos);
+  EXPECT_NE(merge_refusal(merge_with(R"("pairs": [{"source_loop": "a", "target_loop": "all"}])"))
                 .find("steps[0].pairs[0].source_loop: there is no selection named 'a'"),
             std::string::npos);
   const std::string unknown =
       R"({"format": "meshgraft-edit", "version": 2, "inputs": {"body": {"file": "b.ply"}},
                                   "steps": [{"kind": "merge", "target": "body", "source": "arm"}]})";
-  EXPECT_NE(refusal(unknown).find("steps[0].source: there is no mesh named 'arm'"), std::string::npos);
+  EXPECT_NE(merge_refusal(unknown).find("steps[0].source: there is no mesh named 'arm'"), std::string::npos);
 }
 
 TEST(MergeEditFile, ListsTheFilesOfItsSelections) {

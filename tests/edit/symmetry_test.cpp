@@ -150,7 +150,7 @@ double asymmetry(const SymmetricMesh& symmetric, const Points& positions) {
   return largest / (positions - symmetric.mesh.positions).rowwise().norm().maxCoeff();
 }
 
-std::string refusal(const SymmetricMesh& symmetric, const DeformStep& step) {
+std::string symmetry_refusal(const SymmetricMesh& symmetric, const DeformStep& step) {
   try {
     resolved(symmetric, step);
   } catch (const Error& error) {
@@ -295,26 +295,27 @@ TEST(Symmetry, RefusesWhatCannotBeMirrored) {
   std::vector<Index> half = at_plane(symmetric, 0.04);
   std::erase_if(half, [&](Index v) { return symmetric.mesh.positions(v, 0) < -1e-3; });
   across.handles[0].select = indices(half);
-  EXPECT_NE(refusal(symmetric, across).find("overlaps its mirror image"), std::string::npos);
+  EXPECT_NE(symmetry_refusal(symmetric, across).find("overlaps its mirror image"), std::string::npos);
 
   DeformStep twice = good;
   twice.handles.push_back(twice.handles[0]);
   twice.handles[1].name = "other tip";
   twice.handles[1].select = indices(images_of(symmetric, tip(symmetric, 0.12)));
-  EXPECT_NE(refusal(symmetric, twice).find("already part of the handle 'other tip'"), std::string::npos);
+  EXPECT_NE(symmetry_refusal(symmetric, twice).find("already part of the handle 'other tip'"),
+            std::string::npos);
 
   DeformStep named = good;
   named.handles.push_back({.name = "tip, mirrored", .select = {Selection::NearestVertex{{0, 0.7, 0.7}}}});
   named.fixed = indices({});
-  EXPECT_NE(refusal(symmetric, named).find("is that of a twin"), std::string::npos);
+  EXPECT_NE(symmetry_refusal(symmetric, named).find("is that of a twin"), std::string::npos);
 
   DeformStep aside = good;
   aside.symmetry->plane.point.x() = 0.3;
-  const std::string message = refusal(symmetric, aside);
+  const std::string message = symmetry_refusal(symmetric, aside);
   EXPECT_NE(message.find("have no vertex at their mirror image, the first is"), std::string::npos) << message;
   EXPECT_NE(message.find("Choose a plane that mirrors the mesh"), std::string::npos) << message;
   aside.symmetry->plane.point.x() = 0.02;
-  EXPECT_NE(refusal(symmetric, aside).find("A 'symmetry.tolerance_rel' of"), std::string::npos);
+  EXPECT_NE(symmetry_refusal(symmetric, aside).find("A 'symmetry.tolerance_rel' of"), std::string::npos);
 }
 
 /// The two sides of a scan have their vertices at other places.
@@ -332,7 +333,7 @@ TEST(Symmetry, AScanThatIsNearlySymmetricIsMatchedWithinATolerance) {
   step.handles.push_back(
       {.name = "tip", .select = indices(held), .pose = {HandleMotion{.translate = {0, 0, 1}}}});
   step.region = indices(tip(scan, 0.3));
-  const std::string message = refusal(scan, step);
+  const std::string message = symmetry_refusal(scan, step);
   const std::string before = "tolerance_rel' of ";
   ASSERT_NE(message.find(before), std::string::npos) << message;
   step.symmetry->tolerance_rel = std::stod(message.substr(message.find(before) + before.size()));

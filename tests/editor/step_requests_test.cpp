@@ -15,7 +15,7 @@
 namespace meshgraft::test {
 namespace {
 
-const Json open_bar = {{"do", "open"}, {"sample", "bar"}, {"resolution", 20}};
+const Json open_a_bar = {{"do", "open"}, {"sample", "bar"}, {"resolution", 20}};
 
 Json lift(double by) { return {{"translate", {0, 0, by}}}; }
 
@@ -61,7 +61,7 @@ TEST(EditorSymmetry, MovesTheTwinWhileItIsDragged) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});
   Page page(editor.url());
-  page.ask(open_bar);
+  page.ask(open_a_bar);
   EXPECT_TRUE(state(page)["symmetry"].is_null());
   const std::vector<int> arm = near(page, 0.5, 2);
   ASSERT_FALSE(arm.empty());
@@ -96,7 +96,7 @@ TEST(EditorSymmetry, TellsOfPosesThatAreNotSymmetric) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});
   Page page(editor.url());
-  page.ask(open_bar);
+  page.ask(open_a_bar);
   page.ask(
       {{"do", "symmetry"}, {"plane", {{"point", {0, 0, 0}}, {"normal", {2, 0, 0}}}}, {"tolerance_rel", 0.01}});
   paint(page, page.vertices([](double, double, double z) { return z > 3.7; }), "top", 2);
@@ -116,7 +116,7 @@ TEST(EditorSymmetry, TellsOfPosesThatAreNotSymmetric) {
 
 /// Two accepted steps and one in work.
 void make_three_steps(Page& page) {
-  page.ask(open_bar);
+  page.ask(open_a_bar);
   paint(page, page.vertices([](double, double, double z) { return z > 3.7; }), "top", 2);
   pose(page, "top", lift(0.5));
   page.ask({{"do", "accept"}});
@@ -167,7 +167,7 @@ TEST(EditorSteps, SavesTheBytesThatTheFileGivesWheneverItIsAsked) {
     write_mesh(run_edit(read_edit_file(folder / "bar.json")).mesh, folder / "expected.ply");
     EXPECT_EQ(read_file(folder / "saved.ply"), read_file(folder / "expected.ply")) << when;
   };
-  page.ask(open_bar);
+  page.ask(open_a_bar);
   paint(page, page.vertices([](double, double, double z) { return z > 3.7; }), "top", 2);
   expect_same("before any pose");
   page.ask({{"do", "pose"}, {"poses", {{"top", lift(0.5)}}}});
@@ -241,7 +241,7 @@ TEST(EditorSteps, AChangeThatCannotBeLeavesAllAsItWas) {
     EXPECT_EQ(state(page), before) << request;
   }
   Page other(editor.url());
-  other.ask(open_bar);
+  other.ask(open_a_bar);
   EXPECT_EQ(other.refusal({{"do", "step"}, {"what", "remove"}, {"index", 0}})["code"], "usage");
 }
 

@@ -52,7 +52,7 @@ const std::string rich =
     "curv 0 1 1 2\n"
     "unheard-of 1 2 3\n";
 
-std::string with_line_ends(const std::string& text, const std::string& line_end) {
+std::string obj_with_line_ends(const std::string& text, const std::string& line_end) {
   std::string result;
   for (const char c : text) result += c == '\n' ? line_end : std::string(1, c);
   return result;
@@ -67,7 +67,7 @@ void expect_labels(const Mesh& mesh, const char* name, const std::vector<double>
   EXPECT_EQ(attribute->interpolation, Interpolation::nearest) << name;
 }
 
-void expect_rich_mesh(const Mesh& mesh) {
+void expect_rich_obj(const Mesh& mesh) {
   ASSERT_EQ(mesh.vertex_count(), 5);
   ASSERT_EQ(mesh.face_count(), 3);
   EXPECT_EQ(mesh.faces.corners(), (std::vector<Index>{0, 1, 2, 3, 0, 1, 4, 1, 2, 4}));
@@ -104,9 +104,9 @@ TEST(Obj, AllLineEndsReadAlikeAndComeBackByteForByte) {
       for (const bool last_line_end : {true, false}) {
         std::string file = rich;
         if (!last_line_end) file.pop_back();
-        file = mark + with_line_ends(file, line_end);
+        file = mark + obj_with_line_ends(file, line_end);
         const Mesh mesh = folder.mesh("in.obj", file);
-        expect_rich_mesh(mesh);
+        expect_rich_obj(mesh);
         EXPECT_EQ(folder.written(mesh, "out.obj"), file);
       }
     }
@@ -116,14 +116,14 @@ TEST(Obj, AllLineEndsReadAlikeAndComeBackByteForByte) {
 TEST(Obj, AnEditChangesTheWordsOfMovedCoordinatesOnly) {
   const TemporaryFolder folder;
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    Mesh mesh = folder.mesh("in.obj", with_line_ends(rich, line_end));
+    Mesh mesh = folder.mesh("in.obj", obj_with_line_ends(rich, line_end));
     mesh.positions(1, 1) = 1.0 / 3;
     mesh.positions(3, 2) = -2.5e-7;
     std::string expected = rich;
     expected.replace(expected.find("v 1.000 0 0 1 1 1"), 17, "v 1.000 0.3333333333333333 0 1 1 1");
     expected.replace(expected.find("v 0 1e0 -0\t.1"), 13, "v 0 1e0 -2.5e-07\t.1");
     const std::string written = folder.written(mesh, "out.obj");
-    EXPECT_EQ(written, with_line_ends(expected, line_end));
+    EXPECT_EQ(written, obj_with_line_ends(expected, line_end));
     EXPECT_TRUE(folder.mesh("again.obj", written).positions == mesh.positions);
   }
 }
@@ -220,7 +220,7 @@ TEST(Obj, AMeshWithoutAFileIsComposedWithItsAttributes) {
   const std::string written = folder.written(mesh, "out.obj");
   EXPECT_EQ(written.find("mtllib"), std::string::npos);
   const Mesh again = folder.mesh("again.obj", written);
-  expect_rich_mesh(again);
+  expect_rich_obj(again);
   EXPECT_TRUE(again.positions == mesh.positions);
 }
 
@@ -424,7 +424,7 @@ TEST(Obj, AgreesWithTinyobjloader) {
   }
 }
 
-struct BadFile {
+struct BadObj {
   const char* what;
   std::string content;
   std::vector<std::string> words;  // of the message
@@ -455,7 +455,7 @@ TEST(Obj, ABackslashMayBeTheLastCharacter) {
 
 TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  const std::vector<BadFile> bad_files = {
+  const std::vector<BadObj> bad_obj_files = {
       {"index 0", triangle + "f 0 1 2\n", {"line 4", "index 0", "count from 1"}},
       {"out of range", triangle + "f 1 2 4\n", {"line 4", "index 4", "3 'v' lines"}},
       {"relative out of range", triangle + "f -1 -2 -4\n", {"line 4", "index -4", "3 'v' lines before it"}},
@@ -467,8 +467,8 @@ TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
       {"no index", triangle + "f 1 2 x\n", {"line 4", "'x'"}},
       {"four parts", triangle + "f 1/1/1/1 2 3\n", {"line 4", "'1/1/1/1'"}},
       {"empty face", triangle + "f\n", {"line 4", "without corners"}},
-      {"after CR", with_line_ends(triangle + "f 1 2 x\n", "\r"), {"line 4", "'x'"}},
-      {"after CRLF", with_line_ends(triangle + "f 1 2 x\n", "\r\n"), {"line 4", "'x'"}},
+      {"after CR", obj_with_line_ends(triangle + "f 1 2 x\n", "\r"), {"line 4", "'x'"}},
+      {"after CRLF", obj_with_line_ends(triangle + "f 1 2 x\n", "\r\n"), {"line 4", "'x'"}},
       {"two coordinates", "v 0 0 0\nv 1 2\n", {"line 2", "x, y and z"}},
       {"too many values", "v 1 2 3 4 5 6 7 8\n", {"line 1", "more than 7"}},
       {"no number", "v 0 zero 0\n", {"line 1", "'zero'"}},
@@ -480,7 +480,7 @@ TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
       {"not text", std::string("v 0 0 0\n\0\1\2", 11), {"byte 8", "not text"}},
   };
   const TemporaryFolder folder;
-  for (const BadFile& bad : bad_files) {
+  for (const BadObj& bad : bad_obj_files) {
     SCOPED_TRACE(bad.what);
     const auto path = folder.file("bad.obj", bad.content);
     std::vector<std::string> words = bad.words;

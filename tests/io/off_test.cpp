@@ -17,14 +17,14 @@ namespace {
 
 using test::expect_damage_is_survived;
 using test::expect_error;
+using test::off_with_line_ends;
 using test::TemporaryFolder;
-using test::with_line_ends;
 
-const std::string square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
-const std::string plain = "OFF\n4 2 0\n" + square + "3 0 1 2\n3 0 2 3\n";
+const std::string off_square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+const std::string plain = "OFF\n4 2 0\n" + off_square + "3 0 1 2\n3 0 2 3\n";
 
 /// Everything at once: prefixes, comments in all places, odd spacing and spellings, all kinds of face colour.
-const std::string rich =
+const std::string rich_off =
     "# made by hand\n"
     "STCNOFF # the keyword\n"
     "\n"
@@ -45,13 +45,13 @@ const std::string rich =
 
 std::vector<std::string> files() {
   return {plain,
-          rich,
-          "OFF 4 2 5\n" + square + "3 0 1 2\n3 0 2 3\n",
-          "OFF4 2 5\n" + square + "3 0 1 2\n3 0 2 3\n",
-          "OFF\n4 1\n" + square + "4 0 1 2 3\n",
-          "OFF\n4\n1\n0\n" + square + "4 0 1 2 3\n",
-          "4 1 0\n" + square + "4 0 1 2 3\n",
-          "\xEF\xBB\xBFOFF\n4 1 0\n" + square + "4 0 1 2 3\n",
+          rich_off,
+          "OFF 4 2 5\n" + off_square + "3 0 1 2\n3 0 2 3\n",
+          "OFF4 2 5\n" + off_square + "3 0 1 2\n3 0 2 3\n",
+          "OFF\n4 1\n" + off_square + "4 0 1 2 3\n",
+          "OFF\n4\n1\n0\n" + off_square + "4 0 1 2 3\n",
+          "4 1 0\n" + off_square + "4 0 1 2 3\n",
+          "\xEF\xBB\xBFOFF\n4 1 0\n" + off_square + "4 0 1 2 3\n",
           "OFF\n4 1 0\n0 0 0 1 0 0\n1 1 0 0 1\n0\n4 0 1\n2 3\n",
           "COFF\n3 1 0\n0 0 0 1 0 0\n1 0 0 1 0 0\n0 1 0 0.5 0 0\n3 0 1 2\n",
           "NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
@@ -66,7 +66,7 @@ TEST(Off, WithoutAnEditAFileComesBackByteForByte) {
   const TemporaryFolder folder;
   for (const std::string& file : files()) {
     for (const char* line_end : {"\n", "\r\n", "\r"}) {
-      const std::string content = with_line_ends(file, line_end);
+      const std::string content = off_with_line_ends(file, line_end);
       SCOPED_TRACE(content);
       EXPECT_EQ(folder.written(folder.mesh("in.off", content), "out.off"), content);
     }
@@ -98,11 +98,11 @@ TEST(Off, AMovedVertexChangesItsOwnNumbersOnly) {
 
 TEST(Off, OnlyNewNumbersHaveNewText) {
   const TemporaryFolder folder;
-  Mesh mesh = folder.mesh("in.off", rich);
+  Mesh mesh = folder.mesh("in.off", rich_off);
   mesh.positions(1, 1) = 0.125;
   mesh.attributes[0].values[3 * 3 + 2] = -1;  // a normal
   mesh.attributes[1].values[4] = 7;           // a vertex colour
-  std::string expected = rich;
+  std::string expected = rich_off;
   const auto replace = [&](const std::string& from, const std::string& to) {
     expected.replace(expected.find(from), from.size(), to);
   };
@@ -113,7 +113,7 @@ TEST(Off, OnlyNewNumbersHaveNewText) {
 
 TEST(Off, TheColoursOfFacesKeepTheirSpelling) {
   const TemporaryFolder folder;
-  Mesh mesh = folder.mesh("in.off", rich);
+  Mesh mesh = folder.mesh("in.off", rich_off);
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.domain != Domain::face) continue;
     for (double& value : attribute.values) value = attribute.name == "colour" ? 0.2 : 3;
@@ -126,7 +126,7 @@ TEST(Off, TheColoursOfFacesKeepTheirSpelling) {
 
 TEST(Off, WhatAFileCarriesBecomesAttributes) {
   const TemporaryFolder folder;
-  const Mesh mesh = folder.mesh("in.off", rich);
+  const Mesh mesh = folder.mesh("in.off", rich_off);
   ASSERT_EQ(mesh.vertex_count(), 5);
   ASSERT_EQ(mesh.face_count(), 6);
   EXPECT_EQ(mesh.faces[0].size(), 4u);
@@ -235,13 +235,13 @@ TEST(Off, IndicesOutOfRangeAreLeftToTheTriage) {
   EXPECT_EQ(folder.written(mesh, "out.off"), file);
 }
 
-struct BadFile {
+struct BadOff {
   const char* what;
   std::string content;
   std::vector<std::string> words;
 };
 
-std::vector<BadFile> bad_files() {
+std::vector<BadOff> bad_off_files() {
   return {
       {"another format", "hello\n", {"line 1", "'OFF'"}},
       {"four dimensions", "4OFF\n0 0 0\n", {"line 1", "'4OFF'", "three dimensions"}},
@@ -268,14 +268,14 @@ std::vector<BadFile> bad_files() {
       {"five colours", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 3 4 5\n", {"line 4", "face 0", "no colour"}},
       {"too bright", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 256\n", {"line 4", "face 0", "255"}},
       {"a word as colour", "OFF\n1 1 0\n0 0 0\n3 0 0 0 red\n", {"line 4", "colour of face 0", "'red'"}},
-      {"line after CR", with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r"), {"line 3", "'zero'"}},
-      {"line after CRLF", with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r\n"), {"line 3", "'zero'"}},
+      {"line after CR", off_with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r"), {"line 3", "'zero'"}},
+      {"line after CRLF", off_with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r\n"), {"line 3", "'zero'"}},
   };
 }
 
 TEST(Off, BadFilesAreNamedWithPlaceAndRemedy) {
   const TemporaryFolder folder;
-  for (const BadFile& bad : bad_files()) {
+  for (const BadOff& bad : bad_off_files()) {
     SCOPED_TRACE(bad.what);
     const auto path = folder.file("bad.off", bad.content);
     std::vector<std::string> words = bad.words;
@@ -287,7 +287,7 @@ TEST(Off, BadFilesAreNamedWithPlaceAndRemedy) {
 
 TEST(Off, DamagedFilesAreReadOrRefused) {
   const TemporaryFolder folder;
-  expect_damage_is_survived(folder, "damaged.off", rich, 400);
+  expect_damage_is_survived(folder, "damaged.off", rich_off, 400);
   expect_damage_is_survived(folder, "damaged.off", plain, 200);
 }
 

@@ -111,13 +111,13 @@ std::string rich_ascii() {
          "0 3\n";
 }
 
-std::string with_line_ends(std::string text, const std::string& line_end) {
+std::string ply_with_line_ends(std::string text, const std::string& line_end) {
   std::string result;
   for (const char c : text) result += c == '\n' ? line_end : std::string(1, c);
   return result;
 }
 
-void expect_rich_mesh(const Mesh& mesh) {
+void expect_rich_ply(const Mesh& mesh) {
   ASSERT_EQ(mesh.vertex_count(), 4);
   ASSERT_EQ(mesh.face_count(), 2);
   EXPECT_EQ(mesh.positions(3, 0), double{1.1f});
@@ -156,7 +156,7 @@ TEST(Ply, AllEncodingsAndLineEndsReadAlikeAndComeBackByteForByte) {
   const TemporaryFolder folder;
   std::vector<std::string> files = {rich_binary(false), rich_binary(true)};
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    files.push_back(with_line_ends(rich_ascii(), line_end));
+    files.push_back(ply_with_line_ends(rich_ascii(), line_end));
     files.push_back("\xEF\xBB\xBF" + files.back());
   }
   std::string no_last_line_end = rich_ascii();
@@ -166,7 +166,7 @@ TEST(Ply, AllEncodingsAndLineEndsReadAlikeAndComeBackByteForByte) {
   for (std::size_t k = 0; k < files.size(); ++k) {
     SCOPED_TRACE(k);
     const Mesh mesh = folder.mesh("in.ply", files[k]);
-    expect_rich_mesh(mesh);
+    expect_rich_ply(mesh);
     EXPECT_EQ(folder.written(mesh, "out.ply"), files[k]);
   }
 }
@@ -179,7 +179,7 @@ TEST(Ply, BinaryHeadersMayEndTheirLinesInAnyWay) {
       "property float x\nproperty float y\nproperty float z\nend_header\n";
   const std::string data = "\n" + Bytes(false).put({1.f, 2.f, 3.f}).text();
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    const std::string file = with_line_ends(header, line_end) + data;
+    const std::string file = ply_with_line_ends(header, line_end) + data;
     const Mesh mesh = folder.mesh("in.ply", file);
     EXPECT_EQ(mesh.positions, (Points(1, 3) << 1, 2, 3).finished());
     EXPECT_EQ(mesh.find_attribute(Domain::vertex, "red")->values, std::vector<double>{10});
@@ -210,13 +210,13 @@ TEST(Ply, AnEditChangesTheBytesOfMovedCoordinatesOnly) {
 
 TEST(Ply, AnEditOfTextChangesTheWordsOfMovedCoordinatesOnly) {
   const TemporaryFolder folder;
-  Mesh mesh = folder.mesh("in.ply", with_line_ends(rich_ascii(), "\r\n"));
+  Mesh mesh = folder.mesh("in.ply", ply_with_line_ends(rich_ascii(), "\r\n"));
   mesh.positions(1, 0) = 0.1;
   mesh.positions(3, 2) = -2;
   std::string expected = rich_ascii();
   expected.replace(expected.find("  1.1 0.1 0 0"), 13, "  0.1 0.1 0 0");
   expected.replace(expected.find("0.30000000000000004 1 0"), 23, "0.30000000000000004 1 -2");
-  EXPECT_EQ(folder.written(mesh, "out.ply"), with_line_ends(expected, "\r\n"));
+  EXPECT_EQ(folder.written(mesh, "out.ply"), ply_with_line_ends(expected, "\r\n"));
 }
 
 TEST(Ply, NewNormalsAndOtherAttributeValuesAreWritten) {
@@ -343,7 +343,7 @@ TEST(Ply, AMeshWithoutAFileIsComposedWithItsAttributes) {
   Mesh mesh = folder.mesh("in.ply", rich_ascii());
   mesh.source = nullptr;
   const Mesh again = folder.mesh("again.ply", folder.written(mesh, "out.ply"));
-  expect_rich_mesh(again);
+  expect_rich_ply(again);
   EXPECT_TRUE(again.positions == mesh.positions);
   EXPECT_EQ(read_file(folder / "out.ply").find("format binary_little_endian 1.0"), 4u);
   EXPECT_NE(read_file(folder / "out.ply").find("property double x"), std::string::npos);
@@ -380,7 +380,7 @@ TEST(Ply, IndicesOutOfRangeAreReadForTheTriageToName) {
   EXPECT_EQ(mesh.faces.corners(), (std::vector<Index>{0, -1, 70}));
 }
 
-struct BadFile {
+struct BadPly {
   const char* what;
   std::string content;
   std::vector<std::string> words;  // of the message
@@ -397,7 +397,7 @@ std::string faces(const std::string& row, const std::string& types = "char int")
          types + " vertex_indices\nend_header\n0 0 0\n" + row;
 }
 
-std::vector<BadFile> bad_files() {
+std::vector<BadPly> bad_ply_files() {
   const std::string binary = rich_binary(false);
   const std::size_t data = rich_header("binary_little_endian").size();
   std::string negative_list = faces("", "char int");
@@ -444,8 +444,8 @@ std::vector<BadFile> bad_files() {
       {"no number", vertices("0 zero 0\n"), {"line 8", "'y'", "'zero'", "not a number"}},
       {"decimal comma", vertices("0,5 1 2\n"), {"line 8", "'0,5'", "decimal point"}},
       {"too large", vertices("1e39 1 2\n"), {"line 8", "'1e39'", "range"}},
-      {"line after CR", with_line_ends(vertices("0 zero 0\n"), "\r"), {"line 8", "'zero'"}},
-      {"line after CRLF", with_line_ends(vertices("0 zero 0\n"), "\r\n"), {"line 8", "'zero'"}},
+      {"line after CR", ply_with_line_ends(vertices("0 zero 0\n"), "\r"), {"line 8", "'zero'"}},
+      {"line after CRLF", ply_with_line_ends(vertices("0 zero 0\n"), "\r\n"), {"line 8", "'zero'"}},
       {"negative list", faces("-1 0 0\n"), {"line 11", "negative"}},
       {"negative binary list", negative_list, {"face 0", "byte", "negative"}},
       {"overlong list", faces("2000000000 0 0\n", "int int"), {"line 11", "longer than the rest"}},
@@ -463,7 +463,7 @@ std::vector<BadFile> bad_files() {
 
 TEST(Ply, BadFilesAreNamedWithPlaceAndRemedy) {
   const TemporaryFolder folder;
-  for (const BadFile& bad : bad_files()) {
+  for (const BadPly& bad : bad_ply_files()) {
     SCOPED_TRACE(bad.what);
     const auto path = folder.file("bad.ply", bad.content);
     std::vector<std::string> words = bad.words;

@@ -21,13 +21,13 @@ namespace {
 
 using test::expect_damage_is_survived;
 using test::expect_error;
+using test::stl_with_line_ends;
 using test::TemporaryFolder;
-using test::with_line_ends;
 
 using Facet = std::array<float, 12>;
 
 template <class T>
-void put(std::string& bytes, T value) {
+void put_value(std::string& bytes, T value) {
   auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
   if (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
   bytes.append(raw.data(), raw.size());
@@ -36,10 +36,10 @@ void put(std::string& bytes, T value) {
 std::string binary(const std::vector<Facet>& facets, std::string header = "made by hand",
                    const std::vector<std::uint16_t>& attributes = {}) {
   header.resize(80, ' ');
-  put(header, static_cast<std::uint32_t>(facets.size()));
+  put_value(header, static_cast<std::uint32_t>(facets.size()));
   for (std::size_t f = 0; f < facets.size(); ++f) {
-    for (const float value : facets[f]) put(header, value);
-    put(header, f < attributes.size() ? attributes[f] : std::uint16_t{0});
+    for (const float value : facets[f]) put_value(header, value);
+    put_value(header, f < attributes.size() ? attributes[f] : std::uint16_t{0});
   }
   return header;
 }
@@ -72,8 +72,8 @@ std::vector<std::string> files() {
           binary({}),
           binary({Facet{nan, 0, 0, nan, 0, 0, nan, 0, 0, INFINITY, 1, 0}}),
           ascii,
-          with_line_ends(ascii, "\r\n"),
-          with_line_ends(ascii, "\r"),
+          stl_with_line_ends(ascii, "\r\n"),
+          stl_with_line_ends(ascii, "\r"),
           "\xEF\xBB\xBF" + ascii,
           "solid\nendsolid\n"};
 }
@@ -243,13 +243,13 @@ TEST(Stl, FilesAreToldApartBySizeThenByTheirFirstWord) {
   }
 }
 
-struct BadFile {
+struct BadStl {
   const char* what;
   std::string content;
   std::vector<std::string> words;
 };
 
-std::vector<BadFile> bad_files() {
+std::vector<BadStl> bad_stl_files() {
   const auto with = [](const std::string& from, const std::string& to) {
     std::string text = ascii;
     return text.replace(text.find(from), from.size(), to);
@@ -276,13 +276,13 @@ std::vector<BadFile> bad_files() {
       {"bad normal", with("0 0 1.0", "0 0 up"), {"line 2", "'up'", "normal"}},
       {"too few numbers", with("vertex 1e0 0 0", "vertex 1e0 0"), {"line 6", "'vertex'"}},
       {"something behind", ascii + " x\nmore", {"line 15", "'more'", "'solid'"}},
-      {"line after CR", with_line_ends(with("1e0", "one"), "\r"), {"line 5", "'one'"}},
+      {"line after CR", stl_with_line_ends(with("1e0", "one"), "\r"), {"line 5", "'one'"}},
   };
 }
 
 TEST(Stl, BadFilesAreNamedWithPlaceAndRemedy) {
   const TemporaryFolder folder;
-  for (const BadFile& bad : bad_files()) {
+  for (const BadStl& bad : bad_stl_files()) {
     SCOPED_TRACE(bad.what);
     const auto path = folder.file("bad.stl", bad.content);
     std::vector<std::string> words = bad.words;

@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void put(const fs::path& file, const std::string& content) {
+void put_file(const fs::path& file, const std::string& content) {
   fs::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary) << content;
 }
 
 Mesh triangle_of(const fs::path& file, const std::string& library, const std::string& material) {
-  put(file, "mtllib " + library + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl " + material +
-                "\nf 1/1 2/2 3/3\n");
+  put_file(file, "mtllib " + library + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl " +
+                     material + "\nf 1/1 2/2 3/3\n");
   return read_mesh(file);
 }
 
@@ -43,10 +43,11 @@ std::string gltf_with(const std::string& image) {
 
 TEST(Textures, AreThoseOfTheLibrary) {
   const TemporaryFolder folder;
-  put(folder / "looks/one.mtl",
+  put_file(
+      folder / "looks/one.mtl",
       "newmtl other\nmap_Kd missing.png\nnewmtl skin\nKd 1 1 1\nmap_Bump bump.png\nmap_Kd -s 2 2 a b.png\n");
-  put(folder / "looks/a b.png", "picture");
-  put(folder / "looks/bump.png", "bumps");
+  put_file(folder / "looks/a b.png", "picture");
+  put_file(folder / "looks/bump.png", "bumps");
   const auto textures = textures_of(triangle_of(folder / "model.obj", "looks/one.mtl", "skin"));
   ASSERT_EQ(textures.size(), 1u);
   EXPECT_EQ(textures[0].material, "skin");
@@ -55,12 +56,13 @@ TEST(Textures, AreThoseOfTheLibrary) {
 
 TEST(Textures, AreThoseOfTheCommentsOfAPly) {
   const TemporaryFolder folder;
-  put(folder / "scan.ply",
+  put_file(
+      folder / "scan.ply",
       "ply\nformat ascii 1.0\ncomment TextureFile missing.png\ncomment TextureFile a b.png\nelement vertex 3\n"
       "property float x\nproperty float y\nproperty float z\nelement face 1\n"
       "property list uchar int vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber\n"
       "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1 1\n");
-  put(folder / "a b.png", "picture");
+  put_file(folder / "a b.png", "picture");
   const Mesh scan = read_mesh(folder / "scan.ply");
   const auto textures = textures_of(scan);
   ASSERT_EQ(textures.size(), 2u);
@@ -75,8 +77,8 @@ TEST(Textures, AreThoseOfTheCommentsOfAPly) {
 TEST(Textures, StayWithTheMaterialsOfJoinedMeshes) {
   const TemporaryFolder folder;
   for (const char* part : {"a", "b"}) {
-    put(folder / part / "looks.mtl", "newmtl skin\nmap_Kd skin.png\n");
-    put(folder / part / "skin.png", part);
+    put_file(folder / part / "looks.mtl", "newmtl skin\nmap_Kd skin.png\n");
+    put_file(folder / part / "skin.png", part);
   }
   const Mesh a = triangle_of(folder / "a/model.obj", "looks.mtl", "skin");
   const Mesh b = triangle_of(folder / "b/model.obj", "looks.mtl", "skin");
@@ -90,9 +92,9 @@ TEST(Textures, StayWithTheMaterialsOfJoinedMeshes) {
 
 TEST(Textures, AreReadFromAllPlacesThatGltfHasForThem) {
   const TemporaryFolder folder;
-  put(folder / "a b.png", "picture");
+  put_file(folder / "a b.png", "picture");
   const auto of = [&](const std::string& image) {
-    put(folder / "model.gltf", gltf_with(image));
+    put_file(folder / "model.gltf", gltf_with(image));
     return textures_of(read_mesh(folder / "model.gltf"));
   };
   const auto beside = of(R"({"uri": "a%20b.png"})");
@@ -112,7 +114,7 @@ TEST(Textures, ThatAreMalformedAreLeftOut) {
   for (const char* image :
        {R"({"uri": "missing.png"})", R"({"uri": "https://example.org/a.png"})", R"({})", R"({"bufferView": 2})",
         R"({"bufferView": 9})", R"({"uri": "data:image/png;base64,!"})"}) {
-    put(folder / "model.gltf", gltf_with(image));
+    put_file(folder / "model.gltf", gltf_with(image));
     EXPECT_TRUE(textures_of(read_mesh(folder / "model.gltf")).empty()) << image;
   }
 }

@@ -14,6 +14,9 @@
 
 namespace meshgraft::io {
 
+/// glTF's number of the component type float.
+inline constexpr int component_type_float = 5126;
+
 /// A byte of one of the buffers.
 struct GltfAddress {
   std::size_t buffer = 0;

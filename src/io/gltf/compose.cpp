@@ -14,6 +14,7 @@
 #include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "accessor.h"
 #include "edit.h"
 #include "io/binary_value.h"
 #include "io/file_document.h"
@@ -180,11 +181,10 @@ class GltfComposer {
   }
 
   std::size_t add_accessor(const std::string& bytes, std::size_t count, std::size_t components) {
-    constexpr int float_type = 5126;
     constexpr int array_buffer = 34962;
     const std::size_t view = edit_.append_view(bytes, 0, array_buffer);
     return edit_.append("accessors", {{"bufferView", view},
-                                      {"componentType", float_type},
+                                      {"componentType", component_type_float},
                                       {"count", count},
                                       {"type", fmt::format("VEC{}", components)}});
   }

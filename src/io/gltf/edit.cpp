@@ -8,14 +8,13 @@
 
 #include <meshgraft/core/error.h>
 
+#include "accessor.h"
 #include "io/binary_value.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
 
 namespace {
-
-constexpr int float_type = 5126;
 
 void put_component(char* element, const GltfAccessor& accessor, std::size_t component, double stored) {
   store_binary(element + component * size_of(accessor.type), stored, accessor.type, swap_little_endian);
@@ -104,7 +103,7 @@ std::size_t GltfEdit::store_copy(std::size_t accessor_index, const GltfChanges& 
   if (!as_it_is) {
     dense.type = ScalarType::float32;
     dense.normalized = false;
-    copy["componentType"] = float_type;
+    copy["componentType"] = component_type_float;
     copy.erase("normalized");
   }
   const std::size_t stride = (dense.element_size() + 3) / 4 * 4;

@@ -9,14 +9,13 @@
 
 #include <meshgraft/core/error.h>
 
+#include "accessor.h"
 #include "io/binary_value.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
 
 namespace {
-
-constexpr int float_type = 5126;
 
 template <class Integer>
 void append_index(std::string& out, std::size_t value) {
@@ -221,7 +220,7 @@ void add_morph_target(GltfEdit& edit, const std::vector<GltfTarget>& targets,
 }
 
 std::size_t append_deltas(GltfEdit& edit, std::size_t count, const GltfChanges& deltas, bool with_bounds) {
-  Json accessor = {{"componentType", float_type}, {"count", count}, {"type", "VEC3"}};
+  Json accessor = {{"componentType", component_type_float}, {"count", count}, {"type", "VEC3"}};
   const bool is_sparse = deltas.size() < count / 2;
   if (is_sparse && !deltas.empty())
     accessor["sparse"] = sparse_part(edit, count, deltas);

@@ -19,6 +19,7 @@
 
 #include "document.h"
 #include "gltf.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -26,8 +27,6 @@ namespace meshgraft::io {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t elements_per_check = 1 << 16;
-
 /// Extensions that change what the triangles are; a file that requires another one may still be edited.
 constexpr std::array<std::string_view, 5> geometry_extensions = {
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",

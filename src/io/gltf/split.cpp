@@ -11,7 +11,7 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_label = std::numeric_limits<double>::quiet_NaN();
 
 const Attribute* label_attribute(const Mesh& mesh, const char* name) {
   const Attribute* attribute = mesh.find_attribute(Domain::face, name);
@@ -21,7 +21,7 @@ const Attribute* label_attribute(const Mesh& mesh, const char* name) {
 }
 
 double label_of(const Attribute* attribute, Index face) {
-  return attribute == nullptr ? none : attribute->values[static_cast<std::size_t>(face)];
+  return attribute == nullptr ? no_label : attribute->values[static_cast<std::size_t>(face)];
 }
 
 /// The element of `list` with this label, added where there is none.

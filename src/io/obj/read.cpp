@@ -12,6 +12,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 #include "materials.h"
 #include "obj.h"
@@ -20,7 +21,6 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr std::size_t lines_per_check = 1 << 16;  // between two looks at the stop token
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -108,7 +108,7 @@ class ObjReader {
     reserve();
     ObjCursor cursor(document_->content);
     for (std::size_t line = 1; cursor.next_line(); ++line) {
-      if (line % lines_per_check == 0) report_progress(cursor);
+      if (line % elements_per_check == 0) report_progress(cursor);
       read_line(cursor);
     }
     check_forward_references();

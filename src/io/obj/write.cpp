@@ -14,6 +14,7 @@
 #include <meshgraft/mesh/join.h>
 
 #include "document.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 #include "materials.h"
 #include "obj.h"
@@ -21,8 +22,6 @@
 namespace meshgraft::io {
 
 namespace {
-
-constexpr std::size_t lines_per_check = 1 << 16;
 
 using Triple = std::array<double, 3>;
 
@@ -123,7 +122,7 @@ class ObjPatcher {
     std::size_t normal = 0;
     ObjCursor cursor(document_.content);
     for (std::size_t line = 1; cursor.next_line(); ++line) {
-      if (line % lines_per_check == 0) context_.throw_if_stopped();
+      if (line % elements_per_check == 0) context_.throw_if_stopped();
       if (cursor.keyword() == "v") {
         patch_values(cursor, mesh_.positions.data() + 3 * vertex++, ScalarType::float64);
       } else if (cursor.keyword() == "vn") {
@@ -409,7 +408,7 @@ class ObjComposer {
   }
 
   void check_stop(Index element) const {
-    if (element % static_cast<Index>(lines_per_check) == 0) context_.throw_if_stopped();
+    if (element % elements_per_check == 0) context_.throw_if_stopped();
   }
 
   /// Names the attributes that OBJ has no line for.

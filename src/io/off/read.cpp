@@ -8,6 +8,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 #include "off.h"
 
@@ -15,7 +16,6 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr Index rows_per_check = 1 << 16;  // between two looks at the stop token
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_index = std::numeric_limits<Index>::max();
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
@@ -232,7 +232,7 @@ class OffReader {
     }
     for (Attribute& attribute : mesh_.attributes) targets.push_back(attribute.values.data());
     for (Index v = 0; v < vertices_; ++v) {
-      if (v % rows_per_check == 0) report_progress();
+      if (v % elements_per_check == 0) report_progress();
       for (std::size_t c = 0; c < targets.size(); ++c) {
         const OffColumn& column = document_->columns[c];
         for (int k = 0; k < column.components; ++k) *targets[c]++ = vertex_value(v, column);
@@ -267,7 +267,7 @@ class OffReader {
     const auto room = static_cast<Index>(std::min<std::size_t>(cursor_.remaining() / 2, largest_index));
     mesh_.faces.reserve(faces_, std::min(room, faces_ > room / 3 ? room : 3 * faces_));
     for (Index f = 0; f < faces_; ++f) {
-      if (f % rows_per_check == 0) report_progress();
+      if (f % elements_per_check == 0) report_progress();
       read_corners(f);
       read_colour(f);
     }

@@ -6,6 +6,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
 #include "off.h"
@@ -13,8 +14,6 @@
 namespace meshgraft::io {
 
 namespace {
-
-constexpr Index rows_per_check = 1 << 16;  // between two looks at the stop token
 
 /// Colours as fractions have a point, or they would read as whole numbers up to 255.
 void append_fraction(std::string& text, double value) {
@@ -56,7 +55,7 @@ class OffPatcher {
     std::vector<const double*> values;
     for (const OffColumn& column : document_.columns) values.push_back(values_of(column));
     for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-      if (v % rows_per_check == 0) context_.throw_if_stopped();
+      if (v % elements_per_check == 0) context_.throw_if_stopped();
       for (std::size_t c = 0; c < values.size(); ++c) {
         const OffColumn& column = document_.columns[c];
         for (int k = 0; k < column.components; ++k) {
@@ -91,7 +90,7 @@ class OffPatcher {
     const Attribute* index = fitting(mesh_, Domain::face, off_colour_index, 1, 1);
     if (colour == nullptr && index == nullptr) return;
     for (Index f = 0; f < mesh_.faces.size(); ++f) {
-      if (f % rows_per_check == 0) context_.throw_if_stopped();
+      if (f % elements_per_check == 0) context_.throw_if_stopped();
       for (std::size_t k = 0; k <= mesh_.faces[f].size(); ++k) cursor_.next();
       words_.clear();
       for (std::string_view word = cursor_.next_on_line(); !word.empty(); word = cursor_.next_on_line())
@@ -186,7 +185,7 @@ class OffComposer {
   void write_vertices() {
     const ColourScale scale = vertex_colour_ != nullptr ? scale_of(*vertex_colour_) : ColourScale{};
     for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-      if (v % rows_per_check == 0) context_.throw_if_stopped();
+      if (v % elements_per_check == 0) context_.throw_if_stopped();
       for (int axis = 0; axis < 3; ++axis) put_number(mesh_.positions(v, axis), ScalarType::float64);
       if (normal_ != nullptr) put_values(*normal_, v);
       if (vertex_colour_ != nullptr) put_colour(row(*vertex_colour_, v), scale, true);
@@ -198,7 +197,7 @@ class OffComposer {
   void write_faces() {
     const ColourScale scale = face_colour_ != nullptr ? scale_of(*face_colour_) : ColourScale{};
     for (Index f = 0; f < mesh_.face_count(); ++f) {
-      if (f % rows_per_check == 0) context_.throw_if_stopped();
+      if (f % elements_per_check == 0) context_.throw_if_stopped();
       const std::span<const Index> corners = mesh_.faces[f];
       put_number(static_cast<double>(corners.size()), ScalarType::int32);
       for (const Index corner : corners) put_number(corner, ScalarType::int32);

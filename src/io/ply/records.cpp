@@ -7,6 +7,7 @@
 #include <meshgraft/core/parallel.h>
 
 #include "io/binary_value.h"
+#include "io/check_interval.h"
 #include "io/file.h"
 #include "io/number_text.h"
 
@@ -14,8 +15,7 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr std::uint64_t rows_per_check = 1 << 16;  // between two looks at the stop token
-constexpr std::size_t rows_per_block = 1 << 13;    // read at once, within the second-level cache
+constexpr std::size_t rows_per_block = 1 << 13;  // read at once, within the second-level cache
 
 class RecordReader {
  public:
@@ -77,7 +77,7 @@ class RecordReader {
     const char* at = document_.content.data() + offset;
     const char* const end = document_.content.data() + document_.content.size();
     for (std::size_t row = 0; row < element.count; ++row) {
-      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      if (row % elements_per_check == 0) context_.throw_if_stopped();
       const auto left = static_cast<std::size_t>(end - at);
       const std::optional<std::size_t> length =
           left < fixed
@@ -129,7 +129,7 @@ class RecordReader {
     for (PlyListValues& list : sinks.lists) list_of[list.property] = &list;
     std::vector<Index> corners;
     for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      if (row % elements_per_check == 0) context_.throw_if_stopped();
       cursor.begin_record(element, row);
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];

@@ -11,6 +11,7 @@
 
 #include "document.h"
 #include "io/binary_value.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 #include "io/obj/materials.h"
 #include "ply.h"
@@ -18,8 +19,6 @@
 namespace meshgraft::io {
 
 namespace {
-
-constexpr std::uint64_t rows_per_check = 1 << 16;
 
 /// The mesh's values for one property of the file.
 struct Column {
@@ -117,7 +116,7 @@ class PlyPatcher {
   void patch_rows(const PlyElement& element, const std::vector<Column>& columns, Cursor& cursor) {
     if (std::ranges::all_of(columns, [](const Column& column) { return column.values == nullptr; })) return;
     for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (row % rows_per_check == 0) context_.throw_if_stopped();
+      if (row % elements_per_check == 0) context_.throw_if_stopped();
       cursor.begin_record(element, row);
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
@@ -302,7 +301,7 @@ class PlyComposer {
 
   void write_vertices() {
     for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-      if (v % static_cast<Index>(rows_per_check) == 0) context_.throw_if_stopped();
+      if (v % elements_per_check == 0) context_.throw_if_stopped();
       for (const NewProperty& property : vertex_) {
         const double value = property.attribute == nullptr
                                  ? mesh_.positions(v, property.component)
@@ -316,7 +315,7 @@ class PlyComposer {
     std::vector<ScalarType> count_types;
     for (const NewProperty& property : face_) count_types.push_back(count_type(property));
     for (Index f = 0; f < mesh_.face_count(); ++f) {
-      if (f % static_cast<Index>(rows_per_check) == 0) context_.throw_if_stopped();
+      if (f % elements_per_check == 0) context_.throw_if_stopped();
       for (std::size_t p = 0; p < face_.size(); ++p) {
         const NewProperty& property = face_[p];
         if (property.is_list && property.attribute == nullptr) {

@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/check_interval.h"
 #include "io/file.h"
 #include "point_index.h"
 #include "stl.h"
@@ -17,8 +18,6 @@
 namespace meshgraft::io {
 
 namespace {
-
-constexpr std::size_t facets_per_check = 1 << 16;  // between two looks at the stop token
 
 /// Many a binary file begins with "solid" too: only the size tells it from an ascii one.
 bool has_binary_size(std::string_view content) {
@@ -96,7 +95,7 @@ class StlReader {
     std::array<FloatPoint, 3 * block> places;
     std::array<Index, 3 * block> corners;
     for (std::size_t begin = 0; begin < count; begin += block) {
-      if (begin % facets_per_check == 0) report_progress(begin, count);
+      if (begin % elements_per_check == 0) report_progress(begin, count);
       const std::size_t size = std::min(block, count - begin);
       for (std::size_t f = 0; f < size; ++f, facet += stl_layout::facet) {
         for (std::size_t c = 0; c < 3; ++c)
@@ -132,7 +131,7 @@ class StlReader {
     std::size_t solids = 0;
     StlFacetText facet;
     while (cursor.next_facet(facet)) {
-      if (objects.size() % facets_per_check == 0) report_progress(cursor.offset(), document_->content.size());
+      if (objects.size() % elements_per_check == 0) report_progress(cursor.offset(), document_->content.size());
       if (objects.size() == max_facets) fail_too_large();
       if (cursor.solid_count() != solids) {
         solids = cursor.solid_count();

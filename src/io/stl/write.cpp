@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/check_interval.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
 #include "stl.h"
@@ -17,8 +18,6 @@
 namespace meshgraft::io {
 
 namespace {
-
-constexpr Index facets_per_check = 1 << 16;  // between two looks at the stop token
 
 float to_float(double value, Index vertex) {
   const ParsedNumber rounded = narrow(value, ScalarType::float32);
@@ -76,7 +75,7 @@ std::string patch_binary(const StlDocument& document, const Mesh& mesh, const Co
   const Attribute* attribute = attribute_bytes(mesh);
   char* facet = out.data() + stl_layout::first_facet;
   for (Index f = 0; f < mesh.face_count(); ++f, facet += stl_layout::facet) {
-    if (f % facets_per_check == 0) context.throw_if_stopped();
+    if (f % elements_per_check == 0) context.throw_if_stopped();
     std::array<Eigen::Vector3d, 3> corners;
     bool moved = false;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -113,7 +112,7 @@ std::string patch_ascii(const StlDocument& document, const Mesh& mesh, const Con
   };
   StlFacetText facet;
   for (Index f = 0; cursor.next_facet(facet); ++f) {
-    if (f % facets_per_check == 0) context.throw_if_stopped();
+    if (f % elements_per_check == 0) context.throw_if_stopped();
     std::array<Eigen::Vector3d, 3> corners;
     for (std::size_t c = 0; c < 3; ++c) corners[c] = mesh.positions.row(mesh.faces[f][c]);
     std::array<bool, 9> moved;
@@ -136,7 +135,7 @@ class StlComposer {
   Written compose() {
     write_header();
     for (Index t = 0; t < parts_.triangles.rows(); ++t) {
-      if (t % facets_per_check == 0) context_.throw_if_stopped();
+      if (t % elements_per_check == 0) context_.throw_if_stopped();
       write_facet(t);
     }
     Written written{std::move(out_)};

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft::io {
+
+/// How many elements readers and writers handle between two checks for cancellation.
+inline constexpr Index elements_per_check = 1 << 16;
+
+}  // namespace meshgraft::io
