@@ -4,6 +4,9 @@
 ifneq ($(shell command -v ccache),)
 export CMAKE_C_COMPILER_LAUNCHER ?= ccache
 export CMAKE_CXX_COMPILER_LAUNCHER ?= ccache
+# Clones in other places share what was compiled.
+export CCACHE_BASEDIR ?= $(CURDIR)
+export CCACHE_NOHASHDIR ?= 1
 endif
 
 PREFIX ?= /usr/local
@@ -23,7 +26,7 @@ demo: build ## run the examples; meshes, reports and pictures go to out/
 edit: build ## the editor in the browser: make edit MODEL=model.ply, or without a model
 	@build/release/meshgraft edit $(MODEL)
 
-test: ## all tests: with and without CHOLMOD, sanitizers, layers, installed package
+test: ## all tests: with and without the optional libraries, sanitizers, layers, installed package
 	@tools/bootstrap.sh build test
 	@python3 tools/run_tests.py
 

@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 # Preset of CMakePresets.json: what it is for.
 CONFIGURATIONS = {
     "release": "everything",
-    "no-cholmod": "the solver and all above it with Eigen's Cholesky alone and without CGAL",
+    "minimal": "the solver and all above it without the optional libraries",
     "asan": "the tests labelled small, with address and undefined-behaviour sanitizers",
     "tsan": "the tests labelled threads, with the thread sanitizer",
 }
@@ -83,6 +83,8 @@ def main(names):
     os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(os.cpu_count() or 1))
     if shutil.which("ccache"):  # configurations that compile a source alike do it once
         os.environ.setdefault("CMAKE_CXX_COMPILER_LAUNCHER", "ccache")
+        os.environ.setdefault("CCACHE_BASEDIR", str(ROOT))  # and clones in other places, too
+        os.environ.setdefault("CCACHE_NOHASHDIR", "1")
 
     lines, total = [], Count()
     for name in names or CONFIGURATIONS:

@@ -1,0 +1,22 @@
+# meshgraft_unity(target): with MESHGRAFT_UNITY, compiles the sources of a folder together, some eight at a time.
+# Most of the time to compile one of them is spent on the headers and templates that its neighbours need, too.
+function(meshgraft_unity target)
+  if(NOT MESHGRAFT_UNITY)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # takes the sources for headers
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(SORT sources)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    math(EXPR ${folder}_count "${${folder}_count} + 0")
+    math(EXPR batch "${${folder}_count} / 8")
+    math(EXPR ${folder}_count "${${folder}_count} + 1")
+    cmake_path(GET source PARENT_PATH name)
+    cmake_path(GET name FILENAME name)
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${name}_${batch}")
+  endforeach()
+endfunction()
