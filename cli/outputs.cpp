@@ -1,14 +1,12 @@
 #include "outputs.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <system_error>
 
 #include <meshgraft/core/error.h>
+
+#include "core/platform/file.h"
 
 namespace meshgraft::cli {
 
@@ -31,10 +29,10 @@ bool same_file(const fs::path& a, const fs::path& b) {
 
 fs::path folder_of(const fs::path& output) { return output.has_parent_path() ? output.parent_path() : "."; }
 
-void require_access(const fs::path& path, int mode, const fs::path& output) {
-  if (::faccessat(AT_FDCWD, path.c_str(), mode, AT_EACCESS) == 0) return;
-  throw Error(ErrorCode::io, "cannot be written: " + std::generic_category().message(errno), output.string(),
-              "Change the permissions, or choose another place.");
+void require_access(const std::error_code& error, const fs::path& output) {
+  if (error)
+    throw Error(ErrorCode::io, "cannot be written: " + error.message(), output.string(),
+                "Change the permissions, or choose another place.");
 }
 
 // An OBJ's materials go beside it, and a .gltf's buffer.
@@ -92,8 +90,9 @@ void require_writable(const fs::path& output) {
     throw Error(ErrorCode::io, "there is no such folder", folder.string(), "Make it first.");
   if (!output.has_filename() || fs::is_directory(output))
     throw Error(ErrorCode::io, "is a folder", output.string(), "Give the name of a file in it.");
-  if (fs::exists(output)) require_access(output, W_OK, output);
-  if (!fs::exists(output) || fs::is_regular_file(output)) require_access(folder, W_OK | X_OK, output);
+  if (fs::exists(output)) require_access(platform::check_may_write(output), output);
+  if (!fs::exists(output) || fs::is_regular_file(output))
+    require_access(platform::check_may_create_in(folder), output);
 }
 
 void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs, const fs::path& edit,

@@ -1,20 +1,15 @@
 #include <meshgraft/core/memory.h>
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <fstream>
 #include <limits>
 #include <string>
 
+#include "platform/memory.h"
+
 namespace meshgraft {
 
-std::uint64_t physical_memory() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), page_size = ::sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || page_size <= 0) return std::numeric_limits<std::uint64_t>::max();
-  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size);
-}
+std::uint64_t physical_memory() { return platform::physical_memory(); }
 
 std::uint64_t control_group_limit(const std::filesystem::path& membership,
                                   const std::filesystem::path& groups) {
@@ -42,13 +37,9 @@ std::uint64_t control_group_limit(const std::filesystem::path& membership,
 }
 
 std::uint64_t available_memory() {
-  std::uint64_t available = physical_memory();
-  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
-    rlimit limit{};
-    if (::getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-      available = std::min(available, static_cast<std::uint64_t>(limit.rlim_cur));
-  }
-  return std::min(available, control_group_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
+  const auto [membership, groups] = platform::control_groups();
+  return std::min(
+      {physical_memory(), platform::process_memory_limit(), control_group_limit(membership, groups)});
 }
 
 }  // namespace meshgraft

@@ -1,12 +1,12 @@
 #include "editor.h"
 
-#include <cstdlib>
 #include <memory>
 #include <system_error>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 
+#include "core/platform/file.h"
 #include "page.h"
 #include "server/server.h"
 #include "session.h"
@@ -21,10 +21,10 @@ namespace {
 class UploadFolder {
  public:
   UploadFolder() {
-    std::string pattern = (fs::temp_directory_path() / "meshgraft-uploads-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-      throw Error(ErrorCode::io, "a folder for uploads cannot be made", pattern);
-    path_ = fs::canonical(pattern);
+    std::error_code error;
+    path_ = platform::make_private_folder(fs::temp_directory_path() / "meshgraft-uploads-", error);
+    if (error) throw Error(ErrorCode::io, "a folder for uploads cannot be made", path_.string());
+    path_ = fs::canonical(path_);
   }
   ~UploadFolder() {
     std::error_code ignored;

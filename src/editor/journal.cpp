@@ -1,11 +1,5 @@
 #include "journal.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <chrono>
 #include <system_error>
 #include <thread>
@@ -29,9 +23,10 @@ namespace {
 
 constexpr int most_sessions = 9;  // that are open on one model
 
-[[noreturn]] void fail(const fs::path& path) {
-  throw Error(ErrorCode::io, "the journal cannot be written: " + std::generic_category().message(errno),
-              path.string(), "Make room, or save to another place.");
+void require(const std::error_code& error, const fs::path& path) {
+  if (error)
+    throw Error(ErrorCode::io, "the journal cannot be written: " + error.message(), path.string(),
+                "Make room, or save to another place.");
 }
 
 fs::path numbered(const fs::path& stem, int number) {
@@ -41,19 +36,13 @@ fs::path numbered(const fs::path& stem, int number) {
 // A page that is loaded again comes before the session of the old one has ended.
 constexpr auto patience = 1s;
 
-bool lock(int file, std::chrono::milliseconds wait) {
+std::error_code lock(platform::File& file, std::chrono::milliseconds wait) {
   const auto until = std::chrono::steady_clock::now() + wait;
-  while (::flock(file, LOCK_EX | LOCK_NB) != 0) {
-    if (std::chrono::steady_clock::now() >= until) return false;
+  for (;;) {
+    const std::error_code error = file.try_lock();
+    if (!error || std::chrono::steady_clock::now() >= until) return error;
     std::this_thread::sleep_for(10ms);
   }
-  return true;
-}
-
-bool is_at(const fs::path& path, int file) {
-  struct stat there{}, here{};
-  return ::stat(path.c_str(), &there) == 0 && ::fstat(file, &here) == 0 && there.st_ino == here.st_ino &&
-         there.st_dev == here.st_dev;
 }
 
 // Applies a line; false where it is none.
@@ -112,47 +101,48 @@ Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (!open(false)) return;
   found_ = read_journal(read_file(path_));
   if (found_ && found_->changes > 0 && !found_->saved) return;
-  if (found_ && ::ftruncate(file_, 0) != 0) fail(path_);  // all of it is saved: it goes with this session
+  if (found_) require(file_.resize(0), path_);  // all of it is saved: it goes with this session
   found_.reset();
 }
 
 Journal::~Journal() {
-  if (file_ < 0) return;
-  const bool needless = started_ ? saved_ : ::lseek(file_, 0, SEEK_END) == 0;
-  if (needless) {
-    std::error_code ignored;
-    fs::remove_all(kept_folder(), ignored);
-    ::unlink(path_.c_str());
-  }
-  ::close(file_);
+  if (!file_.is_open()) return;
+  std::error_code error;
+  const bool needless = started_ ? saved_ : file_.status(error).bytes == 0 && !error;
+  if (!needless) return;
+  fs::remove_all(kept_folder(), error);
+  fs::remove(path_, error);
 }
 
 // Takes the first file that no other session has.
 bool Journal::open(bool create) {
+  std::error_code error;
   for (int number = 1; number <= most_sessions; ++number) {
     path_ = numbered(stem_, number);
-    const int file = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0), 0600);
-    if (file < 0) continue;
-    const bool locked = lock(file, number == 1 ? patience : 0s);
-    if (locked && is_at(path_, file)) {
-      file_ = file;
+    platform::File file(path_, create ? platform::OpenMode::append_or_create : platform::OpenMode::append,
+                        error);
+    if (error) continue;
+    error = lock(file, number == 1 ? patience : 0s);
+    if (error) continue;
+    if (file.is_at(path_)) {
+      file_ = std::move(file);
       return true;
     }
-    ::close(file);
-    if (locked) --number;  // the session that had it took it away at its end: once more
+    --number;  // the session that had it took it away at its end: once more
   }
-  if (create) fail(stem_);
+  if (create) require(error, stem_);
   path_ = stem_;
   return false;
 }
 
 void Journal::take_up() {
-  if (file_ < 0) return;
-  const auto size = static_cast<std::uintmax_t>(::lseek(file_, 0, SEEK_END));
+  if (!file_.is_open()) return;
+  std::error_code error;
+  const std::uintmax_t size = file_.status(error).bytes;
+  require(error, path_);
   if (size > found_->valid_bytes && read_file(path_).find('\n', found_->valid_bytes) != std::string::npos)
     fs::copy_file(path_, path_.string() + ".damaged", fs::copy_options::overwrite_existing);
-  if (::ftruncate(file_, static_cast<off_t>(found_->valid_bytes)) != 0) fail(path_);
-  ::lseek(file_, 0, SEEK_END);
+  require(file_.resize(found_->valid_bytes), path_);
   started_ = true;
   saved_ = false;
   found_.reset();
@@ -164,20 +154,20 @@ fs::path Journal::set_aside() {
     aside = path_.string() + fmt::format(".aside-{}", number);
   fs::rename(path_, aside);
   if (fs::exists(kept_folder())) fs::rename(kept_folder(), aside.string() + ".parts");
-  ::close(std::exchange(file_, -1));
+  file_ = platform::File();
   found_.reset();
   return aside;
 }
 
 fs::path Journal::keep(const fs::path& file) {
-  if (file_ < 0) open(true);
+  if (!file_.is_open()) open(true);
   fs::create_directories(kept_folder());
   return copy_into(kept_folder(), file);
 }
 
 void Journal::start(const std::string& first) {
-  if (file_ < 0) open(true);
-  if (::ftruncate(file_, 0) != 0 || ::lseek(file_, 0, SEEK_SET) != 0) fail(path_);
+  if (!file_.is_open()) open(true);
+  require(file_.resize(0), path_);
   started_ = true;
   write_line({{"format", "meshgraft-session"}, {"version", 1}, {"document", first}});
 }
@@ -205,20 +195,13 @@ void Journal::mark_saved() {
 
 void Journal::write_line(const Json& line) {
   const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
-  const off_t begin = ::lseek(file_, 0, SEEK_CUR);
-  std::string_view left = text;
-  while (!left.empty()) {
-    const ssize_t written = ::write(file_, left.data(), left.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) break;
-    left.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (!left.empty() || ::fsync(file_) != 0) {
-    const int reason = errno;
-    if (::ftruncate(file_, begin) == 0) ::lseek(file_, begin, SEEK_SET);
-    errno = reason;
-    fail(path_);
-  }
+  std::error_code error;
+  const std::uint64_t begin = file_.status(error).bytes;
+  require(error, path_);
+  error = file_.write(text);
+  if (!error) error = file_.flush();
+  if (error) file_.resize(begin);  // no half of a line stays, if that can be
+  require(error, path_);
   saved_ = false;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/platform/file.h"
 #include "document.h"
 #include "history.h"
 
@@ -63,7 +64,7 @@ class Journal {
   void write_line(const Json& line);
 
   std::filesystem::path stem_, path_;
-  int file_ = -1;
+  platform::File file_;
   bool started_ = false, saved_ = true;
   std::optional<JournalContent> found_;
 };

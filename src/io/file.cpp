@@ -1,86 +1,53 @@
 #include "file.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <cstdint>
 #include <memory>
 #include <random>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+
+#include "core/platform/file.h"
+#include "core/platform/memory.h"
 
 namespace meshgraft {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string reason(int error) { return std::generic_category().message(error); }
+using platform::File;
+using platform::OpenMode;
 
 /// What a person can do about a failed system call on a file.
-std::string remedy_for(int error) {
-  switch (error) {
-    case ENOENT: return "Check the spelling and the folder";
-    case ENOTDIR: return "A part of the path is a file, not a folder";
-    case EACCES:
-    case EPERM: return "Change the permissions of the file or its folder, or choose another place";
-    case ENOSPC:
-    case EDQUOT: return "Free some space on the disk, or choose another place";
-    case EFBIG: return "Files of that size cannot be written there; choose another place";
-    case ELOOP: return "Links lead round in a circle there";
-    case EROFS: return "The disk is read-only; choose another place";
-    case ENAMETOOLONG: return "Choose a shorter name";
-    default: return {};
-  }
+std::string remedy_for(const std::error_code& error) {
+  if (error == std::errc::no_such_file_or_directory) return "Check the spelling and the folder";
+  if (error == std::errc::not_a_directory) return "A part of the path is a file, not a folder";
+  if (error == std::errc::permission_denied || error == std::errc::operation_not_permitted)
+    return "Change the permissions of the file or its folder, or choose another place";
+  if (platform::is_disk_full(error)) return "Free some space on the disk, or choose another place";
+  if (error == std::errc::file_too_large)
+    return "Files of that size cannot be written there; choose another place";
+  if (error == std::errc::too_many_symbolic_link_levels) return "Links lead round in a circle there";
+  if (error == std::errc::read_only_file_system) return "The disk is read-only; choose another place";
+  if (error == std::errc::filename_too_long) return "Choose a shorter name";
+  return {};
 }
 
-[[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
-  throw Error(ErrorCode::io, std::string(what) + ": " + reason(error), path.string(), remedy_for(error));
+[[noreturn]] void fail(const fs::path& path, std::string_view what, const std::error_code& error) {
+  throw Error(ErrorCode::io, std::string(what) + ": " + error.message(), path.string(), remedy_for(error));
+}
+
+void require(const std::error_code& error, const fs::path& path, std::string_view what) {
+  if (error) fail(path, what, error);
 }
 
 /// Names from an edit file or a mesh may be anything.
 void require_name(const fs::path& path) {
   if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
-  if (path.native().find('\0') != std::string::npos)
-    throw Error(ErrorCode::io, "the name holds a NUL character", path.c_str(), "No file can be called so");
-}
-
-/// An open file that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-
-  int get() const { return fd_; }
-  bool valid() const { return fd_ >= 0; }
-
-  /// Closing can report a write error that happened late (network disks): the writer has to look.
-  bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
-
- private:
-  int fd_;
-};
-
-void write_all(int fd, std::string_view content, const fs::path& path) {
-  constexpr std::size_t largest_piece = std::size_t{1} << 30;  // Linux moves at most 2 GiB per call
-  while (!content.empty()) {
-    const ssize_t written = ::write(fd, content.data(), std::min(content.size(), largest_piece));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(path, "cannot be written", errno);
-    content.remove_prefix(static_cast<std::size_t>(written));
-  }
+  if (path.native().find('\0') != fs::path::string_type::npos)
+    throw Error(ErrorCode::io, "the name holds a NUL character", path.string().c_str(),
+                "No file can be called so");
 }
 
 }  // namespace
@@ -90,29 +57,25 @@ namespace io {
 /// A temporary file in the folder of its target, removed again unless it became the target.
 class PendingFile::TemporaryFile {
  public:
-  explicit TemporaryFile(const fs::path& target) : target_(target), descriptor_(create()) {}
+  explicit TemporaryFile(const fs::path& target) : target_(target), file_(create()) {}
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (!path_.empty()) ::unlink(path_.c_str());
-  }
+  ~TemporaryFile() { remove(); }
 
-  void keep_permissions_of(const struct stat& old) {
-    // The owner can only be kept by root; losing it is no reason to fail.
-    if (::fchown(descriptor_.get(), old.st_uid, old.st_gid) != 0) errno = 0;
-    if (::fchmod(descriptor_.get(), old.st_mode & 07777) != 0) {
-      fail(target_, "cannot keep the permissions of the old file", errno);
-    }
+  void keep_permissions_of(const fs::path& old) {
+    require(file_.copy_permissions(old), target_, "cannot keep the permissions of the old file");
   }
 
   void fill(std::string_view content) {
-    write_all(descriptor_.get(), content, target_);
-    if (::fsync(descriptor_.get()) != 0) fail(target_, "cannot be flushed to the disk", errno);
-    if (!descriptor_.close()) fail(target_, "cannot be written", errno);
+    require(file_.write(content), target_, "cannot be written");
+    require(file_.flush(), target_, "cannot be flushed to the disk");
+    require(file_.close(), target_, "cannot be written");
   }
 
   void replace_target() {
-    if (::rename(path_.c_str(), target_.c_str()) != 0) fail(target_, "cannot be replaced", errno);
+    std::error_code error;
+    fs::rename(path_, target_, error);
+    require(error, target_, "cannot be replaced");
     path_.clear();
     flush_folder();
   }
@@ -120,40 +83,44 @@ class PendingFile::TemporaryFile {
   /// Unlike rename, link fails where the target exists, so two writers cannot both believe to be the first.
   /// Returns false on file systems without hard links.
   bool become_new_target() {
-    if (::link(path_.c_str(), target_.c_str()) != 0) {
-      if (errno == EPERM || errno == ENOTSUP || errno == ENOSYS) return false;
-      fail(target_, "cannot be created", errno);
-    }
-    ::unlink(path_.c_str());
-    path_.clear();
+    std::error_code error;
+    fs::create_hard_link(path_, target_, error);
+    if (error == std::errc::operation_not_permitted || error == std::errc::not_supported ||
+        error == std::errc::function_not_supported)
+      return false;
+    require(error, target_, "cannot be created");
+    remove();
     flush_folder();
     return true;
   }
 
  private:
-  int create() {
+  File create() {
     std::random_device random;
     for (int attempt = 0;; ++attempt) {
       path_ = target_.parent_path() / (".meshgraft-" + std::to_string(random()) + ".tmp");
-      const int fd = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      if (fd >= 0) return fd;
-      const int error = errno;
-      if (error == EEXIST && attempt < 100) continue;
+      std::error_code error;
+      File file(path_, OpenMode::create, error);
+      if (!error) return file;
+      if (error == std::errc::file_exists && attempt < 100) continue;
       path_.clear();
       fail(target_, "cannot be created", error);
     }
   }
 
-  /// Makes the new name survive a power cut; folders of some file systems cannot be flushed, which is fine.
+  void remove() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove(path_, ignored);
+    path_.clear();
+  }
+
   void flush_folder() const {
-    const fs::path folder = target_.parent_path().empty() ? fs::path(".") : target_.parent_path();
-    const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (descriptor.valid() && ::fsync(descriptor.get()) != 0) errno = 0;
+    platform::flush_folder(target_.parent_path().empty() ? fs::path(".") : target_.parent_path());
   }
 
   fs::path target_;
   fs::path path_;
-  Descriptor descriptor_;
+  File file_;
 };
 
 }  // namespace io
@@ -162,10 +129,11 @@ namespace {
 
 /// Pipes and devices have no old content to protect: the bytes simply go there.
 void write_through(const fs::path& path, std::string_view content) {
-  Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (!descriptor.valid()) fail(path, "cannot be opened for writing", errno);
-  write_all(descriptor.get(), content, path);
-  if (!descriptor.close()) fail(path, "cannot be written", errno);
+  std::error_code error;
+  File file(path, OpenMode::write, error);
+  require(error, path, "cannot be opened for writing");
+  require(file.write(content), path, "cannot be written");
+  require(file.close(), path, "cannot be written");
 }
 
 [[noreturn]] void refuse_existing(const fs::path& path) {
@@ -177,37 +145,25 @@ void write_through(const fs::path& path, std::string_view content) {
 
 namespace io {
 
-void prefer_huge_pages(const void* begin, std::size_t size) {
-#ifdef MADV_HUGEPAGE
-  constexpr std::uintptr_t page = 4096;
-  const auto address = reinterpret_cast<std::uintptr_t>(begin);
-  const std::uintptr_t first = (address + page - 1) / page * page;
-  const std::uintptr_t last = (address + size) / page * page;
-  if (last <= first || last - first < (std::size_t{1} << 23)) return;
-  // A hint: where the system does not take it, nothing changes. NOLINTNEXTLINE(performance-no-int-to-ptr)
-  if (::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE) != 0) errno = 0;
-#endif
-}
-
 PendingFile::PendingFile(const fs::path& path, std::string_view content, Existing existing)
     : path_(path), target_(path), existing_(existing) {
   require_name(path);
-  struct stat old = {};
-  const bool exists = ::stat(path.c_str(), &old) == 0;
-  if (!exists && errno != ENOENT) fail(path, "cannot be written", errno);
-  if (exists && S_ISDIR(old.st_mode))
+  std::error_code error;
+  const fs::file_status old = fs::status(path, error);
+  const bool exists = fs::exists(old);
+  if (!exists && error != std::errc::no_such_file_or_directory) fail(path, "cannot be written", error);
+  if (fs::is_directory(old))
     throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
-  if (exists && !S_ISREG(old.st_mode)) {
+  if (exists && !fs::is_regular_file(old)) {
     for_device_ = content;
     return;
   }
   if (exists && existing == Existing::refuse) refuse_existing(path);
   target_ = follow_links(path);  // not before: behind /dev/stdout is no path
   // A rename would replace even a write-protected file.
-  if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
-    fail(path, "cannot be replaced", errno);
+  if (exists) require(platform::check_may_write(target_), path, "cannot be replaced");
   temporary_ = std::make_unique<TemporaryFile>(target_);
-  if (exists) temporary_->keep_permissions_of(old);
+  if (exists) temporary_->keep_permissions_of(path);
   temporary_->fill(content);
 }
 
@@ -246,29 +202,28 @@ fs::path follow_links(fs::path path) {
 
 std::string read_file(const fs::path& path) {
   require_name(path);
-  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!descriptor.valid()) fail(path, "cannot be opened", errno);
-  struct stat status = {};
-  if (::fstat(descriptor.get(), &status) != 0) fail(path, "cannot be read", errno);
-  if (S_ISDIR(status.st_mode)) {
+  std::error_code error;
+  File file(path, OpenMode::read, error);
+  require(error, path, "cannot be opened");
+  const File::Status status = file.status(error);
+  require(error, path, "cannot be read");
+  if (status.type == fs::file_type::directory)
     throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
-  }
 
   // Piece by piece through a buffer that stays in the cache: growing the string to its size first would fill
   // all of it with zeros.
   constexpr std::size_t piece = std::size_t{1} << 17;
   const auto buffer = std::make_unique_for_overwrite<char[]>(piece);
   std::string content;
-  if (S_ISREG(status.st_mode)) {
-    content.reserve(static_cast<std::size_t>(status.st_size));
-    io::prefer_huge_pages(content.data(), content.capacity());
+  if (status.type == fs::file_type::regular) {
+    content.reserve(static_cast<std::size_t>(status.bytes));
+    platform::prefer_huge_pages(content.data(), content.capacity());
   }
   for (;;) {
-    const ssize_t got = ::read(descriptor.get(), buffer.get(), piece);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail(path, "cannot be read", errno);
-    if (got == 0) return content;
-    content.append(buffer.get(), static_cast<std::size_t>(got));
+    const std::size_t count = file.read(buffer.get(), piece, error);
+    require(error, path, "cannot be read");
+    if (count == 0) return content;
+    content.append(buffer.get(), count);
   }
 }
 

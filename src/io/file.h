@@ -1,10 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string_view>
-#include <type_traits>
 
 namespace meshgraft::io {
 
@@ -35,17 +33,5 @@ class PendingFile {
 /// Writes `content` to `path` so that a reader sees either the old file or the whole new one. Throws Error(io)
 /// and leaves nothing behind.
 void write_file(const std::filesystem::path& path, std::string_view content, Existing existing);
-
-/// Asks for large pages for memory that was reserved and is about to be filled: the first touch of every 4 KiB
-/// page otherwise takes a third of the time to read a binary file.
-void prefer_huge_pages(const void* begin, std::size_t size);
-
-/// The same for an array of `count` elements.
-template <class T>
-void prefer_huge_pages(const T* begin, std::size_t count)
-  requires(!std::is_void_v<T>)
-{
-  prefer_huge_pages(static_cast<const void*>(begin), count * sizeof(T));
-}
 
 }  // namespace meshgraft::io

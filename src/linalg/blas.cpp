@@ -1,7 +1,5 @@
 #include <meshgraft/linalg/blas.h>
 
-#include <sys/mman.h>
-
 #include <cstddef>
 #include <mutex>
 #include <string_view>
@@ -13,28 +11,31 @@
 #include <meshgraft/core/parallel.h>
 
 #include "blas_threads.h"
+#include "core/platform/memory.h"
+#include "core/platform/processor.h"
 
 #ifdef MESHGRAFT_HAS_OPENBLAS
 extern "C" {
 char* openblas_get_corename(void);
 int openblas_get_num_threads(void);
 void openblas_set_num_threads(int count);
-// Not of its documented interface: absent in some builds.
+#ifdef __ELF__  // Not of its documented interface, and absent in some builds: weak symbols tell.
 __attribute__((weak)) void* blas_memory_alloc(int unused);
 __attribute__((weak)) void blas_memory_free(void* buffer);
+#endif
 }
 #endif
 
 namespace meshgraft {
 
 std::string better_blas_kernels() {
-#if defined(MESHGRAFT_HAS_OPENBLAS) && defined(__x86_64__)
+#ifdef MESHGRAFT_HAS_OPENBLAS
   constexpr std::string_view fallback = "Prescott";
-  if (openblas_get_corename() == fallback) {
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
-      return "SkylakeX";
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "Haswell";
+  if (openblas_get_corename() != fallback) return {};
+  switch (platform::vector_instructions()) {
+    case platform::VectorInstructions::avx512: return "SkylakeX";
+    case platform::VectorInstructions::avx2: return "Haswell";
+    case platform::VectorInstructions::baseline: break;
   }
 #endif
   return {};
@@ -58,22 +59,21 @@ Users& users() {
 }
 
 /// Has OpenBLAS map buffers for so many threads, if there is room for them.
-void map_buffers(int threads) {
+void map_buffers([[maybe_unused]] int threads) {
+#ifdef __ELF__
   const int missing = threads - users().buffers;
   if (missing <= 0 || blas_memory_alloc == nullptr) return;
   constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // and some room for aligning it
   const std::size_t bytes = static_cast<std::size_t>(missing) * buffer_bytes;
-  void* const room =
-      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (room == MAP_FAILED)
+  if (!platform::can_reserve_address_space(bytes))
     throw Error(ErrorCode::memory,
                 fmt::format("there is no room for {} MB of buffers of OpenBLAS", bytes >> 20), "",
                 "Give the program more memory, or fewer threads");
-  munmap(room, bytes);
   std::vector<void*> buffers;
   for (int thread = 0; thread < threads; ++thread) buffers.push_back(blas_memory_alloc(0));
   for (void* const buffer : buffers) blas_memory_free(buffer);
   users().buffers = threads;
+#endif
 }
 
 }  // namespace

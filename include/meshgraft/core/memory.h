@@ -13,7 +13,8 @@ std::uint64_t physical_memory();
 std::uint64_t available_memory();
 
 /// The least limit of a process's control groups and those above them, in bytes; the largest number where there
-/// is none. `membership` is like /proc/self/cgroup, `groups` like /sys/fs/cgroup.
+/// is none. `membership` is a file that lists the process's groups as Linux does, `groups` the folder of all
+/// groups.
 std::uint64_t control_group_limit(const std::filesystem::path& membership, const std::filesystem::path& groups);
 
 }  // namespace meshgraft

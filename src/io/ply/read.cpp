@@ -10,8 +10,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
 
+#include "core/platform/memory.h"
 #include "document.h"
-#include "io/file.h"
 #include "io/number_text.h"
 #include "ply.h"
 #include "records.h"
@@ -114,7 +114,7 @@ class PlyReader {
     const PlyElement& element = document_->header.elements[e];
     const auto count = static_cast<Eigen::Index>(element.count);
     mesh_.positions.resize(count, 3);
-    prefer_huge_pages(mesh_.positions.data(), 3 * element.count);
+    platform::prefer_huge_pages(mesh_.positions.data(), 3 * element.count);
 
     PlyTable table{e, {}};
     const std::array<std::string_view, 3> axes = {"x", "y", "z"};
@@ -140,8 +140,8 @@ class PlyReader {
     // Most meshes consist of triangles; the guess costs nothing where it is wrong.
     const auto corners = std::min<std::uint64_t>(3 * element.count, std::numeric_limits<Index>::max());
     mesh_.faces.reserve(static_cast<Index>(element.count), static_cast<Index>(corners));
-    prefer_huge_pages(mesh_.faces.corners().data(), corners);
-    prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
+    platform::prefer_huge_pages(mesh_.faces.corners().data(), corners);
+    platform::prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       if (element.properties[p].is_list && p != sinks.corners) sinks.lists.push_back({p, {}, {}});
     }

@@ -8,7 +8,6 @@
 
 #include "io/binary_value.h"
 #include "io/check_interval.h"
-#include "io/file.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {

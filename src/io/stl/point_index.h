@@ -13,7 +13,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
-#include "io/file.h"
+#include "core/platform/memory.h"
 
 namespace meshgraft::io {
 
@@ -27,7 +27,7 @@ class PointIndex {
 
   explicit PointIndex(std::size_t expected_points) {
     table_.reserve(std::bit_ceil(std::max<std::size_t>(2 * expected_points, 64)));
-    prefer_huge_pages(table_.data(), table_.capacity());
+    platform::prefer_huge_pages(table_.data(), table_.capacity());
     table_.resize(table_.capacity(), empty);
   }
 
@@ -56,7 +56,7 @@ class PointIndex {
   Points take() {
     table_ = {};
     Points positions(static_cast<Eigen::Index>(count_), 3);
-    prefer_huge_pages(positions.data(), 3 * count_);
+    platform::prefer_huge_pages(positions.data(), 3 * count_);
     double* to = positions.data();
     std::size_t left = std::exchange(count_, 0);
     for (auto& points : blocks_) {

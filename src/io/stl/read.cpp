@@ -9,9 +9,9 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/platform/memory.h"
 #include "document.h"
 #include "io/check_interval.h"
-#include "io/file.h"
 #include "point_index.h"
 #include "stl.h"
 
@@ -87,8 +87,8 @@ class StlReader {
     const std::size_t count = load_stl_count(document_->content);
     if (count > max_facets) fail_too_large();
     mesh_.faces.reserve(static_cast<Index>(count), static_cast<Index>(3 * count));
-    prefer_huge_pages(mesh_.faces.corners().data(), 3 * count);
-    prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
+    platform::prefer_huge_pages(mesh_.faces.corners().data(), 3 * count);
+    platform::prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
     PointIndex<float> points(count / 2 + 3);  // a closed surface has half as many vertices as triangles
     const char* facet = document_->content.data() + stl_layout::first_facet;
     constexpr std::size_t block = 64;
