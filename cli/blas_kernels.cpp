@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <string>
 
-#include <unistd.h>
-
 #include <meshgraft/linalg/blas.h>
+
+#include "core/platform/process.h"
 
 namespace meshgraft::cli {
 
@@ -13,10 +13,10 @@ void restart_with_better_blas_kernels(char** argv) {
   constexpr const char *kernels_variable = "OPENBLAS_CORETYPE", *threads_variable = "OPENBLAS_NUM_THREADS";
   const std::string kernels = std::getenv(kernels_variable) == nullptr ? better_blas_kernels() : std::string();
   if (kernels.empty() && std::getenv(threads_variable) != nullptr) return;
-  if (!kernels.empty() && setenv(kernels_variable, kernels.c_str(), 0) != 0) return;
+  if (!kernels.empty() && !platform::set_environment_variable(kernels_variable, kernels)) return;
   // Threads of its own are never used, and where memory is short the program would wait for them when it ends.
-  if (setenv(threads_variable, "1", 1) != 0) return;
-  execv("/proc/self/exe", argv);
+  if (!platform::set_environment_variable(threads_variable, "1")) return;
+  platform::restart_program(argv);
 }
 
 }  // namespace meshgraft::cli

@@ -1,8 +1,3 @@
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,6 +9,7 @@
 
 #include "choices.h"
 #include "commands.h"
+#include "core/platform/process.h"
 #include "editor/editor.h"
 
 namespace meshgraft::cli {
@@ -29,19 +25,6 @@ struct EditArguments {
   bool no_browser = false;
 };
 
-// Whether there is a browser is nobody's error: the address is printed.
-void open_browser(const std::string& url) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::string program = "xdg-open", argument = url;
-  char* const words[] = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, program.c_str(), &actions, nullptr, words, environ) == 0) waitpid(child, nullptr, 0);
-  posix_spawn_file_actions_destroy(&actions);
-}
-
 void run_edit(const EditArguments& arguments, const Context& context) {
   editor::EditorOptions options = arguments.options;
   options.port = static_cast<std::uint16_t>(arguments.port.value_or(usual_port));
@@ -54,7 +37,7 @@ void run_edit(const EditArguments& arguments, const Context& context) {
   const auto started = [&](const std::string& url) {
     fmt::print("{}\n", url);
     std::fflush(stdout);
-    if (!arguments.no_browser) open_browser(url);
+    if (!arguments.no_browser) platform::open_in_browser(url);
   };
   editor::run_editor(options, started, context.stop_token);
 }

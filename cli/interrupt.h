@@ -1,7 +1,8 @@
 #pragma once
 
 #include <stop_token>
-#include <thread>
+
+#include "core/platform/interrupt.h"
 
 namespace meshgraft::cli {
 
@@ -9,15 +10,13 @@ namespace meshgraft::cli {
 class Interrupt {
  public:
   Interrupt();
-  ~Interrupt();
-  Interrupt(const Interrupt&) = delete;
-  Interrupt& operator=(const Interrupt&) = delete;
-
   std::stop_token token() const { return source_.get_token(); }
 
  private:
+  void stop();
+
   std::stop_source source_;
-  std::thread watcher_;
+  platform::InterruptWatch watch_;
 };
 
 }  // namespace meshgraft::cli

@@ -4,7 +4,8 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "core/platform/terminal.h"
 
 namespace meshgraft::cli {
 
@@ -17,7 +18,7 @@ constexpr std::string_view erase_line = "\r\x1b[K";
 }  // namespace
 
 ProgressBar::ProgressBar() {
-  if (isatty(STDERR_FILENO)) drawer_ = std::thread([this] { run(); });
+  if (platform::stderr_is_terminal()) drawer_ = std::thread([this] { run(); });
 }
 
 ProgressBar::~ProgressBar() {
