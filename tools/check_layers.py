@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that no source includes upward.
+"""Checks that no source includes upward, or uses what only some operating systems have.
 
     tools/check_layers.py [ROOT]
 
@@ -30,6 +30,9 @@ USES = {
 USES["python"] = USES["cli"]
 USES["editor"] = USES["cli"] | {"server"}
 USES["cli"] = USES["cli"] | {"editor"}
+for used in USES.values():
+    used.add("platform")  # src/core/platform, below all
+USES["platform"] = set()
 
 # Headers, and folders of them, that only one source file may include (of a folder, one of each layer): they stand
 # behind one of our own interfaces.
@@ -38,9 +41,22 @@ SINGLE_USE = {"cholmod.h", "cs.h", "meshoptimizer.h", "metis.h", "nanoflann.hpp"
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
+# The only folder whose sources may use what not every operating system has, and what counts as that: headers,
+# functions that hide in standard headers, and paths.
+PLATFORM = Path("src/core/platform")
+PLATFORM_HEADERS = re.compile(
+    r"(arpa|bits|linux|mach|mach-o|net|netinet|sys)/|"
+    r"(dirent|dlfcn|fcntl|io|poll|pthread|pwd|sched|semaphore|signal|spawn|syslog|termios|unistd|windows)\.h$")
+PLATFORM_FUNCTIONS = re.compile(
+    r"\b(fileno|fdopen|mkdtemp|mkstemp|popen|putenv|realpath|setenv|sigaction|unsetenv)\s*\(")
+PLATFORM_PATHS = re.compile(r'"(/(?:dev|proc|sys)/[^"]*)"')
+STRING_OR_COMMENT = re.compile(r'("(?:\\.|[^"\\])*")|//.*')
+
 
 def layer_of(path):
     """The layer of a path relative to the root, or None."""
+    if path.is_relative_to(PLATFORM):
+        return "platform"
     parts = path.parts
     if parts[:2] == ("include", "meshgraft"):
         parts = parts[1:]
@@ -71,6 +87,26 @@ def sources(root):
                 yield path.relative_to(root)
 
 
+def find_platform_use(line):
+    """What a line of source uses that not every operating system has, or None."""
+    include = INCLUDE.match(line)
+    if include:
+        return f"<{include[2]}>" if include[1] == "<" and PLATFORM_HEADERS.match(include[2]) else None
+    code = STRING_OR_COMMENT.sub(lambda match: match[1] or "", line)
+    used = PLATFORM_FUNCTIONS.search(code) or PLATFORM_PATHS.search(code)
+    return used[1] if used else None
+
+
+def check_platform(root, source):
+    """Violations in a file that may only use what every operating system has."""
+    if source.is_relative_to(PLATFORM):
+        return []
+    lines = (root / source).read_text(encoding="utf-8").splitlines()
+    uses = ((number, find_platform_use(line)) for number, line in enumerate(lines, start=1))
+    return [f"{source}:{number}: not every operating system has {use}; call a function of {PLATFORM}, or add one there"
+            for number, use in uses if use]
+
+
 def check(root):
     """A list of violations, as text."""
     root = root.resolve()
@@ -81,6 +117,7 @@ def check(root):
         if layer not in USES:
             problems.append(f"{source}: not in a known layer; add it to USES in tools/check_layers.py")
             continue
+        problems += check_platform(root, source)
         for number, line in enumerate((root / source).read_text(encoding="utf-8").splitlines(), start=1):
             match = INCLUDE.match(line)
             if not match:

@@ -57,6 +57,13 @@ class CheckLayers(unittest.TestCase):
         self.assert_one({"src/render/a.cpp": "#include <meshgraft/samples/samples.h>\n"}, "render must not use samples")
         self.assert_one({"src/linalg/a.cpp": "#include <meshgraft/io/mesh_io.h>\n"}, "linalg must not use io")
 
+    def test_the_platform_uses_nothing_of_ours_and_all_use_it(self):
+        header = {"src/core/platform/file.h": ""}
+        for source in ("src/core/memory.cpp", "src/editor/journal.cpp", "cli/outputs.cpp"):
+            self.assertEqual(self.violations(header | {source: '#include "core/platform/file.h"\n'}), [])
+        self.assert_one({"src/core/platform/posix/file.cpp": "#include <meshgraft/core/error.h>\n"},
+                        "platform must not use core")
+
     def test_public_header_with_a_private_one(self):
         self.assert_one({
             "src/mesh/table.h": "",
@@ -76,6 +83,26 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(self.violations(one), [])
         self.assert_one(one | {"src/deform/b.cpp": "#include <CGAL/enum.h>\n"},
                         "CGAL is included by 2 files", "a.cpp:2", "b.cpp:1")
+
+    def test_what_only_some_systems_have_stands_in_one_folder(self):
+        for line, use in {
+            "#include <unistd.h>": "<unistd.h>",
+            " # include <sys/mman.h>": "<sys/mman.h>",
+            "#include <windows.h>": "<windows.h>",
+            'std::ifstream lines("/proc/self/cgroup");': "/proc/self/cgroup",
+            'open("http://a", "/dev/null");  // quiet': "/dev/null",
+            "if (setenv(name, value, 1) != 0) return;": "setenv",
+        }.items():
+            for source in ("src/io/file.cpp", "cli/edit.cpp", "include/meshgraft/core/memory.h"):
+                self.assert_one({source: "\n" + line + "\n"}, f"{source}:2", f"has {use};", "src/core/platform")
+            self.assertEqual(self.violations({"src/core/platform/posix/file.cpp": line + "\n"}), [])
+
+    def test_what_every_system_has_may_be_used_anywhere(self):
+        for line in ("#include <csignal>", "#include <system_error>", '#include "signal.h"', "#include <netinet.h>",
+                     "// behind /dev/stdout is no path", 'say("a");  // as in "/proc/self/exe"',
+                     'say("see /usr/share/doc");', "platform::set_environment_variable(name, value);",
+                     "signal(event);"):
+            self.assertEqual(self.violations({"src/io/file.cpp": line + "\n"}), [], line)
 
     def test_folder_that_is_no_layer(self):
         self.assert_one({"src/misc/a.cpp": ""}, "src/misc/a.cpp", "not in a known layer")
