@@ -1,0 +1,96 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+#include "predicates.h"
+
+namespace meshgraft {
+
+/// A closed box whose sides are parallel to the axes; empty to begin with.
+struct BoundingBox {
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  Point3 low{infinity, infinity, infinity};
+  Point3 high{-infinity, -infinity, -infinity};
+
+  void include(const BoundingBox& box) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], box.low[k]);
+      high[k] = std::max(high[k], box.high[k]);
+    }
+  }
+  void include(const Point3& p) { include(BoundingBox{p, p}); }
+  /// Touching is overlapping.
+  bool overlaps(const BoundingBox& other) const {
+    return (low[0] <= other.high[0]) & (other.low[0] <= high[0]) & (low[1] <= other.high[1]) &
+           (other.low[1] <= high[1]) & (low[2] <= other.high[2]) & (other.low[2] <= high[2]);
+  }
+};
+
+/// Bounding volume hierarchy: a balanced binary tree of the boxes that bound its items, each node split at the
+/// median along the longest side of the box of its items' centres. The same tree for any number of threads.
+///
+/// Nodes are numbered as in a heap: the root is 1, the children of i are 2i and 2i + 1. A node's items are a
+/// range of positions, in which items that are near each other in space come near each other. Boxes are kept in
+/// doubles: no scale is chosen, so a stray item far away does not blur the others.
+class Bvh {
+ public:
+  using Node = std::int64_t;
+  static constexpr Index most_items_per_leaf = 8;
+  struct Range {
+    Index begin, end;
+  };
+
+  /// One item per box, whose number is that of the box. Boxes must be finite.
+  explicit Bvh(const std::vector<BoundingBox>& boxes, const Context& context = {});
+
+  Index size() const { return static_cast<Index>(items_.size()); }
+  Index item(Index position) const { return items_[static_cast<std::size_t>(position)]; }
+  const BoundingBox& item_box(Index position) const { return item_boxes_[static_cast<std::size_t>(position)]; }
+
+  static constexpr Node root = 1;
+  Node first_leaf() const { return Node{1} << depth_; }
+  Node node_count() const { return 2 * first_leaf(); }  ///< node 0 is none
+  bool is_leaf(Node node) const { return node >= first_leaf(); }
+  const BoundingBox& box(Node node) const { return node_boxes_[static_cast<std::size_t>(node)]; }
+  /// Positions of the items below a node.
+  Range positions(Node node) const;
+
+  /// Calls `visit(leaf)`, in ascending order, for the leaves from `from` on whose boxes overlap `box`, where
+  /// `enter(node)` is true for them and for all nodes above them.
+  template <class Enter, class Visit>
+  void visit_leaves(const BoundingBox& box, Node from, const Enter& enter, const Visit& visit) const {
+    if (size() > 0) descend(root, depth_, box, from, enter, visit);
+  }
+
+ private:
+  struct Entry;
+  void split(std::vector<Entry>& entries, Node node) const;
+
+  template <class Enter, class Visit>
+  void descend(Node node, int height, const BoundingBox& query, Node from, const Enter& enter,
+               const Visit& visit) const {
+    const Node last_leaf = ((node + 1) << height) - 1;
+    if (last_leaf < from || !box(node).overlaps(query) || !enter(node)) return;
+    if (height == 0) {
+      visit(node);
+      return;
+    }
+    descend(2 * node, height - 1, query, from, enter, visit);
+    descend(2 * node + 1, height - 1, query, from, enter, visit);
+  }
+
+  int depth_ = 0;
+  std::vector<Index> items_;             // by position
+  std::vector<BoundingBox> item_boxes_;  // by position
+  std::vector<BoundingBox> node_boxes_;  // by node
+};
+
+}  // namespace meshgraft
