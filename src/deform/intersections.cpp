@@ -1,50 +1,47 @@
 #include <meshgraft/deform/intersections.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdint>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 
-#include <boost/geometry/core/cs.hpp>
-#include <boost/geometry/geometries/box.hpp>
-#include <boost/geometry/geometries/point.hpp>
-#include <boost/geometry/index/rtree.hpp>
+#include <Eigen/Geometry>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Intersections_3/Segment_3_Triangle_3.h>
-#include <CGAL/Intersections_3/Triangle_3_Triangle_3.h>
-
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/memory.h>
 #include <meshgraft/core/parallel.h>
-#include <meshgraft/mesh/topology.h>
 
 #include "free_vertices.h"
+#include "mesh/bvh.h"
+#include "mesh/triangle_intersection.h"
 
 namespace meshgraft {
 
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Corners = std::array<Kernel::Point_3, 3>;
+using Vertices = std::array<Index, 3>;
 
-Kernel::Point_3 point(const Points& points, Index v) { return {points(v, 0), points(v, 1), points(v, 2)}; }
-
-Corners corners(const Points& points, const std::array<Index, 3>& v) {
-  return {point(points, v[0]), point(points, v[1]), point(points, v[2])};
-}
-
-std::array<Index, 3> vertices(const Triangles& triangles, Index t) {
+Vertices vertices_of(const Triangles& triangles, Index t) {
   return {triangles(t, 0), triangles(t, 1), triangles(t, 2)};
 }
 
-bool has_area(const Points& points, const std::array<Index, 3>& v) {
-  for (const Index vertex : v)
-    if (!points.row(vertex).allFinite()) return false;
-  const Corners c = corners(points, v);
-  return !CGAL::collinear(c[0], c[1], c[2]);
+Point3 point_of(const Points& points, Index v) { return {points(v, 0), points(v, 1), points(v, 2)}; }
+
+Triangle3 corners_of(const Points& points, const Vertices& v) {
+  return {point_of(points, v[0]), point_of(points, v[1]), point_of(points, v[2])};
+}
+
+BoundingBox box_of(const Triangle3& t) {
+  BoundingBox box{t[0], t[0]};
+  box.include(t[1]);
+  box.include(t[2]);
+  return box;
 }
 
 // Brings the vertices that both triangles have to the front of both, and returns how many there are.
-int match_shared(std::array<Index, 3>& a, std::array<Index, 3>& b) {
+int match_shared(Vertices& a, Vertices& b) {
   std::size_t shared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto same = std::find(b.begin() + static_cast<std::ptrdiff_t>(shared), b.end(), a[i]);
@@ -56,140 +53,320 @@ int match_shared(std::array<Index, 3>& a, std::array<Index, 3>& b) {
   return static_cast<int>(shared);
 }
 
-// Whether the corners of `b` from `first` on lie strictly on one side of the plane of `a`.
-bool on_one_side(const Corners& a, const Corners& b, int first) {
-  const CGAL::Orientation side = CGAL::orientation(a[0], a[1], a[2], b[static_cast<std::size_t>(first)]);
-  if (side == CGAL::COPLANAR) return false;
-  return std::all_of(b.begin() + first, b.end(),
-                     [&](const Kernel::Point_3& p) { return CGAL::orientation(a[0], a[1], a[2], p) == side; });
-}
-
 // Whether two triangles with area have more in common than the vertices and edges that they share.
-bool intersect(const Points& points, std::array<Index, 3> v, std::array<Index, 3> w) {
+bool intersect(const Points& points, Vertices v, Vertices w) {
   const int shared = match_shared(v, w);
-  if (shared == 3) return false;
-  const Corners a = corners(points, v), b = corners(points, w);
-  if (on_one_side(a, b, shared) || on_one_side(b, a, shared)) return false;
-  // Over a common edge the planes agree now, and the triangles overlap if both lie on its same side.
-  if (shared == 2) return CGAL::coplanar_orientation(a[0], a[1], a[2], b[2]) == CGAL::POSITIVE;
-  const Kernel::Triangle_3 first(a[0], a[1], a[2]), second(b[0], b[1], b[2]);
-  if (shared == 0) return CGAL::do_intersect(first, second);
-  // What begins in a common vertex ends where the side opposite of it, of one, meets the other.
-  return CGAL::do_intersect(first, Kernel::Segment_3(b[1], b[2])) ||
-         CGAL::do_intersect(second, Kernel::Segment_3(a[1], a[2]));
+  return intersect_beyond_shared(corners_of(points, v), corners_of(points, w), shared);
 }
 
-namespace geometry = boost::geometry;
-using BoxPoint = geometry::model::point<double, 3, geometry::cs::cartesian>;
-using Box = geometry::model::box<BoxPoint>;
-using BoxedTriangle = std::pair<Box, Index>;
-using BoxTree = geometry::index::rtree<BoxedTriangle, geometry::index::linear<16>>;
-
-Box bounding_box(const Points& points, const std::array<Index, 3>& v) {
-  const auto a = points.row(v[0]), b = points.row(v[1]), c = points.row(v[2]);
-  const Eigen::RowVector3d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
-  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+void require_vertices(const Triangles& triangles, Eigen::Index vertex_count) {
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    for (const Index v : triangles.row(t))
+      if (v < 0 || v >= vertex_count)
+        throw Error(
+            ErrorCode::input,
+            "index " + std::to_string(v) + " is not one of the " + std::to_string(vertex_count) + " vertices",
+            "triangle " + std::to_string(t));
 }
 
-struct Surface {
-  std::vector<BoxedTriangle> free;    // triangles with area that touch a free vertex
-  std::vector<BoxedTriangle> others;  // and those that do not, near them
-  std::vector<char> is_free;          // per triangle: in `free`
+// The space between two parallel planes that holds some triangles. Sheets that lie close upon each other
+// overlap in their boxes, unless they lie along an axis, but not in their slabs.
+struct Slab {
+  Eigen::RowVector3d normal{0, 0, 0};  // zero where the triangles are not flat enough to make one
+  double low = 0, high = 0;
+
+  double height_of(const Point3& p) const { return normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2]; }
+
+  // Whether all points lie beyond it on one side, by more than rounding moves them.
+  bool excludes(std::span<const Point3> points, double rounding) const {
+    if (normal.isZero(0)) return false;
+    double least = BoundingBox::infinity, largest = -least;
+    for (const Point3& p : points) {
+      const double height = height_of(p);
+      least = std::min(least, height);
+      largest = std::max(largest, height);
+    }
+    return least > high + rounding || largest < low - rounding;
+  }
 };
 
-Surface sort_triangles(const Points& points, const Triangles& triangles, std::span<const Index> free_vertices,
-                       const Context& context) {
-  const auto count = static_cast<std::size_t>(triangles.rows());
+// How far rounding may move two heights within the box apart, with a reserve; without end where they overflow.
+double rounding_of_heights(const BoundingBox& box) {
+  double largest = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    largest = std::max({largest, std::abs(box.low[k]), std::abs(box.high[k])});
+  return largest < 1e300 ? 0x1p-48 * largest + 1e-300 : BoundingBox::infinity;
+}
+
+// Unit normal of a triangle, zero where it is lost in rounding.
+Eigen::RowVector3d unit_normal(const Triangle3& t) {
+  const auto edge = [&](std::size_t k) -> Eigen::RowVector3d {
+    const Eigen::RowVector3d e(t[k][0] - t[0][0], t[k][1] - t[0][1], t[k][2] - t[0][2]);
+    return e / e.cwiseAbs().maxCoeff();
+  };
+  const Eigen::RowVector3d normal = edge(1).cross(edge(2));
+  const double length = normal.norm();
+  return length > 0x1p-40 ? Eigen::RowVector3d(normal / length) : Eigen::RowVector3d::Zero();
+}
+
+// The free triangles of a surface in a hierarchy, and the others, which are looked at where they come near.
+class FreeSurface {
+ public:
+  FreeSurface(const Points& points, const Triangles& triangles, std::span<const Index> free_vertices,
+              const Context& context);
+
+  std::size_t leaf_count() const { return static_cast<std::size_t>(tree_->first_leaf()); }
+  std::size_t other_count() const { return others_.size(); }
+
+  // Calls `found(pair)` for each pair of free triangles that intersect, one of them in the leaf, the other one
+  // there or in a later leaf.
+  template <class Found>
+  void search_leaf(std::size_t k, const Found& found, const Context& context) const {
+    const Bvh::Node leaf = tree_->first_leaf() + static_cast<Bvh::Node>(k);
+    const Bvh::Range range = tree_->positions(leaf);
+    std::array<Point3, 3 * Bvh::most_items_per_leaf> corners;
+    std::size_t corner_count = 0;
+    for (Index i = range.begin; i < range.end; ++i)
+      for (const Point3& p : corners_of(points_, vertices_of(triangles_, free_triangle(i))))
+        corners[corner_count++] = p;
+    visit_near(tree_->box(leaf), {corners.data(), corner_count}, leaf, context, [&](Bvh::Node other) {
+      for (Index i = range.begin; i < range.end; ++i)
+        if (tree_->item_box(i).overlaps(tree_->box(other)))
+          test_leaf(free_triangle(i), tree_->item_box(i), other, leaf == other ? i + 1 : 0, found);
+    });
+  }
+
+  // Calls `found(pair)` for each free triangle that intersects one that is not free.
+  template <class Found>
+  void search_other(std::size_t k, const Found& found, const Context& context) const {
+    const Triangle3 corners = corners_of(points_, vertices_of(triangles_, others_[k]));
+    const BoundingBox box = box_of(corners);
+    visit_near(box, corners, 0, context, [&](Bvh::Node leaf) {
+      if (has_area(corners)) test_leaf(others_[k], box, leaf, 0, found);
+    });
+  }
+
+ private:
+  Index free_triangle(Index position) const { return free_[tree_->item(position)]; }
+  const std::vector<Slab>& slabs(const Context& context) const;
+  Slab slab_of(Bvh::Node node) const;
+
+  // Calls `visit(leaf)` for the leaves from `from` on that triangles in the box may intersect.
+  template <class Visit>
+  void visit_near(const BoundingBox& box, std::span<const Point3> corners, Bvh::Node from,
+                  const Context& context, const Visit& visit) const {
+    constexpr int usual_leaves = 48;  // that a leaf's box overlaps, of a surface that does not crowd
+    int leaves = 0;
+    const auto enter = [&](Bvh::Node node) {
+      if (leaves < usual_leaves) return true;
+      const double rounding = std::max(rounding_, rounding_of_heights(box));
+      return !slabs(context)[node].excludes(corners, rounding);
+    };
+    tree_->visit_leaves(box, from, enter, [&](Bvh::Node leaf) {
+      ++leaves;
+      context.throw_if_stopped();
+      visit(leaf);
+    });
+  }
+
+  // Tests a triangle against those of a leaf from a position on.
+  template <class Found>
+  void test_leaf(Index t, const BoundingBox& box, Bvh::Node leaf, Index from, const Found& found) const {
+    const Bvh::Range range = tree_->positions(leaf);
+    for (Index j = std::max(from, range.begin); j < range.end; ++j) {
+      if (!box.overlaps(tree_->item_box(j))) continue;
+      const Index other = free_triangle(j);
+      if (intersect(points_, vertices_of(triangles_, t), vertices_of(triangles_, other)))
+        found(TrianglePair{std::min(t, other), std::max(t, other)});
+    }
+  }
+
+  const Points& points_;
+  const Triangles& triangles_;
+  std::vector<Index> free_;          // triangles with area that touch a free vertex
+  std::vector<Index> others_;        // those that do not, with or without area
+  std::optional<Bvh> tree_;          // over `free_`
+  double rounding_ = 0;              // of heights of free triangles
+  mutable std::vector<Slab> slabs_;  // per node of the tree; made where triangles first crowd
+  mutable std::once_flag slabs_made_;
+};
+
+FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::span<const Index> free_vertices,
+                         const Context& context)
+    : points_(points), triangles_(triangles) {
   const std::vector<char> vertex_is_free = flag_free(points.rows(), free_vertices);
-  const IndexLists faces_around = vertex_triangles(static_cast<Index>(points.rows()), triangles, context);
-  std::vector<char> area(count, 0);
+  require_vertices(triangles, points.rows());
+  const auto count = static_cast<std::size_t>(triangles.rows());
+  enum class Part : char { none, free, other };
+  std::vector<Part> parts(count, Part::none);
   parallel_blocks(
       count,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t)
-          area[t] = has_area(points, vertices(triangles, static_cast<Index>(t)));
+        for (std::size_t k = begin; k < end; ++k) {
+          const Vertices v = vertices_of(triangles, static_cast<Index>(k));
+          if (!vertex_is_free[v[0]] && !vertex_is_free[v[1]] && !vertex_is_free[v[2]])
+            parts[k] = Part::other;
+          else if (has_area(corners_of(points, v)))
+            parts[k] = Part::free;
+        }
       },
-      context);
+      context, 4096);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (parts[k] == Part::free) free_.push_back(static_cast<Index>(k));
+    if (parts[k] == Part::other) others_.push_back(static_cast<Index>(k));
+  }
+  std::vector<BoundingBox> boxes(free_.size());
+  parallel_blocks(
+      boxes.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+          boxes[k] = box_of(corners_of(points, vertices_of(triangles, free_[k])));
+      },
+      context, 4096);
+  tree_.emplace(boxes, context);
+  rounding_ = rounding_of_heights(tree_->box(Bvh::root));
+}
 
-  Surface surface;
-  surface.is_free.assign(count, 0);
-  for (const Index v : free_vertices)
-    for (const Index t : faces_around[v]) surface.is_free[t] = area[t];
-  Box reach;
-  geometry::assign_inverse(reach);
-  const auto boxed = [&](Index t) { return BoxedTriangle(bounding_box(points, vertices(triangles, t)), t); };
-  for (Index t = 0; t < triangles.rows(); ++t) {
-    if (!surface.is_free[t]) continue;
-    surface.free.push_back(boxed(t));
-    geometry::expand(reach, surface.free.back().first);
+// Of leaves, and of every third level above them as far as surfaces are flat as a rule.
+const std::vector<Slab>& FreeSurface::slabs(const Context& context) const {
+  std::call_once(slabs_made_, [&] {
+    std::vector<Slab> made(static_cast<std::size_t>(tree_->node_count()));
+    for (const int height : {0, 3, 6}) {
+      const Bvh::Node first = tree_->first_leaf() >> height;
+      parallel_blocks(
+          static_cast<std::size_t>(first),
+          [&](std::size_t begin, std::size_t end) {
+            for (auto node = first + static_cast<Bvh::Node>(begin); node < first + static_cast<Bvh::Node>(end);
+                 ++node)
+              made[static_cast<std::size_t>(node)] = slab_of(node);
+          },
+          context, 64);
+    }
+    slabs_ = std::move(made);
+  });
+  return slabs_;
+}
+
+Slab FreeSurface::slab_of(Bvh::Node node) const {
+  const Bvh::Range range = tree_->positions(node);
+  const auto corners = [&](Index k) { return corners_of(points_, vertices_of(triangles_, free_triangle(k))); };
+  Slab slab;
+  for (Index k = range.begin; k < range.end; ++k) {
+    const Eigen::RowVector3d normal = unit_normal(corners(k));
+    slab.normal += slab.normal.dot(normal) < 0 ? Eigen::RowVector3d(-normal) : normal;
   }
-  for (Index t = 0; t < triangles.rows(); ++t) {
-    if (surface.is_free[t] || !area[t]) continue;
-    const BoxedTriangle other = boxed(t);
-    if (geometry::intersects(other.first, reach)) surface.others.push_back(other);
+  const double length = slab.normal.norm();
+  if (!(length > 0)) return {};
+  slab.normal /= length;
+  slab.low = BoundingBox::infinity;
+  slab.high = -slab.low;
+  for (Index k = range.begin; k < range.end; ++k)
+    for (const Point3& p : corners(k)) {
+      slab.low = std::min(slab.low, slab.height_of(p));
+      slab.high = std::max(slab.high, slab.height_of(p));
+    }
+  constexpr double most_thickness = 0.25;  // × the longest side of the box
+  const BoundingBox& box = tree_->box(node);
+  const double extent =
+      std::max({box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]});
+  return slab.high - slab.low < most_thickness * extent ? slab : Slab{};
+}
+
+// Runs `search(k, context)` for all k below `count` in parallel, and reports progress where that takes long.
+template <class Search>
+void search_all(std::size_t count, const Search& search, const Context& context) {
+  constexpr std::size_t least_slice = 4096, most_slices = 50, grain = 16;
+  const std::size_t slice = std::max(least_slice, count / most_slices + 1);
+  for (std::size_t first = 0; first < count; first += slice) {
+    if (count > slice) context.step("intersections", static_cast<double>(first) / static_cast<double>(count));
+    parallel_blocks(
+        std::min(slice, count - first),
+        [&](std::size_t begin, std::size_t end) { search(first + begin, first + end); }, context, grain);
   }
-  return surface;
+}
+
+struct PairCount {
+  std::int64_t count = 0;
+  void add(const TrianglePair&) { ++count; }
+  void merge(const PairCount& other) { count += other.count; }
+};
+
+struct PairList {
+  std::vector<TrianglePair> pairs;
+  void add(const TrianglePair& pair) { pairs.push_back(pair); }
+  void merge(const PairList& other) {
+    if ((pairs.size() + other.pairs.size()) * sizeof(TrianglePair) > available_memory() / 8)
+      throw Error(ErrorCode::memory, "there is too little memory for all pairs of triangles that intersect");
+    pairs.insert(pairs.end(), other.pairs.begin(), other.pairs.end());
+  }
+};
+
+// Adds the pairs that intersect and that are accepted to a `Result`, whose order may depend on the threads.
+template <class Result, class Accept>
+Result search_pairs(const FreeSurface& surface, const Accept& accept, const Context& context) {
+  Result total;
+  std::mutex merging;
+  const auto in_blocks = [&](std::size_t count, const auto& search) {
+    search_all(
+        count,
+        [&](std::size_t begin, std::size_t end) {
+          Result result;
+          const auto found = [&](const TrianglePair& pair) {
+            if (accept(pair)) result.add(pair);
+          };
+          for (std::size_t k = begin; k < end; ++k) search(k, found);
+          const std::scoped_lock lock(merging);
+          total.merge(result);
+        },
+        context);
+  };
+  in_blocks(surface.leaf_count(), [&](auto k, const auto& found) { surface.search_leaf(k, found, context); });
+  in_blocks(surface.other_count(), [&](auto k, const auto& found) { surface.search_other(k, found, context); });
+  return total;
+}
+
+std::vector<TrianglePair> sorted(PairList list) {
+  std::sort(list.pairs.begin(), list.pairs.end());
+  return std::move(list.pairs);
+}
+
+constexpr auto any_pair = [](const TrianglePair&) { return true; };
+
+// Accepts pairs that do not intersect in `rest`.
+auto apart_in(const Points& rest, const Triangles& triangles) {
+  return [&](const TrianglePair& pair) {
+    const Vertices v = vertices_of(triangles, pair[0]), w = vertices_of(triangles, pair[1]);
+    return !has_area(corners_of(rest, v)) || !has_area(corners_of(rest, w)) || !intersect(rest, v, w);
+  };
 }
 
 }  // namespace
 
-std::optional<std::vector<TrianglePair>> self_intersections(const Points& points, const Triangles& triangles,
-                                                            std::span<const Index> free_vertices,
-                                                            const Context& context) {
-  const Surface surface = sort_triangles(points, triangles, free_vertices, context);
-  std::vector<BoxedTriangle> boxes = surface.others;
-  boxes.insert(boxes.end(), surface.free.begin(), surface.free.end());
-  const BoxTree tree(boxes);
-
-  std::vector<std::vector<TrianglePair>> found(surface.free.size());
-  // Only whether the sum exceeds the limit matters, and that does not depend on the order.
-  std::atomic<std::int64_t> candidates{0};
-  parallel_blocks(
-      found.size(),
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<BoxedTriangle> near;
-        for (std::size_t k = begin; k < end && candidates <= max_intersection_candidates; ++k) {
-          const auto& [box, t] = surface.free[k];
-          near.clear();
-          tree.query(geometry::index::intersects(box), std::back_inserter(near));
-          candidates += static_cast<std::int64_t>(near.size());
-          for (const auto& [other_box, other] : near) {
-            if (surface.is_free[other] && other <= t) continue;  // that pair is found from the other triangle
-            if (intersect(points, vertices(triangles, t), vertices(triangles, other)))
-              found[k].push_back({std::min(t, other), std::max(t, other)});
-          }
-        }
-      },
-      context, 128);
-  if (candidates > max_intersection_candidates) return std::nullopt;
-
-  std::vector<TrianglePair> pairs;
-  for (const auto& some : found) pairs.insert(pairs.end(), some.begin(), some.end());
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
+std::vector<TrianglePair> self_intersections(const Points& points, const Triangles& triangles,
+                                             std::span<const Index> free_vertices, const Context& context) {
+  const FreeSurface surface(points, triangles, free_vertices, context);
+  return sorted(search_pairs<PairList>(surface, any_pair, context));
 }
 
-std::optional<std::vector<TrianglePair>> new_self_intersections(const Points& rest, const Points& edited,
-                                                                const Triangles& triangles,
-                                                                std::span<const Index> free_vertices,
-                                                                const Context& context) {
+std::int64_t count_self_intersections(const Points& points, const Triangles& triangles,
+                                      std::span<const Index> free_vertices, const Context& context) {
+  const FreeSurface surface(points, triangles, free_vertices, context);
+  return search_pairs<PairCount>(surface, any_pair, context).count;
+}
+
+std::vector<TrianglePair> new_self_intersections(const Points& rest, const Points& edited,
+                                                 const Triangles& triangles,
+                                                 std::span<const Index> free_vertices, const Context& context) {
   require_same_vertices(rest, edited);
-  std::optional<std::vector<TrianglePair>> pairs =
-      self_intersections(edited, triangles, free_vertices, context);
-  if (!pairs) return pairs;
-  std::vector<char> old(pairs->size(), 0);
-  parallel_blocks(
-      old.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          const auto v = vertices(triangles, (*pairs)[k][0]), w = vertices(triangles, (*pairs)[k][1]);
-          old[k] = has_area(rest, v) && has_area(rest, w) && intersect(rest, v, w);
-        }
-      },
-      context);
-  std::size_t k = 0;
-  std::erase_if(*pairs, [&](const TrianglePair&) { return old[k++] != 0; });
-  return pairs;
+  const FreeSurface surface(edited, triangles, free_vertices, context);
+  return sorted(search_pairs<PairList>(surface, apart_in(rest, triangles), context));
+}
+
+std::int64_t count_new_self_intersections(const Points& rest, const Points& edited, const Triangles& triangles,
+                                          std::span<const Index> free_vertices, const Context& context) {
+  require_same_vertices(rest, edited);
+  const FreeSurface surface(edited, triangles, free_vertices, context);
+  return search_pairs<PairCount>(surface, apart_in(rest, triangles), context).count;
 }
 
 }  // namespace meshgraft

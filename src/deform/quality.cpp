@@ -377,10 +377,9 @@ Quality measure_quality(const Points& rest, const Points& edited, const Triangle
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
   count_flipped(faces, triangles, faces_around, context, quality);
-  if (options.self_intersections) {
-    if (const auto pairs = new_self_intersections(rest, edited, triangles, free_vertices, context))
-      quality.new_self_intersections = static_cast<Index>(pairs->size());
-  }
+  if (options.self_intersections)
+    quality.new_self_intersections =
+        count_new_self_intersections(rest, edited, triangles, free_vertices, context);
   return quality;
 }
 

@@ -86,7 +86,7 @@ Row row_of(const MethodOutcome& outcome) {
           where_known(quality.volume_ratio, percent),
           degrees(quality.rim_jump_max_deg),
           std::to_string(quality.flipped_faces),
-          where_known(quality.new_self_intersections, [](Index count) { return std::to_string(count); }),
+          where_known(quality.new_self_intersections, [](std::int64_t count) { return std::to_string(count); }),
           where_known(set_up_seconds(outcome), seconds),
           seconds(outcome.result->report.seconds.solve)};
 }

@@ -161,8 +161,8 @@ void add_merge(Json& json, const MergeOutcome& merge) {
   json["iterations"] = report.evaluation.iterations;
   json["source_vertices_added"] = report.source_vertices_added;
   json["target_vertices_added"] = report.target_vertices_added;
-  json["self_intersections"] = optional_json(merge.self_intersections);
-  json["source_self_intersections"] = optional_json(merge.source_self_intersections);
+  json["self_intersections"] = merge.self_intersections;
+  json["source_self_intersections"] = merge.source_self_intersections;
   json["target_map"] = merge.target_map.new_index;
   json["source_map"] = merge.source_map.new_index;
   json["new_faces"] = merge.new_faces;

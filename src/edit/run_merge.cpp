@@ -115,7 +115,7 @@ Error placed(const Error& error, const std::string& place) {
 void judge_intersections(const MergeIntersections& found, const MergeStep& step, bool strict,
                          std::vector<std::string>& notes, const std::string& place) {
   if (!found.any_new()) return;
-  const std::string problem = fmt::format("{} pairs of faces of the result intersect", *found.result);
+  const std::string problem = fmt::format("{} pairs of faces of the result intersect", found.result);
   const std::string remedy = step.at ? "place, spin or size may help" : "start, size or shape may help";
   if (strict) throw Error(ErrorCode::unsolvable, problem, place, "Another " + remedy);
   notes.push_back(problem + "; another " + remedy);

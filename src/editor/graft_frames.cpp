@@ -135,7 +135,7 @@ Json graft_fields(const ShownGraft& graft) {
           {"pairs", pairs},
           {"seam", seam_json(report.seam)},
           {"inverted", report.shape.inverted},
-          {"self_intersections", merge.self_intersections ? Json(*merge.self_intersections) : Json()},
+          {"self_intersections", merge.self_intersections},
           {"notes", graft.report.notes}};
 }
 

@@ -15,9 +15,8 @@ namespace meshgraft {
 
 namespace {
 
-std::optional<Index> count_pairs(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
-  const auto found = self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
-  return found ? std::optional<Index>(static_cast<Index>(found->size())) : std::nullopt;
+std::int64_t count_pairs(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
+  return count_self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
 }
 
 /// One try in one size.
@@ -67,8 +66,8 @@ MergeIntersections count_intersections(const Mesh& source, const MergeResult& me
   std::sort(moved.begin(), moved.end());
   moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
   MergeIntersections found;
-  found.result = found.source = count_pairs(merged.mesh, moved, context);
-  if (found.result.value_or(0) == 0) return found;
+  found.result = count_pairs(merged.mesh, moved, context);
+  if (found.result == 0) return found;
   std::vector<Index> all(static_cast<std::size_t>(source.vertex_count()));
   std::iota(all.begin(), all.end(), Index{0});
   found.source = count_pairs(source, all, context);

@@ -574,9 +574,8 @@ bool cuts_through(const Mesh& source, const FlatLoop& loop, const Fit& fit, cons
   const auto pairs = self_intersections(
       points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3),
       free, context);
-  return pairs && std::any_of(pairs->begin(), pairs->end(), [&](const TrianglePair& pair) {
-           return pair[0] < of_target && pair[1] >= of_target;
-         });
+  return std::any_of(pairs.begin(), pairs.end(),
+                     [&](const TrianglePair& pair) { return pair[0] < of_target && pair[1] >= of_target; });
 }
 
 /// Cuts the outline's inside away.

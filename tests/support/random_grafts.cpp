@@ -479,8 +479,8 @@ std::vector<Index> all_vertices(const Mesh& mesh) {
 }
 
 Index self_intersection_count(const Mesh& mesh) {
-  const auto pairs = self_intersections(mesh.positions, triangulate(mesh).triangles, all_vertices(mesh));
-  return pairs ? static_cast<Index>(pairs->size()) : 0;
+  return static_cast<Index>(
+      count_self_intersections(mesh.positions, triangulate(mesh).triangles, all_vertices(mesh)));
 }
 
 }  // namespace
@@ -489,14 +489,13 @@ Intersections intersections_of(const RandomGraft& graft, const MergeResult& resu
   const Triangulation triangulation = triangulate(result.mesh);
   const auto pairs =
       self_intersections(result.mesh.positions, triangulation.triangles, all_vertices(result.mesh));
-  if (!pairs) return {};
   Intersections found;
   const Index brought = self_intersection_count(graft.target) + self_intersection_count(graft.source);
-  found.new_ones = std::max<Index>(0, static_cast<Index>(pairs->size()) - brought);
+  found.new_ones = std::max<Index>(0, static_cast<Index>(pairs.size()) - brought);
   const auto is_of_seam = [&](Index t) {
     return std::binary_search(result.new_faces.begin(), result.new_faces.end(), triangulation.face[t]);
   };
-  found.of_seam = static_cast<Index>(std::count_if(pairs->begin(), pairs->end(), [&](const TrianglePair& pair) {
+  found.of_seam = static_cast<Index>(std::count_if(pairs.begin(), pairs.end(), [&](const TrianglePair& pair) {
     return is_of_seam(pair[0]) || is_of_seam(pair[1]);
   }));
   return found;

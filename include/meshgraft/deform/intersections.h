@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,22 +17,29 @@ using TrianglePair = std::array<Index, 2>;
 /// lexicographic order: `points` n×3, `triangles` m×3. Triangles are closed, so touching is intersecting, but a
 /// vertex or an edge that two triangles share does not count, only what they have in common beyond it; those
 /// with the same three vertices never do. Triangles without area or with a non-finite coordinate take no part.
-/// Decided exactly for the coordinates as they are; the result does not depend on the number of threads.
-/// Empty optional where it cannot be told: in a build without CGAL, and where triangles crowd so much that more
-/// than `max_intersection_candidates` pairs have overlapping bounding boxes (time grows with those).
-/// Throws Error(usage) if a free vertex does not exist, Error(input) for a triangle's index out of range.
-std::optional<std::vector<TrianglePair>> self_intersections(const Points& points, const Triangles& triangles,
-                                                            std::span<const Index> free_vertices,
-                                                            const Context& context = {});
+/// Decided exactly for the coordinates as they are (Guigue and Devillers 2003 on orientations after Shewchuk
+/// 1997); the result does not depend on the number of threads.
+///
+/// Takes O(m log m), and more where boxes of parts crowd: in the worst case, all triangles in one place, O(m²).
+/// Then it reports progress as the stage "intersections", and can be cancelled.
+/// Throws Error(usage) if a free vertex does not exist, Error(input) for a triangle's index out of range,
+/// Error(memory) if the pairs would take more than an eighth of the memory that there is.
+std::vector<TrianglePair> self_intersections(const Points& points, const Triangles& triangles,
+                                             std::span<const Index> free_vertices, const Context& context = {});
 
-/// Of these, in `edited`, the ones that do not intersect in `rest` (both n×3). Throws Error(usage) if the
+/// How many these are. Takes no memory for them, and throws no Error(memory).
+std::int64_t count_self_intersections(const Points& points, const Triangles& triangles,
+                                      std::span<const Index> free_vertices, const Context& context = {});
+
+/// Of these pairs, in `edited`, the ones that do not intersect in `rest` (both n×3). Throws Error(usage) if the
 /// shapes differ, else as above.
-std::optional<std::vector<TrianglePair>> new_self_intersections(const Points& rest, const Points& edited,
-                                                                const Triangles& triangles,
-                                                                std::span<const Index> free_vertices,
-                                                                const Context& context = {});
+std::vector<TrianglePair> new_self_intersections(const Points& rest, const Points& edited,
+                                                 const Triangles& triangles,
+                                                 std::span<const Index> free_vertices,
+                                                 const Context& context = {});
 
-/// A surface of m triangles that is no more crowded than usual has some 10 m.
-inline constexpr std::int64_t max_intersection_candidates = 50'000'000;
+/// How many those are, without memory for them.
+std::int64_t count_new_self_intersections(const Points& rest, const Points& edited, const Triangles& triangles,
+                                          std::span<const Index> free_vertices, const Context& context = {});
 
 }  // namespace meshgraft

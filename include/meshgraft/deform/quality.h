@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -29,8 +30,8 @@ struct Quality {
   /// rest), and not so at rest.
   Index flipped_faces = 0;
   /// Pairs of faces, at least one of them free, that intersect and did not at rest (deform/intersections.h).
-  /// Absent where that was not asked for or cannot be told.
-  std::optional<Index> new_self_intersections;
+  /// Absent where that was not asked for.
+  std::optional<std::int64_t> new_self_intersections;
 };
 
 struct QualityOptions {

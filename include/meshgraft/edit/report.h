@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,9 +58,9 @@ struct MergeOutcome {
   IndexMap target_map, source_map;  ///< vertices of the two, old → new, -1 where one was removed
   std::vector<Index> new_faces;
   Points grafted;  ///< the source's vertices after the solve, before the seam (n×3)
-  /// Pairs of faces of the result that intersect, a vertex of the source or of the seam among theirs, and pairs
-  /// that the source had already; absent where it cannot be told.
-  std::optional<Index> self_intersections, source_self_intersections;
+  /// Pairs of faces of the result that intersect, a vertex of the source or of the seam among theirs.
+  std::int64_t self_intersections = 0;
+  std::int64_t source_self_intersections = 0;  ///< that the source had already; 0 if the result has none
 };
 
 /// What a cut step did.

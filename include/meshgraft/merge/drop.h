@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <cstdint>
 #include <vector>
 
 #include <meshgraft/core/context.h>
@@ -10,12 +10,12 @@
 
 namespace meshgraft {
 
-/// Pairs of faces that intersect after a merge (exact); absent in a build without CGAL.
+/// Pairs of faces that intersect after a merge (exact).
 struct MergeIntersections {
-  std::optional<Index> result;  ///< of the result, where the source or the seam takes part
-  std::optional<Index> source;  ///< of the source as it came
+  std::int64_t result = 0;  ///< of the result, where the source or the seam takes part
+  std::int64_t source = 0;  ///< of the source as it came; 0 if the result has none
 
-  bool any_new() const { return result.value_or(0) > source.value_or(0); }
+  bool any_new() const { return result > source; }
 };
 MergeIntersections count_intersections(const Mesh& source, const MergeResult& merged,
                                        const Context& context = {});

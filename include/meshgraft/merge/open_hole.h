@@ -31,8 +31,7 @@ struct OpenedHole {
   IndexMap vertex;  ///< target's vertices → `target`; -1 within the hole
   MergePair pair;   ///< the two loops, and vertices of them that meet
   double size = 1;  ///< of the source
-  /// The source does not cut through the target there, as it would stand undeformed. Not known in a build
-  /// without CGAL, where it is true.
+  /// The source does not cut through the target there, as it would stand undeformed.
   bool clear = true;
   std::vector<std::string> notes;  ///< sentences for people
 };

@@ -44,7 +44,7 @@ export function GraftReportView({ page }: { page: Page }) {
       </div>
     );
   }
-  const { seam, inverted = 0, self_intersections: cuts, notes = [], seconds } = report;
+  const { seam, inverted = 0, self_intersections: cuts = 0, notes = [], seconds } = report;
   const whole = seam?.manifold === true && seam.oriented;
   return (
     <div class="graft-state" role="status">
@@ -67,7 +67,7 @@ export function GraftReportView({ page }: { page: Page }) {
         <span class="unsure">Nearly round: look whether the part is turned. Twist turns it.</span>
       )}
       {inverted > 0 && <span class="bad">The part turns inside out at {inverted} vertices.</span>}
-      {(cuts ?? 0) > 0 && <span class="bad">The result cuts through itself at {cuts} pairs of faces.</span>}
+      {cuts > 0 && <span class="bad">The result cuts through itself at {cuts} pairs of faces.</span>}
       {notes.length > 0 && (
         <details>
           <summary>{notes.length === 1 ? "1 note" : `${notes.length} notes`}</summary>
