@@ -13,6 +13,7 @@
 #include <meshgraft/core/memory.h>
 #include <meshgraft/core/parallel.h>
 
+#include "core/stopwatch.h"
 #include "free_vertices.h"
 #include "mesh/bvh.h"
 #include "mesh/triangle_intersection.h"
@@ -272,13 +273,18 @@ Slab FreeSurface::slab_of(Bvh::Node node) const {
   return slab.high - slab.low < most_thickness * extent ? slab : Slab{};
 }
 
-// Runs `search(k, context)` for all k below `count` in parallel, and reports progress where that takes long.
+// Runs `search(begin, end)` over [0, count) in parallel, and reports progress where that takes long.
 template <class Search>
 void search_all(std::size_t count, const Search& search, const Context& context) {
-  constexpr std::size_t least_slice = 4096, most_slices = 50, grain = 16;
+  constexpr std::size_t least_slice = 64, most_slices = 64, grain = 16;
+  constexpr double seconds_between_reports = 0.1;
   const std::size_t slice = std::max(least_slice, count / most_slices + 1);
+  Stopwatch since_report;
   for (std::size_t first = 0; first < count; first += slice) {
-    if (count > slice) context.step("intersections", static_cast<double>(first) / static_cast<double>(count));
+    if (since_report.seconds() > seconds_between_reports) {
+      context.step("intersections", static_cast<double>(first) / static_cast<double>(count));
+      since_report = {};
+    }
     parallel_blocks(
         std::min(slice, count - first),
         [&](std::size_t begin, std::size_t end) { search(first + begin, first + end); }, context, grain);

@@ -73,7 +73,7 @@ TEST(IntersectionsLarge, ALargeFanHasNone) {
 }
 
 TEST(IntersectionsLarge, WhatTakesLongTellsHowFarItIsAndCanBeStopped) {
-  const Crowd crowd = in_a_cube(40'000);
+  const Crowd crowd = in_a_cube(12'000);
   std::stop_source stop;
   int told = 0;
   const auto tell = [&](std::string_view stage, double fraction) {

@@ -293,6 +293,26 @@ TEST(Intersections, TrianglesWithoutAreaOrPlaceTakeNoPart) {
   EXPECT_EQ(found(Points(0, 3), Triangles(0, 3)), Pairs());
 }
 
+TEST(Intersections, LayersWhoseBoxesAllOverlapAreToldApart) {
+  // Parallel to no axis, then one triangle through all of them.
+  constexpr Index layers = 1500;
+  Points points(3 * (layers + 1), 3);
+  Triangles triangles(layers + 1, 3);
+  for (Index t = 0; t <= layers; ++t) {
+    const double z = 1e-4 * t;
+    points.middleRows(3 * t, 3) << 0, 0, z, 1, 0, z + 0.3, 0, 1, z + 0.7;
+    triangles.row(t) << 3 * t, 3 * t + 1, 3 * t + 2;
+  }
+  points.bottomRows(3) << 0.2, 0.2, -1, 0.3, 0.2, -1, 0.2, 0.2, 5;
+  Pairs expected;
+  for (Index t = 0; t < layers; ++t) expected.push_back({t, layers});
+  for (const double size : {1.0, 1e-200, 1e150})
+    for (const int threads : {0, 1})
+      EXPECT_EQ(self_intersections(size * points, triangles, all_vertices(points), {.threads = threads}),
+                expected)
+          << size;
+}
+
 TEST(Intersections, TheNumberOfThreadsDoesNotMatter) {
   const TestMesh apart = two_spheres(4, 2.5), moved = two_spheres(4, 1.2);
   const auto free = all_vertices(apart.positions);
