@@ -5,7 +5,8 @@ function(meshgraft_unity target)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # takes the sources for headers
+  # These warn of what sources do to each other; the preset dev compiles them apart, with all warnings.
+  target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow)
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   list(SORT sources)

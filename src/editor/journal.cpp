@@ -36,7 +36,7 @@ fs::path numbered(const fs::path& stem, int number) {
 // A page that is loaded again comes before the session of the old one has ended.
 constexpr auto patience = 1s;
 
-std::error_code lock(platform::File& file, std::chrono::milliseconds wait) {
+std::error_code lock_within(platform::File& file, std::chrono::milliseconds wait) {
   const auto until = std::chrono::steady_clock::now() + wait;
   for (;;) {
     const std::error_code error = file.try_lock();
@@ -122,7 +122,7 @@ bool Journal::open(bool create) {
     platform::File file(path_, create ? platform::OpenMode::append_or_create : platform::OpenMode::append,
                         error);
     if (error) continue;
-    error = lock(file, number == 1 ? patience : 0s);
+    error = lock_within(file, number == 1 ? patience : 0s);
     if (error) continue;
     if (file.is_at(path_)) {
       file_ = std::move(file);

@@ -20,4 +20,7 @@ inline Eigen::Vector3d area_vector(std::span<const Index> face, const Points& po
   return sum;
 }
 
+/// Twice the signed area of the triangle 0, a, b in the plane.
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
 }  // namespace meshgraft

@@ -11,14 +11,14 @@
 
 #include <meshgraft/core/error.h>
 
+#include "area_vector.h"
+
 namespace meshgraft {
 
 namespace {
 
 constexpr double shorter_rel = 1 - 1e-12;  // what counts as shorter
 constexpr double at_end = 1e-6;            // a crossing this near to an end of its edge goes through that end
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
 

@@ -13,6 +13,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "area_vector.h"
+
 namespace meshgraft {
 
 namespace {
@@ -21,8 +23,6 @@ using Polygon = std::vector<Eigen::Vector2d>;
 using Corners = std::array<Index, 3>;  // positions within one face
 
 constexpr double flat_rel = 1e-12;  // twice an area below this × longest edge² counts as none
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   return cross(b - a, c - a);
