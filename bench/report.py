@@ -214,7 +214,7 @@ def make_report(data):
         parts += ["### orderings", ordering_table(orderings)]
     for (_, method, _), sizes in ((key, sizes) for key, sizes in medians.items() if key[0] == "cgal"):
         for (_, treatment, backend), our_sizes in ours.items():
-            if backend == "cholmod":
+            if backend == "multifrontal":
                 parts += [f"### {treatment}, {backend} beside CGAL's {method}", comparison_table(our_sizes, sizes)]
     merges = {key: sizes for key, sizes in medians.items() if key[0] == "merge"}
     if merges:
@@ -226,8 +226,8 @@ def draw_plots(data, folder):
     """Time and memory over size beside CGAL's, and the stages of the set-ups."""
     medians, _ = read_medians(data["benchmarks"])
     chosen = {
-        "apex": ("meshgraft", "apex", "cholmod"),
-        "ft05-noise": ("meshgraft", "ft05-noise", "cholmod"),
+        "apex": ("meshgraft", "apex", "multifrontal"),
+        "ft05-noise": ("meshgraft", "ft05-noise", "multifrontal"),
         "default (corotational)": ("meshgraft", "corotational", "default"),
         "CGAL SRE_ARAP": ("cgal", "SRE_ARAP", "default"),
     }

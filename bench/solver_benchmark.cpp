@@ -75,7 +75,7 @@ void run_ordering(benchmark::State& state, const BenchEdit& edit, const Operator
   const NormalMatrix normal = deformer.normal_matrix();
   SolverStatistics statistics;
   for ([[maybe_unused]] auto iteration : state) {
-    const auto solver = make_solver(SolverBackend::cholmod);
+    const auto solver = make_solver(SolverBackend::multifrontal);
     report(state, {{"metis_analyse", seconds([&] { solver->analyse(normal); })}});
     statistics = solver->statistics();
   }
@@ -151,10 +151,10 @@ void register_deformer(Edits& edits, const MaxVertices& most) {
       add("meshgraft/" + std::string(to_string(treatment)) + "/" + name + "/" + std::to_string(size),
           [&edits, size, options](benchmark::State& state) { run_deformer(state, edits[size], options); });
     };
-    if (is_available(SolverBackend::cholmod)) {
-      for (const Index size : sizes) add_size(SolverBackend::cholmod, "cholmod", size);
+    if (is_available(SolverBackend::multifrontal)) {
+      for (const Index size : sizes) add_size(SolverBackend::multifrontal, "multifrontal", size);
       if (treatment == DegenerateTreatment::ft05_noise)  // the other one's factor takes 15 GB there
-        for (const Index size : very_large_sizes) add_size(SolverBackend::cholmod, "cholmod", size);
+        for (const Index size : very_large_sizes) add_size(SolverBackend::multifrontal, "multifrontal", size);
     }
     for (const Index size : sizes) {
       if (size <= most.eigen) add_size(SolverBackend::eigen, "eigen", size);
@@ -168,7 +168,7 @@ void register_deformer(Edits& edits, const MaxVertices& most) {
 }
 
 void register_orderings(Edits& edits) {
-  if (!is_available(SolverBackend::cholmod)) return;
+  if (!is_available(SolverBackend::multifrontal)) return;
   for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise})
     for (const Index size : {60'000, 100'000, 250'000})  // METIS is used from 50,000 unknowns on
       add("ordering/" + std::string(to_string(treatment)) + "/metis/" + std::to_string(size),

@@ -114,7 +114,25 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
   }
 }
 
-void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
+/// `--backend`, which still takes the name that `multifrontal` had in version 0.1.
+void add_backend(CLI::App& command, EditRunArguments& arguments) {
+  const std::vector<std::string> note{
+      "--backend: the solver 'cholmod' is called 'multifrontal' now, and that is what was used"};
+  add_choice<SolverBackend>(command, "--backend", arguments.run.overrides.backend,
+                            {{"auto", SolverBackend::automatic},
+                             {"multifrontal", SolverBackend::multifrontal},
+                             {"eigen", SolverBackend::eigen},
+                             {"iterative", SolverBackend::iterative}},
+                            "The sparse solver: a Cholesky factorisation, or iterations for very large regions")
+      ->transform([&arguments, note](const std::string& word) -> std::string {
+        if (word != "cholmod") return word;
+        arguments.notes = note;
+        return "multifrontal";
+      });
+}
+
+void add_overrides(CLI::App& command, EditRunArguments& arguments) {
+  SettingsOverrides& overrides = arguments.run.overrides;
   add_choice<Method>(command, "--method", overrides.method,
                      {{"ft05", DeformMethod::ft05},
                       {"rotation-aware", DeformMethod::rotation_aware},
@@ -137,13 +155,7 @@ void add_overrides(CLI::App& command, SettingsOverrides& overrides) {
   add_choice<Density>(command, "--density", overrides.density,
                       {{"ft05", Density::ft05}, {"aware", Density::aware}},
                       "Whether rows count by number or by the size of their triangles");
-  add_choice<SolverBackend>(
-      command, "--backend", overrides.backend,
-      {{"auto", SolverBackend::automatic},
-       {"cholmod", SolverBackend::cholmod},
-       {"eigen", SolverBackend::eigen},
-       {"iterative", SolverBackend::iterative}},
-      "The sparse solver: a Cholesky factorisation, or iterations for very large regions");
+  add_backend(command, arguments);
   command
       .add_option(
           "--proxy", overrides.proxy,
@@ -164,7 +176,7 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
       ->type_name("NAME")
       ->expected(0, 1)
       ->default_str("edit");
-  add_overrides(command, arguments.run.overrides);
+  add_overrides(command, arguments);
   add_threads(command, arguments.threads);
   command.add_option("--report", arguments.report, "Write what was done, with measures of quality, as JSON")
       ->type_name("FILE");
@@ -183,6 +195,8 @@ void run_edit_file(const EditRunArguments& arguments, Context context) {
   RunOptions options = arguments.run;
   for (const Save& save : saves) options.keep.push_back(save.name);
   EditResult result = run_edit(edit, options, context);
+  std::vector<std::string>& notes = result.report.notes;
+  notes.insert(notes.begin(), arguments.notes.begin(), arguments.notes.end());
   write_outputs(arguments, saves, edit, result, context);
   if (arguments.json)
     fmt::print("{}", write_report(result.report));

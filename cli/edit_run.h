@@ -25,6 +25,7 @@ struct EditRunArguments {
   View view{.width = picture_width, .height = picture_height};
 #endif
   RunOptions run;
+  std::vector<std::string> notes;  ///< about words that are read as others
   std::optional<std::string> morph_target;
   int threads = 0;
   bool json = false;

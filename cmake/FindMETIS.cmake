@@ -13,7 +13,7 @@ include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(METIS
   REQUIRED_VARS METIS_LIBRARY METIS_INCLUDE_DIR
   REASON_FAILURE_MESSAGE "On Debian: apt-get install libmetis-dev, \
-or configure with -DMESHGRAFT_WITH_CHOLMOD=OFF")
+or configure with -DMESHGRAFT_WITH_MULTIFRONTAL=OFF")
 
 if(METIS_FOUND AND NOT TARGET METIS::METIS)
   add_library(METIS::METIS UNKNOWN IMPORTED)

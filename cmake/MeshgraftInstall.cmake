@@ -11,7 +11,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/
 install(FILES LICENSE THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # find_package(meshgraft). A static library hands its own libraries on to whoever links it; the modules that
-# find CHOLMOD, METIS, CXSparse, lib3mf and libzip go along because those have no configuration of their own.
+# find METIS, CAMD, BLAS and LAPACK, lib3mf and libzip go along because those have no configuration of their own.
 get_target_property(meshgraft_library_type meshgraft TYPE)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/meshgraft)
 install(EXPORT meshgraft NAMESPACE meshgraft:: DESTINATION ${config_dir} FILE meshgraftTargets.cmake)
@@ -19,8 +19,8 @@ configure_package_config_file(cmake/meshgraftConfig.cmake.in meshgraftConfig.cma
                               INSTALL_DESTINATION ${config_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(meshgraftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/meshgraftConfig.cmake ${PROJECT_BINARY_DIR}/meshgraftConfigVersion.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake ${PROJECT_SOURCE_DIR}/cmake/FindMETIS.cmake
-              ${PROJECT_SOURCE_DIR}/cmake/FindCXSparse.cmake ${PROJECT_SOURCE_DIR}/cmake/FindLibZip.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindMETIS.cmake ${PROJECT_SOURCE_DIR}/cmake/FindCAMD.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindDenseKernels.cmake ${PROJECT_SOURCE_DIR}/cmake/FindLibZip.cmake
               ${PROJECT_SOURCE_DIR}/cmake/Findlib3MF.cmake
         DESTINATION ${config_dir})
 
@@ -30,8 +30,8 @@ set(pc_libs)
 if(meshgraft_library_type STREQUAL STATIC_LIBRARY)
   string(APPEND pc_requires " tbb fmt libcrypto")
   set(pc_libs -lmeshoptimizer)
-  if(MESHGRAFT_WITH_CHOLMOD)
-    string(JOIN " " pc_libs ${pc_libs} ${CHOLMOD_LIBRARY} ${CHOLMOD_CAMD_LIBRARY} ${METIS_LIBRARY} ${CXSparse_LIBRARY} ${CHOLMOD_BLAS_LIBRARIES})
+  if(MESHGRAFT_WITH_MULTIFRONTAL)
+    string(JOIN " " pc_libs ${pc_libs} ${METIS_LIBRARY} ${CAMD_LIBRARY} ${DenseKernels_LIBRARIES})
   endif()
   if(MESHGRAFT_WITH_3MF)
     string(APPEND pc_requires " lib3MF libzip expat")

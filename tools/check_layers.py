@@ -36,7 +36,7 @@ USES["platform"] = set()
 
 # Headers, and folders of them, that only one source file may include (of a folder, one of each layer): they stand
 # behind one of our own interfaces.
-SINGLE_USE = {"cholmod.h", "cs.h", "meshoptimizer.h", "metis.h", "nanoflann.hpp", "CGAL", "boost"}
+SINGLE_USE = {"camd.h", "meshoptimizer.h", "metis.h", "nanoflann.hpp", "CGAL", "boost"}
 
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

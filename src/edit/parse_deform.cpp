@@ -50,10 +50,12 @@ DeformerOptions parse_deformer(const Object& fields) {
     options.residual_corrections = static_cast<int>(v.integer_in(0, 10));
   });
   fields.optional("backend", [&](const Value& v) {
-    options.backend = v.choice<SolverBackend>({{"auto", SolverBackend::automatic},
-                                               {"cholmod", SolverBackend::cholmod},
-                                               {"eigen", SolverBackend::eigen},
-                                               {"iterative", SolverBackend::iterative}});
+    options.backend = v.raw() == former_multifrontal
+                          ? SolverBackend::multifrontal
+                          : v.choice<SolverBackend>({{"auto", SolverBackend::automatic},
+                                                     {"multifrontal", SolverBackend::multifrontal},
+                                                     {"eigen", SolverBackend::eigen},
+                                                     {"iterative", SolverBackend::iterative}});
   });
   return options;
 }

@@ -20,7 +20,7 @@ std::string pose_word(MergePose pose);
 /// "similar" or "ft05".
 std::string shape_word(MergeShape shape);
 
-/// "auto", "cholmod", "eigen" or "iterative".
+/// "auto", "multifrontal", "eigen" or "iterative".
 std::string backend_word(SolverBackend backend);
 
 }  // namespace meshgraft

@@ -337,7 +337,7 @@ Json settings_json(const MergeSettings& settings) {
 std::string backend_word(SolverBackend backend) {
   switch (backend) {
     case SolverBackend::automatic: return "auto";
-    case SolverBackend::cholmod: return "cholmod";
+    case SolverBackend::multifrontal: return "multifrontal";
     case SolverBackend::eigen: return "eigen";
     case SolverBackend::iterative: return "iterative";
   }

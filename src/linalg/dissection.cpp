@@ -1,65 +1,17 @@
 #include "dissection.h"
 
-#include <cs.h>
-#include <metis.h>
-
 #include <algorithm>
 #include <bit>
-#include <memory>
-#include <new>
+#include <numeric>
 #include <span>
 #include <utility>
 
-#include <meshgraft/core/parallel.h>
+#include "bipartite_matching.h"
+#include "graph_partition.h"
 
 namespace meshgraft {
 
 namespace {
-
-/// Cuts a graph where the fewest edges cross, so that every side has as many unknowns as the other.
-GraphCuts cut_graph(const CouplingGraph& graph, int levels, const Context& context) {
-  const IndexLists& rings = *graph.neighbours;
-  struct Input {
-    std::vector<idx_t> number, weights, offsets{0}, neighbours, part;
-  };
-  const auto input = std::make_shared<Input>();
-  input->number.assign(static_cast<std::size_t>(rings.size()), -1);
-  idx_t vertices = 0;
-  for (Index group = 0; group < rings.size(); ++group)
-    if (!rings[group].empty()) input->number[group] = vertices++;
-  for (const Index group : graph.group)
-    if (group >= 0 && input->number[group] < 0) input->number[group] = vertices++;
-  input->weights.assign(static_cast<std::size_t>(vertices), 0);
-  for (const Index group : graph.group)
-    if (group >= 0) ++input->weights[input->number[group]];
-  std::vector<Index> group_of(static_cast<std::size_t>(vertices));
-  for (Index group = 0; group < rings.size(); ++group)
-    if (input->number[group] >= 0) group_of[input->number[group]] = group;
-  for (const Index group : group_of) {
-    for (const Index other : rings[group]) input->neighbours.push_back(input->number[other]);
-    input->offsets.push_back(static_cast<idx_t>(input->neighbours.size()));
-  }
-  input->part.assign(static_cast<std::size_t>(vertices), 0);
-  if (levels > 0)  // METIS does not take a single part
-    run_abandonable(
-        [input, vertices, levels]() mutable {
-          idx_t constraints = 1, parts = idx_t{1} << levels, cut_edges = 0;
-          std::vector<idx_t> options(METIS_NOPTIONS);
-          METIS_SetDefaultOptions(options.data());
-          options[METIS_OPTION_SEED] = 1;
-          const std::lock_guard lock(metis_mutex());
-          const int status = METIS_PartGraphRecursive(
-              &vertices, &constraints, input->offsets.data(), input->neighbours.data(), input->weights.data(),
-              nullptr, nullptr, &parts, nullptr, nullptr, options.data(), &cut_edges, input->part.data());
-          // Where nothing is cut, minimum degree is left alone.
-          if (status != METIS_OK) std::fill(input->part.begin(), input->part.end(), 0);
-        },
-        context);
-  GraphCuts cuts{levels, std::vector<int>(static_cast<std::size_t>(rings.size()), 0)};
-  for (Index group = 0; group < rings.size(); ++group)
-    if (input->number[group] >= 0) cuts.part[group] = static_cast<int>(input->part[input->number[group]]);
-  return cuts;
-}
 
 /// The part of each unknown, at `levels` or, where the graph has been cut fewer times, so many; -1 without a
 /// group.
@@ -79,51 +31,37 @@ struct Crossing {
   int left, right;  ///< unknowns
 };
 
-/// The fewest unknowns that touch all crossings (Koenig's theorem). In the Dulmage-Mendelsohn decomposition of
-/// their bipartite graph these are the left unknowns but those of the overdetermined block, and of the right
-/// ones those of that block. `place` is all -1, before and after.
+/// Returns the fewest unknowns that touch all crossings. `place` is all -1, before and after.
 std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vector<int>& place) {
   std::vector<int> left, right;
   const auto number = [&](int unknown, std::vector<int>& side) {
-    if (place[unknown] < 0) {
-      place[unknown] = static_cast<int>(side.size());
-      side.push_back(unknown);
-    }
+    if (place[unknown] >= 0) return;
+    place[unknown] = static_cast<int>(side.size());
+    side.push_back(unknown);
   };
   for (const Crossing& crossing : crossings) {
     number(crossing.left, left);
     number(crossing.right, right);
   }
-  std::vector<SuiteSparse_long> offsets(right.size() + 1, 0), rows(crossings.size());
-  for (const Crossing& crossing : crossings) ++offsets[static_cast<std::size_t>(place[crossing.right]) + 1];
-  for (std::size_t k = 0; k < right.size(); ++k) offsets[k + 1] += offsets[k];
-  std::vector<SuiteSparse_long> next(offsets.begin(), offsets.end() - 1);
-  for (const Crossing& crossing : crossings) rows[next[place[crossing.right]]++] = place[crossing.left];
-  cs_dl across{};
-  across.m = static_cast<SuiteSparse_long>(left.size());
-  across.n = static_cast<SuiteSparse_long>(right.size());
-  across.nzmax = static_cast<SuiteSparse_long>(rows.size());
-  across.nz = -1;  // columns are compressed
-  across.p = offsets.data();
-  across.i = rows.data();
-  const std::unique_ptr<cs_dld, decltype(&cs_dl_dfree)> blocks(cs_dl_dmperm(&across, 0), &cs_dl_dfree);
-  if (blocks == nullptr) throw std::bad_alloc();
+  BipartiteGraph across;
+  across.begin.assign(left.size() + 1, 0);
+  across.right_end.resize(crossings.size());
+  across.right_count = static_cast<int>(right.size());
+  for (const Crossing& crossing : crossings) ++across.begin[place[crossing.left] + 1];
+  std::partial_sum(across.begin.begin(), across.begin.end(), across.begin.begin());
+  std::vector<int> next(across.begin.begin(), across.begin.end() - 1);
+  for (const Crossing& crossing : crossings)
+    across.right_end[next[place[crossing.left]]++] = place[crossing.right];
+  const VertexCover cover = minimum_vertex_cover(across, maximum_matching(across));
   std::vector<int> touching;
-  for (SuiteSparse_long k = 0; k < blocks->rr[2]; ++k) touching.push_back(left[blocks->p[k]]);
-  for (SuiteSparse_long k = blocks->cc[3]; k < blocks->cc[4]; ++k) touching.push_back(right[blocks->q[k]]);
+  for (std::size_t k = 0; k < left.size(); ++k)
+    if (cover.left[k] != 0) touching.push_back(left[k]);
+  for (std::size_t k = 0; k < right.size(); ++k)
+    if (cover.right[k] != 0) touching.push_back(right[k]);
   for (const int unknown : left) place[unknown] = -1;
   for (const int unknown : right) place[unknown] = -1;
   return touching;
 }
-
-}  // namespace
-
-std::mutex& metis_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-namespace {
 
 /// Numbers the sets of a full binary tree in postorder; `set` has one entry per level and prefix.
 int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::vector<int>& parent) {
@@ -186,6 +124,13 @@ Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const 
     dissection.set_of[u] = number;
     dissection.unknowns[number].push_back(static_cast<int>(u));
   }
+  return dissection;
+}
+
+Dissection one_leaf(std::int64_t unknowns) {
+  Dissection dissection{{-1}, {std::vector<int>(static_cast<std::size_t>(unknowns))}, {}};
+  std::iota(dissection.unknowns[0].begin(), dissection.unknowns[0].end(), 0);
+  dissection.set_of.assign(static_cast<std::size_t>(unknowns), 0);
   return dissection;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <mutex>
+#include <cstdint>
 #include <vector>
 
 #include <meshgraft/linalg/linear_solver.h>
@@ -24,8 +24,7 @@ struct Dissection {
 /// sides coupled, with four times the fill.
 Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context = {});
 
-/// Held by whoever calls METIS, directly or through CHOLMOD: it seeds and draws the C library's random numbers,
-/// so its cuts are the same every time only while nobody else does.
-std::mutex& metis_mutex();
+/// Returns a dissection of `unknowns` that cuts nothing: they are all in one set, a leaf.
+Dissection one_leaf(std::int64_t unknowns);
 
 }  // namespace meshgraft

@@ -9,8 +9,8 @@
 namespace meshgraft {
 
 std::vector<SolverBackend> available_backends() {
-#ifdef MESHGRAFT_HAS_CHOLMOD
-  return {SolverBackend::cholmod, SolverBackend::eigen, SolverBackend::iterative};
+#ifdef MESHGRAFT_HAS_MULTIFRONTAL
+  return {SolverBackend::multifrontal, SolverBackend::eigen, SolverBackend::iterative};
 #else
   return {SolverBackend::eigen, SolverBackend::iterative};
 #endif
@@ -20,11 +20,11 @@ std::unique_ptr<LinearSolver> make_solver(SolverBackend backend) {
   if (backend == SolverBackend::automatic) backend = available_backends().front();
   if (backend == SolverBackend::eigen) return make_eigen_solver();
   if (backend == SolverBackend::iterative) return make_iterative_solver();
-#ifdef MESHGRAFT_HAS_CHOLMOD
-  return make_cholmod_solver();
+#ifdef MESHGRAFT_HAS_MULTIFRONTAL
+  return make_multifrontal_solver();
 #else
-  throw Error(ErrorCode::input, "this build of meshgraft has no CHOLMOD", "backend",
-              "Choose 'eigen' or 'auto', or build with MESHGRAFT_WITH_CHOLMOD=ON");
+  throw Error(ErrorCode::input, "this build of meshgraft has no multifrontal solver", "backend",
+              "Choose 'auto', 'eigen' or 'iterative', or build with MESHGRAFT_WITH_MULTIFRONTAL=ON");
 #endif
 }
 

@@ -97,14 +97,15 @@ void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
     begin.push_back(static_cast<int>(rows.size()));
   }
   const auto count = own + static_cast<int>(around.size());
+  for (const int unknown : around) local[unknown] = -1;
+  for (const int unknown : leaf) local[unknown] = -1;
+  if (rows.empty()) return;  // which CAMD does not take
   begin.resize(static_cast<std::size_t>(count) + 1, begin.back());
   constraints.assign(static_cast<std::size_t>(own), 0);
   constraints.resize(static_cast<std::size_t>(count), 1);
   std::vector<int> order(static_cast<std::size_t>(count));
   const int status =
       camd_order(count, begin.data(), rows.data(), order.data(), nullptr, nullptr, constraints.data());
-  for (const int unknown : around) local[unknown] = -1;
-  for (const int unknown : leaf) local[unknown] = -1;
   if (status == CAMD_OUT_OF_MEMORY) throw std::bad_alloc();
   std::vector<int> ordered;
   for (const int k : order)
@@ -141,36 +142,33 @@ class PlaceSet {
   int now_ = 0;
 };
 
-/// Supernodes of the places first … last−1, eliminated one by one (fundamental supernodes).
+/// Supernodes of the places first … last−1, eliminated one by one (fundamental supernodes). A place joins the
+/// supernode before it if it is that one's parent and has no row that is new.
 std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, PlaceSet& seen) {
   std::vector<Supernode> nodes;
   std::vector<std::vector<int>> children(static_cast<std::size_t>(last - first));
   for (int place = first; place < last; ++place) {
-    seen.clear();
+    const bool follows = !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_place() == place;
+    if (!follows) seen.clear();  // else these are the rows of the supernode before it
     seen.add(place);
+    const std::size_t known = seen.places().size();
     for (std::int64_t e = entries.begin[place]; e < entries.begin[place + 1]; ++e) seen.add(entries.row[e]);
     for (const int child : children[place - first])
       for (int r = nodes[child].columns; r < static_cast<int>(nodes[child].rows.size()); ++r)
         seen.add(nodes[child].rows[r]);
-    bool joins = false;
-    if (!nodes.empty() && nodes.back().first + nodes.back().columns == place) {
-      Supernode& before = nodes.back();
-      if (before.below() > 0 && before.parent_place() == place) {
-        for (int r = before.columns; r < static_cast<int>(before.rows.size()); ++r) seen.add(before.rows[r]);
-        joins = static_cast<int>(seen.places().size()) == before.below();
-        if (joins) ++before.columns;
-      }
+    if (follows && seen.places().size() == known) {
+      ++nodes.back().columns;
+      continue;
     }
-    if (!joins) {
-      nodes.push_back({place, 1, seen.places()});
-      std::sort(nodes.back().rows.begin(), nodes.back().rows.end());
-    }
-    // The open supernode's parent is known once the next place did not join it; one that is its own next place
-    // has been looked at above.
-    const auto open = static_cast<int>(nodes.size()) - (joins ? 1 : 2);
-    if (!joins && open >= 0 && nodes[open].below() > 0 && nodes[open].parent_place() != place &&
-        nodes[open].parent_place() < last)
-      children[nodes[open].parent_place() - first].push_back(open);
+    if (!nodes.empty() && !follows && nodes.back().below() > 0 && nodes.back().parent_place() < last)
+      children[nodes.back().parent_place() - first].push_back(static_cast<int>(nodes.size()) - 1);
+    std::vector<int> rows;
+    for (const int row : seen.places())
+      if (row >= place) rows.push_back(row);
+    std::sort(rows.begin(), rows.end());
+    seen.clear();
+    for (const int row : rows) seen.add(row);
+    nodes.push_back({place, 1, std::move(rows)});
   }
   return nodes;
 }
@@ -201,25 +199,62 @@ std::vector<Supernode> merge(std::vector<Supernode> nodes) {
   return merged;
 }
 
+/// The nodes of a forest, every subtree in one piece that ends with its root.
+std::vector<int> postorder(const std::vector<int>& parent) {
+  const auto count = static_cast<int>(parent.size());
+  std::vector<int> last_child(parent.size() + 1, -1), sibling_before(parent.size());
+  for (int node = 0; node < count; ++node) {
+    const int above = parent[node] < 0 ? count : parent[node];
+    sibling_before[node] = std::exchange(last_child[above], node);
+  }
+  std::vector<int> sequence(parent.size());
+  int node = last_child[count];
+  for (auto it = sequence.rbegin(); it != sequence.rend(); ++it) {
+    *it = node;
+    if (last_child[node] >= 0) {
+      node = last_child[node];
+      continue;
+    }
+    while (node >= 0 && sibling_before[node] < 0) node = parent[node];
+    if (node >= 0) node = sibling_before[node];
+  }
+  return sequence;
+}
+
+/// The first row below each column of the factor, -1 where there is none (Liu 1990, with compressed paths).
+std::vector<int> elimination_tree(const NormalMatrix& lower, const std::vector<int>& order,
+                                  const Context& context) {
+  // With the places counted from the last, columns of the lower triangle are what rows are otherwise.
+  const auto count = static_cast<int>(order.size());
+  std::vector<int> backwards(order.size());
+  for (int place = 0; place < count; ++place) backwards[order[place]] = count - 1 - place;
+  const LowerEntries rows = permute(lower, backwards, false, context);
+  std::vector<int> parent(order.size(), -1), ancestor(order.size(), -1);
+  for (int place = 0; place < count; ++place) {
+    const int row = count - 1 - place;
+    for (std::int64_t e = rows.begin[row]; e < rows.begin[row + 1]; ++e) {
+      int node = count - 1 - rows.row[e];
+      while (node >= 0 && node < place) {
+        const int above = std::exchange(ancestor[node], place);
+        if (above < 0) parent[node] = place;
+        node = above;
+      }
+    }
+  }
+  return parent;
+}
+
 /// The supernodes with every subtree in one piece: between those of a set, some may have parents further up
 /// than the others have. Rows stay ascending, for a supernode's rows are its ancestors' and those keep their
 /// order.
 SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const std::vector<int>& order) {
   const auto count = static_cast<int>(nodes.size());
-  std::vector<int> node_at(order.size());
+  std::vector<int> node_at(order.size()), parent(nodes.size(), -1);
   for (int node = 0; node < count; ++node)
     std::fill_n(node_at.begin() + nodes[node]->first, nodes[node]->columns, node);
-  std::vector<std::vector<int>> children(nodes.size() + 1);  // the last: roots
   for (int node = 0; node < count; ++node)
-    children[nodes[node]->below() > 0 ? node_at[nodes[node]->parent_place()] : count].push_back(node);
-  std::vector<int> sequence, stack = children.back();  // parents first, backwards
-  while (!stack.empty()) {
-    const int node = stack.back();
-    stack.pop_back();
-    sequence.push_back(node);
-    stack.insert(stack.end(), children[node].begin(), children[node].end());
-  }
-  std::reverse(sequence.begin(), sequence.end());
+    if (nodes[node]->below() > 0) parent[node] = node_at[nodes[node]->parent_place()];
+  const std::vector<int> sequence = postorder(parent);
 
   SupernodalPattern pattern;
   std::vector<int> new_place(order.size());
@@ -321,6 +356,20 @@ SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& d
   for (const std::vector<Supernode>& of_set : nodes)
     for (const Supernode& node : of_set) all.push_back(&node);
   return in_postorder(all, order);
+}
+
+SupernodalPattern find_supernodes(const NormalMatrix& lower, const std::vector<int>& order,
+                                  const Context& context) {
+  std::vector<int> in_tree_order = postorder(elimination_tree(lower, order, context)), place(order.size());
+  for (int& at : in_tree_order) at = order[at];
+  for (std::size_t p = 0; p < order.size(); ++p) place[in_tree_order[p]] = static_cast<int>(p);
+  const LowerEntries entries = permute(lower, place, false, context);
+  PlaceSet seen(order.size());
+  const std::vector<Supernode> nodes =
+      merge(eliminate_one_by_one(0, static_cast<int>(order.size()), entries, seen));
+  std::vector<const Supernode*> all;
+  for (const Supernode& node : nodes) all.push_back(&node);
+  return in_postorder(all, in_tree_order);
 }
 
 }  // namespace meshgraft

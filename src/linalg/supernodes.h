@@ -39,4 +39,10 @@ LowerEntries permute(const NormalMatrix& lower, std::span<const int> place, bool
 SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& dissection,
                                   const Context& context);
 
+/// Finds the supernodes of an elimination in a given order, merged in the same way. The pattern's order is
+/// another one with the same factor: a postorder of the elimination tree, which leaves columns of like rows
+/// side by side.
+SupernodalPattern find_supernodes(const NormalMatrix& lower, const std::vector<int>& order,
+                                  const Context& context);
+
 }  // namespace meshgraft

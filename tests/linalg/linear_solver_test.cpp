@@ -16,6 +16,8 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
+#include "matrix_families.h"
+
 namespace meshgraft {
 namespace {
 
@@ -187,7 +189,8 @@ NormalMatrix bilaplacian(const IndexLists& rings) {
 }
 
 TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
-  if (available_backends().front() != SolverBackend::cholmod) GTEST_SKIP() << "this build has no CHOLMOD";
+  if (available_backends().front() != SolverBackend::multifrontal)
+    GTEST_SKIP() << "this build has no multifrontal solver";
   for (const char* sample : {"bumpy_plane", "torus", "knot", "cylinder"}) {
     const Mesh mesh = make_sample(sample, 140);
     const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
@@ -195,7 +198,7 @@ TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
     std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
     std::iota(group.begin(), group.end(), Index{0});
     const auto analysed = [&](const CouplingGraph& graph) {
-      auto solver = make_solver(SolverBackend::cholmod);
+      auto solver = make_solver(SolverBackend::multifrontal);
       solver->analyse(matrix, graph);
       return solver->statistics();
     };
@@ -243,7 +246,8 @@ TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
 }
 
 TEST(NestedDissection, CutsAGraphOnceForSeveralSystems) {
-  if (available_backends().front() != SolverBackend::cholmod) GTEST_SKIP() << "this build has no CHOLMOD";
+  if (available_backends().front() != SolverBackend::multifrontal)
+    GTEST_SKIP() << "this build has no multifrontal solver";
   constexpr int k = 100;
   const IndexLists rings = grid_rings(k);
   const NormalMatrix matrix = grid_matrix(k);
@@ -349,20 +353,47 @@ TEST_P(EveryBackend, GivesTheSameBytesForAnyNumberOfThreadsAndColumns) {
 INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, testing::ValuesIn(available_backends()),
                          [](const auto& backend) {
                            switch (backend.param) {
-                             case SolverBackend::cholmod: return "cholmod";
+                             case SolverBackend::multifrontal: return "multifrontal";
                              case SolverBackend::eigen: return "eigen";
                              default: return "iterative";
                            }
                          });
 
 TEST(Backends, OneThatIsNotBuiltInIsRefusedByName) {
-  const auto backends = available_backends();
-  if (std::find(backends.begin(), backends.end(), SolverBackend::cholmod) != backends.end()) {
-    EXPECT_NO_THROW(make_solver(SolverBackend::cholmod));
-  } else {
-    EXPECT_THROW(make_solver(SolverBackend::cholmod), Error);
-  }
   EXPECT_NO_THROW(make_solver(SolverBackend::automatic));
+  const auto backends = available_backends();
+  if (std::find(backends.begin(), backends.end(), SolverBackend::multifrontal) != backends.end()) {
+    EXPECT_NO_THROW(make_solver(SolverBackend::multifrontal));
+    return;
+  }
+  try {
+    make_solver(SolverBackend::multifrontal);
+    FAIL() << "made a solver that is not there";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::input);
+    EXPECT_NE(error.remedy().find("'auto'"), std::string::npos) << error.remedy();
+    EXPECT_NE(error.remedy().find("MESHGRAFT_WITH_MULTIFRONTAL"), std::string::npos) << error.remedy();
+  }
+}
+
+TEST(Multifrontal, OrdersByMinimumDegreeOrLargeMatricesByNestedDissection) {
+  if (available_backends().front() != SolverBackend::multifrontal) GTEST_SKIP();
+  struct Case {
+    Index width, height;
+    const char* ordering;
+  };
+  for (const auto& [width, height, ordering] :
+       {Case{0, 0, "amd"}, {1, 1, "amd"}, {9, 30, "amd"}, {25, 400, "amd"}, {10, 5000, "metis"}}) {
+    const NormalMatrix matrix = lattice_matrix(width, height);
+    auto solver = make_solver(SolverBackend::multifrontal);
+    solver->analyse(matrix);
+    solver->factorise(matrix);
+    EXPECT_EQ(solver->statistics().backend, "multifrontal");
+    EXPECT_EQ(solver->statistics().ordering, ordering) << width * height;
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(matrix.rows(), -1, 3),
+                          rhs = matrix.selfadjointView<Eigen::Lower>() * x;
+    EXPECT_LE((solver->solve(rhs) - x).norm(), 1e-9 * x.norm()) << width * height;
+  }
 }
 
 TEST(SparseProducts, AgreeWithEigenAndDoNotDependOnThreads) {

@@ -17,14 +17,14 @@ namespace meshgraft {
 using NormalMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
 
 enum class SolverBackend {
-  automatic,  ///< CHOLMOD where it was built in, else Eigen
-  cholmod,    ///< supernodal Cholesky (SuiteSparse), minimum degree or, for large matrices, nested dissection
-  eigen,      ///< Eigen's simplicial Cholesky, approximate minimum degree
-  iterative,  ///< conjugate gradients, preconditioned by two grids: for regions that no factor fits
+  automatic,     ///< `multifrontal` where it was built in, else `eigen`
+  multifrontal,  ///< our Cholesky on dense fronts; minimum degree or, for large matrices, nested dissection
+  eigen,         ///< Eigen's simplicial Cholesky, approximate minimum degree
+  iterative,     ///< conjugate gradients, preconditioned by two grids: for regions that no factor fits
 };
 
 struct SolverStatistics {
-  std::string backend;   ///< "cholmod", "eigen" or "iterative"
+  std::string backend;   ///< "multifrontal", "eigen" or "iterative"
   std::string ordering;  ///< "dissection" (of a coupling graph), "metis" (of the matrix's own graph), "amd"; of
                          ///< the coarse matrix for "iterative", whose factor the next but two numbers describe
   std::int64_t unknowns = 0;

@@ -141,7 +141,7 @@ export const settingsTable: readonly Setting[] = [
     key: "backend", kind: "choice", label: "Solver", group: "solver", more: true, otherwise: "auto",
     choices: [
       { value: "auto", label: "Automatic" },
-      { value: "cholmod", label: "CHOLMOD" },
+      { value: "multifrontal", label: "Multifrontal" },
       { value: "eigen", label: "Eigen" },
       { value: "iterative", label: "Iterative (little memory)" },
     ],

@@ -1,0 +1,83 @@
+#include "linalg/graph_partition.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/samples/samples.h>
+
+#include "linalg/supernodes.h"
+#include "matrix_families.h"
+
+namespace meshgraft {
+namespace {
+
+std::vector<int> numbers_below(Eigen::Index count) {
+  std::vector<int> numbers(static_cast<std::size_t>(count));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
+
+TEST(NestedDissectionOrder, HasEveryUnknownOnceAndIsTheSameEveryTime) {
+  for (const NamedMatrix& family : matrix_families()) {
+    const std::vector<int> order = nested_dissection_order(family.lower);
+    EXPECT_EQ(nested_dissection_order(family.lower), order) << family.name;
+    std::vector<int> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_EQ(sorted, numbers_below(family.lower.rows())) << family.name;
+  }
+}
+
+TEST(NestedDissectionOrder, FillsAGridLessThanTheOrderOfItsRows) {
+  for (const Index reach : {1, 2}) {
+    const NormalMatrix lower = lattice_matrix(50, 50, reach);
+    EXPECT_LT(find_supernodes(lower, nested_dissection_order(lower), {}).flops(),
+              0.5 * find_supernodes(lower, numbers_below(lower.rows()), {}).flops());
+  }
+}
+
+TEST(CutGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
+  for (const char* sample : {"bumpy_plane", "torus", "knot"}) {
+    const Mesh mesh = make_sample(sample, 40);
+    const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
+    const std::vector<Index> group = numbers_below(mesh.vertex_count());
+    constexpr int levels = 3;
+    const GraphCuts cuts = cut_graph({group, &rings}, levels);
+    EXPECT_EQ(cut_graph({group, &rings}, levels).part, cuts.part) << sample;
+    ASSERT_EQ(cuts.levels, levels);
+    std::vector<int> size(1U << levels, 0);
+    int across = 0;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+      ASSERT_GE(cuts.part[v], 0);
+      ASSERT_LT(cuts.part[v], 1 << levels);
+      ++size[cuts.part[v]];
+      for (const Index w : rings[v]) across += cuts.part[v] != cuts.part[w] ? 1 : 0;
+    }
+    const auto [smallest, largest] = std::minmax_element(size.begin(), size.end());
+    EXPECT_LT(*largest, 1.3 * *smallest) << sample;
+    EXPECT_LT(across, 0.3 * static_cast<double>(rings.values.size())) << sample;
+  }
+}
+
+TEST(CutGraph, LeavesAGraphWholeThatIsToHaveOnePart) {
+  const Mesh mesh = make_sample("torus", 12);
+  const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
+  const GraphCuts cuts = cut_graph({numbers_below(mesh.vertex_count()), &rings}, 0);
+  EXPECT_EQ(cuts.part, std::vector<int>(static_cast<std::size_t>(mesh.vertex_count()), 0));
+}
+
+TEST(GraphPartition, StopsWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Context context{.threads = 1, .progress = {}, .stop_token = stop.get_token()};
+  const Mesh mesh = make_sample("torus", 12);
+  const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
+  EXPECT_THROW(cut_graph({numbers_below(mesh.vertex_count()), &rings}, 2, context), Error);
+  EXPECT_THROW(nested_dissection_order(lattice_matrix(9, 9), context), Error);
+}
+
+}  // namespace
+}  // namespace meshgraft
