@@ -39,6 +39,17 @@ EditStep parse_step(const Value& value) {
   return step;
 }
 
+// Of a step that could be read.
+void note_former_words(const Value& step, std::vector<std::string>& notes) {
+  if (!step.raw().contains("settings")) return;
+  const Value settings = step.member("settings");
+  if (!settings.raw().contains("backend")) return;
+  const Value backend = settings.member("backend");
+  if (backend.raw() == former_multifrontal)
+    notes.push_back(fmt::format("{}: the solver '{}' is called 'multifrontal' now, and that is what was used",
+                                backend.place(), former_multifrontal));
+}
+
 std::string parse_sha256(const Value& value) {
   const std::string& digits = value.string();
   if (digits.size() != 64 || digits.find_first_not_of("0123456789abcdef") != std::string::npos)
@@ -239,6 +250,7 @@ EditFile parse_version_2(const Value& root) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Value step = steps[i];
     edit.steps.push_back(parse_step(step));
+    note_former_words(step, edit.notes);
     if (!edit.steps.back().name.empty())
       require_new_name(step_names, edit.steps.back().name, step.member("name"));
   }

@@ -170,6 +170,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   EditResult result;
   EditReport& report = result.report;
   report.edit = edit.place;
+  report.notes = edit.notes;
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;
   report.seconds.triage = inputs.triage_seconds;

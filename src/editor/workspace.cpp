@@ -392,7 +392,8 @@ Json Workspace::summary() const {
   for (const Json& step : document_.json["steps"])
     steps.push_back(
         step_summary(step, steps.size() < stage_.found.size() ? stage_.found[steps.size()] : Json()));
-  Json settings = nullptr, symmetry = nullptr;
+  Json settings = nullptr, symmetry = nullptr, notes = document_.edit.notes;
+  for (const std::string& note : view_.notes()) notes.push_back(note);
   if (deform_in_work(document_.edit) != nullptr) {
     const Json& step = document_.json["steps"].back();
     settings = step["settings"];
@@ -421,7 +422,7 @@ Json Workspace::summary() const {
           {"counts", view_.counts()},
           {"settings", settings},
           {"symmetry", symmetry},
-          {"notes", view_.notes()},
+          {"notes", notes},
           {"selected", selection.vertices.size()},
           {"selected_on", selection.on->name},
           {"undo", history_.can_undo() ? Json(history_.label()) : Json()},

@@ -236,6 +236,30 @@ TEST_F(CommandLine, OptionsOverrideTheFile) {
   EXPECT_EQ(step["settings"]["iterations"], 3);
 }
 
+TEST_F(CommandLine, TheFormerNameOfASolverIsTakenWithANote) {
+  if (const Outcome built_in = run("deform edit.json -o o.ply --backend multifrontal"); built_in.status != 0) {
+    EXPECT_NE(built_in.err.find("MESHGRAFT_WITH_MULTIFRONTAL"), std::string::npos) << built_in.err;
+    GTEST_SKIP() << "this build has no multifrontal solver";
+  }
+  const Outcome asked = run("deform edit.json -o o.ply --json --backend cholmod");
+  ASSERT_EQ(asked.status, 0) << asked.err;
+  const json report = json::parse(asked.out);
+  EXPECT_EQ(report["solver"]["backend"], "multifrontal");
+  EXPECT_EQ(report["steps"][0]["settings"]["backend"], "multifrontal");
+  ASSERT_EQ(report["notes"].size(), 1U);
+  EXPECT_NE(report["notes"][0].get<std::string>().find("--backend"), std::string::npos) << report["notes"];
+  EXPECT_EQ(json::parse(run("deform edit.json -o o.ply --json --backend multifrontal").out)["notes"],
+            json::array());
+
+  json edit = json::parse(read_text(folder_ / "edit.json"));
+  for (json& step : edit["steps"]) step["settings"]["backend"] = "cholmod";
+  write("former.json", edit.dump());
+  const Outcome told = run("deform former.json -o o.ply");
+  ASSERT_EQ(told.status, 0) << told.err;
+  EXPECT_NE(told.out.find("note: former.json: steps[0].settings.backend"), std::string::npos) << told.out;
+  EXPECT_EQ(run("deform edit.json -o o.ply --backend cholesky").err.find("cholmod"), std::string::npos);
+}
+
 TEST_F(CommandLine, VersionOneFilesAreSolvedByFt05UnlessAskedOtherwise) {
   write("one.json", R"({"format": "meshgraft-edit", "version": 1, "kind": "deform", "mesh": "sheet.obj",
       "roi": "all", "fixed": [0, 1, 2, 3, 4, 5, 6, 7], "handles": [{"name": "h", "shape": "region",

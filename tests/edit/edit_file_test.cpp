@@ -244,6 +244,28 @@ TEST(EditFile, NamesTheFilesItNeeds) {
             (std::vector<std::string>{"folder/body.ply", "folder/a.txt", "folder/b.sel", "folder/c.def"}));
 }
 
+TEST(EditFile, ReadsTheFormerNameOfASolverAndSaysSo) {
+  const std::string former = R"("settings": {"backend": "cholmod"})",
+                    merge = R"({"format": "meshgraft-edit", "version": 2,
+      "inputs": {"a": {"file": "a.ply"}, "b": {"file": "b.ply"}},
+      "steps": [{"kind": "merge", "target": "a", "source": "b", )" +
+                            former + "}]}";
+  const EditFile edit = parse_edit(file_with_step(former), "edit.json");
+  EXPECT_EQ(first_step(edit).settings.deformer.backend, SolverBackend::multifrontal);
+  ASSERT_EQ(edit.notes.size(), 1U);
+  EXPECT_EQ(edit.notes[0].rfind("edit.json: steps[0].settings.backend: ", 0), 0U) << edit.notes[0];
+  EXPECT_NE(edit.notes[0].find("'multifrontal'"), std::string::npos) << edit.notes[0];
+  EXPECT_EQ(parse_edit(merge, "edit.json").notes.size(), 1U);
+
+  // It is written by its name of today, which needs no note.
+  const EditFile again = parse_edit(write_edit(edit), "edit.json");
+  EXPECT_EQ(first_step(again).settings.deformer.backend, SolverBackend::multifrontal);
+  EXPECT_TRUE(again.notes.empty());
+  EXPECT_TRUE(parse_edit(file_with_step(R"("settings": {"backend": "auto"})"), "edit.json").notes.empty());
+  EXPECT_NE(refusal(file_with_step(R"("settings": {"backend": "cholesky"})")).find("multifrontal"),
+            std::string::npos);
+}
+
 // The schema test runs over the same files with the same expectation.
 TEST(EditFile, AgreesWithTheSchemaOnTheCorpus) {
   int files = 0;

@@ -2,6 +2,7 @@
 #include "editor/journal.h"
 
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,28 @@ TEST(Journal, TellsEveryWholeLineWhereverItIsCut) {
     }
   }
   EXPECT_EQ(lines, recorded.documents.size());
+}
+
+// What sessions of version 0.1 left: documents and patches with a solver's former name.
+TEST(Journal, TellsDocumentsThatNameASolverAsItWasCalledBefore) {
+  Json settings = first_document().json;
+  settings["steps"][0]["settings"]["backend"] = "cholmod";
+  Json next = settings;
+  next["steps"][0]["settings"]["backend"] = "eigen";
+  const Json lines[] = {{{"format", "meshgraft-session"}, {"version", 1}, {"document", first_document().text}},
+                        {{"label", "settings"}, {"patch", Json::diff(first_document().json, settings)}},
+                        {{"label", "settings"}, {"patch", Json::diff(settings, next)}},
+                        {{"label", "settings"}, {"document", settings.dump()}}};
+  const char* backends[] = {"auto", "multifrontal", "eigen", "multifrontal"};
+  std::string text;
+  for (std::size_t line = 0; line < std::size(lines); ++line) {
+    text += lines[line].dump() + '\n';
+    const auto content = editor::read_journal(text);
+    ASSERT_TRUE(content.has_value());
+    EXPECT_EQ(content->changes, line);
+    const Document document = editor::parse_document(content->history.current(), {});
+    EXPECT_EQ(document.json["steps"][0]["settings"]["backend"], backends[line]);
+  }
 }
 
 TEST(Journal, EndsWhereItIsDamaged) {

@@ -57,6 +57,23 @@ double asymmetry(const std::vector<float>& shown, const std::vector<int>& vertic
   return largest;
 }
 
+TEST(EditorSettings, NoteWordsOfTheFileThatAreReadAsOthers) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  write_file_atomically(folder / "bar.json", R"({"format": "meshgraft-edit", "version": 2,
+      "inputs": {"bar": {"sample": "bar", "resolution": 12}},
+      "steps": [{"kind": "deform", "mesh": "bar", "settings": {"backend": "cholmod"}}]})");
+  page.ask({{"do", "open"}, {"path", (folder / "bar.json").string()}});
+  const Json opened = state(page);
+  EXPECT_EQ(opened["settings"]["backend"], "multifrontal");
+  EXPECT_EQ(opened["dirty"], false);
+  ASSERT_EQ(opened["notes"].size(), 1U);
+  EXPECT_NE(opened["notes"][0].get<std::string>().find("'multifrontal'"), std::string::npos) << opened["notes"];
+  page.ask({{"do", "settings"}, {"settings", {{"backend", "eigen"}}}});
+  EXPECT_TRUE(state(page)["notes"].empty());
+}
+
 TEST(EditorSymmetry, MovesTheTwinWhileItIsDragged) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});

@@ -256,7 +256,8 @@ struct EditFile {
   std::vector<EditInput> inputs;
   std::vector<NamedSelection> selections;
   std::vector<EditStep> steps;
-  std::string output;  ///< name of the mesh that is the result; empty = that of the last step
+  std::string output;              ///< name of the mesh that is the result; empty = that of the last step
+  std::vector<std::string> notes;  ///< sentences for people about words that are read as others
 
   std::string place;                  ///< what messages call the file
   std::filesystem::path base_folder;  ///< what its relative paths start from

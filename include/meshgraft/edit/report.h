@@ -98,7 +98,8 @@ struct StepReport {
 struct EditReport {
   std::string edit;                  ///< the edit file
   std::vector<std::string> outputs;  ///< files that were written
-  std::vector<std::string> notes;    ///< what of the result a file has no place for, in sentences
+  std::vector<std::string>
+      notes;  ///< on words of the edit file, and on what the result's file has no place for
   struct Input {
     std::string name, source;  ///< `source`: file or sample
     Index vertices = 0, faces = 0;
