@@ -36,6 +36,7 @@ struct RepairArguments {
        no_winding = false, keep_isolated = false;
   std::optional<double> weld_distance, debris_size;
   std::optional<int> hole_edges;
+  std::optional<HoleFill> hole_fill;
   bool dry_run = false, json = false, force = false;
 #ifdef MESHGRAFT_HAS_RENDER
   View view{.width = picture_width, .height = picture_height};
@@ -53,6 +54,7 @@ RepairOptions repair_options_of(const RepairArguments& arguments) {
   options.split_non_manifold = !arguments.no_split;
   options.unify_winding = !arguments.no_winding;
   if (arguments.hole_edges) options.hole_edges = arguments.hole_edges;
+  if (arguments.hole_fill) options.hole_fill = *arguments.hole_fill;
   options.remove_isolated = !arguments.keep_isolated;
   return options;
 }
@@ -215,6 +217,12 @@ void add_steps(CLI::App& command, RepairArguments& arguments) {
           "at most 0.5 % of the part's)")
       ->type_name("N")
       ->check(whole_number_from(0, 100000));
+  add_choice<HoleFill>(
+      command, "--hole-fill", arguments.hole_fill,
+      {{"plain", HoleFill::plain}, {"refined", HoleFill::refined}, {"faired", HoleFill::faired}},
+      "What closes a hole: plain triangles between the vertices around it (default), refined to edges as long "
+      "as "
+      "around it, or faired as well, so that the surface goes on smoothly");
   command.add_flag("--keep-isolated", arguments.keep_isolated, "Keep vertices that no face has");
 }
 

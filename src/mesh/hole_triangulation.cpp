@@ -1,38 +1,299 @@
 #include "hole_triangulation.h"
 
-#include <exception>
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
-#include <CGAL/utility.h>
-
-#include <meshgraft/mesh/repair.h>
+#include <Eigen/Geometry>
 
 namespace meshgraft {
 
-bool can_fill_holes() { return true; }
+namespace {
 
-std::vector<std::array<Index, 3>> triangulate_hole(const Points& polyline, const Points& beyond) {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  const auto points_of = [](const Points& points) {
-    std::vector<Kernel::Point_3> list;
-    for (const auto& point : points.rowwise()) list.emplace_back(point[0], point[1], point[2]);
-    return list;
+constexpr Index corridor_width = 3;  // how far the ends of a chord may move from one level to the next
+constexpr Index coarsest = 80;       // edges of a loop whose smooth triangulation is found in full
+constexpr int most_rounds = 1;       // of searches around the result before, on the finest level
+
+// Without those that are forbidden, which are sorted.
+std::vector<HoleChord> allowed(std::vector<HoleChord> chords, const std::vector<HoleChord>& forbidden) {
+  std::erase_if(chords, [&](const HoleChord& chord) {
+    return std::binary_search(forbidden.begin(), forbidden.end(), chord);
+  });
+  return chords;
+}
+
+std::vector<HoleChord> all_chords(Index n) {
+  std::vector<HoleChord> chords;
+  for (Index i = 0; i + 2 < n; ++i)
+    for (Index k = i + 2; k < n; ++k)
+      if (k - i < n - 1) chords.push_back({i, k});
+  return chords;
+}
+
+// All chords with both ends near those of an edge of the triangles.
+std::vector<HoleChord> corridor(Index n, const std::vector<HoleTriangle>& triangles, Index width) {
+  std::vector<HoleChord> chords;
+  const auto add_around = [&](Index a, Index b) {
+    for (Index i = a - width; i <= a + width; ++i) {
+      for (Index k = b - width; k <= b + width; ++k) {
+        const Index first = (i + n) % n, second = (k + n) % n;
+        const auto [low, high] = std::minmax(first, second);
+        if (high - low > 1 && high - low < n - 1) chords.push_back({low, high});
+      }
+    }
   };
-  std::vector<CGAL::Triple<int, int, int>> found;
-  try {
-    CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points_of(polyline), points_of(beyond),
-                                                             std::back_inserter(found));
-  } catch (const std::exception&) {
-    return {};  // a failed assertion of CGAL's, for points that it does not expect
+  for (const auto& [a, b, c] : triangles) {
+    add_around(a, b);
+    add_around(b, c);
+    add_around(a, c);
   }
-  std::vector<std::array<Index, 3>> triangles;
-  for (const auto& t : found) {
-    std::array<Index, 3> corners{t.first, t.second, t.third};
-    if (corners[0] > corners[1]) std::swap(corners[0], corners[1]);  // ascending is along the polyline
-    if (corners[1] > corners[2]) std::swap(corners[1], corners[2]);
-    if (corners[0] > corners[1]) std::swap(corners[0], corners[1]);
-    triangles.push_back(corners);
+  std::sort(chords.begin(), chords.end());
+  chords.erase(std::unique(chords.begin(), chords.end()), chords.end());
+  return chords;
+}
+
+// A loop without some of the vertices of the one below, and their indices there.
+struct CoarseLoop {
+  HoleLoop loop;
+  std::vector<Index> kept;
+};
+
+// Half of the vertices, those that matter least to the shape, no two of them neighbours.
+std::vector<Index> choose_kept(const Points& points) {
+  const auto n = static_cast<Index>(points.rows());
+  std::vector<double> weight(n);
+  for (Index k = 0; k < n; ++k) {
+    const Eigen::RowVector3d before = points.row((k + n - 1) % n) - points.row(k);
+    const Eigen::RowVector3d after = points.row((k + 1) % n) - points.row(k);
+    weight[k] = before.cross(after).norm();
+  }
+  std::vector<Index> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return weight[a] < weight[b]; });
+  std::vector<char> goes(n, 0);
+  for (const Index k : order)
+    if (!goes[(k + n - 1) % n] && !goes[(k + 1) % n]) goes[k] = 1;
+  std::vector<Index> kept;
+  for (Index k = 0; k < n; ++k)
+    if (!goes[k]) kept.push_back(k);
+  return kept;
+}
+
+CoarseLoop coarsen(const HoleLoop& fine) {
+  CoarseLoop coarse;
+  coarse.kept = choose_kept(fine.points);
+  const auto n = static_cast<Index>(coarse.kept.size());
+  coarse.loop.points.resize(n, 3);
+  for (Index k = 0; k < n; ++k) coarse.loop.points.row(k) = fine.points.row(coarse.kept[k]);
+  if (fine.beyond.rows() == 0) return coarse;
+  coarse.loop.beyond.resize(n, 3);
+  for (Index k = 0; k < n; ++k) {
+    // As far from the coarse edge's middle as they are from those of the fine edges, in the mean.
+    Eigen::RowVector3d offset = Eigen::RowVector3d::Zero();
+    const Index end = coarse.kept[(k + 1) % n];
+    for (Index j = coarse.kept[k]; j != end; j = (j + 1) % fine.size())
+      offset += fine.beyond.row(j) - (fine.points.row(j) + fine.points.row((j + 1) % fine.size())) / 2;
+    coarse.loop.beyond.row(k) = (coarse.loop.points.row(k) + coarse.loop.points.row((k + 1) % n)) / 2 + offset;
+  }
+  return coarse;
+}
+
+// The same triangles between the vertices of the finer loop, and one at each vertex that the coarser one lacks.
+std::vector<HoleTriangle> refine_triangles(const CoarseLoop& coarse, Index fine_size,
+                                           std::vector<HoleTriangle> triangles) {
+  for (HoleTriangle& triangle : triangles)
+    for (Index& corner : triangle) corner = coarse.kept[corner];
+  std::vector<char> is_kept(fine_size, 0);
+  for (const Index k : coarse.kept) is_kept[k] = 1;
+  for (Index k = 0; k < fine_size; ++k) {
+    if (is_kept[k]) continue;
+    HoleTriangle ear{(k + fine_size - 1) % fine_size, k, (k + 1) % fine_size};
+    std::sort(ear.begin(), ear.end());
+    triangles.push_back(ear);
+  }
+  return triangles;
+}
+
+// The neighbours of triangles across their edges.
+class Neighbours {
+ public:
+  explicit Neighbours(const std::vector<HoleTriangle>& triangles) {
+    edges_.reserve(3 * triangles.size());
+    for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t)
+      for (int k = 0; k < 3; ++k) edges_.push_back({edge_of(triangles[t], k), t});
+    std::sort(edges_.begin(), edges_.end());
+  }
+
+  // The edge of a triangle behind its k-th corner, the smaller vertex first.
+  static HoleChord edge_of(const HoleTriangle& triangle, int k) {
+    const auto [low, high] = std::minmax(triangle[k], triangle[(k + 1) % 3]);
+    return {low, high};
+  }
+
+  // On the other side of an edge; -1 where there is none.
+  Index across(const HoleChord& edge, Index triangle) const {
+    const auto first = std::lower_bound(edges_.begin(), edges_.end(), std::pair{edge, Index{-1}});
+    const auto second = first + 1;
+    if (first->second != triangle) return first->second;
+    return second != edges_.end() && second->first == edge ? second->second : -1;
+  }
+
+ private:
+  std::vector<std::pair<HoleChord, Index>> edges_;
+};
+
+Index third_corner(const HoleTriangle& triangle, const HoleChord& edge) {
+  return triangle[0] + triangle[1] + triangle[2] - edge[0] - edge[1];
+}
+
+// Some triangles that hang together, as a loop of their own with what is beyond it.
+struct Window {
+  std::vector<Index> triangles;
+  std::vector<Index> vertices;  // ascending, which is along the loop
+  HoleLoop loop;
+};
+
+class Folds {
+ public:
+  Folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden, std::vector<HoleTriangle>& triangles)
+      : loop_(loop), forbidden_(forbidden), triangles_(triangles), neighbours_(triangles) {}
+
+  // The triangle with the largest angle to a neighbour or to what is beyond the loop, and that bend.
+  std::pair<Index, double> worst() const {
+    std::pair<Index, double> worst{0, 0};
+    for (Index t = 0; t < static_cast<Index>(triangles_.size()); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const HoleChord edge = Neighbours::edge_of(triangles_[t], k);
+        const double here = bend_between(point(edge[0]), point(edge[1]),
+                                         point(third_corner(triangles_[t], edge)), beyond(edge, t));
+        if (here > worst.second) worst = {t, here};
+      }
+    return worst;
+  }
+
+  // Triangulates what is around a triangle anew, as well as can be.
+  void improve(Index start, Index size, const Context& context) {
+    const Window window = window_around(start, size);
+    const auto n = static_cast<Index>(window.vertices.size());
+    std::vector<HoleChord> chords = all_chords(n);
+    std::erase_if(chords, [&](const HoleChord& chord) {
+      return std::binary_search(forbidden_.begin(), forbidden_.end(),
+                                HoleChord{window.vertices[chord[0]], window.vertices[chord[1]]});
+    });
+    const std::vector<HoleTriangle> found = search_triangulation(window.loop, chords, HoleAim::angle, context);
+    if (found.size() != window.triangles.size()) return;
+    for (std::size_t t = 0; t < found.size(); ++t)
+      for (int k = 0; k < 3; ++k) triangles_[window.triangles[t]][k] = window.vertices[found[t][k]];
+    neighbours_ = Neighbours(triangles_);
+  }
+
+ private:
+  Eigen::Vector3d point(Index k) const { return loop_.points.row(k).transpose(); }
+
+  Eigen::Vector3d beyond(const HoleChord& edge, Index triangle) const {
+    const Index other = neighbours_.across(edge, triangle);
+    if (other >= 0) return point(third_corner(triangles_[other], edge));
+    if (loop_.beyond.rows() == 0) return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    return loop_.beyond.row(edge[1] - edge[0] == 1 ? edge[0] : edge[1]).transpose();
+  }
+
+  Window window_around(Index start, Index size) const {
+    Window window;
+    std::set<Index> reached{start};
+    window.triangles = {start};
+    for (std::size_t next = 0; next < window.triangles.size(); ++next)
+      for (int k = 0; k < 3 && static_cast<Index>(window.triangles.size()) < size; ++k) {
+        const Index t = window.triangles[next];
+        const Index other = neighbours_.across(Neighbours::edge_of(triangles_[t], k), t);
+        if (other >= 0 && reached.insert(other).second) window.triangles.push_back(other);
+      }
+    std::map<HoleChord, Index> border;  // edges with one triangle in the window, and that one
+    for (const Index t : window.triangles)
+      for (int k = 0; k < 3; ++k) {
+        const HoleChord edge = Neighbours::edge_of(triangles_[t], k);
+        if (!border.try_emplace(edge, t).second) border.erase(edge);
+        window.vertices.push_back(triangles_[t][k]);
+      }
+    std::sort(window.vertices.begin(), window.vertices.end());
+    window.vertices.erase(std::unique(window.vertices.begin(), window.vertices.end()), window.vertices.end());
+    const auto n = static_cast<Index>(window.vertices.size());
+    window.loop.points.resize(n, 3);
+    window.loop.beyond.resize(n, 3);
+    for (Index k = 0; k < n; ++k) {
+      const auto [low, high] = std::minmax(window.vertices[k], window.vertices[(k + 1) % n]);
+      window.loop.points.row(k) = loop_.points.row(window.vertices[k]);
+      window.loop.beyond.row(k) = beyond({low, high}, border.at({low, high})).transpose();
+    }
+    return window;
+  }
+
+  const HoleLoop& loop_;
+  const std::vector<HoleChord>& forbidden_;
+  std::vector<HoleTriangle>& triangles_;
+  Neighbours neighbours_;
+};
+
+// Where the largest angle is, triangulates the neighbourhood anew, as long as that makes it smaller.
+void improve_folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden,
+                   std::vector<HoleTriangle>& triangles, const Context& context) {
+  constexpr Index smallest = 24, largest = 96;
+  constexpr int most = 300;
+  Folds folds(loop, forbidden, triangles);
+  auto [triangle, bend] = folds.worst();
+  Index size = smallest;
+  for (int k = 0; k < most && size <= largest; ++k) {
+    context.throw_if_stopped();
+    folds.improve(triangle, size, context);
+    const auto [next, next_bend] = folds.worst();
+    size = next_bend < bend * (1 - 1e-9) ? smallest : 2 * size;
+    triangle = next;
+    bend = next_bend;
+  }
+  std::sort(triangles.begin(), triangles.end());
+}
+
+// Triangles of the loop near which the best ones are: those of a coarser loop, with the vertices that it lacks.
+std::vector<HoleTriangle> guide(const HoleLoop& loop, Index full_search, HoleAim aim, const Context& context) {
+  const CoarseLoop coarse = coarsen(loop);
+  const Index n = coarse.loop.size();
+  const std::vector<HoleChord> chords =
+      n <= full_search ? all_chords(n)
+                       : corridor(n, guide(coarse.loop, full_search, aim, context), corridor_width);
+  return refine_triangles(coarse, loop.size(), search_triangulation(coarse.loop, chords, aim, context));
+}
+
+std::vector<HoleTriangle> joined(std::vector<HoleTriangle> a, const std::vector<HoleTriangle>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+}  // namespace
+
+std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTriangulationOptions& options,
+                                           const Context& context) {
+  const Index n = loop.size();
+  if (n < 3 || !loop.points.allFinite()) return {};
+  if (n == 3) return {{0, 1, 2}};
+  std::vector<HoleChord> forbidden = options.forbidden;
+  std::sort(forbidden.begin(), forbidden.end());
+  if (n <= options.full_search)
+    return search_triangulation(loop, allowed(all_chords(n), forbidden), HoleAim::angle, context);
+
+  std::vector<HoleTriangle> near =
+      joined(guide(loop, coarsest, HoleAim::smooth, context), guide(loop, coarsest, HoleAim::area, context));
+  std::vector<HoleTriangle> triangles;
+  for (Index width = corridor_width; triangles.empty() && width < n; width *= 2)
+    triangles =
+        search_triangulation(loop, allowed(corridor(n, near, width), forbidden), HoleAim::angle, context);
+  if (triangles.empty()) return {};
+  for (int round = 0; round < most_rounds; ++round) {
+    improve_folds(loop, forbidden, triangles, context);
+    std::vector<HoleTriangle> next = search_triangulation(
+        loop, allowed(corridor(n, triangles, corridor_width), forbidden), HoleAim::angle, context);
+    if (next == triangles) break;
+    triangles = std::move(next);
   }
   return triangles;
 }

@@ -1,17 +1,29 @@
 #pragma once
 
-#include <array>
-#include <optional>
 #include <vector>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "hole_search.h"
 
 namespace meshgraft {
 
-/// Triangles over a closed polyline (k×3, k > 3), as places in it, wound as it runs: those with the smallest
-/// largest angle between neighbours, then the smallest area. `beyond` (k×3) has for each edge from a point to
-/// the next the corner of the face on its other side. Empty where there are none, or where the build cannot (no
-/// CGAL).
-std::vector<std::array<Index, 3>> triangulate_hole(const Points& polyline, const Points& beyond);
+struct HoleTriangulationOptions {
+  /// Edges that the surface has already between vertices of the loop, the smaller index of each first: they are
+  /// not made again. Edges of the loop do not count.
+  std::vector<HoleChord> forbidden{};
+  /// Loops of at most this many edges are searched in full; larger ones from coarse to fine.
+  Index full_search = 200;
+};
+
+/// Triangulates a closed polyline of n ≥ 3 points: n − 2 triangles, wound as it runs. The largest angle between
+/// the normals of neighbouring triangles, the faces beyond the loop included, is the smallest possible, and the
+/// area then the smallest (after Barequet & Sharir 1995 and Liepa 2003). Triangles without area are avoided
+/// where that can be. The optimum for loops of up to `full_search` edges; for larger ones the best near that of
+/// a coarser loop, which is nearly always as good. Empty for points that are not finite, and where forbidden
+/// edges leave nothing. The result does not depend on the number of threads. Throws Error(cancelled).
+std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTriangulationOptions& options = {},
+                                           const Context& context = {});
 
 }  // namespace meshgraft

@@ -74,7 +74,7 @@ RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Contex
     if (mend(surface, options)) continue;
     if (options.remove_debris && remove_debris(surface, options.debris_rel)) continue;
     if (options.unify_winding && unify_winding(surface)) continue;
-    if (options.hole_edges != 0 && fill_holes(surface, options.hole_edges)) continue;
+    if (options.hole_edges != 0 && fill_holes(surface, options)) continue;
     break;
   }
   context.step("repair", 1);

@@ -136,7 +136,7 @@ Index RepairSurface::add_vertices(std::span<const NewVertex> vertices) {
     mesh_.positions.row(v) = vertex.position;
     vertex_origin_.push_back(vertex.origin);
     const Between a = vertex_value_[vertex.from], b = vertex_value_[vertex.to];
-    vertex_value_.push_back(vertex.from == vertex.to ? a : Between{a.from, b.from, 0.5});
+    vertex_value_.push_back(vertex.from == vertex.to ? a : Between{a.from, b.from, vertex.t});
     stands_for_.push_back(v);
   }
   edges_.reset();

@@ -30,10 +30,11 @@ struct RepairFaces {
 };
 
 /// A vertex that a repair adds: a copy of `origin` in the given mesh, or (-1) a new one; its attributes are
-/// those half way between two vertices of the surface.
+/// (1 − t) × those of one vertex of the surface + t × those of another one.
 struct NewVertex {
   Eigen::RowVector3d position;
   Index origin = -1, from = -1, to = -1;
+  double t = 0.5;
 };
 
 /// A mesh under repair: vertices are united, copied and added, faces replaced; every element knows where it
@@ -124,7 +125,7 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance);
 bool split_non_manifold(RepairSurface& surface);
 bool remove_debris(RepairSurface& surface, double debris_rel);
 bool unify_winding(RepairSurface& surface);
-bool fill_holes(RepairSurface& surface, std::optional<Index> most_edges);
+bool fill_holes(RepairSurface& surface, const RepairOptions& options);
 
 /// How the half-edges of one place are to be joined: pairs, those first that run against each other and go on
 /// straightest. With an odd number one is left out.

@@ -186,7 +186,6 @@ TEST(Repair, WeldsWithinTheDistanceThatIsGiven) {
 }
 
 TEST(Repair, ClosesHolesThatAreAskedFor) {
-  if (!can_fill_holes()) GTEST_SKIP() << "this build has no CGAL";
   Mesh tube = shapes::tube(30, 8, true);
   tube.attributes = {numbered(Domain::vertex, "weight", 1, 270), numbered(Domain::face, "group", 1, 480),
                      numbered(Domain::corner, "uv", 2, 1440)};

@@ -10,6 +10,13 @@
 
 namespace meshgraft {
 
+/// What fills a hole. One choice and not two switches: a fill without inner vertices has nothing to be faired.
+enum class HoleFill {
+  plain,    ///< triangles between the vertices around it
+  refined,  ///< and vertices within, so that edges are about as long as around it
+  faired,   ///< and these moved so that the surface goes on smoothly
+};
+
 /// Which steps a repair takes, in their order, and how far each goes.
 struct RepairOptions {
   /// Faces that name a vertex which does not exist, vertices with a non-finite coordinate and their faces.
@@ -33,6 +40,8 @@ struct RepairOptions {
   /// Boundary loops of at most this many edges are closed. Absent: 24, and only where the hole's area is at
   /// most 0.5 % of its part's: an opening that is meant stays. 0: none.
   std::optional<Index> hole_edges{};
+  /// How holes of more than three edges are filled.
+  HoleFill hole_fill = HoleFill::plain;
   /// Vertices that no face has.
   bool remove_isolated = true;
 };
@@ -58,9 +67,6 @@ struct RepairResult {
   bool changed() const { return !changes.empty(); }
   const RepairChange* find(std::string_view name) const;
 };
-
-/// Whether this build can fill holes of more than three edges (needs CGAL, MESHGRAFT_WITH_CGAL_GPL).
-bool can_fill_holes();
 
 /// Makes a mesh that every command takes of one that may carry any defect (docs/repair.md): cleaned, welded,
 /// edges and vertices manifold, wound alike, small holes closed. Positions are kept, vertices and faces stay in
