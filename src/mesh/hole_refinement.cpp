@@ -18,9 +18,9 @@ namespace {
 
 using Eigen::RowVector3d;
 
-constexpr int most_rounds = 60;   // of splitting and flipping
-constexpr int most_sweeps = 100;  // of flips, which are far fewer
-constexpr int fairings = 2;       // the second one has the weights of a shape that is nearly right
+constexpr int most_refinement_rounds = 60;  // of splitting and flipping
+constexpr int most_sweeps = 100;            // of flips, which are far fewer
+constexpr int fairings = 2;                 // the second one has the weights of a shape that is nearly right
 
 double smallest_angle(const RowVector3d& a, const RowVector3d& b, const RowVector3d& c) {
   const auto angle = [](const RowVector3d& u, const RowVector3d& v) {
@@ -41,7 +41,7 @@ class Refinement {
 
   HolePatch run(const Context& context) {
     flip_edges(context);
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < most_refinement_rounds; ++round) {
       context.throw_if_stopped();
       if (!split_large()) break;
       flip_edges(context);

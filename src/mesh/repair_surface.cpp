@@ -66,7 +66,7 @@ Index RepairSurface::face_of(Index corner) const {
 namespace {
 
 // Newell's: twice the area long.
-Eigen::RowVector3d area_vector(const Mesh& mesh, Index f) {
+Eigen::RowVector3d face_area_vector(const Mesh& mesh, Index f) {
   const auto face = mesh.faces[f];
   Eigen::RowVector3d area = Eigen::RowVector3d::Zero();
   if (face.empty()) return area;
@@ -79,12 +79,12 @@ Eigen::RowVector3d area_vector(const Mesh& mesh, Index f) {
 }  // namespace
 
 Eigen::RowVector3d RepairSurface::face_normal(Index face) const {
-  const Eigen::RowVector3d area = area_vector(mesh_, face);
+  const Eigen::RowVector3d area = face_area_vector(mesh_, face);
   const double length = area.stableNorm();
   return length > 0 ? Eigen::RowVector3d(area / length) : Eigen::RowVector3d::Zero();
 }
 
-double RepairSurface::face_area(Index face) const { return area_vector(mesh_, face).norm() / 2; }
+double RepairSurface::face_area(Index face) const { return face_area_vector(mesh_, face).norm() / 2; }
 
 double RepairSurface::box_diagonal() const {
   Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -264,7 +264,7 @@ void RepairSurface::turn_normals(Attribute& attribute, const RepairResult& resul
   };
   std::vector<char> touched(result.mesh.vertex_count(), 0);
   for (Index f = 0; f < faces.size(); ++f) {
-    const Eigen::RowVector3d area = area_vector(result.mesh, f);
+    const Eigen::RowVector3d area = face_area_vector(result.mesh, f);
     if (attribute.domain == Domain::vertex) {
       for (const Index v : faces[f]) {
         side.row(v) += area;
