@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/refine.h>
 
+#include "damage.h"
 #include "expect_error.h"
 #include "temporary_folder.h"
 
@@ -19,6 +20,7 @@ namespace {
 
 using test::expect_error;
 using test::TemporaryFolder;
+using test::with_line_ends;
 
 /// A cube's corner with everything: seams, shared normals, groups, relative indices, lines of other kinds.
 const std::string rich =
@@ -51,12 +53,6 @@ const std::string rich =
     "p 1\n"
     "curv 0 1 1 2\n"
     "unheard-of 1 2 3\n";
-
-std::string obj_with_line_ends(const std::string& text, const std::string& line_end) {
-  std::string result;
-  for (const char c : text) result += c == '\n' ? line_end : std::string(1, c);
-  return result;
-}
 
 void expect_labels(const Mesh& mesh, const char* name, const std::vector<double>& values,
                    const std::vector<std::string>& labels) {
@@ -104,7 +100,7 @@ TEST(Obj, AllLineEndsReadAlikeAndComeBackByteForByte) {
       for (const bool last_line_end : {true, false}) {
         std::string file = rich;
         if (!last_line_end) file.pop_back();
-        file = mark + obj_with_line_ends(file, line_end);
+        file = mark + with_line_ends(file, line_end);
         const Mesh mesh = folder.mesh("in.obj", file);
         expect_rich_obj(mesh);
         EXPECT_EQ(folder.written(mesh, "out.obj"), file);
@@ -116,14 +112,14 @@ TEST(Obj, AllLineEndsReadAlikeAndComeBackByteForByte) {
 TEST(Obj, AnEditChangesTheWordsOfMovedCoordinatesOnly) {
   const TemporaryFolder folder;
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    Mesh mesh = folder.mesh("in.obj", obj_with_line_ends(rich, line_end));
+    Mesh mesh = folder.mesh("in.obj", with_line_ends(rich, line_end));
     mesh.positions(1, 1) = 1.0 / 3;
     mesh.positions(3, 2) = -2.5e-7;
     std::string expected = rich;
     expected.replace(expected.find("v 1.000 0 0 1 1 1"), 17, "v 1.000 0.3333333333333333 0 1 1 1");
     expected.replace(expected.find("v 0 1e0 -0\t.1"), 13, "v 0 1e0 -2.5e-07\t.1");
     const std::string written = folder.written(mesh, "out.obj");
-    EXPECT_EQ(written, obj_with_line_ends(expected, line_end));
+    EXPECT_EQ(written, with_line_ends(expected, line_end));
     EXPECT_TRUE(folder.mesh("again.obj", written).positions == mesh.positions);
   }
 }
@@ -467,8 +463,8 @@ TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
       {"no index", triangle + "f 1 2 x\n", {"line 4", "'x'"}},
       {"four parts", triangle + "f 1/1/1/1 2 3\n", {"line 4", "'1/1/1/1'"}},
       {"empty face", triangle + "f\n", {"line 4", "without corners"}},
-      {"after CR", obj_with_line_ends(triangle + "f 1 2 x\n", "\r"), {"line 4", "'x'"}},
-      {"after CRLF", obj_with_line_ends(triangle + "f 1 2 x\n", "\r\n"), {"line 4", "'x'"}},
+      {"after CR", with_line_ends(triangle + "f 1 2 x\n", "\r"), {"line 4", "'x'"}},
+      {"after CRLF", with_line_ends(triangle + "f 1 2 x\n", "\r\n"), {"line 4", "'x'"}},
       {"two coordinates", "v 0 0 0\nv 1 2\n", {"line 2", "x, y and z"}},
       {"too many values", "v 1 2 3 4 5 6 7 8\n", {"line 1", "more than 7"}},
       {"no number", "v 0 zero 0\n", {"line 1", "'zero'"}},

@@ -17,7 +17,7 @@ namespace {
 
 using test::expect_damage_is_survived;
 using test::expect_error;
-using test::off_with_line_ends;
+using test::with_line_ends;
 using test::TemporaryFolder;
 
 const std::string off_square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
@@ -66,7 +66,7 @@ TEST(Off, WithoutAnEditAFileComesBackByteForByte) {
   const TemporaryFolder folder;
   for (const std::string& file : files()) {
     for (const char* line_end : {"\n", "\r\n", "\r"}) {
-      const std::string content = off_with_line_ends(file, line_end);
+      const std::string content = with_line_ends(file, line_end);
       SCOPED_TRACE(content);
       EXPECT_EQ(folder.written(folder.mesh("in.off", content), "out.off"), content);
     }
@@ -268,8 +268,8 @@ std::vector<BadOff> bad_off_files() {
       {"five colours", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 3 4 5\n", {"line 4", "face 0", "no colour"}},
       {"too bright", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 256\n", {"line 4", "face 0", "255"}},
       {"a word as colour", "OFF\n1 1 0\n0 0 0\n3 0 0 0 red\n", {"line 4", "colour of face 0", "'red'"}},
-      {"line after CR", off_with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r"), {"line 3", "'zero'"}},
-      {"line after CRLF", off_with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r\n"), {"line 3", "'zero'"}},
+      {"line after CR", with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r"), {"line 3", "'zero'"}},
+      {"line after CRLF", with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r\n"), {"line 3", "'zero'"}},
   };
 }
 

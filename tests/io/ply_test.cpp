@@ -13,6 +13,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/samples/samples.h>
 
+#include "damage.h"
 #include "expect_error.h"
 #include "temporary_folder.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 using test::expect_error;
 using test::TemporaryFolder;
+using test::with_line_ends;
 
 /// Bytes of a binary body.
 class Bytes {
@@ -111,12 +113,6 @@ std::string rich_ascii() {
          "0 3\n";
 }
 
-std::string ply_with_line_ends(std::string text, const std::string& line_end) {
-  std::string result;
-  for (const char c : text) result += c == '\n' ? line_end : std::string(1, c);
-  return result;
-}
-
 void expect_rich_ply(const Mesh& mesh) {
   ASSERT_EQ(mesh.vertex_count(), 4);
   ASSERT_EQ(mesh.face_count(), 2);
@@ -156,7 +152,7 @@ TEST(Ply, AllEncodingsAndLineEndsReadAlikeAndComeBackByteForByte) {
   const TemporaryFolder folder;
   std::vector<std::string> files = {rich_binary(false), rich_binary(true)};
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    files.push_back(ply_with_line_ends(rich_ascii(), line_end));
+    files.push_back(with_line_ends(rich_ascii(), line_end));
     files.push_back("\xEF\xBB\xBF" + files.back());
   }
   std::string no_last_line_end = rich_ascii();
@@ -179,7 +175,7 @@ TEST(Ply, BinaryHeadersMayEndTheirLinesInAnyWay) {
       "property float x\nproperty float y\nproperty float z\nend_header\n";
   const std::string data = "\n" + Bytes(false).put({1.f, 2.f, 3.f}).text();
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    const std::string file = ply_with_line_ends(header, line_end) + data;
+    const std::string file = with_line_ends(header, line_end) + data;
     const Mesh mesh = folder.mesh("in.ply", file);
     EXPECT_EQ(mesh.positions, (Points(1, 3) << 1, 2, 3).finished());
     EXPECT_EQ(mesh.find_attribute(Domain::vertex, "red")->values, std::vector<double>{10});
@@ -210,13 +206,13 @@ TEST(Ply, AnEditChangesTheBytesOfMovedCoordinatesOnly) {
 
 TEST(Ply, AnEditOfTextChangesTheWordsOfMovedCoordinatesOnly) {
   const TemporaryFolder folder;
-  Mesh mesh = folder.mesh("in.ply", ply_with_line_ends(rich_ascii(), "\r\n"));
+  Mesh mesh = folder.mesh("in.ply", with_line_ends(rich_ascii(), "\r\n"));
   mesh.positions(1, 0) = 0.1;
   mesh.positions(3, 2) = -2;
   std::string expected = rich_ascii();
   expected.replace(expected.find("  1.1 0.1 0 0"), 13, "  0.1 0.1 0 0");
   expected.replace(expected.find("0.30000000000000004 1 0"), 23, "0.30000000000000004 1 -2");
-  EXPECT_EQ(folder.written(mesh, "out.ply"), ply_with_line_ends(expected, "\r\n"));
+  EXPECT_EQ(folder.written(mesh, "out.ply"), with_line_ends(expected, "\r\n"));
 }
 
 TEST(Ply, NewNormalsAndOtherAttributeValuesAreWritten) {
@@ -444,8 +440,8 @@ std::vector<BadPly> bad_ply_files() {
       {"no number", vertices("0 zero 0\n"), {"line 8", "'y'", "'zero'", "not a number"}},
       {"decimal comma", vertices("0,5 1 2\n"), {"line 8", "'0,5'", "decimal point"}},
       {"too large", vertices("1e39 1 2\n"), {"line 8", "'1e39'", "range"}},
-      {"line after CR", ply_with_line_ends(vertices("0 zero 0\n"), "\r"), {"line 8", "'zero'"}},
-      {"line after CRLF", ply_with_line_ends(vertices("0 zero 0\n"), "\r\n"), {"line 8", "'zero'"}},
+      {"line after CR", with_line_ends(vertices("0 zero 0\n"), "\r"), {"line 8", "'zero'"}},
+      {"line after CRLF", with_line_ends(vertices("0 zero 0\n"), "\r\n"), {"line 8", "'zero'"}},
       {"negative list", faces("-1 0 0\n"), {"line 11", "negative"}},
       {"negative binary list", negative_list, {"face 0", "byte", "negative"}},
       {"overlong list", faces("2000000000 0 0\n", "int int"), {"line 11", "longer than the rest"}},

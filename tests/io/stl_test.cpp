@@ -21,7 +21,7 @@ namespace {
 
 using test::expect_damage_is_survived;
 using test::expect_error;
-using test::stl_with_line_ends;
+using test::with_line_ends;
 using test::TemporaryFolder;
 
 using Facet = std::array<float, 12>;
@@ -72,8 +72,8 @@ std::vector<std::string> files() {
           binary({}),
           binary({Facet{nan, 0, 0, nan, 0, 0, nan, 0, 0, INFINITY, 1, 0}}),
           ascii,
-          stl_with_line_ends(ascii, "\r\n"),
-          stl_with_line_ends(ascii, "\r"),
+          with_line_ends(ascii, "\r\n"),
+          with_line_ends(ascii, "\r"),
           "\xEF\xBB\xBF" + ascii,
           "solid\nendsolid\n"};
 }
@@ -276,7 +276,7 @@ std::vector<BadStl> bad_stl_files() {
       {"bad normal", with("0 0 1.0", "0 0 up"), {"line 2", "'up'", "normal"}},
       {"too few numbers", with("vertex 1e0 0 0", "vertex 1e0 0"), {"line 6", "'vertex'"}},
       {"something behind", ascii + " x\nmore", {"line 15", "'more'", "'solid'"}},
-      {"line after CR", stl_with_line_ends(with("1e0", "one"), "\r"), {"line 5", "'one'"}},
+      {"line after CR", with_line_ends(with("1e0", "one"), "\r"), {"line 5", "'one'"}},
   };
 }
 

@@ -16,9 +16,9 @@ namespace {
 
 using test::HoleCase;
 using test::HoleCost;
-using Faces = std::vector<HoleTriangle>;
+using HoleTriangles = std::vector<HoleTriangle>;
 
-Faces fill(const HoleCase& hole, const HoleTriangulationOptions& options = {}, const Context& context = {}) {
+HoleTriangles fill(const HoleCase& hole, const HoleTriangulationOptions& options = {}, const Context& context = {}) {
   return triangulate_hole({hole.points, hole.beyond}, options, context);
 }
 
@@ -38,7 +38,7 @@ HoleCase random_hole(Index n, unsigned seed) {
 
 // Calls `visit` for every triangulation of the vertices from `from` to `to`, behind those in `made`.
 template <class Visit>
-void for_each_triangulation(std::vector<HoleChord> open, Faces& made, const Visit& visit) {
+void for_each_triangulation(std::vector<HoleChord> open, HoleTriangles& made, const Visit& visit) {
   while (!open.empty() && open.back()[1] - open.back()[0] == 1) open.pop_back();
   if (open.empty()) return visit(made);
   const auto [from, to] = open.back();
@@ -53,7 +53,7 @@ void for_each_triangulation(std::vector<HoleChord> open, Faces& made, const Visi
   }
 }
 
-bool uses(const Faces& faces, const HoleChord& chord) {
+bool uses(const HoleTriangles& faces, const HoleChord& chord) {
   return std::any_of(faces.begin(), faces.end(), [&](const HoleTriangle& face) {
     return std::count(face.begin(), face.end(), chord[0]) + std::count(face.begin(), face.end(), chord[1]) == 2;
   });
@@ -61,8 +61,8 @@ bool uses(const Faces& faces, const HoleChord& chord) {
 
 HoleCost best_of_all(const HoleCase& hole, const std::vector<HoleChord>& forbidden) {
   HoleCost best{std::numeric_limits<double>::infinity(), 0};
-  Faces made;
-  for_each_triangulation({{0, hole.size() - 1}}, made, [&](const Faces& faces) {
+  HoleTriangles made;
+  for_each_triangulation({{0, hole.size() - 1}}, made, [&](const HoleTriangles& faces) {
     for (const HoleChord& chord : forbidden)
       if (uses(faces, chord)) return;
     const HoleCost cost = hole_cost(hole, faces);
@@ -86,7 +86,7 @@ TEST(HoleTriangulation, IsTheBestOfAll) {
       const HoleCase hole = random_hole(n, seed);
       expect_equal(hole_cost(hole, fill(hole)), best_of_all(hole, {}));
       const std::vector<HoleChord> forbidden{{0, 2}, {1, n - 1}};
-      const Faces faces = fill(hole, {.forbidden = forbidden});
+      const HoleTriangles faces = fill(hole, {.forbidden = forbidden});
       if (n == 4) {
         EXPECT_TRUE(faces.empty());  // both diagonals are there
         continue;
@@ -102,7 +102,7 @@ TEST(HoleTriangulation, KeepsForbiddenEdgesOutOfLargeHoles) {
   for (const auto& [a, b, c] : fill(hole))
     if (c - a > 40 && c - a < 360) forbidden.push_back({a, c});
   ASSERT_FALSE(forbidden.empty());
-  const Faces faces = fill(hole, {.forbidden = forbidden});
+  const HoleTriangles faces = fill(hole, {.forbidden = forbidden});
   EXPECT_EQ(test::hole_faults(hole.size(), faces), "");
   for (const HoleChord& chord : forbidden) EXPECT_FALSE(uses(faces, chord));
 }

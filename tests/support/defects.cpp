@@ -40,9 +40,9 @@ Index add_vertex(Mesh& mesh, const Eigen::RowVector3d& point) {
 }
 
 // Not std::uniform_int_distribution: libraries differ in it.
-class Random {
+class RandomDamage {
  public:
-  explicit Random(unsigned seed) : engine_(seed) {}
+  explicit RandomDamage(unsigned seed) : engine_(seed) {}
   Index below(Index n) { return static_cast<Index>(engine_() % static_cast<unsigned>(n)); }
   double symmetric() { return static_cast<double>(engine_()) / 2147483647.5 - 1; }
 
@@ -52,7 +52,7 @@ class Random {
 
 // `count` different faces far enough from each other to share no vertex.
 std::vector<Index> spread_faces(const Mesh& mesh, int count, unsigned seed) {
-  Random random(seed);
+  RandomDamage random(seed);
   std::vector<char> used(mesh.vertex_count(), 0);
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
   std::vector<Index> chosen;
@@ -211,7 +211,7 @@ Mesh as_soup(const Mesh& mesh) {
 }
 
 Mesh with_noise(Mesh mesh, double size_rel, unsigned seed) {
-  Random random(seed);
+  RandomDamage random(seed);
   const double size = size_rel * box_diagonal(mesh);
   for (Eigen::Index k = 0; k < mesh.positions.size(); ++k)
     mesh.positions.data()[k] += size * random.symmetric();
@@ -317,7 +317,7 @@ Mesh with_t_junctions(const Mesh& mesh, int count, unsigned seed) {
 
 Mesh with_floating_bits(const Mesh& mesh, int count, unsigned seed) {
   Mesh result = with_faces(mesh, faces_of(mesh));
-  Random random(seed);
+  RandomDamage random(seed);
   const double size = box_diagonal(mesh);
   const Eigen::RowVector3d centre =
       (mesh.positions.colwise().maxCoeff() + mesh.positions.colwise().minCoeff()) / 2;
@@ -384,7 +384,7 @@ Mesh with_non_finite(Mesh mesh, int count, unsigned seed) {
 
 Mesh with_bad_indices(const Mesh& mesh, int count, unsigned seed) {
   Mesh result = with_faces(mesh, faces_of(mesh));
-  Random random(seed);
+  RandomDamage random(seed);
   for (int k = 0; k < count; ++k)
     result.faces.push_back(Face{random.below(mesh.vertex_count()), k % 2 ? -1 : mesh.vertex_count() + k,
                                 random.below(mesh.vertex_count())});
@@ -393,7 +393,7 @@ Mesh with_bad_indices(const Mesh& mesh, int count, unsigned seed) {
 
 Mesh with_isolated(const Mesh& mesh, int count, unsigned seed) {
   Mesh result = with_faces(mesh, faces_of(mesh));
-  Random random(seed);
+  RandomDamage random(seed);
   for (int k = 0; k < count; ++k)
     add_vertex(result, Eigen::RowVector3d(random.symmetric(), random.symmetric(), random.symmetric()));
   return result;
