@@ -280,7 +280,7 @@ class Search {
 
   template <class Visit>
   void for_each_side(const std::vector<Index>& level, const Visit& visit) {
-    constexpr std::size_t grain = 8;
+    constexpr std::size_t grain = 64;  // threads are not worth waiting for with fewer
     parallel_blocks(
         level.size(),
         [&](std::size_t begin, std::size_t end) {

@@ -1,12 +1,16 @@
 #include "hole_triangulation.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include <Eigen/Geometry>
+
+#include <meshgraft/core/parallel.h>
 
 namespace meshgraft {
 
@@ -264,11 +268,6 @@ std::vector<HoleTriangle> guide(const HoleLoop& loop, Index full_search, HoleAim
   return refine_triangles(coarse, loop.size(), search_triangulation(coarse.loop, chords, aim, context));
 }
 
-std::vector<HoleTriangle> joined(std::vector<HoleTriangle> a, const std::vector<HoleTriangle>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
 }  // namespace
 
 std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTriangulationOptions& options,
@@ -281,8 +280,16 @@ std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTrian
   if (n <= options.full_search)
     return search_triangulation(loop, allowed(all_chords(n), forbidden), HoleAim::angle, context);
 
-  std::vector<HoleTriangle> near =
-      joined(guide(loop, coarsest, HoleAim::smooth, context), guide(loop, coarsest, HoleAim::area, context));
+  std::array<std::vector<HoleTriangle>, 2> guides;
+  constexpr std::array aims{HoleAim::smooth, HoleAim::area};
+  parallel_blocks(
+      aims.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) guides[k] = guide(loop, coarsest, aims[k], context);
+      },
+      context, 1);
+  std::vector<HoleTriangle> near = std::move(guides[0]);
+  near.insert(near.end(), guides[1].begin(), guides[1].end());
   std::vector<HoleTriangle> triangles;
   for (Index width = corridor_width; triangles.empty() && width < n; width *= 2)
     triangles =

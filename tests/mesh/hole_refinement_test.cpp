@@ -90,8 +90,8 @@ TEST(HoleRefinement, InterpolatesAttributes) {
   Attribute height{.name = "height"};
   for (Index v = 0; v < open.vertex_count(); ++v) height.values.push_back(open.positions(v, 2));
   double low = 1;
-  const std::vector<std::vector<Index>> loops = boundary_loops(open);
-  for (const Index v : loops.front()) low = std::min(low, open.positions(v, 2));
+  const std::vector<Index> loop = boundary_loops(open).front();
+  for (const Index v : loop) low = std::min(low, open.positions(v, 2));
   open.attributes = {height};
   const RepairResult result = repair(open, {.hole_edges = 60, .hole_fill = HoleFill::refined});
   for (Index v = 0; v < result.mesh.vertex_count(); ++v)

@@ -73,7 +73,7 @@ HoleCost best_of_all(const HoleCase& hole, const std::vector<HoleChord>& forbidd
 }
 
 TEST(HoleTriangulation, CoversEveryFamily) {
-  for (const HoleCase& hole : test::hole_cases(600)) {
+  for (const HoleCase& hole : test::hole_cases(300)) {
     SCOPED_TRACE(hole.name());
     EXPECT_EQ(test::hole_faults(hole.size(), fill(hole)), "");
   }
