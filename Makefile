@@ -14,7 +14,7 @@ BENCH_ARGS ?=
 FUZZ_SECONDS ?= 60
 
 .DEFAULT_GOAL := help
-.PHONY: help demo edit test build install lint format bench bench-page asan tsan fuzz docs-pictures clean
+.PHONY: help demo edit test test-long build install lint format bench bench-page asan tsan fuzz docs-pictures clean
 
 help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
@@ -29,6 +29,12 @@ edit: build ## the editor in the browser: make edit MODEL=model.ply, or without 
 test: ## all tests: with and without the optional libraries, sanitizers, layers, installed package
 	@tools/bootstrap.sh build test
 	@python3 tools/run_tests.py
+
+test-long: ## the tests of large meshes, which make test leaves out
+	@tools/bootstrap.sh build test
+	@cmake --preset release -DMESHGRAFT_BUILD_TESTS=ON
+	@cmake --build --preset release
+	@ctest --preset long
 
 build: ## the program: build/release/meshgraft
 	@tools/bootstrap.sh build
