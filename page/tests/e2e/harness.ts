@@ -207,6 +207,12 @@ export class Person {
     );
   }
 
+  /** Waits until the page is connected and painted: Chromium drops what the pointer does before. */
+  async ready(): Promise<void> {
+    await this.page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    await this.page.waitForFunction(() => performance.getEntriesByName("first-contentful-paint").length > 0);
+  }
+
   /** Waits until the page has opened what was named on the command line. */
   async opened(): Promise<void> {
     await this.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
@@ -264,7 +270,7 @@ export class Stage {
     const person = new Person(page);
     await options.before?.(page);
     await page.goto(engine.url);
-    await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    await person.ready();
     if (models.length > 0) await person.opened();
     return new Stage(folder, browser, engine, person);
   }
@@ -289,7 +295,7 @@ export class Stage {
   async tab(): Promise<Person> {
     const person = new Person(await this.person.page.context().newPage());
     await person.page.goto(this.engine.url);
-    await person.page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
+    await person.ready();
     return person;
   }
 
