@@ -77,6 +77,18 @@ function spotOf(person: Person, mesh: number, vertex: number): Promise<Point> {
   );
 }
 
+/** Moves the pointer to a loop until it lights up: the view may still be moving. */
+async function hoverOverLoop(person: Person, mesh: number, loop: number): Promise<Point> {
+  for (let patience = 20; ; --patience) {
+    const at = await spotOnLoop(person, mesh, loop);
+    await person.page.mouse.move(...at);
+    const isLit = () => window.meshgraft.editor.graft.hovered.value !== null;
+    const lit = await person.page.waitForFunction(isLit, undefined, { timeout: 1000 }).catch(() => undefined);
+    if (lit !== undefined) return at;
+    if (patience === 0) throw new Error(`loop ${loop} does not light up under the pointer`);
+  }
+}
+
 /** A place on a loop that nothing hides: the vertex nearest to the eye. */
 function spotOnLoop(person: Person, mesh: number, loop: number): Promise<Point> {
   return person.page.evaluate(
@@ -189,10 +201,7 @@ test("pairs the bracket's loops with the posts' by clicks", async () => {
   for (const [target, source] of pairs) {
     await person.page.evaluate(() => (window.meshgraft.editor.graft.arrangement.value = "apart"));
     await person.page.waitForTimeout(700);
-    const a = await spotOnLoop(person, model, target);
-    await person.page.mouse.move(...a);
-    await person.page.waitForFunction(() => window.meshgraft.editor.graft.hovered.value !== null);
-    await person.clickAt(a);
+    await person.clickAt(await hoverOverLoop(person, model, target));
     await person.page.waitForFunction(() => window.meshgraft.editor.graft.picked.value !== null);
     await person.clickAt(await spotOnLoop(person, part, source));
     await person.page.waitForFunction(() => window.meshgraft.editor.isIdle());
