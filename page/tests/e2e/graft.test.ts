@@ -102,8 +102,9 @@ function spotOnLoop(person: Person, mesh: number, loop: number): Promise<Point> 
         if (place === undefined) continue;
         const far = place.distanceTo(viewport.camera.position);
         if (far >= nearest) continue;
-        nearest = far;
         const { x, y } = viewport.project(place);
+        if (document.elementFromPoint(x, y) !== viewport.canvas) continue; // a panel lies over it
+        nearest = far;
         best = [x, y];
       }
       return best;
