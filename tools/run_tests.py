@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # Preset of CMakePresets.json: what it is for.
 CONFIGURATIONS = {
-    "release": "everything",
+    "release": "everything but the few tests on large meshes (make test-long)",
     "minimal": "the solver and all above it without the optional libraries",
     "asan": "the tests labelled small, with address and undefined-behaviour sanitizers",
     "tsan": "the tests labelled threads, with the thread sanitizer",

@@ -228,7 +228,7 @@ FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::
   rounding_ = rounding_of_heights(tree_->box(Bvh::root));
 }
 
-// Of leaves, and of every third level above them as far as surfaces are flat as a rule.
+// Makes slabs of leaves, and of every third level above them as far as surfaces are flat as a rule.
 const std::vector<Slab>& FreeSurface::slabs(const Context& context) const {
   std::call_once(slabs_made_, [&] {
     std::vector<Slab> made(static_cast<std::size_t>(tree_->node_count()));

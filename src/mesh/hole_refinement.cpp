@@ -206,7 +206,7 @@ Sparse laplacian(const Points& points, const std::vector<HoleTriangle>& faces, I
   return matrix;
 }
 
-// What the factorisation owns while it cannot be interrupted.
+// The factorisation owns this while it cannot be interrupted.
 struct FairingSystem {
   Sparse matrix;
   Eigen::MatrixXd right;
