@@ -10,7 +10,8 @@
 
 namespace meshgraft {
 
-/// Says what fills a hole. It is one choice and not two switches: a fill without inner vertices has nothing to be faired.
+/// Says what fills a hole. It is one choice and not two switches: a fill without inner vertices has nothing to
+/// be faired.
 enum class HoleFill {
   plain,    ///< triangles between the vertices around it
   refined,  ///< and vertices within, so that edges are about as long as around it
