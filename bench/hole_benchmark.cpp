@@ -7,31 +7,14 @@
 
 #include <fmt/format.h>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
-
 #include "mesh/hole_triangulation.h"
+#include "support/cgal_holes.h"
 #include "support/hole_families.h"
 
 namespace {
 
 using namespace meshgraft;
 using Triangles = std::vector<HoleTriangle>;
-
-Triangles cgal_triangles(const test::HoleCase& hole) {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  const auto points_of = [](const Points& points) {
-    std::vector<Kernel::Point_3> list;
-    for (const auto& point : points.rowwise()) list.emplace_back(point[0], point[1], point[2]);
-    return list;
-  };
-  std::vector<CGAL::Triple<int, int, int>> found;
-  CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points_of(hole.points), points_of(hole.beyond),
-                                                           std::back_inserter(found));
-  Triangles triangles;
-  for (const auto& t : found) triangles.push_back({t.first, t.second, t.third});
-  return triangles;
-}
 
 struct Run {
   Triangles triangles;
@@ -69,7 +52,7 @@ int main(int count, char** arguments) {
   for (const test::HoleCase& hole : test::hole_cases(most)) {
     if (!family.empty() && hole.family != family) continue;
     const Run ours = timed([&] { return triangulate_hole({hole.points, hole.beyond}); });
-    const Run theirs = timed([&] { return cgal_triangles(hole); });
+    const Run theirs = timed([&] { return test::cgal_hole_triangles(hole); });
     const std::string faults = test::hole_faults(hole.size(), ours.triangles);
     const bool answered = !theirs.triangles.empty();
     const test::HoleCost our_cost = hole_cost(hole, ours.triangles),

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures of README and docs again: each example before and after, those of docs/method.md, and the tour of
-# docs/editor.md. make docs-pictures builds the program first.
+# Makes the pictures of README and docs again: each example before and after, those of docs/method.md, docs/files.md
+# and docs/repair.md, and the tour of docs/editor.md. make docs-pictures builds the program first.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=build/release/meshgraft
@@ -40,4 +40,5 @@ shapes bracket_on_posts "0.5 -1 0.6"
 
 python3 tools/method_pictures.py "$program" docs/images
 python3 tools/defect_pictures.py "$program" docs/images
+python3 tools/repair_pictures.py "$program" docs/images
 [ "$made" -gt 0 ] || { echo "docs_pictures: no edit files in examples" >&2; exit 1; }

@@ -46,7 +46,7 @@ std::optional<double> set_up_seconds(const MethodOutcome& outcome) {
 }
 
 std::vector<std::string> notes_of(const EditReport& report) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = report.notes;
   for (const StepReport& step : report.steps)
     for (const std::string& note : step.notes)
       notes.push_back(step.name.empty() ? note : fmt::format("{}: {}", step.name, note));

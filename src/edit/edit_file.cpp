@@ -39,7 +39,7 @@ EditStep parse_step(const Value& value) {
   return step;
 }
 
-// Of a step that could be read.
+// Notes words of earlier versions in a step that was read.
 void note_former_words(const Value& step, std::vector<std::string>& notes) {
   if (!step.raw().contains("settings")) return;
   const Value settings = step.member("settings");

@@ -26,9 +26,8 @@ struct HoleLoop {
 
 /// What a triangulation is to have.
 enum class HoleAim {
-  /// The smallest largest angle between the normals of neighbours, the faces beyond the loop included, and
-  /// among
-  /// those with it the smallest area. Angles that differ by less than 5e-10 rad are equal.
+  /// The smallest largest angle between the normals of neighbours, the faces beyond the loop included; then the
+  /// smallest area. Angles that differ by less than 5e-10 rad are equal.
   angle,
   /// The smallest area, whatever the angles.
   area,

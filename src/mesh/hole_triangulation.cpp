@@ -18,7 +18,6 @@ namespace {
 
 constexpr Index corridor_width = 3;  // how far the ends of a chord may move from one level to the next
 constexpr Index coarsest = 80;       // edges of a loop whose smooth triangulation is found in full
-constexpr int most_rounds = 1;       // of searches around the result before, on the finest level
 
 // Without those that are forbidden, which are sorted.
 std::vector<HoleChord> allowed(std::vector<HoleChord> chords, const std::vector<HoleChord>& forbidden) {
@@ -244,6 +243,7 @@ void improve_folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden
                    std::vector<HoleTriangle>& triangles, const Context& context) {
   constexpr Index smallest = 24, largest = 96;
   constexpr int most = 300;
+  if (triangles.empty()) return;
   Folds folds(loop, forbidden, triangles);
   auto [triangle, bend] = folds.worst();
   Index size = smallest;
@@ -258,14 +258,53 @@ void improve_folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden
   std::sort(triangles.begin(), triangles.end());
 }
 
-// Triangles of the loop near which the best ones are: those of a coarser loop, with the vertices that it lacks.
-std::vector<HoleTriangle> guide(const HoleLoop& loop, Index full_search, HoleAim aim, const Context& context) {
+// Triangles of the loop near which good ones are: those of a coarser loop, with the vertices that it lacks.
+std::vector<HoleTriangle> guide(const HoleLoop& loop, HoleAim aim, const Context& context) {
   const CoarseLoop coarse = coarsen(loop);
   const Index n = coarse.loop.size();
   const std::vector<HoleChord> chords =
-      n <= full_search ? all_chords(n)
-                       : corridor(n, guide(coarse.loop, full_search, aim, context), corridor_width);
-  return refine_triangles(coarse, loop.size(), search_triangulation(coarse.loop, chords, aim, context));
+      n <= coarsest ? all_chords(n) : corridor(n, guide(coarse.loop, aim, context), corridor_width);
+  std::vector<HoleTriangle> triangles = search_triangulation(coarse.loop, chords, aim, context);
+  // A fold would lead finer levels astray. The smallest area may need its folds.
+  if (aim == HoleAim::smooth) improve_folds(coarse.loop, {}, triangles, context);
+  return refine_triangles(coarse, loop.size(), std::move(triangles));
+}
+
+// The best triangulation near a guide.
+std::vector<HoleTriangle> search_near(const HoleLoop& loop, const std::vector<HoleTriangle>& guide,
+                                      const std::vector<HoleChord>& forbidden, const Context& context) {
+  const Index n = loop.size();
+  for (Index width = corridor_width; width < n; width *= 2) {
+    std::vector<HoleTriangle> triangles = search_triangulation(
+        loop, allowed(corridor(n, guide, width), forbidden), HoleAim::angle, context);
+    if (!triangles.empty()) return triangles;
+  }
+  return {};
+}
+
+double largest_bend(const HoleLoop& loop, std::vector<HoleTriangle>& triangles) {
+  return Folds(loop, {}, triangles).worst().second;
+}
+
+double area_of(const HoleLoop& loop, const std::vector<HoleTriangle>& triangles) {
+  double area = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const Eigen::RowVector3d ab = loop.points.row(b) - loop.points.row(a);
+    const Eigen::RowVector3d ac = loop.points.row(c) - loop.points.row(a);
+    area += ab.cross(ac).norm() / 2;
+  }
+  return area;
+}
+
+// Of two triangulations of a loop the one with the smaller largest angle, then the smaller area.
+std::vector<HoleTriangle> better(const HoleLoop& loop, std::vector<HoleTriangle> first,
+                                 std::vector<HoleTriangle> second) {
+  constexpr double bend_rel = 1e-9;  // how far bends may differ and be equal
+  if (first.empty() || second.empty()) return first.empty() ? second : first;
+  const double first_bend = largest_bend(loop, first), second_bend = largest_bend(loop, second);
+  if (first_bend < second_bend * (1 - bend_rel)) return first;
+  if (second_bend < first_bend * (1 - bend_rel)) return second;
+  return area_of(loop, first) <= area_of(loop, second) ? first : second;
 }
 
 }  // namespace
@@ -280,29 +319,20 @@ std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTrian
   if (n <= options.full_search)
     return search_triangulation(loop, allowed(all_chords(n), forbidden), HoleAim::angle, context);
 
-  std::array<std::vector<HoleTriangle>, 2> guides;
+  std::array<std::vector<HoleTriangle>, 2> found;
   constexpr std::array aims{HoleAim::smooth, HoleAim::area};
   parallel_blocks(
       aims.size(),
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) guides[k] = guide(loop, coarsest, aims[k], context);
+        for (std::size_t k = begin; k < end; ++k) {
+          found[k] = search_near(loop, guide(loop, aims[k], context), forbidden, context);
+          if (aims[k] == HoleAim::smooth) improve_folds(loop, forbidden, found[k], context);
+        }
       },
       context, 1);
-  std::vector<HoleTriangle> near = std::move(guides[0]);
-  near.insert(near.end(), guides[1].begin(), guides[1].end());
-  std::vector<HoleTriangle> triangles;
-  for (Index width = corridor_width; triangles.empty() && width < n; width *= 2)
-    triangles =
-        search_triangulation(loop, allowed(corridor(n, near, width), forbidden), HoleAim::angle, context);
-  if (triangles.empty()) return {};
-  for (int round = 0; round < most_rounds; ++round) {
-    improve_folds(loop, forbidden, triangles, context);
-    std::vector<HoleTriangle> next = search_triangulation(
-        loop, allowed(corridor(n, triangles, corridor_width), forbidden), HoleAim::angle, context);
-    if (next == triangles) break;
-    triangles = std::move(next);
-  }
-  return triangles;
+  std::vector<HoleTriangle> best = better(loop, std::move(found[0]), std::move(found[1]));
+  improve_folds(loop, forbidden, best, context);
+  return search_near(loop, best, forbidden, context);
 }
 
 }  // namespace meshgraft
