@@ -588,7 +588,7 @@ std::variant<OpenedHole, Misfit> cut_open(const Fit& fit, const FlatLoop& loop, 
   if (cut.loops.size() != 1) return Misfit{no_disc};
   std::vector<double> arcs;
   for (const Index v : cut.loops.front()) {
-    const Between& origin = cut.origin[static_cast<std::size_t>(v)];
+    const EdgePoint& origin = cut.origin[static_cast<std::size_t>(v)];
     const Eigen::RowVector2d place =
         (1 - origin.t) * places.row(origin.from) + origin.t * places.row(origin.to);
     arcs.push_back(loop.outline.arc_of_nearest(place / drawing.scale));

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/refine.h>
 
 #include "../mesh/edge_table.h"
@@ -177,7 +177,7 @@ RingRemoval without(const Mesh& mesh, const Rings& rings, const Loops& loops) {
   }
   RingRemoval result;
   std::vector<Index>& new_index = result.vertex.new_index;
-  std::vector<Between> vertices, faces, corners;
+  std::vector<EdgePoint> vertices, faces, corners;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     new_index.push_back(removed[v] ? -1 : static_cast<Index>(vertices.size()));
     if (!removed[v]) vertices.push_back({v, v, 0});
@@ -197,7 +197,7 @@ RingRemoval without(const Mesh& mesh, const Rings& rings, const Loops& loops) {
       corners.push_back({c, c, 0});
   }
   for (const Attribute& attribute : mesh.attributes) {
-    result.mesh.attributes.push_back(carry(attribute, attribute.domain == Domain::vertex ? vertices
+    result.mesh.attributes.push_back(interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertices
                                                       : attribute.domain == Domain::face ? faces
                                                                                          : corners));
   }

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/normals.h>
 
 namespace meshgraft {
@@ -75,11 +75,11 @@ void label_sides(Mesh& mesh, const SeamLayout& layout) {
 }
 
 void add_strip(Mesh& mesh, std::span<const std::array<Index, 3>> triangles, std::span<const Index> neighbour) {
-  std::vector<Between> faces;
+  std::vector<EdgePoint> faces;
   for (const Index f : neighbour) faces.push_back({f, f, 0});
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.domain == Domain::face) {
-      const std::vector<double> values = carry(attribute, faces).values;
+      const std::vector<double> values = interpolate_attribute(attribute, faces).values;
       attribute.values.insert(attribute.values.end(), values.begin(), values.end());
     } else if (attribute.domain == Domain::corner) {
       attribute.values.insert(attribute.values.end(),

@@ -120,7 +120,7 @@ class Drawing {
  private:
   struct Corner {
     Index vertex = -1;
-    Between origin;
+    EdgePoint origin;
   };
 
   void insert_vertices() {
@@ -140,7 +140,7 @@ class Drawing {
       out_.positions.row(old_count + static_cast<Eigen::Index>(k)) = inserted[k];
   }
 
-  void add(std::span<const Index> face, std::span<const Between> corners, Index coarse_face, Side side) {
+  void add(std::span<const Index> face, std::span<const EdgePoint> corners, Index coarse_face, Side side) {
     out_.faces.add(face, corners, coarse_.face_origin[coarse_face]);
     out_.face_side.push_back(side);
   }
@@ -285,8 +285,8 @@ CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eig
 
 std::vector<Index> vertices_at_cut(const CutResult& result) {
   std::vector<Index> vertices;
-  const auto add = [&](const Between& origin) { vertices.insert(vertices.end(), {origin.from, origin.to}); };
-  for (const Between& origin : result.origin)
+  const auto add = [&](const EdgePoint& origin) { vertices.insert(vertices.end(), {origin.from, origin.to}); };
+  for (const EdgePoint& origin : result.origin)
     if (origin.from != origin.to) add(origin);
   for (const auto& loop : result.loops)
     for (const Index v : loop) add(result.origin[v]);

@@ -23,7 +23,7 @@ constexpr double least_gap_rel = 1e-9;  // of an edge's length, between two cros
 
 // A point of the curve, as SurfacePaths makes them, and the vertex listed before it.
 struct CurvePoint {
-  Between at;
+  EdgePoint at;
   std::size_t leg = 0;
   bool at_vertex() const { return at.from == at.to; }
   bool touches(Index v) const { return at.from == v || at.to == v; }
@@ -85,7 +85,7 @@ class LoopCut {
       context_.step("path", static_cast<double>(leg) / static_cast<double>(stations_.size()));
       const Index from = stations_[leg], to = stations_[(leg + 1) % stations_.size()];
       curve_.push_back({same(from), leg});
-      for (const Between& point : paths.between(from, to, context_)) curve_.push_back({point, leg});
+      for (const EdgePoint& point : paths.between(from, to, context_)) curve_.push_back({point, leg});
     }
   }
 
@@ -166,7 +166,7 @@ class LoopCut {
       double nearest = 0;
       bool free = passes_once(points);
       for (const std::size_t k : points) {
-        const Between& at = curve_[k].at;
+        const EdgePoint& at = curve_[k].at;
         free = free && !gone[k] && at.from != at.to;
         const double t = v == at.from ? at.t : 1 - at.t;
         const double distance = t * (mesh_.positions.row(at.from) - mesh_.positions.row(at.to)).norm();
@@ -175,8 +175,8 @@ class LoopCut {
         nearest = distance;
       }
       if (!free || best == curve_.size()) continue;
-      const Between& at = curve_[best].at;
-      const Between move = v == at.from ? at : Between{at.to, at.from, 1 - at.t};
+      const EdgePoint& at = curve_[best].at;
+      const EdgePoint move = v == at.from ? at : EdgePoint{at.to, at.from, 1 - at.t};
       const Eigen::RowVector3d target =
           (1 - move.t) * cut_.positions.row(move.from) + move.t * cut_.positions.row(move.to);
       if (!around.keep_shape(v, target, cut_.positions)) continue;
@@ -291,7 +291,7 @@ class LoopCut {
         continue;
       }
       while (f < coarse_.faces.size() && coarse_.face_origin[f] == parent) ++f;
-      std::vector<Between> corners;
+      std::vector<EdgePoint> corners;
       for (Index c = mesh_.faces.first_corner(parent); c < mesh_.faces.first_corner(parent + 1); ++c)
         corners.push_back(same(c));
       cut_.faces.add(mesh_.faces[parent], corners, parent);
@@ -300,7 +300,7 @@ class LoopCut {
 
   struct Node {
     Index vertex;
-    Between corner;
+    EdgePoint corner;
   };
   using Polygon = std::vector<Node>;
 

@@ -24,7 +24,7 @@ struct Move {
 
 class Snap {
  public:
-  Snap(const Faces& faces, Points& positions, std::vector<Between>& origin, std::vector<double>& values)
+  Snap(const Faces& faces, Points& positions, std::vector<EdgePoint>& origin, std::vector<double>& values)
       : faces_(faces),
         positions_(positions),
         origin_(origin),
@@ -118,7 +118,7 @@ class Snap {
 
   const Faces& faces_;
   Points& positions_;
-  std::vector<Between>& origin_;
+  std::vector<EdgePoint>& origin_;
   std::vector<double>& values_;
   const EdgeTable table_;
   const FacesAround around_;
@@ -170,7 +170,7 @@ bool FacesAround::keep_shape(Index vertex, const Eigen::RowVector3d& target, con
 
 double crossing(double value_a, double value_b) { return 1 / (1 - value_b / value_a); }
 
-void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<Between>& origin,
+void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<EdgePoint>& origin,
                  std::vector<double>& values) {
   Snap(faces, positions, origin, values).run(snap);
 }

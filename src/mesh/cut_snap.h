@@ -41,7 +41,7 @@ class FacesAround {
 /// length, the nearest first; their value becomes 0. A vertex stays where a face around would turn over or
 /// become a sliver, where the cut would touch itself, and a boundary vertex moves along its boundary only.
 /// `positions`, `origin` and `values` are updated.
-void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<Between>& origin,
+void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<EdgePoint>& origin,
                  std::vector<double>& values);
 
 }  // namespace meshgraft

@@ -158,12 +158,12 @@ class Separation {
   }
 
   void copy_attributes() {
-    std::vector<Between> face_origin;
+    std::vector<EdgePoint> face_origin;
     for (const Index f : result_.face_parent) face_origin.push_back(same(f));
     for (const Attribute& attribute : mesh_.attributes) {
       switch (attribute.domain) {
-        case Domain::vertex: result_.mesh.attributes.push_back(carry(attribute, result_.origin)); break;
-        case Domain::face: result_.mesh.attributes.push_back(carry(attribute, face_origin)); break;
+        case Domain::vertex: result_.mesh.attributes.push_back(interpolate_attribute(attribute, result_.origin)); break;
+        case Domain::face: result_.mesh.attributes.push_back(interpolate_attribute(attribute, face_origin)); break;
         case Domain::corner: result_.mesh.attributes.push_back(carry_corners(attribute)); break;
       }
     }
@@ -171,16 +171,16 @@ class Separation {
 
   // Where a vertex was moved along an edge, its corners' values move too.
   Attribute carry_corners(const Attribute& attribute) const {
-    std::vector<Between> origin = corner_origin_;
-    for (Between& element : origin)
+    std::vector<EdgePoint> origin = corner_origin_;
+    for (EdgePoint& element : origin)
       if (element.t == 0) element = moved_corner(attribute, element.from);
-    return carry(attribute, origin);
+    return interpolate_attribute(attribute, origin);
   }
 
   // In the faces at that edge they go along it; in the others with a corner there that has the same value, so
   // that what hangs together still does. Beyond a seam they stay.
-  Between moved_corner(const Attribute& attribute, Index corner) const {
-    const Between& move = cut_.origin[mesh_.faces.corners()[corner]];
+  EdgePoint moved_corner(const Attribute& attribute, Index corner) const {
+    const EdgePoint& move = cut_.origin[mesh_.faces.corners()[corner]];
     if (move.t == 0) return same(corner);
     const Index face = face_of(corner);
     if (const Index other = corner_at(face, move.to); other >= 0) return {corner, other, move.t};
@@ -208,7 +208,7 @@ class Separation {
   }
 
   // The mesh's faces that have the edge along which a vertex was moved.
-  std::vector<Index> faces_at(const Between& move) const {
+  std::vector<Index> faces_at(const EdgePoint& move) const {
     std::vector<Index> found;
     const std::array<Index, 2> ends{std::min(move.from, move.to), std::max(move.from, move.to)};
     const auto edge = std::lower_bound(table_.ends.begin(), table_.ends.end(), ends);
@@ -257,7 +257,7 @@ class Separation {
   std::vector<Index> new_index_;                 // per vertex: its first copy, or -1
   std::vector<Index> copy_of_fan_;               // per corner, at the fan's root
   std::vector<Index> source_;                    // per new vertex
-  std::vector<Between> corner_origin_;           // per new corner
+  std::vector<EdgePoint> corner_origin_;           // per new corner
   std::set<std::pair<Index, Index>> cut_edges_;  // new half-edges
   CutResult result_;
 };
@@ -283,7 +283,7 @@ Points whole_normals(const Mesh& mesh, const DrawnCut& cut) {
   Points normals = vertex_normals(moved);
   normals.conservativeResize(cut.positions.rows(), 3);
   for (Eigen::Index v = mesh.vertex_count(); v < normals.rows(); ++v) {
-    const Between& between = cut.origin[v];
+    const EdgePoint& between = cut.origin[v];
     const Eigen::RowVector3d mean =
         (1 - between.t) * normals.row(between.from) + between.t * normals.row(between.to);
     normals.row(v) = mean.stableNorm() > 0 ? Eigen::RowVector3d(mean / mean.stableNorm()) : mean;

@@ -79,7 +79,7 @@ class Refinement {
   }
 
   // Two points of the loop that the corners are near, each by its weight.
-  Between nearest_of_loop(const HoleTriangle& face) const {
+  EdgePoint nearest_of_loop(const HoleTriangle& face) const {
     std::vector<std::pair<Index, double>> weights;
     const auto add = [&](Index k, double weight) {
       const auto found =
@@ -165,7 +165,7 @@ class Refinement {
   Index loop_size_;
   std::vector<RowVector3d> points_;
   std::vector<double> scale_;
-  std::vector<Between> between_;
+  std::vector<EdgePoint> between_;
   std::vector<HoleTriangle> faces_;
   const std::vector<HoleChord>& forbidden_;
 };

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "hole_search.h"
@@ -17,7 +17,7 @@ struct HolePatch {
   Points points;                    ///< (n + m)×3
   std::vector<HoleTriangle> faces;  ///< wound along the loop, corners in any order
   /// Per new point two of the loop, and how far it is from the first one to the second: for attributes.
-  std::vector<Between> between;
+  std::vector<EdgePoint> between;
 };
 
 struct HoleRefinementOptions {

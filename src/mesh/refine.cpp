@@ -13,7 +13,7 @@ namespace meshgraft {
 namespace {
 
 // The middle of two elements.
-Between midpoint_of(Index a, Index b) { return {a, b, 0.5}; }
+EdgePoint midpoint_of(Index a, Index b) { return {a, b, 0.5}; }
 
 std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
   std::vector<bool> marked(vertex_count, false);
@@ -39,7 +39,7 @@ bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const 
 // One triangle with its split edges; corner c is followed by the middle of its edge to corner c + 1.
 struct Piece {
   std::array<Index, 6> vertex;  // corners 0 1 2, then the middles of 01, 12, 20 (-1: not split)
-  std::array<Between, 6> corner;
+  std::array<EdgePoint, 6> corner;
 };
 
 void emit(const Piece& piece, std::initializer_list<std::array<int, 3>> triangles, Index origin,
@@ -113,7 +113,7 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
     middle[e] = old_count + static_cast<Index>(result.parents.size());
     result.parents.push_back(table.ends[e]);
   }
-  std::vector<Between> vertex_origin;
+  std::vector<EdgePoint> vertex_origin;
   for (Index v = 0; v < old_count; ++v) vertex_origin.push_back(same(v));
   for (const auto& [a, b] : result.parents) vertex_origin.push_back(midpoint_of(a, b));
   result.vertex.new_index.resize(old_count);
@@ -133,7 +133,7 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
   for (Index f = 0; f < coarse.faces.size(); ++f) {
     const auto face = coarse.faces[f];
     const Index first = coarse.faces.first_corner(f);
-    const std::span<const Between> corners(coarse.corner_origin.data() + first, face.size());
+    const std::span<const EdgePoint> corners(coarse.corner_origin.data() + first, face.size());
     Piece piece{};
     bool split = false;
     for (int c = 0; face.size() == 3 && c < 3; ++c) {
@@ -155,13 +155,13 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
   context.step("refine", 0.8);
   result.mesh.source = mesh.source;  // a writer takes what does not depend on the topology
   result.face_parent = fine.face_origin;
-  std::vector<Between> face_origin;
+  std::vector<EdgePoint> face_origin;
   for (const Index f : fine.face_origin) face_origin.push_back(same(f));
   for (const Attribute& attribute : mesh.attributes) {
     const auto& origins = attribute.domain == Domain::vertex ? vertex_origin
                           : attribute.domain == Domain::face ? face_origin
                                                              : fine.corner_origin;
-    result.mesh.attributes.push_back(carry(attribute, origins));
+    result.mesh.attributes.push_back(interpolate_attribute(attribute, origins));
   }
   result.mesh.faces = std::move(fine.faces);
   context.step("refine", 1);

@@ -45,12 +45,12 @@ namespace {
 
 struct Corners {
   std::vector<Index> face;
-  std::vector<Between> values;
+  std::vector<EdgePoint> values;
 };
 
 // Cuts a face where it comes to a vertex again into faces that have each vertex once; those with fewer than
 // three corners are dropped.
-std::vector<Corners> simple_faces(std::span<const Index> face, std::span<const Between> values) {
+std::vector<Corners> simple_faces(std::span<const Index> face, std::span<const EdgePoint> values) {
   std::vector<Corners> simple;
   Corners open;
   for (std::size_t c = 0; c < face.size(); ++c) {

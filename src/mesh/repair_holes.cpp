@@ -180,7 +180,7 @@ void add_patch(const RepairSurface& surface, const Hole& hole, const HolePatch& 
   const auto n = static_cast<Index>(hole.vertices.size());
   const RepairFaces& traced = surface.traced();
   std::vector<Index> vertices = hole.vertices;
-  std::vector<Between> values;
+  std::vector<EdgePoint> values;
   for (Index k = 0; k < n; ++k) values.push_back(traced.corner[surface.edges().next[hole.outside[k]]]);
   for (Index k = n; k < static_cast<Index>(patch.points.rows()); ++k) {
     const auto& [from, to, t] = patch.between[k - n];

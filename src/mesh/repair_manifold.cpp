@@ -106,7 +106,7 @@ void turn_faces(RepairSurface& surface, const std::vector<char>& turn) {
     }
     const auto first = traced.corner.begin() + faces.first_corner(f);
     std::vector<Index> face(faces[f].begin(), faces[f].end());
-    std::vector<Between> values(first, first + static_cast<std::ptrdiff_t>(face.size()));
+    std::vector<EdgePoint> values(first, first + static_cast<std::ptrdiff_t>(face.size()));
     std::reverse(face.begin() + 1, face.end());
     std::reverse(values.begin() + 1, values.end());
     turned.add(face, values, traced.origin[f], traced.is_new[f], !traced.is_turned[f]);

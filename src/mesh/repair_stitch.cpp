@@ -275,11 +275,11 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
 
 struct SplitCorner {
   Index vertex;
-  Between value;
+  EdgePoint value;
 };
 
 // Between two corners that may lie between others themselves.
-Between value_at(const Between& a, const Between& b, double t) {
+EdgePoint value_at(const EdgePoint& a, const EdgePoint& b, double t) {
   if (a.from == a.to && b.from == b.to) return {a.from, b.from, t};
   if (a.from == b.from && a.to == b.to) return {a.from, a.to, (1 - t) * a.t + t * b.t};
   if (a.from == a.to && b.from == a.from) return {b.from, b.to, t * b.t};
@@ -318,7 +318,7 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
     bool whole = true;
     for (Index c = 0; c < n; ++c) {
       corners.push_back({faces[f][c], traced.corner[first + c]});
-      const Between& next = traced.corner[first + (c + 1) % n];
+      const EdgePoint& next = traced.corner[first + (c + 1) % n];
       for (const OnEdge& vertex : torn.on[first + c])
         on[c].push_back({vertex.vertex, value_at(traced.corner[first + c], next, vertex.t)});
       whole = whole && on[c].empty();
@@ -339,7 +339,7 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
     const std::size_t size = n == 3 ? 3 : pieces.size();
     for (std::size_t k = 0; k < pieces.size(); k += size) {
       std::vector<Index> face;
-      std::vector<Between> values;
+      std::vector<EdgePoint> values;
       for (std::size_t c = k; c < k + size; ++c) {
         face.push_back(pieces[c].vertex);
         values.push_back(pieces[c].value);

@@ -15,7 +15,7 @@
 
 namespace meshgraft {
 
-void RepairFaces::add(std::span<const Index> face, std::span<const Between> corners, Index from, bool is_fresh,
+void RepairFaces::add(std::span<const Index> face, std::span<const EdgePoint> corners, Index from, bool is_fresh,
                       bool turned) {
   faces.push_back(face);
   origin.push_back(from);
@@ -135,8 +135,8 @@ Index RepairSurface::add_vertices(std::span<const NewVertex> vertices) {
     const auto v = static_cast<Index>(stands_for_.size());
     mesh_.positions.row(v) = vertex.position;
     vertex_origin_.push_back(vertex.origin);
-    const Between a = vertex_value_[vertex.from], b = vertex_value_[vertex.to];
-    vertex_value_.push_back(vertex.from == vertex.to ? a : Between{a.from, b.from, vertex.t});
+    const EdgePoint a = vertex_value_[vertex.from], b = vertex_value_[vertex.to];
+    vertex_value_.push_back(vertex.from == vertex.to ? a : EdgePoint{a.from, b.from, vertex.t});
     stands_for_.push_back(v);
   }
   edges_.reset();
@@ -239,12 +239,12 @@ bool same_values(const Attribute& attribute, Index a, Index b) {
 }
 
 // A value per corner of the new faces from one per vertex of the given mesh.
-std::vector<Between> vertices_of(const std::vector<Between>& corners, const Faces& given) {
-  std::vector<Between> vertices;
+std::vector<EdgePoint> vertices_of(const std::vector<EdgePoint>& corners, const Faces& given) {
+  std::vector<EdgePoint> vertices;
   vertices.reserve(corners.size());
-  for (const Between& corner : corners)
+  for (const EdgePoint& corner : corners)
     vertices.push_back(
-        corner.from < 0 ? corner : Between{given.corners()[corner.from], given.corners()[corner.to], corner.t});
+        corner.from < 0 ? corner : EdgePoint{given.corners()[corner.from], given.corners()[corner.to], corner.t});
   return vertices;
 }
 
@@ -281,11 +281,11 @@ void RepairSurface::turn_normals(Attribute& attribute, const RepairResult& resul
 }
 
 void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairResult& result) {
-  std::vector<Between> vertex_value, face_value;
+  std::vector<EdgePoint> vertex_value, face_value;
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (new_index[v] >= 0) vertex_value.push_back(vertex_value_[v]);
   for (const Index origin : traced_.origin) face_value.push_back(same(origin));
-  const std::vector<Between> corner_vertex = vertices_of(traced_.corner, given_.faces);
+  const std::vector<EdgePoint> corner_vertex = vertices_of(traced_.corner, given_.faces);
   const bool turned =
       std::any_of(traced_.is_turned.begin(), traced_.is_turned.end(), [](char is) { return is != 0; });
 
@@ -293,8 +293,8 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
     bool parted = false;  // united vertices differ
     if (attribute.domain == Domain::vertex) {
       for (Index c = 0; c < mesh_.faces.corner_count() && !parted; ++c) {
-        const Between& own = corner_vertex[c];
-        const Between& common = vertex_value_[mesh_.faces.corners()[c]];
+        const EdgePoint& own = corner_vertex[c];
+        const EdgePoint& common = vertex_value_[mesh_.faces.corners()[c]];
         parted = own.from == own.to && common.from == common.to && own.from != common.from && own.from >= 0 &&
                  !same_values(attribute, own.from, common.from);
       }
@@ -303,11 +303,11 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
     if (parted && !may_part)
       note("Vertices that were welded differ in their " + attribute.name + ": the first one's was kept.");
     if (parted && may_part) {
-      result.mesh.attributes.push_back(carry(attribute, corner_vertex));
+      result.mesh.attributes.push_back(interpolate_attribute(attribute, corner_vertex));
       result.mesh.attributes.back().domain = Domain::corner;
       note("Vertices that were welded differ in their " + attribute.name + ": it is kept per corner now.");
     } else {
-      result.mesh.attributes.push_back(carry(attribute, attribute.domain == Domain::vertex ? vertex_value
+      result.mesh.attributes.push_back(interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertex_value
                                                         : attribute.domain == Domain::face ? face_value
                                                                                            : traced_.corner));
     }

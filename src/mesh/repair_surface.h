@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/repair.h>
 
@@ -20,11 +20,11 @@ namespace meshgraft {
 struct RepairFaces {
   Faces faces;
   std::vector<Index> origin;  ///< per face, the given mesh's face that it is (a piece of), or that it continues
-  std::vector<Between> corner;  ///< per corner, between corners of the given mesh
+  std::vector<EdgePoint> corner;  ///< per corner, between corners of the given mesh
   std::vector<char> is_new;     ///< per face, whether it fills a hole
   std::vector<char> is_turned;  ///< per face, whether it runs against the given one
 
-  void add(std::span<const Index> face, std::span<const Between> corners, Index origin, bool is_new = false,
+  void add(std::span<const Index> face, std::span<const EdgePoint> corners, Index origin, bool is_new = false,
            bool is_turned = false);
   void keep(const RepairFaces& from, Index face);
 };
@@ -94,7 +94,7 @@ class RepairSurface {
   Mesh mesh_;
   RepairFaces traced_;  // its faces are in mesh_
   std::vector<Index> vertex_origin_;
-  std::vector<Between> vertex_value_;  // of the given mesh's vertices
+  std::vector<EdgePoint> vertex_value_;  // of the given mesh's vertices
   std::vector<Index> stands_for_;      // per vertex, that it was united with (or itself)
   std::vector<Telling> tellings_;
   std::vector<std::string> notes_;

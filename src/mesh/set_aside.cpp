@@ -25,7 +25,7 @@ SetAside::SetAside(const Mesh& mesh, const TriageReport& triage, const std::stri
     : given_(mesh), triage_(triage), name_(name) {
   if (!is_refused(triage)) return;
   TracedFaces kept;
-  std::vector<Between> corners;
+  std::vector<EdgePoint> corners;
   for (Index f = 0; f < mesh.face_count(); ++f) {
     if (!is_usable(mesh, f)) {
       faces_.push_back(f);
@@ -46,14 +46,14 @@ SetAside::SetAside(const Mesh& mesh, const TriageReport& triage, const std::stri
     non_finite_.push_back(v);
     usable.positions.row(v) = mesh.positions.row(kept.faces[0][0]);
   }
-  std::vector<Between> faces;
+  std::vector<EdgePoint> faces;
   for (const Index f : kept.face_origin) faces.push_back(same(f));
   for (const Attribute& attribute : mesh.attributes) {
     if (attribute.domain == Domain::vertex)
       usable.attributes.push_back(attribute);
     else
       usable.attributes.push_back(
-          carry(attribute, attribute.domain == Domain::face ? faces : kept.corner_origin));
+          interpolate_attribute(attribute, attribute.domain == Domain::face ? faces : kept.corner_origin));
   }
   usable.faces = std::move(kept.faces);
 }

@@ -32,7 +32,7 @@ struct SurfacePaths::Bend {
 struct SurfacePaths::Way {
   double length = 0;
   std::vector<Bend> bends;
-  std::vector<Between> points;
+  std::vector<EdgePoint> points;
 };
 
 SurfacePaths::SurfacePaths(const Points& positions, const Faces& triangles, const EdgeTable& table)
@@ -209,8 +209,8 @@ SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, 
       } else if (t > 1 - at_end) {
         way.points.push_back({q.vertex, q.vertex, 0});
       } else {
-        way.points.push_back(p.vertex < q.vertex ? Between{p.vertex, q.vertex, t}
-                                                 : Between{q.vertex, p.vertex, 1 - t});
+        way.points.push_back(p.vertex < q.vertex ? EdgePoint{p.vertex, q.vertex, t}
+                                                 : EdgePoint{q.vertex, p.vertex, 1 - t});
       }
     }
     way.length += (end.at - apex.at).norm();
@@ -253,7 +253,7 @@ SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, 
   return way;
 }
 
-std::vector<Between> SurfacePaths::between(Index from, Index to, const Context& context) const {
+std::vector<EdgePoint> SurfacePaths::between(Index from, Index to, const Context& context) const {
   Strip strip = first_strip(from, to, context);
   tidy(strip, from, to);
   if (strip.empty()) return {};

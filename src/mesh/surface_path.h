@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "edge_table.h"
@@ -24,7 +24,7 @@ class SurfacePaths {
   /// The points between two vertices, in order: on edges, with 0 < t < 1 and from < to, or at vertices
   /// (from = to). Neighbours in the list lie in one triangle. Empty if the vertices share an edge. Throws
   /// Error(input) if there is no way.
-  std::vector<Between> between(Index from, Index to, const Context& context = {}) const;
+  std::vector<EdgePoint> between(Index from, Index to, const Context& context = {}) const;
 
  private:
   using Strip = std::vector<Index>;  // the half-edges that it crosses

@@ -14,7 +14,7 @@ Index corner_of(const Mesh& mesh, Index face, Index vertex) {
 
 }  // namespace
 
-void TracedFaces::add(std::span<const Index> face, std::span<const Between> corners, Index origin) {
+void TracedFaces::add(std::span<const Index> face, std::span<const EdgePoint> corners, Index origin) {
   faces.push_back(face);
   corner_origin.insert(corner_origin.end(), corners.begin(), corners.end());
   face_origin.push_back(origin);
@@ -25,7 +25,7 @@ TracedFaces triangulate_chosen(const Mesh& mesh, const std::function<bool(Index 
   const Triangulation pieces = triangulate(mesh, options);
   TracedFaces result;
   std::size_t t = 0;
-  std::vector<Between> corners;
+  std::vector<EdgePoint> corners;
   for (Index f = 0; f < mesh.face_count(); ++f) {
     const std::size_t first = t;
     while (t < pieces.face.size() && pieces.face[t] == f) ++t;

@@ -4,21 +4,21 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 
 /// An element of a new mesh that is an old one.
-inline Between same(Index element) { return {element, element, 0}; }
+inline EdgePoint same(Index element) { return {element, element, 0}; }
 
 /// Faces with, per face and per corner, where they come from.
 struct TracedFaces {
   Faces faces;
   std::vector<Index> face_origin;
-  std::vector<Between> corner_origin;
+  std::vector<EdgePoint> corner_origin;
 
-  void add(std::span<const Index> face, std::span<const Between> corners, Index origin);
+  void add(std::span<const Index> face, std::span<const EdgePoint> corners, Index origin);
 };
 
 /// The mesh's faces in their order, those with more than three corners that are `chosen` as triangles.

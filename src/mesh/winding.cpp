@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -19,7 +19,7 @@ Mesh turned_over(const Mesh& mesh) {
   result.positions = mesh.positions;
   result.source = sources_of(mesh);
   result.faces.reserve(mesh.face_count(), mesh.faces.corner_count());
-  std::vector<Between> corner_origin;
+  std::vector<EdgePoint> corner_origin;
   for (Index f = 0; f < mesh.face_count(); ++f) {
     const auto face = mesh.faces[f];
     std::vector<Index> corners(face.begin(), face.end());
@@ -32,7 +32,7 @@ Mesh turned_over(const Mesh& mesh) {
     }
   }
   for (const Attribute& attribute : mesh.attributes) {
-    result.attributes.push_back(attribute.domain == Domain::corner ? carry(attribute, corner_origin)
+    result.attributes.push_back(attribute.domain == Domain::corner ? interpolate_attribute(attribute, corner_origin)
                                                                    : attribute);
     if (attribute.name == "normal" || attribute.name == cut_normal_name)
       for (double& value : result.attributes.back().values) value = -value;

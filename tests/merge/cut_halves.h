@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include <meshgraft/merge/correspondence.h>
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -23,7 +23,7 @@ inline Mesh faces_where(const Mesh& mesh, const std::function<bool(Index)>& is_i
       if (is_in(f)) local[v] = 0;
     }
   }
-  std::vector<Between> vertices, faces, corners;
+  std::vector<EdgePoint> vertices, faces, corners;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     if (local[v] < 0) continue;
     local[v] = static_cast<Index>(vertices.size());
@@ -48,7 +48,7 @@ inline Mesh faces_where(const Mesh& mesh, const std::function<bool(Index)>& is_i
     const auto& elements = attribute.domain == Domain::vertex ? vertices
                            : attribute.domain == Domain::face ? faces
                                                               : corners;
-    part.attributes.push_back(carry(attribute, elements));
+    part.attributes.push_back(interpolate_attribute(attribute, elements));
   }
   return part;
 }

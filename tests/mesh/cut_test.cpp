@@ -106,7 +106,7 @@ void expect_sound(const CutResult& cut, const Mesh& uncut) {
   ASSERT_EQ(static_cast<Index>(cut.face_parent.size()), cut.mesh.face_count());
   ASSERT_EQ(static_cast<Index>(cut.vertex.new_index.size()), uncut.vertex_count());
   for (Index v = 0; v < cut.mesh.vertex_count(); ++v) {
-    const Between& o = cut.origin[v];
+    const EdgePoint& o = cut.origin[v];
     const Eigen::RowVector3d p = (1 - o.t) * uncut.positions.row(o.from) + o.t * uncut.positions.row(o.to);
     EXPECT_TRUE((p.array() == cut.mesh.positions.row(v).array()).all());
   }

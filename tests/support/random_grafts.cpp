@@ -138,7 +138,7 @@ OpenModel connected_part(const OpenModel& model, const std::vector<Index>& loop)
   const Index kept = component[loop.front()];
   OpenModel part{model.text, {}, {}};
   std::vector<Index> local(component.size(), -1);
-  std::vector<Between> vertices;
+  std::vector<EdgePoint> vertices;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
     if (component[v] != kept) continue;
     local[v] = static_cast<Index>(vertices.size());
@@ -155,7 +155,7 @@ OpenModel connected_part(const OpenModel& model, const std::vector<Index>& loop)
     part.mesh.faces.push_back(face);
   }
   for (const Attribute& attribute : model.mesh.attributes)
-    if (attribute.domain == Domain::vertex) part.mesh.attributes.push_back(carry(attribute, vertices));
+    if (attribute.domain == Domain::vertex) part.mesh.attributes.push_back(interpolate_attribute(attribute, vertices));
   for (const auto& of_model : model.loops) {
     if (component[of_model.front()] != kept) continue;
     part.loops.emplace_back();

@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ double representable(double value, ScalarType type) {
   return type == ScalarType::float32 || type == ScalarType::float64 ? value : std::round(value);
 }
 
-void append(const Attribute& attribute, const Between& element, std::vector<double>& out) {
+void append(const Attribute& attribute, const EdgePoint& element, std::vector<double>& out) {
   const auto count = static_cast<std::size_t>(attribute.components);
   if (element.from < 0) {
     out.insert(out.end(), count, std::numeric_limits<double>::quiet_NaN());
@@ -50,11 +50,11 @@ void append(const Attribute& attribute, const Between& element, std::vector<doub
 
 }  // namespace
 
-Attribute carry(const Attribute& attribute, std::span<const Between> elements) {
+Attribute interpolate_attribute(const Attribute& attribute, std::span<const EdgePoint> elements) {
   Attribute result = attribute;
   result.values.clear();
   result.values.reserve(elements.size() * static_cast<std::size_t>(attribute.components));
-  for (const Between& element : elements) append(attribute, element, result.values);
+  for (const EdgePoint& element : elements) append(attribute, element, result.values);
   return result;
 }
 

@@ -9,13 +9,13 @@
 namespace meshgraft {
 
 /// An element of a new mesh between two old ones: (1 − t)·from + t·to.
-struct Between {
+struct EdgePoint {
   Index from = -1, to = -1;
   double t = 0;
 };
 
 /// The attribute on new elements: mixed by its interpolation rule, integer types rounded. Mixtures with a
 /// missing value (NaN) are missing; an element with from = -1 has none.
-Attribute carry(const Attribute& attribute, std::span<const Between> elements);
+Attribute interpolate_attribute(const Attribute& attribute, std::span<const EdgePoint> elements);
 
 }  // namespace meshgraft

@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/carry.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 
 #include <cmath>
 #include <limits>
@@ -16,8 +16,8 @@ std::vector<double> between(Interpolation interpolation, const std::vector<doubl
   Attribute attribute{.name = "x", .components = static_cast<int>(a.size()), .values = a};
   attribute.interpolation = interpolation;
   attribute.values.insert(attribute.values.end(), b.begin(), b.end());
-  const std::vector<Between> elements{{0, 1, t}};
-  return carry(attribute, elements).values;
+  const std::vector<EdgePoint> elements{{0, 1, t}};
+  return interpolate_attribute(attribute, elements).values;
 }
 
 TEST(Carry, MixesByTheInterpolationRule) {
