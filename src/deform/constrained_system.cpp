@@ -227,8 +227,8 @@ NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
 }
 
 /// Unknowns sit at their vertices; those of features are shared by vertices far apart.
-CouplingGraph ConstrainedSystem::coupling_graph() const {
-  CouplingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rows().rings(),
+OrderingGraph ConstrainedSystem::ordering_graph() const {
+  OrderingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rows().rings(),
                       cuts_, Points::Zero(E_.cols(), 3)};
   const std::vector<Index>& apex = operators_->rows().nodes().apex;
   for (Index v = 0; v < patch().size(); ++v)
@@ -250,7 +250,7 @@ void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summar
   summary.assemble_seconds += watch.lap();
 
   solver_ = make_solver(backend);
-  solver_->analyse(normal, coupling_graph(), context);
+  solver_->analyse(normal, ordering_graph(), context);
   summary.analyse_seconds = watch.lap();
   solver_->factorise(normal, context);
   summary.factorise_seconds = watch.lap();

@@ -99,7 +99,7 @@ class ConstrainedSystem {
   /// solution's `maps` `solved_maps`, empty where nothing is free.
   void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, Points& out,
                 EvaluationReport* report, Columns* solved_maps, const Context& context) const;
-  CouplingGraph coupling_graph() const;
+  OrderingGraph ordering_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
   double condition_estimate(const Context& context) const;
 
@@ -116,7 +116,7 @@ class ConstrainedSystem {
   const std::vector<Anchor>& anchors() const { return anchors_; }  ///< on vertices whose position is unknown
   int residual_corrections() const { return residual_corrections_; }
   /// How the patch's rings were cut, for other systems over them.
-  const std::shared_ptr<GraphCuts>& cuts() const { return cuts_; }
+  const std::shared_ptr<BisectionTree>& cuts() const { return cuts_; }
   /// Null where nothing is free. Of a shared operator, `H` has rows for maps that are known here.
   const AffineOperator* operators() const { return operators_ ? &operators_->rows() : nullptr; }
 
@@ -174,7 +174,7 @@ class ConstrainedSystem {
   std::vector<double> anchor_weights_;  ///< of their rows
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
   std::unique_ptr<LinearSolver> solver_;
-  std::shared_ptr<GraphCuts> cuts_ = std::make_shared<GraphCuts>();  ///< of the patch's rings
+  std::shared_ptr<BisectionTree> cuts_ = std::make_shared<BisectionTree>();  ///< of the patch's rings
   double normal_one_norm_ = 0;
   int residual_corrections_ = 1;
 

@@ -88,7 +88,7 @@ SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<do
 }
 
 /// Factorises the square part of `rows`, those of the graph's groups: each unknown is a vertex.
-std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const CouplingGraph& graph,
+std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const OrderingGraph& graph,
                                         SolverBackend backend, const Context& context) {
   const NormalMatrix matrix = square_part(rows, graph.group);
   auto solver = make_solver(backend);
@@ -110,7 +110,7 @@ BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, c
 }
 
 SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             const std::shared_ptr<GraphCuts>& cuts, std::span<const std::uint8_t> given,
+                             const std::shared_ptr<BisectionTree>& cuts, std::span<const std::uint8_t> given,
                              std::shared_ptr<const BendingMatrix> bending_matrix, double smoothing_length_rel,
                              SolverBackend backend, const Context& context)
     : bending_(std::move(bending_matrix)), areas_(vertex_areas(points, triangles)) {

@@ -33,7 +33,7 @@ class SurfaceFields {
   /// filled. `bending` is of this surface, or of one that it is a part of: then rows within two edges of what
   /// lies outside are not used.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                const std::shared_ptr<GraphCuts>& cuts, std::span<const std::uint8_t> given,
+                const std::shared_ptr<BisectionTree>& cuts, std::span<const std::uint8_t> given,
                 std::shared_ptr<const BendingMatrix> bending, double smoothing_length_rel,
                 SolverBackend backend, const Context& context = {});
 

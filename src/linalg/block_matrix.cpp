@@ -153,9 +153,9 @@ class BlockMatrixOf final : public BlockMatrix {
         [&](std::size_t begin, std::size_t end) {
           for (auto column = static_cast<Eigen::Index>(begin); column < static_cast<Eigen::Index>(end);
                ++column) {
-            Place place(*this, row[column]);
+            ColumnWriter writer(*this, row[column]);
             for (NormalMatrix::InnerIterator entry(lower, column); entry; ++entry)
-              place.set(row[entry.row()], entry.value());
+              writer.set(row[entry.row()], entry.value());
           }
         },
         context, 2048);
@@ -225,10 +225,10 @@ class BlockMatrixOf final : public BlockMatrix {
         context, 1);
   }
 
-  /// Where the entries of one column go: each to the coupling of its two nodes, the one or the other way round.
-  class Place {
+  /// Writes the entries of one column: each into the coupling of its two nodes, transposed where need be.
+  class ColumnWriter {
    public:
-    Place(BlockMatrixOf& matrix, int column) : matrix_(matrix), node_(column / width), at_(column % width) {}
+    ColumnWriter(BlockMatrixOf& matrix, int column) : matrix_(matrix), node_(column / width), at_(column % width) {}
 
     void set(int row, double value) {
       const int at = row % width;

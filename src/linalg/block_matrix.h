@@ -7,7 +7,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
 
-#include "nodes.h"
+#include "block_rows.h"
 
 namespace meshgraft {
 

@@ -49,7 +49,7 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
 /// Principal axes about the centroid, each scaled to length one over the aggregate's rows.
 void CoarseSpace::choose_bases(const Aggregates& aggregates) {
   constexpr double flat = 1e-10;  // smallest/largest squared extent of what still counts as three-dimensional
-  const Nodes& nodes = order_.nodes;
+  const BlockRows& nodes = order_.nodes;
   const auto count = static_cast<std::size_t>(aggregates.count);
   std::vector<double> rows(count, 0.0);
   std::vector<Eigen::Vector3d> centre(count, Eigen::Vector3d::Zero());
@@ -83,7 +83,7 @@ void CoarseSpace::choose_bases(const Aggregates& aggregates) {
 }
 
 void CoarseSpace::add_shared_unknowns() {
-  const Nodes& nodes = order_.nodes;
+  const BlockRows& nodes = order_.nodes;
   column_.assign(static_cast<std::size_t>(nodes.count), 0);
   if (std::find(nodes.shared.begin(), nodes.shared.end(), 1) == nodes.shared.end()) return;
   Blending with_shared;
@@ -110,8 +110,8 @@ template <int width>
 void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, BlockLists& sums) const {
   using Rows = Eigen::Matrix<double, width, 4>;
   using MatrixBlock = Eigen::Matrix<double, width, width, Eigen::RowMajor>;
-  const Nodes& nodes = order_.nodes;
-  std::vector<Index> reached, place(static_cast<std::size_t>(count_), -1);
+  const BlockRows& nodes = order_.nodes;
+  std::vector<Index> reached, position(static_cast<std::size_t>(count_), -1);
   std::vector<Rows> product;  // of this row of L + ½D with (p − p_i, 1) w: one entry per aggregate reached
   // Functions of a node's rows, about an origin near by so that nothing cancels.
   const auto functions = [&](Index node, const Eigen::RowVector3d& origin) {
@@ -137,12 +137,12 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
       const Rows of_functions = block * functions(j, origin);
       for (Index k = blending_.aggregates.offsets[j]; k < blending_.aggregates.offsets[j + 1]; ++k) {
         const Index b = blending_.aggregates.values[k];
-        if (place[b] < 0) {
-          place[b] = static_cast<Index>(reached.size());
+        if (position[b] < 0) {
+          position[b] = static_cast<Index>(reached.size());
           reached.push_back(b);
           product.push_back(Rows::Zero());
         }
-        product[place[b]] += blending_.weight[k] * of_functions;
+        product[position[b]] += blending_.weight[k] * of_functions;
       }
     };
     add(i, 0.5 * Eigen::Map<const MatrixBlock>(matrix.diagonal_block(i)));
@@ -178,7 +178,7 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
           at->block += sum;
       }
     }
-    for (const Index b : reached) place[b] = -1;
+    for (const Index b : reached) position[b] = -1;
     reached.clear();
     product.clear();
   }
@@ -247,7 +247,7 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
 
 Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index columns,
                                               const Context& context) const {
-  const Nodes& nodes = order_.nodes;
+  const BlockRows& nodes = order_.nodes;
   Eigen::MatrixXd restricted(unknowns(), columns);
   parallel_blocks(
       static_cast<std::size_t>(count_),
@@ -275,7 +275,7 @@ Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index
 }
 
 void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Context& context) const {
-  const Nodes& nodes = order_.nodes;
+  const BlockRows& nodes = order_.nodes;
   const Eigen::Index columns = y.cols();
   std::vector<Eigen::Matrix4d> functions(static_cast<std::size_t>(count_), Eigen::Matrix4d::Zero());
   for (Index a = 0; a < count_; ++a)
@@ -302,8 +302,8 @@ void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Contex
       context, 2048);
 }
 
-CouplingGraph CoarseSpace::coupling_graph(const IndexLists& coarse_neighbours) const {
-  CouplingGraph graph;
+OrderingGraph CoarseSpace::ordering_graph(const IndexLists& coarse_neighbours) const {
+  OrderingGraph graph;
   graph.group.resize(static_cast<std::size_t>(unknowns()), -1);
   for (Index u = 0; u < 4 * first_shared_; ++u) graph.group[u] = u / 4;
   graph.neighbours = &coarse_neighbours;

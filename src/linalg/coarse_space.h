@@ -9,7 +9,7 @@
 
 #include "aggregation.h"
 #include "block_matrix.h"
-#include "nodes.h"
+#include "block_rows.h"
 
 namespace meshgraft {
 
@@ -31,7 +31,7 @@ class CoarseSpace {
   void prolong(const Eigen::MatrixXd& y, FourColumns& x, const Context& context) const;
 
   /// Where the coarse unknowns sit; `coarse_neighbours` must stay.
-  CouplingGraph coupling_graph(const IndexLists& coarse_neighbours) const;
+  OrderingGraph ordering_graph(const IndexLists& coarse_neighbours) const;
   /// Aggregates that share a node.
   IndexLists coarse_neighbours() const;
 

@@ -15,10 +15,10 @@ namespace {
 
 /// The part of each unknown, at `levels` or, where the graph has been cut fewer times, so many; -1 without a
 /// group.
-std::vector<int> parts_of_unknowns(const CouplingGraph& graph, int& levels, const Context& context) {
-  GraphCuts own;
-  GraphCuts& cuts = graph.cuts ? *graph.cuts : own;
-  if (cuts.part.empty()) cuts = cut_graph(graph, levels, context);
+std::vector<int> parts_of_unknowns(const OrderingGraph& graph, int& levels, const Context& context) {
+  BisectionTree own;
+  BisectionTree& cuts = graph.cuts ? *graph.cuts : own;
+  if (cuts.part.empty()) cuts = bisect_graph(graph, levels, context);
   levels = std::min(levels, cuts.levels);
   std::vector<int> part;
   for (const Index group : graph.group)
@@ -31,12 +31,12 @@ struct Crossing {
   int left, right;  ///< unknowns
 };
 
-/// Returns the fewest unknowns that touch all crossings. `place` is all -1, before and after.
-std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vector<int>& place) {
+/// Returns the fewest unknowns that touch all crossings. `position` is all -1, before and after.
+std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vector<int>& position) {
   std::vector<int> left, right;
   const auto number = [&](int unknown, std::vector<int>& side) {
-    if (place[unknown] >= 0) return;
-    place[unknown] = static_cast<int>(side.size());
+    if (position[unknown] >= 0) return;
+    position[unknown] = static_cast<int>(side.size());
     side.push_back(unknown);
   };
   for (const Crossing& crossing : crossings) {
@@ -47,19 +47,19 @@ std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vecto
   across.begin.assign(left.size() + 1, 0);
   across.right_end.resize(crossings.size());
   across.right_count = static_cast<int>(right.size());
-  for (const Crossing& crossing : crossings) ++across.begin[place[crossing.left] + 1];
+  for (const Crossing& crossing : crossings) ++across.begin[position[crossing.left] + 1];
   std::partial_sum(across.begin.begin(), across.begin.end(), across.begin.begin());
   std::vector<int> next(across.begin.begin(), across.begin.end() - 1);
   for (const Crossing& crossing : crossings)
-    across.right_end[next[place[crossing.left]]++] = place[crossing.right];
+    across.right_end[next[position[crossing.left]]++] = position[crossing.right];
   const VertexCover cover = minimum_vertex_cover(across, maximum_matching(across));
   std::vector<int> touching;
   for (std::size_t k = 0; k < left.size(); ++k)
     if (cover.left[k] != 0) touching.push_back(left[k]);
   for (std::size_t k = 0; k < right.size(); ++k)
     if (cover.right[k] != 0) touching.push_back(right[k]);
-  for (const int unknown : left) place[unknown] = -1;
-  for (const int unknown : right) place[unknown] = -1;
+  for (const int unknown : left) position[unknown] = -1;
+  for (const int unknown : right) position[unknown] = -1;
   return touching;
 }
 
@@ -78,7 +78,7 @@ int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::
 
 }  // namespace
 
-Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) {
+Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) {
   constexpr std::int64_t most_in_a_leaf = 500, fewest_groups_in_a_leaf = 8;
   const auto count = static_cast<std::size_t>(lower.rows());
   std::vector<std::uint8_t> has_unknowns(static_cast<std::size_t>(graph.neighbours->size()), 0);
@@ -102,12 +102,12 @@ Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const 
   }
 
   // Separators from the first cut on: what is in one couples no sides of later cuts.
-  std::vector<int> level_of(count, levels), place(count, -1);
+  std::vector<int> level_of(count, levels), position(count, -1);
   for (int level = 0; level < levels; ++level) {
     std::erase_if(crossings[level], [&](const Crossing& crossing) {
       return level_of[crossing.left] < levels || level_of[crossing.right] < levels;
     });
-    for (const int unknown : fewest_touching(crossings[level], place)) level_of[unknown] = level;
+    for (const int unknown : fewest_touching(crossings[level], position)) level_of[unknown] = level;
     context.throw_if_stopped();
   }
 

@@ -18,11 +18,11 @@ struct Dissection {
   bool is_leaf(int set) const { return set == 0 || parent[set - 1] != set; }
 };
 
-/// Dissects a matrix by the cuts of a coupling graph. The graph is bisected (METIS), which is quick because it
+/// Dissects a matrix by the cuts of a ordering graph. The graph is bisected (METIS), which is quick because it
 /// is small; each cut's separator is then the fewest unknowns that touch all entries of the matrix across the
 /// cut, hence as thick as the matrix's couplings are long. Separators as thin as the graph's own would leave
 /// sides coupled, with four times the fill.
-Dissection dissect(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context = {});
+Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context = {});
 
 /// Returns a dissection of `unknowns` that cuts nothing: they are all in one set, a leaf.
 Dissection one_leaf(std::int64_t unknowns);

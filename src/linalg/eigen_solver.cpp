@@ -11,7 +11,7 @@ namespace {
 
 class EigenSolver final : public LinearSolver {
  public:
-  void analyse(const NormalMatrix& lower, const CouplingGraph&, const Context& context) override {
+  void analyse(const NormalMatrix& lower, const OrderingGraph&, const Context& context) override {
     context.step("analyse");
     cholesky_.analyzePattern(lower);
     statistics_.backend = "eigen";

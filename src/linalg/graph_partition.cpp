@@ -33,7 +33,7 @@ std::array<idx_t, METIS_NOPTIONS> seeded_options() {
 
 }  // namespace
 
-GraphCuts cut_graph(const CouplingGraph& graph, int levels, const Context& context) {
+BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context& context) {
   const IndexLists& rings = *graph.neighbours;
   struct Input {
     std::vector<idx_t> number, weights, offsets{0}, neighbours, part;
@@ -69,7 +69,7 @@ GraphCuts cut_graph(const CouplingGraph& graph, int levels, const Context& conte
           if (status != METIS_OK) std::fill(input->part.begin(), input->part.end(), 0);
         },
         context);
-  GraphCuts cuts{levels, std::vector<int>(static_cast<std::size_t>(rings.size()), 0)};
+  BisectionTree cuts{levels, std::vector<int>(static_cast<std::size_t>(rings.size()), 0)};
   for (Index group = 0; group < rings.size(); ++group)
     if (input->number[group] >= 0) cuts.part[group] = static_cast<int>(input->part[input->number[group]]);
   return cuts;
@@ -80,7 +80,7 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
     throw Error(ErrorCode::memory, "the matrix has too many entries to be factorised", "",
                 "Choose a smaller region");
   struct Input {
-    std::vector<idx_t> offsets, neighbours, order, place;
+    std::vector<idx_t> offsets, neighbours, order, inverse_permutation;
   };
   const auto input = std::make_shared<Input>();
   const auto count = static_cast<std::size_t>(lower.cols());
@@ -103,7 +103,7 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
   });
   input->order.resize(count);
   std::iota(input->order.begin(), input->order.end(), 0);
-  input->place = input->order;
+  input->inverse_permutation = input->order;
   if (!input->neighbours.empty())  // METIS does not take a graph without edges
     run_abandonable(
         [input] {
@@ -111,7 +111,7 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
           auto options = seeded_options();
           const std::lock_guard lock(metis_mutex());
           const int status = METIS_NodeND(&vertices, input->offsets.data(), input->neighbours.data(), nullptr,
-                                          options.data(), input->order.data(), input->place.data());
+                                          options.data(), input->order.data(), input->inverse_permutation.data());
           if (status != METIS_OK) throw std::bad_alloc();
         },
         context);

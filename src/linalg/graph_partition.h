@@ -9,9 +9,9 @@ namespace meshgraft {
 // METIS (Karypis & Kumar 1998). Both functions give the same result every time, and both stop waiting for it
 // when a stop is requested: Error(cancelled).
 
-/// Cuts a coupling graph `levels` times where the fewest edges cross, so that both sides of a cut have as many
+/// Cuts a ordering graph `levels` times where the fewest edges cross, so that both sides of a cut have as many
 /// unknowns.
-GraphCuts cut_graph(const CouplingGraph& graph, int levels, const Context& context = {});
+BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context& context = {});
 
 /// Returns the unknowns of a matrix in the order of a nested dissection of its own graph (George 1973).
 /// Throws Error(memory) for more entries than METIS can count.

@@ -13,7 +13,7 @@
 #include "blas_threads.h"
 #include "block_matrix.h"
 #include "coarse_space.h"
-#include "nodes.h"
+#include "block_rows.h"
 
 namespace meshgraft {
 
@@ -62,7 +62,7 @@ void combine(const FourNumbers& y_scale, FourColumns& y, const FourNumbers& x_sc
 /// way.
 class IterativeSolver final : public LinearSolver {
  public:
-  void analyse(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) override {
+  void analyse(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) override {
     context.step("analyse");
     coarse_space_.reset();
     matrix_.reset();
@@ -85,7 +85,7 @@ class IterativeSolver final : public LinearSolver {
     const NormalMatrix coarse = coarse_space_->restrict_matrix(*matrix_, context);
     context.step("factorise", 0.6);
     coarse_solver_ = make_solver(available_backends().front());
-    coarse_solver_->analyse(coarse, coarse_space_->coupling_graph(coarse_neighbours_),
+    coarse_solver_->analyse(coarse, coarse_space_->ordering_graph(coarse_neighbours_),
                             {.threads = context.threads, .stop_token = context.stop_token});
     coarse_solver_->factorise(coarse, {.threads = context.threads, .stop_token = context.stop_token});
     context.step("factorise", 1.0);

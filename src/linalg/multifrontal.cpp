@@ -23,11 +23,11 @@ namespace {
 std::vector<int> parents(const SupernodalPattern& pattern) {
   std::vector<int> node_at(pattern.order.size()), parent;
   for (int node = 0; node < pattern.supernodes(); ++node)
-    std::fill(node_at.begin() + pattern.first_place[node], node_at.begin() + pattern.first_place[node + 1],
+    std::fill(node_at.begin() + pattern.first_position[node], node_at.begin() + pattern.first_position[node + 1],
               node);
   for (int node = 0; node < pattern.supernodes(); ++node) {
     const std::int64_t below =
-        pattern.rows_begin[node] + pattern.first_place[node + 1] - pattern.first_place[node];
+        pattern.rows_begin[node] + pattern.first_position[node + 1] - pattern.first_position[node];
     parent.push_back(below < pattern.rows_begin[node + 1] ? node_at[pattern.rows[below]] : -1);
   }
   return parent;
@@ -37,7 +37,7 @@ std::vector<int> parents(const SupernodalPattern& pattern) {
 std::vector<double> work(const SupernodalPattern& pattern) {
   std::vector<double> operations;
   for (int node = 0; node < pattern.supernodes(); ++node) {
-    const double columns = pattern.first_place[node + 1] - pattern.first_place[node],
+    const double columns = pattern.first_position[node + 1] - pattern.first_position[node],
                  rows = static_cast<double>(pattern.rows_begin[node + 1] - pattern.rows_begin[node]),
                  below = rows - columns;
     operations.push_back(columns * (columns * columns / 3 + columns * below + below * below + 100 * rows));
@@ -91,7 +91,7 @@ class UpdateStore {
 
 struct MultifrontalFactor::Front {
   int first = 0, columns = 0, rows = 0;
-  const int* places = nullptr;  ///< of its rows
+  const int* positions = nullptr;  ///< of its rows
   double* panel = nullptr;      ///< rows×columns, column by column
 
   int below() const { return rows - columns; }
@@ -99,20 +99,20 @@ struct MultifrontalFactor::Front {
 };
 
 MultifrontalFactor::Front MultifrontalFactor::front(int node) const {
-  const int first = pattern_.first_place[node];
-  return {first, pattern_.first_place[node + 1] - first,
+  const int first = pattern_.first_position[node];
+  return {first, pattern_.first_position[node + 1] - first,
           static_cast<int>(pattern_.rows_begin[node + 1] - pattern_.rows_begin[node]),
           pattern_.rows.data() + pattern_.rows_begin[node], values_.get() + panel_begin_[node]};
 }
 
 MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
     : pattern_(std::move(pattern)),
-      place_(pattern_.order.size()),
+      inverse_permutation_(pattern_.order.size()),
       parent_(parents(pattern_)),
       panel_begin_(1, 0),
       children_(parent_.size()),
       forest_(parent_, work(pattern_)) {
-  for (std::size_t p = 0; p < place_.size(); ++p) place_[pattern_.order[p]] = static_cast<int>(p);
+  for (std::size_t p = 0; p < inverse_permutation_.size(); ++p) inverse_permutation_[pattern_.order[p]] = static_cast<int>(p);
   for (int node = 0; node < pattern_.supernodes(); ++node) {
     const Front f = front(node);
     panel_begin_.push_back(panel_begin_.back() + static_cast<std::int64_t>(f.rows) * f.columns);
@@ -127,7 +127,7 @@ struct MultifrontalFactor::Elimination {
   std::vector<UpdateStore::Block> updates;  ///< of supernodes whose parent has not taken them yet
 };
 
-/// The supernode's columns of the matrix; `row_at` tells the front's row of a place.
+/// The supernode's columns of the matrix; `row_at` tells the front's row of a position.
 void MultifrontalFactor::gather_panel(const Front& f, const LowerEntries& entries,
                                       const std::vector<int>& row_at) const {
   std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
@@ -147,7 +147,7 @@ void MultifrontalFactor::add_updates(int node, int from, int to, const std::vect
     const double* update = elimination.updates[child].values.get();
     const int below = g.below();
     rows.resize(static_cast<std::size_t>(below));
-    for (int r = 0; r < below; ++r) rows[r] = row_at[g.places[g.columns + r]];
+    for (int r = 0; r < below; ++r) rows[r] = row_at[g.positions[g.columns + r]];
     const auto begin = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), from) - rows.begin()),
                end = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), to) - rows.begin());
     for (int c = begin; c < end; ++c) {
@@ -163,7 +163,7 @@ void MultifrontalFactor::add_updates(int node, int from, int to, const std::vect
 void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Elimination& elimination,
                                    const Context& context) const {
   const Front f = front(node);
-  for (int r = 0; r < f.rows; ++r) row_at[f.places[r]] = r;
+  for (int r = 0; r < f.rows; ++r) row_at[f.positions[r]] = r;
   gather_panel(f, elimination.entries, row_at);
   add_updates(node, 0, f.columns, row_at, elimination, f.panel, 0, f.rows);
   const int good = factorise_panel(f.panel, f.rows, f.columns, context);
@@ -183,7 +183,7 @@ void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Eliminati
 
 void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
   const SingleThreadedBlas single_threaded(context);
-  Elimination elimination{.entries = permute(lower, place_, true, context), .store = {}, .updates = {}};
+  Elimination elimination{.entries = permute(lower, inverse_permutation_, true, context), .store = {}, .updates = {}};
   elimination.updates.resize(parent_.size());
   values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
   const auto unknowns = static_cast<double>(pattern_.order.size());
@@ -210,7 +210,7 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
   for (Eigen::Index begin = 0; begin < rhs.cols(); begin += widest) {
     const Eigen::Index width = std::min(widest, rhs.cols() - begin);
     Eigen::MatrixXd x(rhs.rows(), width);
-    const auto for_each_place = [&](const auto& body) {
+    const auto for_each_position = [&](const auto& body) {
       parallel_blocks(
           pattern_.order.size(),
           [&](std::size_t first, std::size_t last) {
@@ -220,14 +220,14 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
           },
           context, 16'384);
     };
-    for_each_place([&](Eigen::Index p, Eigen::Index c) { x(p, c) = rhs(pattern_.order[p], begin + c); });
+    for_each_position([&](Eigen::Index p, Eigen::Index c) { x(p, c) = rhs(pattern_.order[p], begin + c); });
     substitute(x, context);
-    for_each_place([&](Eigen::Index p, Eigen::Index c) { result(pattern_.order[p], begin + c) = x(p, c); });
+    for_each_position([&](Eigen::Index p, Eigen::Index c) { result(pattern_.order[p], begin + c) = x(p, c); });
   }
   return result;
 }
 
-/// x ← L⁻ᵀ L⁻¹ x, by places.
+/// x ← L⁻ᵀ L⁻¹ x, by positions.
 void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) const {
   const auto width = static_cast<int>(x.cols());
   // Of each supernode, what its columns subtract from the rows below (in a front of its own).
@@ -246,7 +246,7 @@ void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) 
           const Front g = front(child);
           std::vector<int> rows(static_cast<std::size_t>(g.below()));
           for (int r = 0, k = 0; r < g.below(); ++r) {
-            while (f.places[k] < g.places[g.columns + r]) ++k;
+            while (f.positions[k] < g.positions[g.columns + r]) ++k;
             rows[r] = k;
           }
           for (int c = 0; c < width; ++c) {
@@ -268,7 +268,7 @@ void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) 
         const std::unique_ptr<double[]> values(new double[static_cast<std::size_t>(f.rows) * width]);
         for (int c = 0; c < width; ++c)
           for (int r = 0; r < f.rows; ++r)
-            values[r + static_cast<std::int64_t>(c) * f.rows] = x(f.places[r], c);
+            values[r + static_cast<std::int64_t>(c) * f.rows] = x(f.positions[r], c);
         solve_panel_transposed(f.panel, f.rows, f.columns, values.get(), width);
         for (int c = 0; c < width; ++c)
           std::copy_n(values.get() + static_cast<std::int64_t>(c) * f.rows, f.columns,

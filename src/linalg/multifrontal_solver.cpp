@@ -4,7 +4,7 @@
 #include "dissection.h"
 #include "graph_partition.h"
 #include "multifrontal.h"
-#include "supernodes.h"
+#include "symbolic_factorisation.h"
 
 namespace meshgraft {
 
@@ -12,7 +12,7 @@ namespace {
 
 class MultifrontalSolver final : public LinearSolver {
  public:
-  void analyse(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) override {
+  void analyse(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) override {
     context.step("analyse");
     factor_.emplace(find_pattern(lower, graph, context));
     context.throw_if_stopped();
@@ -38,19 +38,19 @@ class MultifrontalSolver final : public LinearSolver {
 
  private:
   /// By the ordering that pays for the size of the matrix (docs/performance.md).
-  SupernodalPattern find_pattern(const NormalMatrix& lower, const CouplingGraph& graph,
+  SupernodalPattern find_pattern(const NormalMatrix& lower, const OrderingGraph& graph,
                                  const Context& context) {
     constexpr Eigen::Index fewest_to_dissect = 8'000, fewest_for_metis = 50'000;
     if (graph.neighbours != nullptr && lower.rows() >= fewest_to_dissect) {
       statistics_.ordering = "dissection";
-      return find_supernodes(lower, dissect(lower, graph, context), context);
+      return symbolic_factorisation(lower, dissect(lower, graph, context), context);
     }
     if (lower.rows() >= fewest_for_metis) {
       statistics_.ordering = "metis";
-      return find_supernodes(lower, nested_dissection_order(lower, context), context);
+      return symbolic_factorisation(lower, nested_dissection_order(lower, context), context);
     }
     statistics_.ordering = "amd";
-    return find_supernodes(lower, one_leaf(lower.rows()), context);
+    return symbolic_factorisation(lower, one_leaf(lower.rows()), context);
   }
 
   std::optional<MultifrontalFactor> factor_;

@@ -38,7 +38,7 @@ struct System {
   NormalMatrix lower;
   std::vector<Index> group;
   IndexLists neighbours;
-  CouplingGraph graph() const { return {group, &neighbours}; }
+  OrderingGraph graph() const { return {group, &neighbours}; }
 };
 
 /// Meshes whose vertices are coupled with two rings around them; some with an unknown that is coupled with all.
@@ -138,14 +138,14 @@ TEST(Dissection, HasSeparatorsAsThickAsCouplingsAreLong) {
     std::vector<std::pair<Index, Index>> edges;
     std::vector<int> side;
     std::vector<Index> group;
-    for (Index place = 0; place < width * height; ++place) {
-      if (place % width > 0) edges.emplace_back(place, place - 1);
-      if (place >= width) edges.emplace_back(place, place - width);
-      side.push_back(place % width < width / 2 ? 0 : 1);
-      group.push_back(place);
+    for (Index position = 0; position < width * height; ++position) {
+      if (position % width > 0) edges.emplace_back(position, position - 1);
+      if (position >= width) edges.emplace_back(position, position - width);
+      side.push_back(position % width < width / 2 ? 0 : 1);
+      group.push_back(position);
     }
     const IndexLists neighbours = neighbours_of(width * height, edges);
-    CouplingGraph graph{group, &neighbours, std::make_shared<GraphCuts>(GraphCuts{1, side})};
+    OrderingGraph graph{group, &neighbours, std::make_shared<BisectionTree>(BisectionTree{1, side})};
     const Dissection dissection = dissect(lattice_matrix(width, height, reach), graph);
     ASSERT_EQ(dissection.sets(), 4) << "two sides, the separator, unknowns without a group";
     EXPECT_EQ(dissection.unknowns[2].size(), static_cast<std::size_t>(reach * height));
@@ -165,12 +165,12 @@ TEST(Dissection, IsTheSameEveryTime) {
 TEST(Dissection, IsOfAFactorThatFillsLittleAndSolves) {
   std::minstd_rand generator(7);
   for (const System& system : systems()) {
-    const SupernodalPattern pattern = find_supernodes(system.lower, dissect(system.lower, system.graph()), {});
+    const SupernodalPattern pattern = symbolic_factorisation(system.lower, dissect(system.lower, system.graph()), {});
     std::vector<int> random(system.group.size());
     std::iota(random.begin(), random.end(), 0);
     std::shuffle(random.begin(), random.end(), generator);
     if (system.name != "random groups") {
-      EXPECT_LT(pattern.flops(), 0.5 * find_supernodes(system.lower, random, {}).flops()) << system.name;
+      EXPECT_LT(pattern.flops(), 0.5 * symbolic_factorisation(system.lower, random, {}).flops()) << system.name;
     }
 
     MultifrontalFactor factor(pattern);

@@ -9,7 +9,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
-#include "linalg/supernodes.h"
+#include "linalg/symbolic_factorisation.h"
 #include "matrix_families.h"
 
 namespace meshgraft {
@@ -34,8 +34,8 @@ TEST(NestedDissectionOrder, HasEveryUnknownOnceAndIsTheSameEveryTime) {
 TEST(NestedDissectionOrder, FillsAGridLessThanTheOrderOfItsRows) {
   for (const Index reach : {1, 2}) {
     const NormalMatrix lower = lattice_matrix(50, 50, reach);
-    EXPECT_LT(find_supernodes(lower, nested_dissection_order(lower), {}).flops(),
-              0.5 * find_supernodes(lower, numbers_below(lower.rows()), {}).flops());
+    EXPECT_LT(symbolic_factorisation(lower, nested_dissection_order(lower), {}).flops(),
+              0.5 * symbolic_factorisation(lower, numbers_below(lower.rows()), {}).flops());
   }
 }
 
@@ -45,8 +45,8 @@ TEST(CutGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
     const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
     const std::vector<Index> group = numbers_below(mesh.vertex_count());
     constexpr int levels = 3;
-    const GraphCuts cuts = cut_graph({group, &rings}, levels);
-    EXPECT_EQ(cut_graph({group, &rings}, levels).part, cuts.part) << sample;
+    const BisectionTree cuts = bisect_graph({group, &rings}, levels);
+    EXPECT_EQ(bisect_graph({group, &rings}, levels).part, cuts.part) << sample;
     ASSERT_EQ(cuts.levels, levels);
     std::vector<int> size(1U << levels, 0);
     int across = 0;
@@ -65,7 +65,7 @@ TEST(CutGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
 TEST(CutGraph, LeavesAGraphWholeThatIsToHaveOnePart) {
   const Mesh mesh = make_sample("torus", 12);
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
-  const GraphCuts cuts = cut_graph({numbers_below(mesh.vertex_count()), &rings}, 0);
+  const BisectionTree cuts = bisect_graph({numbers_below(mesh.vertex_count()), &rings}, 0);
   EXPECT_EQ(cuts.part, std::vector<int>(static_cast<std::size_t>(mesh.vertex_count()), 0));
 }
 
@@ -75,7 +75,7 @@ TEST(GraphPartition, StopsWhenAsked) {
   const Context context{.threads = 1, .progress = {}, .stop_token = stop.get_token()};
   const Mesh mesh = make_sample("torus", 12);
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
-  EXPECT_THROW(cut_graph({numbers_below(mesh.vertex_count()), &rings}, 2, context), Error);
+  EXPECT_THROW(bisect_graph({numbers_below(mesh.vertex_count()), &rings}, 2, context), Error);
   EXPECT_THROW(nested_dissection_order(lattice_matrix(9, 9), context), Error);
 }
 

@@ -19,7 +19,7 @@ struct Plate {
   IndexLists rings;
   std::vector<Index> free;
   NormalMatrix matrix;
-  CouplingGraph graph() const { return {free, &rings, {}, positions}; }
+  OrderingGraph graph() const { return {free, &rings, {}, positions}; }
   Points positions;  ///< of the free vertices
 };
 

@@ -197,7 +197,7 @@ TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
     const NormalMatrix matrix = bilaplacian(rings);
     std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
     std::iota(group.begin(), group.end(), Index{0});
-    const auto analysed = [&](const CouplingGraph& graph) {
+    const auto analysed = [&](const OrderingGraph& graph) {
       auto solver = make_solver(SolverBackend::multifrontal);
       solver->analyse(matrix, graph);
       return solver->statistics();
@@ -253,11 +253,11 @@ TEST(NestedDissection, CutsAGraphOnceForSeveralSystems) {
   const NormalMatrix matrix = grid_matrix(k);
   std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
   std::iota(group.begin(), group.end(), Index{0});
-  const auto cuts = std::make_shared<GraphCuts>();
+  const auto cuts = std::make_shared<BisectionTree>();
   auto alone = make_solver(), first = make_solver(), second = make_solver();
   alone->analyse(matrix, {group, &rings});
   first->analyse(matrix, {group, &rings, cuts});
-  const GraphCuts filled = *cuts;
+  const BisectionTree filled = *cuts;
   EXPECT_EQ(filled.part.size(), group.size());
   second->analyse(matrix, {group, &rings, cuts});
   EXPECT_EQ(cuts->part, filled.part);

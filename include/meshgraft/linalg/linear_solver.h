@@ -25,7 +25,7 @@ enum class SolverBackend {
 
 struct SolverStatistics {
   std::string backend;   ///< "multifrontal", "eigen" or "iterative"
-  std::string ordering;  ///< "dissection" (of a coupling graph), "metis" (of the matrix's own graph), "amd"; of
+  std::string ordering;  ///< "dissection" (of a ordering graph), "metis" (of the matrix's own graph), "amd"; of
                          ///< the coarse matrix for "iterative", whose factor the next but two numbers describe
   std::int64_t unknowns = 0;
   std::int64_t matrix_nonzeros = 0;  ///< of the lower triangle
@@ -40,18 +40,18 @@ struct SolverStatistics {
 };
 
 /// How a graph is cut in two, its halves in two, and so on.
-struct GraphCuts {
+struct BisectionTree {
   int levels = 0;
   std::vector<int> part;  ///< of each vertex: bit `levels - 1` is its side of the first cut, bit 0 of the last
 };
 
 /// Where the unknowns of a matrix sit: a graph far smaller than the matrix's own, in which an ordering is found
 /// sooner. Unknowns are coupled if their groups are the same or few edges apart.
-struct CouplingGraph {
+struct OrderingGraph {
   std::vector<Index> group;                ///< of each unknown; -1 where it is coupled with groups far apart
   const IndexLists* neighbours = nullptr;  ///< of each group; none: no graph is known
   /// Kept by the caller for several systems over one graph: the first to cut it fills this, later ones use it.
-  std::shared_ptr<GraphCuts> cuts{};
+  std::shared_ptr<BisectionTree> cuts{};
   /// Of each unknown (unknowns×3; rows of those without a group do not count): vectors whose entries are an
   /// affine function of them cost (nearly) nothing. Empty: that is known of constants alone.
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> positions{};
@@ -71,7 +71,7 @@ class LinearSolver {
   virtual ~LinearSolver() = default;
 
   /// Ordering and symbolic work; depends on the pattern alone, and on the graph if there is one.
-  virtual void analyse(const NormalMatrix& lower, const CouplingGraph& graph = {},
+  virtual void analyse(const NormalMatrix& lower, const OrderingGraph& graph = {},
                        const Context& context = {}) = 0;
 
   /// Numerical factor. Throws Error(unsolvable) if N is not positive definite.

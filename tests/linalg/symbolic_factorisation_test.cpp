@@ -1,4 +1,4 @@
-#include "linalg/supernodes.h"
+#include "linalg/symbolic_factorisation.h"
 
 #include <algorithm>
 #include <numeric>
@@ -17,12 +17,12 @@ using Flags = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 /// Which entries the Cholesky factor has for this order, by elimination of a dense matrix of flags.
 Flags symbolic_factor(const NormalMatrix& lower, const std::vector<int>& order) {
   const auto count = static_cast<Eigen::Index>(order.size());
-  std::vector<Eigen::Index> place(order.size());
-  for (Eigen::Index p = 0; p < count; ++p) place[order[p]] = p;
+  std::vector<Eigen::Index> inverse_permutation(order.size());
+  for (Eigen::Index p = 0; p < count; ++p) inverse_permutation[order[p]] = p;
   Flags factor = Flags::Constant(count, count, false);
   for (Eigen::Index column = 0; column < lower.cols(); ++column)
     for (NormalMatrix::InnerIterator it(lower, column); it; ++it) {
-      const auto [low, high] = std::minmax(place[it.row()], place[column]);
+      const auto [low, high] = std::minmax(inverse_permutation[it.row()], inverse_permutation[column]);
       factor(high, low) = true;
     }
   for (Eigen::Index p = 0; p < count; ++p)
@@ -39,7 +39,7 @@ Flags stored_entries(const SupernodalPattern& pattern) {
   const auto count = static_cast<Eigen::Index>(pattern.order.size());
   Flags stored = Flags::Constant(count, count, false);
   for (int node = 0; node < pattern.supernodes(); ++node)
-    for (int column = pattern.first_place[node]; column < pattern.first_place[node + 1]; ++column)
+    for (int column = pattern.first_position[node]; column < pattern.first_position[node + 1]; ++column)
       for (std::int64_t r = pattern.rows_begin[node]; r < pattern.rows_begin[node + 1]; ++r)
         if (pattern.rows[r] >= column) stored(pattern.rows[r], column) = true;
   return stored;
@@ -55,9 +55,9 @@ std::vector<std::vector<int>> orders_of(Eigen::Index unknowns) {
 
 /// Of a matrix by minimum degree, and in several orders that are given.
 std::vector<SupernodalPattern> patterns_of(const NormalMatrix& lower) {
-  std::vector<SupernodalPattern> patterns{find_supernodes(lower, one_leaf(lower.rows()), {})};
+  std::vector<SupernodalPattern> patterns{symbolic_factorisation(lower, one_leaf(lower.rows()), {})};
   for (const std::vector<int>& order : orders_of(lower.rows()))
-    patterns.push_back(find_supernodes(lower, order, {}));
+    patterns.push_back(symbolic_factorisation(lower, order, {}));
   return patterns;
 }
 
@@ -67,11 +67,11 @@ TEST(Supernodes, HaveEveryUnknownOnceAndTheirRowsAscending) {
       std::vector<int> unknowns = pattern.order;
       std::sort(unknowns.begin(), unknowns.end());
       EXPECT_EQ(unknowns, orders_of(family.lower.rows()).front()) << family.name;
-      ASSERT_EQ(pattern.first_place.front(), 0) << family.name;
-      ASSERT_EQ(pattern.first_place.back(), family.lower.rows()) << family.name;
+      ASSERT_EQ(pattern.first_position.front(), 0) << family.name;
+      ASSERT_EQ(pattern.first_position.back(), family.lower.rows()) << family.name;
       ASSERT_EQ(pattern.rows_begin.back(), static_cast<std::int64_t>(pattern.rows.size())) << family.name;
       for (int node = 0; node < pattern.supernodes(); ++node) {
-        const int first = pattern.first_place[node], columns = pattern.first_place[node + 1] - first;
+        const int first = pattern.first_position[node], columns = pattern.first_position[node + 1] - first;
         const auto begin = pattern.rows.begin() + pattern.rows_begin[node],
                    end = pattern.rows.begin() + pattern.rows_begin[node + 1];
         ASSERT_GT(columns, 0) << family.name;
@@ -100,7 +100,7 @@ TEST(Supernodes, HaveRowsBelowThatTheirParentsHave) {
       const Flags stored = stored_entries(pattern);
       for (int node = 0; node < pattern.supernodes(); ++node) {
         const std::int64_t below =
-            pattern.rows_begin[node] + pattern.first_place[node + 1] - pattern.first_place[node];
+            pattern.rows_begin[node] + pattern.first_position[node + 1] - pattern.first_position[node];
         for (std::int64_t r = below; r < pattern.rows_begin[node + 1]; ++r)
           EXPECT_TRUE(stored(pattern.rows[r], pattern.rows[below])) << family.name;
       }
@@ -110,7 +110,7 @@ TEST(Supernodes, HaveRowsBelowThatTheirParentsHave) {
 TEST(Supernodes, OfAGivenOrderAreOfOneThatFillsTheSame) {
   for (const NamedMatrix& family : matrix_families())
     for (const std::vector<int>& order : orders_of(family.lower.rows())) {
-      const SupernodalPattern pattern = find_supernodes(family.lower, order, {});
+      const SupernodalPattern pattern = symbolic_factorisation(family.lower, order, {});
       EXPECT_EQ(entries_of(symbolic_factor(family.lower, pattern.order)),
                 entries_of(symbolic_factor(family.lower, order)))
           << family.name;
@@ -125,7 +125,7 @@ TEST(Supernodes, StoreNoZerosWhereNothingIsGainedByIt) {
                 static_cast<double>(entries_of(symbolic_factor(family.lower, pattern.order))))
           << family.name;
   }
-  const SupernodalPattern dense = find_supernodes(lattice_matrix(5, 5, 8), one_leaf(25), {});
+  const SupernodalPattern dense = symbolic_factorisation(lattice_matrix(5, 5, 8), one_leaf(25), {});
   EXPECT_EQ(dense.supernodes(), 1);
 }
 
@@ -144,8 +144,8 @@ TEST(Supernodes, DoNotDependOnTheNumberOfThreads) {
     return Context{.threads = threads, .progress = {}, .stop_token = {}};
   };
   for (const std::vector<int>& order : orders_of(lower.rows())) {
-    const SupernodalPattern one = find_supernodes(lower, order, context(1)),
-                            two = find_supernodes(lower, order, context(2));
+    const SupernodalPattern one = symbolic_factorisation(lower, order, context(1)),
+                            two = symbolic_factorisation(lower, order, context(2));
     EXPECT_EQ(one.order, two.order);
     EXPECT_EQ(one.rows, two.rows);
   }

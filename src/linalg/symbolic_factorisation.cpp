@@ -1,4 +1,4 @@
-#include "supernodes.h"
+#include "symbolic_factorisation.h"
 
 #include <camd.h>
 
@@ -15,7 +15,7 @@ namespace meshgraft {
 double SupernodalPattern::factor_nonzeros() const {
   double sum = 0;
   for (int node = 0; node < supernodes(); ++node) {
-    const double columns = first_place[node + 1] - first_place[node];
+    const double columns = first_position[node + 1] - first_position[node];
     sum += columns * static_cast<double>(rows_begin[node + 1] - rows_begin[node]) - columns * (columns - 1) / 2;
   }
   return sum;
@@ -24,25 +24,25 @@ double SupernodalPattern::factor_nonzeros() const {
 double SupernodalPattern::flops() const {
   double sum = 0;
   for (int node = 0; node < supernodes(); ++node) {
-    const double columns = first_place[node + 1] - first_place[node],
+    const double columns = first_position[node + 1] - first_position[node],
                  below = static_cast<double>(rows_begin[node + 1] - rows_begin[node]) - columns;
     sum += columns * (below * below + below * (columns + 1) + (columns + 1) * (2 * columns + 1) / 6);
   }
   return sum;
 }
 
-LowerEntries permute(const NormalMatrix& lower, std::span<const int> place, bool with_values,
+LowerEntries permute(const NormalMatrix& lower, std::span<const int> inverse_permutation, bool with_values,
                      const Context& context) {
   LowerEntries entries;
-  const auto count = static_cast<int>(place.size());
-  entries.begin.assign(place.size() + 1, 0);
+  const auto count = static_cast<int>(inverse_permutation.size());
+  entries.begin.assign(inverse_permutation.size() + 1, 0);
   const auto for_each_entry = [&](const auto& body) {
     share_out(
         count,
         [&](int first, int last) {
           for (Eigen::Index column = 0; column < lower.cols(); ++column)
             for (NormalMatrix::InnerIterator it(lower, column); it; ++it) {
-              const auto [low, high] = std::minmax(place[it.row()], place[column]);
+              const auto [low, high] = std::minmax(inverse_permutation[it.row()], inverse_permutation[column]);
               if (low >= first && low < last) body(low, high, it.value());
             }
         },
@@ -115,60 +115,60 @@ void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
 
 struct Supernode {
   int first = 0, columns = 0;
-  std::vector<int> rows;  ///< places, ascending, its own first
+  std::vector<int> rows;  ///< positions, ascending, its own first
   double zeros = 0;       ///< stored for a simpler structure
 
   int below() const { return static_cast<int>(rows.size()) - columns; }
-  int parent_place() const { return rows[columns]; }
+  int parent_position() const { return rows[columns]; }
 };
 
-/// A set of places that is emptied at no cost.
+/// A set of positions that is emptied at no cost.
 class PlaceSet {
  public:
   explicit PlaceSet(std::size_t count) : stamp_(count, 0) {}
   void clear() {
-    places_.clear();
+    positions_.clear();
     ++now_;
   }
-  void add(int place) {
-    if (stamp_[place] == now_) return;
-    stamp_[place] = now_;
-    places_.push_back(place);
+  void add(int position) {
+    if (stamp_[position] == now_) return;
+    stamp_[position] = now_;
+    positions_.push_back(position);
   }
-  std::vector<int>& places() { return places_; }
+  std::vector<int>& positions() { return positions_; }
 
  private:
-  std::vector<int> stamp_, places_;
+  std::vector<int> stamp_, positions_;
   int now_ = 0;
 };
 
-/// Supernodes of the places first … last−1, eliminated one by one (fundamental supernodes). A place joins the
+/// Supernodes of the positions first … last−1, eliminated one by one (fundamental supernodes). A position joins the
 /// supernode before it if it is that one's parent and has no row that is new.
 std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, PlaceSet& seen) {
   std::vector<Supernode> nodes;
   std::vector<std::vector<int>> children(static_cast<std::size_t>(last - first));
-  for (int place = first; place < last; ++place) {
-    const bool follows = !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_place() == place;
+  for (int position = first; position < last; ++position) {
+    const bool follows = !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_position() == position;
     if (!follows) seen.clear();  // else these are the rows of the supernode before it
-    seen.add(place);
-    const std::size_t known = seen.places().size();
-    for (std::int64_t e = entries.begin[place]; e < entries.begin[place + 1]; ++e) seen.add(entries.row[e]);
-    for (const int child : children[place - first])
+    seen.add(position);
+    const std::size_t known = seen.positions().size();
+    for (std::int64_t e = entries.begin[position]; e < entries.begin[position + 1]; ++e) seen.add(entries.row[e]);
+    for (const int child : children[position - first])
       for (int r = nodes[child].columns; r < static_cast<int>(nodes[child].rows.size()); ++r)
         seen.add(nodes[child].rows[r]);
-    if (follows && seen.places().size() == known) {
+    if (follows && seen.positions().size() == known) {
       ++nodes.back().columns;
       continue;
     }
-    if (!nodes.empty() && !follows && nodes.back().below() > 0 && nodes.back().parent_place() < last)
-      children[nodes.back().parent_place() - first].push_back(static_cast<int>(nodes.size()) - 1);
+    if (!nodes.empty() && !follows && nodes.back().below() > 0 && nodes.back().parent_position() < last)
+      children[nodes.back().parent_position() - first].push_back(static_cast<int>(nodes.size()) - 1);
     std::vector<int> rows;
-    for (const int row : seen.places())
-      if (row >= place) rows.push_back(row);
+    for (const int row : seen.positions())
+      if (row >= position) rows.push_back(row);
     std::sort(rows.begin(), rows.end());
     seen.clear();
     for (const int row : rows) seen.add(row);
-    nodes.push_back({place, 1, std::move(rows)});
+    nodes.push_back({position, 1, std::move(rows)});
   }
   return nodes;
 }
@@ -180,7 +180,7 @@ std::vector<Supernode> merge(std::vector<Supernode> nodes) {
     if (!merged.empty() && node->below() > 0) {
       Supernode& next = merged.back();
       const int columns = node->columns + next.columns;
-      if (node->parent_place() < next.first + next.columns) {
+      if (node->parent_position() < next.first + next.columns) {
         const double rows = static_cast<double>(node->columns) + static_cast<double>(next.rows.size());
         const double zeros =
             node->zeros + next.zeros + node->columns * (rows - static_cast<double>(node->rows.size()));
@@ -224,19 +224,19 @@ std::vector<int> postorder(const std::vector<int>& parent) {
 /// The first row below each column of the factor, -1 where there is none (Liu 1990, with compressed paths).
 std::vector<int> elimination_tree(const NormalMatrix& lower, const std::vector<int>& order,
                                   const Context& context) {
-  // With the places counted from the last, columns of the lower triangle are what rows are otherwise.
+  // With the positions counted from the last, columns of the lower triangle are what rows are otherwise.
   const auto count = static_cast<int>(order.size());
   std::vector<int> backwards(order.size());
-  for (int place = 0; place < count; ++place) backwards[order[place]] = count - 1 - place;
+  for (int position = 0; position < count; ++position) backwards[order[position]] = count - 1 - position;
   const LowerEntries rows = permute(lower, backwards, false, context);
   std::vector<int> parent(order.size(), -1), ancestor(order.size(), -1);
-  for (int place = 0; place < count; ++place) {
-    const int row = count - 1 - place;
+  for (int position = 0; position < count; ++position) {
+    const int row = count - 1 - position;
     for (std::int64_t e = rows.begin[row]; e < rows.begin[row + 1]; ++e) {
       int node = count - 1 - rows.row[e];
-      while (node >= 0 && node < place) {
-        const int above = std::exchange(ancestor[node], place);
-        if (above < 0) parent[node] = place;
+      while (node >= 0 && node < position) {
+        const int above = std::exchange(ancestor[node], position);
+        if (above < 0) parent[node] = position;
         node = above;
       }
     }
@@ -253,22 +253,22 @@ SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const
   for (int node = 0; node < count; ++node)
     std::fill_n(node_at.begin() + nodes[node]->first, nodes[node]->columns, node);
   for (int node = 0; node < count; ++node)
-    if (nodes[node]->below() > 0) parent[node] = node_at[nodes[node]->parent_place()];
+    if (nodes[node]->below() > 0) parent[node] = node_at[nodes[node]->parent_position()];
   const std::vector<int> sequence = postorder(parent);
 
   SupernodalPattern pattern;
-  std::vector<int> new_place(order.size());
+  std::vector<int> new_position(order.size());
   for (const int node : sequence) {
-    pattern.first_place.push_back(static_cast<int>(pattern.order.size()));
+    pattern.first_position.push_back(static_cast<int>(pattern.order.size()));
     for (int c = 0; c < nodes[node]->columns; ++c) {
-      new_place[nodes[node]->first + c] = static_cast<int>(pattern.order.size());
+      new_position[nodes[node]->first + c] = static_cast<int>(pattern.order.size());
       pattern.order.push_back(order[nodes[node]->first + c]);
     }
   }
-  pattern.first_place.push_back(static_cast<int>(order.size()));
+  pattern.first_position.push_back(static_cast<int>(order.size()));
   pattern.rows_begin.push_back(0);
   for (const int node : sequence) {
-    for (const int row : nodes[node]->rows) pattern.rows.push_back(new_place[row]);
+    for (const int row : nodes[node]->rows) pattern.rows.push_back(new_position[row]);
     pattern.rows_begin.push_back(static_cast<std::int64_t>(pattern.rows.size()));
   }
   return pattern;
@@ -276,7 +276,7 @@ SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const
 
 }  // namespace
 
-SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& dissection,
+SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissection& dissection,
                                   const Context& context) {
   const auto count = static_cast<std::size_t>(lower.cols());
   std::vector<std::vector<int>> ordered = dissection.unknowns;
@@ -292,16 +292,16 @@ SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& d
         },
         context, 1);
   }
-  std::vector<int> order, place(count), first_of_set;
+  std::vector<int> order, inverse_permutation(count), first_of_set;
   for (const std::vector<int>& set : ordered) {
     first_of_set.push_back(static_cast<int>(order.size()));
     for (const int unknown : set) {
-      place[unknown] = static_cast<int>(order.size());
+      inverse_permutation[unknown] = static_cast<int>(order.size());
       order.push_back(unknown);
     }
   }
   first_of_set.push_back(static_cast<int>(count));
-  const LowerEntries entries = permute(lower, place, false, context);
+  const LowerEntries entries = permute(lower, inverse_permutation, false, context);
 
   // Up the tree: each set's supernodes, and of all those below it the ones whose parent is still to come.
   struct Reach {
@@ -332,7 +332,7 @@ SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& d
               for (const int child : children[set]) {
                 for (const Reach& reach : reaching[child]) {
                   const Supernode& below = nodes[reach.set][reach.node];
-                  if (below.parent_place() >= last) {
+                  if (below.parent_position() >= last) {
                     reaching[set].push_back(reach);
                     continue;
                   }
@@ -342,12 +342,12 @@ SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& d
                 reaching[child] = {};
               }
               if (first < last) {
-                own.push_back({first, last - first, seen.places()});
+                own.push_back({first, last - first, seen.positions()});
                 std::sort(own.back().rows.begin(), own.back().rows.end());
               }
             }
             for (std::size_t node = 0; node < own.size(); ++node)
-              if (own[node].below() > 0 && own[node].parent_place() >= last)
+              if (own[node].below() > 0 && own[node].parent_position() >= last)
                 reaching[set].push_back({set, static_cast<int>(node)});
           },
           context);
@@ -358,12 +358,12 @@ SupernodalPattern find_supernodes(const NormalMatrix& lower, const Dissection& d
   return in_postorder(all, order);
 }
 
-SupernodalPattern find_supernodes(const NormalMatrix& lower, const std::vector<int>& order,
+SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const std::vector<int>& order,
                                   const Context& context) {
-  std::vector<int> in_tree_order = postorder(elimination_tree(lower, order, context)), place(order.size());
+  std::vector<int> in_tree_order = postorder(elimination_tree(lower, order, context)), inverse_permutation(order.size());
   for (int& at : in_tree_order) at = order[at];
-  for (std::size_t p = 0; p < order.size(); ++p) place[in_tree_order[p]] = static_cast<int>(p);
-  const LowerEntries entries = permute(lower, place, false, context);
+  for (std::size_t p = 0; p < order.size(); ++p) inverse_permutation[in_tree_order[p]] = static_cast<int>(p);
+  const LowerEntries entries = permute(lower, inverse_permutation, false, context);
   PlaceSet seen(order.size());
   const std::vector<Supernode> nodes =
       merge(eliminate_one_by_one(0, static_cast<int>(order.size()), entries, seen));

@@ -1,4 +1,4 @@
-#include "nodes.h"
+#include "block_rows.h"
 
 #include <algorithm>
 #include <numeric>
@@ -12,19 +12,19 @@ namespace meshgraft {
 
 namespace {
 
-/// Places of some nodes, all taken back at once.
-class Places {
+/// Positions of some nodes, all taken back at once.
+class NodePositions {
  public:
-  explicit Places(Index count) : set_in_(static_cast<std::size_t>(count), 0), place_(set_in_.size(), 0) {}
+  explicit NodePositions(Index count) : set_in_(static_cast<std::size_t>(count), 0), position_(set_in_.size(), 0) {}
   void clear() { ++round_; }
-  std::size_t find_or_set(Index node, std::size_t place) {
-    if (std::exchange(set_in_[node], round_) != round_) place_[node] = place;
-    return place_[node];
+  std::size_t find_or_set(Index node, std::size_t position) {
+    if (std::exchange(set_in_[node], round_) != round_) position_[node] = position;
+    return position_[node];
   }
 
  private:
   std::vector<std::uint32_t> set_in_;
-  std::vector<std::size_t> place_;
+  std::vector<std::size_t> position_;
   std::uint32_t round_ = 1;
 };
 
@@ -87,12 +87,12 @@ IndexLists symmetric(const IndexLists& half) {
   return whole;
 }
 
-Nodes gather(Index unknowns, const CouplingGraph& graph) {
+BlockRows gather(Index unknowns, const OrderingGraph& graph) {
   const auto group_of = [&](Index u) { return graph.group.empty() ? u : graph.group[u]; };
   Index groups = 0;
   for (Index u = 0; u < unknowns; ++u) groups = std::max(groups, group_of(u) + 1);
   std::vector<std::uint8_t> members(static_cast<std::size_t>(groups), 0);
-  Nodes nodes;
+  BlockRows nodes;
   for (Index u = 0; u < unknowns; ++u)
     if (const Index group = group_of(u); group >= 0 && ++members[group] > 1) nodes.width = 2;
 
@@ -112,15 +112,15 @@ Nodes gather(Index unknowns, const CouplingGraph& graph) {
 }
 
 /// Couplings by the matrix's entries; two nodes may be coupled twice.
-IndexLists matrix_couplings(const NormalMatrix& lower, const Nodes& nodes, const Context& context) {
+IndexLists matrix_couplings(const NormalMatrix& lower, const BlockRows& nodes, const Context& context) {
   std::vector<std::vector<int>> unknowns(static_cast<std::size_t>(nodes.width));
-  for (auto& of_place : unknowns) of_place.assign(static_cast<std::size_t>(nodes.count), -1);
+  for (auto& of_row : unknowns) of_row.assign(static_cast<std::size_t>(nodes.count), -1);
   for (std::size_t u = 0; u < nodes.row.size(); ++u)
     unknowns[nodes.row[u] % nodes.width][nodes.row[u] / nodes.width] = static_cast<int>(u);
   const IndexLists half = make_lists(
-      nodes.count, [&] { return Places(nodes.count); },
-      [&](Index node, std::vector<Index>& out, Places& places) {
-        places.clear();
+      nodes.count, [&] { return NodePositions(nodes.count); },
+      [&](Index node, std::vector<Index>& out, NodePositions& positions) {
+        positions.clear();
         for (int at = 0; at < nodes.width; ++at) {
           if (unknowns[at][node] < 0) continue;
           for (NormalMatrix::InnerIterator entry(lower, unknowns[at][node]); entry; ++entry) {
@@ -128,10 +128,10 @@ IndexLists matrix_couplings(const NormalMatrix& lower, const Nodes& nodes, const
             const Index other = row / nodes.width;
             const bool block = at != 0 || row % nodes.width != 0;
             if (other == node) continue;
-            if (const std::size_t place = places.find_or_set(other, out.size()); place == out.size())
+            if (const std::size_t position = positions.find_or_set(other, out.size()); position == out.size())
               out.push_back(coupling(other, block));
             else if (block)
-              out[place] = coupling(other, true);
+              out[position] = coupling(other, true);
           }
         }
       },
@@ -174,11 +174,11 @@ Layers long_layers(const IndexLists& couplings) {
 
 /// Strips of about the same number of nodes. Of two layers at least, so that the odd strips on both sides of an
 /// even one do not meet in it.
-Strips make_strips(const Layers& layers) {
+SweepColouring make_strips(const Layers& layers) {
   constexpr Index most_strips = 64, fewest_nodes = 256, fewest_layers = 2;
   const auto count = static_cast<Index>(layers.order.size());
   const Index enough = std::max(fewest_nodes, (count + most_strips - 1) / most_strips);
-  Strips strips;
+  SweepColouring strips;
   Index layers_in = 0;
   for (std::size_t k = 1; k < layers.begin.size(); ++k) {
     ++layers_in;
@@ -194,7 +194,7 @@ Strips make_strips(const Layers& layers) {
   return strips;
 }
 
-void renumber(Nodes& nodes, const std::vector<Index>& number, const CouplingGraph& graph) {
+void renumber(BlockRows& nodes, const std::vector<Index>& number, const OrderingGraph& graph) {
   const auto rows = static_cast<std::size_t>(nodes.count) * static_cast<std::size_t>(nodes.width);
   std::vector<std::uint8_t> shared(nodes.shared.size());
   for (std::size_t k = 0; k < number.size(); ++k) shared[number[k]] = nodes.shared[k];
@@ -249,7 +249,7 @@ IndexLists nodes_of(const IndexLists& couplings, Wanted wanted, const Context& c
 }
 
 /// Nodes whose groups are the same or neighbours in the graph.
-IndexLists graph_neighbours(const Nodes& nodes, const CouplingGraph& graph, const Context& context) {
+IndexLists graph_neighbours(const BlockRows& nodes, const OrderingGraph& graph, const Context& context) {
   const Index groups = graph.neighbours->size();
   std::vector<Index> group(static_cast<std::size_t>(nodes.count), -1);
   IndexLists members;
@@ -277,7 +277,7 @@ IndexLists graph_neighbours(const Nodes& nodes, const CouplingGraph& graph, cons
 
 /// Without a graph, an unknown that is coupled with very many others counts as one that has no group: what is
 /// near it is near everything.
-void share_hubs(const IndexLists& coupled, Nodes& nodes) {
+void share_hubs(const IndexLists& coupled, BlockRows& nodes) {
   constexpr std::size_t few = 64, times_the_mean = 8;
   const std::size_t mean = coupled.values.size() / static_cast<std::size_t>(std::max<Index>(1, nodes.count));
   for (Index node = 0; node < nodes.count; ++node)
@@ -286,9 +286,9 @@ void share_hubs(const IndexLists& coupled, Nodes& nodes) {
 
 }  // namespace
 
-NodeOrder order_nodes(const NormalMatrix& lower, const CouplingGraph& graph, const Context& context) {
+NodeOrder order_nodes(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) {
   NodeOrder result;
-  Nodes& nodes = result.nodes;
+  BlockRows& nodes = result.nodes;
   nodes = gather(static_cast<Index>(lower.rows()), graph);
   const IndexLists coupled = matrix_couplings(lower, nodes, context);
   if (graph.neighbours == nullptr) share_hubs(coupled, nodes);
