@@ -64,7 +64,7 @@ bool ConstrainedSystem::share(const ConstrainedSystem& other, const VertexStates
   cut_ = other.cut_;
   find_known(states, all_anchors);
   const IndexLists& rings = part ? part->rings : all_rings;
-  settle_idle_components(rings, known_);
+  fix_unconstrained_components(rings, known_);
   if (!operators.serves(known_)) {
     anchors_.clear();
     return false;
@@ -91,7 +91,7 @@ void ConstrainedSystem::find_known(const VertexStates& states, std::span<const A
 
 void ConstrainedSystem::build_operator(const OperatorOptions& options, const Context& context) {
   const IndexLists rings = vertex_rings(patch().size(), patch().triangles, context);
-  settle_idle_components(rings, known_);
+  fix_unconstrained_components(rings, known_);
   require_solvable(patch(), rings, known_);
   operators_ = std::make_shared<PatchOperator>(*cut_, known_, rings, options, context);
 }
@@ -127,15 +127,15 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
       for (const Index j : op.rings()[i])
         if (i < j && (!known_.position[i] || !known_.position[j]) &&
             (known_.feature[i] < 0 || known_.feature[i] != known_.feature[j]))
-          bars_.push_back({{i, j}, stiffness * scale});
+          edge_rows_.push_back({{i, j}, stiffness * scale});
   }
-  SparseRows rows(static_cast<Eigen::Index>(bars_.size()), op.nodes().positions.rows());
-  if (bars_.empty()) return rows;  // Eigen's makeCompressed does not take a matrix without rows
-  rows.reserve(std::vector<int>(bars_.size(), 2));
-  for (std::size_t b = 0; b < bars_.size(); ++b) {
+  SparseRows rows(static_cast<Eigen::Index>(edge_rows_.size()), op.nodes().positions.rows());
+  if (edge_rows_.empty()) return rows;  // Eigen's makeCompressed does not take a matrix without rows
+  rows.reserve(std::vector<int>(edge_rows_.size(), 2));
+  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
     const auto row = static_cast<Eigen::Index>(b);
-    rows.insertBackUncompressed(row, bars_[b].ends[0]) = bars_[b].weight;
-    rows.insertBackUncompressed(row, bars_[b].ends[1]) = -bars_[b].weight;
+    rows.insertBackUncompressed(row, edge_rows_[b].ends[0]) = edge_rows_[b].weight;
+    rows.insertBackUncompressed(row, edge_rows_[b].ends[1]) = -edge_rows_[b].weight;
   }
   rows.makeCompressed();
   return rows;
@@ -213,8 +213,8 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
   A_L_ = difference_of_products(op.L(), E_, op.delta(), G_, context);
 
-  bar_rows_ = stiffness_rows(density, stiffness);
-  A_L_ = stack(stack(A_L_, multiply(bar_rows_, E_, context)), anchor_rows(density));
+  stiffness_rows_ = stiffness_rows(density, stiffness);
+  A_L_ = stack(stack(A_L_, multiply(stiffness_rows_, E_, context)), anchor_rows(density));
   A_L_transposed_ = transpose(A_L_, context);
   G_transposed_ = transpose(G_, context);
   context.step("assemble", 0.7);

@@ -164,12 +164,12 @@ class ConstrainedSystem {
   KnownParts known_;
   double region_size_ = 1;  ///< √ of the area of the faces that touch a free vertex
   /// Edges with rows of stiffness.
-  struct Bar {
+  struct EdgeRow {
     std::array<Index, 2> ends;
     double weight;
   };
-  std::vector<Bar> bars_;
-  SparseRows bar_rows_;                 ///< rows × nodes
+  std::vector<EdgeRow> edge_rows_;
+  SparseRows stiffness_rows_;                 ///< rows × nodes
   std::vector<Anchor> anchors_;         ///< on vertices whose position is unknown
   std::vector<double> anchor_weights_;  ///< of their rows
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;

@@ -61,7 +61,7 @@ std::optional<PatchPart> part_around(const CutPatch& cut, const std::vector<std:
 /// The rows of the energy over a patch.
 class PatchOperator {
  public:
-  /// `known` is settled (`settle_idle_components`).
+  /// `known` is settled (`fix_unconstrained_components`).
   PatchOperator(const CutPatch& cut, const KnownParts& known, const IndexLists& rings,
                 const OperatorOptions& options, const Context& context);
 

@@ -294,7 +294,7 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
   if (iterations_ == 0) return result;
   for (std::size_t s = 0; s < samples_.size(); ++s)
     at_cells.push_back(blend(logs, static_cast<Eigen::Index>(s), cell_influence_, cell_component_[s]));
-  follow(at_centres, at_cells, result, context);
+  local_steps(at_centres, at_cells, result, context);
   return result;
 }
 
@@ -314,8 +314,8 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
   return map;
 }
 
-/// The steps of `RotationField::follow`, on the samples.
-void ReducedField::follow(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
+/// The steps of `RotationField::local_steps`, on the samples.
+void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
                           Result& result, const Context& context) const {
   Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), previous;
   Columns raw(static_cast<Eigen::Index>(samples_.size()), 3);

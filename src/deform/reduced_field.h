@@ -65,7 +65,7 @@ class ReducedField {
   bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
   BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
   Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
-  void follow(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
+  void local_steps(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
               Result& result, const Context& context) const;
   void set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
                  Columns& coefficients) const;

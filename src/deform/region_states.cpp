@@ -194,7 +194,7 @@ void require_solvable(const Points& rest, const Triangles& triangles, const Vert
   for (const Anchor& anchor : anchors)
     if (const Index v = patch.local(anchor.vertex); v >= 0) known.anchored[v] = 1;
   const IndexLists rings = vertex_rings(patch.size(), patch.triangles, context);
-  settle_idle_components(rings, known);
+  fix_unconstrained_components(rings, known);
   require_solvable(patch, rings, known);
 }
 

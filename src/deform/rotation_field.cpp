@@ -82,7 +82,7 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
       if (found) result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
     }
   }
-  if (found && iterations_ > 0) found = follow(constraints, blended, result, context);
+  if (found && iterations_ > 0) found = local_steps(constraints, blended, result, context);
   if (!found) {
     result = {};
     result.linear = true;
@@ -133,7 +133,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     }
     logs.row(v) << turn.transpose(), stretch_log(parts.stretch).transpose();
   }
-  if (has_features_ && !give_to_features(features, reference, logs, blended)) return false;
+  if (has_features_ && !impose_on_features(features, reference, logs, blended)) return false;
   // A component of positions alone starts from the affine map that fits them.
   const std::vector<Eigen::Matrix3d> fits = fitted_maps(constraints);
   std::vector<Logarithm> fit_logs;
@@ -160,7 +160,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 }
 
 /// Writes the features' logarithms into `logs`, beside those of the constraints.
-bool RotationField::give_to_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
+bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
                                      Blend& blended) const {
   const std::vector<Index>& feature = system_.known().feature;
   const std::size_t count = system_.features().size();
@@ -276,7 +276,7 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
 /// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend, and
 /// those of features into the blend; smooth the deviations; solve again. Not a descent: steps that oscillate
 /// are damped. False where a feature turns inside out.
-bool RotationField::follow(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
+bool RotationField::local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
                            const Context& context) const {
   const ConstrainedSystem::Known values = system_.known_values(constraints);
   Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;

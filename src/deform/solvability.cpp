@@ -78,7 +78,7 @@ DisjointSets join_unknown(const IndexLists& rings, const KnownParts& known) {
 
 }  // namespace
 
-void settle_idle_components(const IndexLists& rings, KnownParts& known) {
+void fix_unconstrained_components(const IndexLists& rings, KnownParts& known) {
   DisjointSets sets = join_unknown(rings, known);
   std::vector<std::uint8_t> has_free(known.position.size(), 0);
   for (Index v = 0; v < rings.size(); ++v)

@@ -19,7 +19,7 @@ struct KnownParts {
 };
 
 /// Marks the transforms of components without a free position as known: nothing depends on them.
-void settle_idle_components(const IndexLists& rings, KnownParts& known);
+void fix_unconstrained_components(const IndexLists& rings, KnownParts& known);
 
 /// Checks that the constraints of each connected free component fix an affine map: a position plus a
 /// transform, or four positions that are not coplanar. Throws Error(unsolvable) naming the component and
