@@ -14,7 +14,7 @@
 
 #include "../core/stopwatch.h"
 #include "even_out.h"
-#include "proxy_surface.h"
+#include "proxy_domain.h"
 #include "region_states.h"
 #include "skin.h"
 
@@ -56,9 +56,9 @@ class Holders {
   Index last_ = 0;
 };
 
-Decimated whole_surface(const ProxyGround& ground) {
-  Decimated all{{}, ground.triangles};
-  for (Index v = 0; v < ground.size(); ++v) all.vertices.push_back(v);
+Decimated whole_surface(const ProxyDomain& domain) {
+  Decimated all{{}, domain.triangles};
+  for (Index v = 0; v < domain.size(); ++v) all.vertices.push_back(v);
   return all;
 }
 
@@ -100,12 +100,12 @@ struct ProxyDeformer::Impl {
   void build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
              std::span<const Anchor> anchors, std::span<const Feature> features, const ProxyOptions& options,
              const Context& context);
-  bool try_build(const ProxyGround& ground, const VertexStates& states, const Holders& holders,
+  bool try_build(const ProxyDomain& domain, const VertexStates& states, const Holders& holders,
                  std::span<const Anchor> anchors, std::span<const Feature> features,
                  const ProxyOptions& options, bool keep_all, const Context& context);
-  bool make_weights(const ProxyGround& ground, const Decimated& proxy, const VertexStates& states,
+  bool make_weights(const ProxyDomain& domain, const Decimated& proxy, const VertexStates& states,
                     const Context& context);
-  std::vector<Anchor> proxy_anchors(std::span<const Anchor> anchors, const ProxyGround& ground,
+  std::vector<Anchor> proxy_anchors(std::span<const Anchor> anchors, const ProxyDomain& domain,
                                     const Decimated& proxy, Density density, const Context& context) const;
   void make_deformer(const VertexStates& states, const Holders& holders, std::vector<Anchor> anchors,
                      std::span<const Feature> features, const DeformerOptions& options, const Context& context);
@@ -129,50 +129,50 @@ void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& 
     require_usable(anchors[a], a, static_cast<Index>(rest.rows()));
   Stopwatch watch;
   context.step("decimate", 0);
-  const ProxyGround ground = make_ground(rest, triangles, states, holders.of_vertex,
+  const ProxyDomain domain = make_proxy_domain(rest, triangles, states, holders.of_vertex,
                                          options.deformer.operators.laplacian_order, wanted, context);
-  summary.spacing = ground.spacing;
+  summary.spacing = domain.spacing;
   summary.decimate_seconds = watch.seconds();
-  if (ground.unknown_vertices == 0) return;
-  for (Index v = 0; v < ground.size(); ++v)
-    if (!states.position[ground.vertices[v]]) free.push_back(ground.vertices[v]);
+  if (domain.unknown_vertices == 0) return;
+  for (Index v = 0; v < domain.size(); ++v)
+    if (!states.position[domain.vertices[v]]) free.push_back(domain.vertices[v]);
   summary.free_vertices = static_cast<Index>(free.size());
-  if (try_build(ground, states, holders, anchors, features, options, false, context)) return;
+  if (try_build(domain, states, holders, anchors, features, options, false, context)) return;
   require_solvable(rest, triangles, states, anchors, context);
-  if (try_build(ground, states, holders, anchors, features, options, true, context)) return;
+  if (try_build(domain, states, holders, anchors, features, options, true, context)) return;
   throw Error(ErrorCode::unsolvable,
               fmt::format("no proxy of about {} vertices can be solved for this region", options.vertices), "",
               "Ask for more vertices, or solve without a proxy");
 }
 
 /// False where the proxy is not held well enough, or part of the surface is not on it.
-bool ProxyDeformer::Impl::try_build(const ProxyGround& ground, const VertexStates& states,
+bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexStates& states,
                                     const Holders& holders, std::span<const Anchor> anchors,
                                     std::span<const Feature> features, const ProxyOptions& options,
                                     bool keep_all, const Context& context) {
   Stopwatch watch;
-  const double around = static_cast<double>(ground.size()) / ground.unknown_vertices;
-  const auto target = static_cast<Index>(std::min<double>(wanted_vertices(options) * around, ground.size()));
-  const std::vector<std::uint8_t> keep = vertices_to_keep(ground, keep_all);
-  Decimated proxy = target < ground.size()
-                        ? decimate(ground.points, ground.triangles, ground.normals, keep, target)
-                        : whole_surface(ground);
+  const double around = static_cast<double>(domain.size()) / domain.unknown_vertices;
+  const auto target = static_cast<Index>(std::min<double>(wanted_vertices(options) * around, domain.size()));
+  const std::vector<std::uint8_t> keep = vertices_to_keep(domain, keep_all);
+  Decimated proxy = target < domain.size()
+                        ? decimate(domain.points, domain.triangles, domain.normals, keep, target)
+                        : whole_surface(domain);
   constexpr int rounds = 4;  // more change little
-  if (target < ground.size())
-    even_out({ground.points, ground.rings, ground.holder, keep}, proxy, rounds, context);
+  if (target < domain.size())
+    even_out({domain.points, domain.rings, domain.holder, keep}, proxy, rounds, context);
   summary.decimate_seconds += watch.lap();
   context.step("skin", 0);
-  centre = ground.centre;
+  centre = domain.centre;
   proxy_triangles = proxy.triangles;
   proxy_vertices.clear();
-  for (const Index v : proxy.vertices) proxy_vertices.push_back(ground.vertices[v]);
+  for (const Index v : proxy.vertices) proxy_vertices.push_back(domain.vertices[v]);
   summary.vertices = static_cast<Index>(proxy_vertices.size());
-  if (!make_weights(ground, proxy, states, context)) return false;
+  if (!make_weights(domain, proxy, states, context)) return false;
   summary.skin_entries = skin.bones.size();
   summary.skin_seconds = watch.lap();
   try {
     make_deformer(states, holders,
-                  proxy_anchors(anchors, ground, proxy, options.deformer.operators.density, context), features,
+                  proxy_anchors(anchors, domain, proxy, options.deformer.operators.density, context), features,
                   options.deformer, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::unsolvable) return false;
@@ -182,11 +182,11 @@ bool ProxyDeformer::Impl::try_build(const ProxyGround& ground, const VertexState
 }
 
 /// The skin, and which constraints the proxy and the rims need.
-bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimated& proxy,
+bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimated& proxy,
                                        const VertexStates& states, const Context& context) {
-  const auto position_known = [&](Index v) { return states.position[ground.vertices[v]] != 0; };
-  const auto feature = [&](Index v) { return states.feature[ground.vertices[v]]; };
-  SkinProblem problem{ground.points, ground.rings, proxy.vertices, proxy_reaches(ground, proxy)};
+  const auto position_known = [&](Index v) { return states.position[domain.vertices[v]] != 0; };
+  const auto feature = [&](Index v) { return states.feature[domain.vertices[v]]; };
+  SkinProblem problem{domain.points, domain.rings, proxy.vertices, proxy_reaches(domain, proxy)};
   std::vector<Index> proxy_of_feature;  // one of its vertices
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
     if (const Index f = feature(proxy.vertices[k]); f >= 0) {
@@ -198,7 +198,7 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
     return f < proxy_of_feature.size() ? proxy_of_feature[f] : -1;
   };
 
-  std::vector<Index> bone_of(ground.vertices.size(), -1);  // of constrained vertices
+  std::vector<Index> bone_of(domain.vertices.size(), -1);  // of constrained vertices
   std::vector<std::uint8_t> is_constrained(static_cast<std::size_t>(rest.rows()), 0);
   for (const Index v : constrained.vertex) is_constrained[v] = 1;
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k) bone_of[proxy.vertices[k]] = static_cast<Index>(k);
@@ -206,9 +206,9 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
   std::vector<Index> rows, inner;
   followers.clear();
   skinned.clear();
-  for (Index v = 0; v < ground.size(); ++v) {
-    const Index global = ground.vertices[v];
-    const auto ring = ground.rings[v];
+  for (Index v = 0; v < domain.size(); ++v) {
+    const Index global = domain.vertices[v];
+    const auto ring = domain.rings[v];
     const auto beside_others = [&] {
       return std::any_of(ring.begin(), ring.end(), [&](Index w) {
         return !position_known(w) && (feature(w) < 0 || feature(w) != feature(v));
@@ -238,10 +238,10 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
   // Two of the proxy's edges: over one, what the proxy is off beside a rim shows as a bend. But no farther than
   // that the rim's vertices are met by some tens of others each, in the mean.
   constexpr double rim_reach_rel = 2, most_visits = 30;
-  const double area = 0.866 * ground.spacing * ground.spacing * summary.vertices;
-  const double edge = std::sqrt(area / (0.866 * ground.size()));
+  const double area = 0.866 * domain.spacing * domain.spacing * summary.vertices;
+  const double edge = std::sqrt(area / (0.866 * domain.size()));
   problem.rim_reach =
-      std::min(rim_reach_rel * ground.spacing,
+      std::min(rim_reach_rel * domain.spacing,
                edge * std::sqrt(most_visits / 3 * static_cast<double>(rows.size()) /
                                 static_cast<double>(std::max<std::size_t>(1, problem.rim.size()))));
   SkinResult result = make_skin(std::move(problem), context);
@@ -249,12 +249,12 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
   skin = std::move(result.skin);
 
   needed.clear();
-  std::vector<Index> inner_row(ground.vertices.size(), -1);
+  std::vector<Index> inner_row(domain.vertices.size(), -1);
   for (std::size_t i = 0; i < inner.size(); ++i) inner_row[inner[i]] = static_cast<Index>(rows.size() + i);
   for (std::size_t c = 0; c < constrained.size(); ++c) {
-    const auto found = std::lower_bound(ground.vertices.begin(), ground.vertices.end(), constrained.vertex[c]);
-    if (found == ground.vertices.end() || *found != constrained.vertex[c]) continue;
-    const auto v = static_cast<Index>(found - ground.vertices.begin());
+    const auto found = std::lower_bound(domain.vertices.begin(), domain.vertices.end(), constrained.vertex[c]);
+    if (found == domain.vertices.end() || *found != constrained.vertex[c]) continue;
+    const auto v = static_cast<Index>(found - domain.vertices.begin());
     Needed need{c};
     if (bone_of[v] < 0) continue;
     (bone_of[v] < resting_bone() ? need.proxy : need.bone) = bone_of[v];
@@ -267,13 +267,13 @@ bool ProxyDeformer::Impl::make_weights(const ProxyGround& ground, const Decimate
 /// Anchors of the proxy that pull as those of the mesh do together: each of these counts at the proxy's vertex
 /// that its own vertex follows most. A row's weight w ℓ stands for an integral under `Density::aware`.
 std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> anchors,
-                                                       const ProxyGround& ground, const Decimated& proxy,
+                                                       const ProxyDomain& domain, const Decimated& proxy,
                                                        Density density, const Context& context) const {
   if (anchors.empty()) return {};
-  const std::vector<double> lengths = mean_edge_lengths(ground.points, ground.rings);
+  const std::vector<double> lengths = mean_edge_lengths(domain.points, domain.rings);
   Points places(static_cast<Eigen::Index>(proxy.vertices.size()), 3);
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
-    places.row(static_cast<Eigen::Index>(k)) = ground.points.row(proxy.vertices[k]);
+    places.row(static_cast<Eigen::Index>(k)) = domain.points.row(proxy.vertices[k]);
   const std::vector<double> proxy_lengths =
       mean_edge_lengths(places, vertex_rings(static_cast<Index>(places.rows()), proxy.triangles, context));
   struct Pull {
@@ -290,8 +290,8 @@ std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> a
                      [&](Index bone) { return bone < resting_bone(); });
     if (heaviest == skin.bones.begin() + skin.offsets[r + 1]) continue;
     const Index k = *heaviest;
-    const auto v = std::lower_bound(ground.vertices.begin(), ground.vertices.end(), anchor.vertex) -
-                   ground.vertices.begin();
+    const auto v = std::lower_bound(domain.vertices.begin(), domain.vertices.end(), anchor.vertex) -
+                   domain.vertices.begin();
     const double ratio = lengths[v] / proxy_lengths[k];
     const double weight = anchor.weight * (density == Density::aware ? ratio : 1 / ratio);
     pulls[k].squared_weight += weight * weight;

@@ -1,4 +1,4 @@
-#include "proxy_surface.h"
+#include "proxy_domain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,28 +61,28 @@ double unknown_area(const Points& rest, const Triangles& triangles, const Vertex
   return sum;
 }
 
-void take_points(const Points& rest, ProxyGround& ground) {
-  for (const Index v : ground.vertices)
+void take_points(const Points& rest, ProxyDomain& domain) {
+  for (const Index v : domain.vertices)
     if (!rest.row(v).allFinite())
       throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that is not a finite number", v),
                   "", "Repair the mesh, or choose a region away from that vertex");
-  Eigen::RowVector3d low = rest.row(ground.vertices.front()), high = low;
-  for (const Index v : ground.vertices) {
+  Eigen::RowVector3d low = rest.row(domain.vertices.front()), high = low;
+  for (const Index v : domain.vertices) {
     low = low.cwiseMin(rest.row(v));
     high = high.cwiseMax(rest.row(v));
   }
-  ground.centre = low + (high - low) / 2;
-  ground.points.resize(ground.size(), 3);
-  for (Index i = 0; i < ground.size(); ++i) ground.points.row(i) = rest.row(ground.vertices[i]) - ground.centre;
+  domain.centre = low + (high - low) / 2;
+  domain.points.resize(domain.size(), 3);
+  for (Index i = 0; i < domain.size(); ++i) domain.points.row(i) = rest.row(domain.vertices[i]) - domain.centre;
 }
 
 /// Vertices that something holds beside some that it does not.
-std::vector<std::uint8_t> flag_rim(const ProxyGround& ground) {
-  std::vector<std::uint8_t> rim(ground.vertices.size(), 0);
-  for (Index v = 0; v < ground.size(); ++v) {
-    const auto ring = ground.rings[v];
-    rim[v] = ground.holder[v] >= 0 && std::any_of(ring.begin(), ring.end(), [&](Index w) {
-               return ground.holder[w] != ground.holder[v];
+std::vector<std::uint8_t> flag_rim(const ProxyDomain& domain) {
+  std::vector<std::uint8_t> rim(domain.vertices.size(), 0);
+  for (Index v = 0; v < domain.size(); ++v) {
+    const auto ring = domain.rings[v];
+    rim[v] = domain.holder[v] >= 0 && std::any_of(ring.begin(), ring.end(), [&](Index w) {
+               return domain.holder[w] != domain.holder[v];
              });
   }
   return rim;
@@ -113,16 +113,16 @@ std::vector<Index> extremes(const Points& points, const std::vector<Index>& vert
 }
 
 /// The pieces of what is held: vertices with one holder that hang together.
-std::vector<std::vector<Index>> held_pieces(const ProxyGround& ground) {
-  std::vector<std::uint8_t> seen(ground.vertices.size(), 0);
+std::vector<std::vector<Index>> held_pieces(const ProxyDomain& domain) {
+  std::vector<std::uint8_t> seen(domain.vertices.size(), 0);
   std::vector<std::vector<Index>> pieces;
-  for (Index start = 0; start < ground.size(); ++start) {
-    if (ground.holder[start] < 0 || seen[start]) continue;
+  for (Index start = 0; start < domain.size(); ++start) {
+    if (domain.holder[start] < 0 || seen[start]) continue;
     std::vector<Index> piece{start};
     seen[start] = 1;
     for (std::size_t next = 0; next < piece.size(); ++next)
-      for (const Index w : ground.rings[piece[next]])
-        if (!seen[w] && ground.holder[w] == ground.holder[start]) {
+      for (const Index w : domain.rings[piece[next]])
+        if (!seen[w] && domain.holder[w] == domain.holder[start]) {
           seen[w] = 1;
           piece.push_back(w);
         }
@@ -133,73 +133,73 @@ std::vector<std::vector<Index>> held_pieces(const ProxyGround& ground) {
 
 }  // namespace
 
-ProxyGround make_ground(const Points& rest, const Triangles& triangles, const VertexStates& states,
+ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
                         std::span<const Index> holder, int laplacian_order, Index wanted,
                         const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
-  ProxyGround ground;
+  ProxyDomain domain;
   std::vector<Index> place(static_cast<std::size_t>(n), -1);
   {
     const IndexLists faces_at = vertex_triangles(n, triangles, context);
     const Reach reach = reach_around(triangles, faces_at, states, laplacian_order, wanted);
-    ground.unknown_vertices = reach.unknown;
-    if (reach.unknown == 0) return ground;
+    domain.unknown_vertices = reach.unknown;
+    if (reach.unknown == 0) return domain;
     for (Index v = 0; v < n; ++v) {
       if (!reach.inside[v]) continue;
-      place[v] = ground.size();
-      ground.vertices.push_back(v);
+      place[v] = domain.size();
+      domain.vertices.push_back(v);
     }
   }
-  take_points(rest, ground);
+  take_points(rest, domain);
   std::vector<Index> corners;
   for (const auto& t : triangles.rowwise())
     if (std::all_of(t.begin(), t.end(), [&](Index v) { return place[v] >= 0; }))
       for (const Index v : t) corners.push_back(place[v]);
-  ground.triangles =
+  domain.triangles =
       Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
   corners = {};
-  for (const Index v : ground.vertices) ground.holder.push_back(holder[v]);
-  const IndexLists faces_at = vertex_triangles(ground.size(), ground.triangles, context);
-  ground.rings = vertex_rings(ground.triangles, faces_at, context);
-  ground.normals = vertex_normals(ground.points, ground.triangles, faces_at, context);
+  for (const Index v : domain.vertices) domain.holder.push_back(holder[v]);
+  const IndexLists faces_at = vertex_triangles(domain.size(), domain.triangles, context);
+  domain.rings = vertex_rings(domain.triangles, faces_at, context);
+  domain.normals = vertex_normals(domain.points, domain.triangles, faces_at, context);
   constexpr double area_per_vertex = 0.866;  // of equilateral triangles with unit edges
-  ground.spacing = std::sqrt(unknown_area(rest, triangles, states) / (area_per_vertex * wanted));
-  return ground;
+  domain.spacing = std::sqrt(unknown_area(rest, triangles, states) / (area_per_vertex * wanted));
+  return domain;
 }
 
-std::vector<std::uint8_t> vertices_to_keep(const ProxyGround& ground, bool all) {
+std::vector<std::uint8_t> vertices_to_keep(const ProxyDomain& domain, bool all) {
   constexpr double apart = 0.7;  // of the spacing, so that few edges become longer than it
-  std::vector<std::uint8_t> keep(ground.vertices.size(), 0);
-  std::vector<std::uint8_t> rim = flag_rim(ground);
+  std::vector<std::uint8_t> keep(domain.vertices.size(), 0);
+  std::vector<std::uint8_t> rim = flag_rim(domain);
   if (all) return rim;
   std::vector<std::uint8_t> settled(keep.size(), 0);
-  BallWalk ball(ground.points, ground.rings);
+  BallWalk ball(domain.points, domain.rings);
   const auto keep_and_settle = [&](Index v) {
     keep[v] = 1;
-    ball.from(v, apart * ground.spacing,
-              [&](Index w, double) { settled[w] |= ground.holder[w] == ground.holder[v]; });
+    ball.from(v, apart * domain.spacing,
+              [&](Index w, double) { settled[w] |= domain.holder[w] == domain.holder[v]; });
   };
-  for (const std::vector<Index>& piece : held_pieces(ground)) {
+  for (const std::vector<Index>& piece : held_pieces(domain)) {
     std::vector<Index> edge;
     for (const Index v : piece)
       if (rim[v]) edge.push_back(v);
     if (edge.empty()) continue;
-    for (const Index v : extremes(ground.points, edge)) keep_and_settle(v);
+    for (const Index v : extremes(domain.points, edge)) keep_and_settle(v);
     for (const Index v : edge)
       if (!settled[v]) keep_and_settle(v);
   }
   return keep;
 }
 
-std::vector<double> proxy_reaches(const ProxyGround& ground, const Decimated& proxy) {
+std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy) {
   constexpr double beyond = 1.1;  // so that the ends of a proxy's edges have more than nothing of it
   std::vector<double> reaches(proxy.vertices.size(), 0);
   for (const auto& t : proxy.triangles.rowwise())
     for (int c = 0; c < 3; ++c) {
       const Index a = t[c], b = t[(c + 1) % 3], v = proxy.vertices[a], w = proxy.vertices[b];
-      const auto ring = ground.rings[v];
+      const auto ring = domain.rings[v];
       if (std::binary_search(ring.begin(), ring.end(), w)) continue;
-      const double length = beyond * (ground.points.row(v) - ground.points.row(w)).norm();
+      const double length = beyond * (domain.points.row(v) - domain.points.row(w)).norm();
       reaches[a] = std::max(reaches[a], length);
       reaches[b] = std::max(reaches[b], length);
     }

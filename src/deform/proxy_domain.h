@@ -16,7 +16,7 @@ namespace meshgraft {
 
 /// What of a mesh a proxy is made from: the region's unknown part and enough rings around it. Vertices are
 /// numbered anew, in ascending order.
-struct ProxyGround {
+struct ProxyDomain {
   std::vector<Index> vertices;  ///< numbers in the mesh
   Points points;                ///< from the middle of their box
   Eigen::RowVector3d centre;    ///< that middle
@@ -33,15 +33,15 @@ struct ProxyGround {
 
 /// Empty where nothing is unknown. `holder` is over the mesh. Throws Error(input) for a coordinate that is not
 /// finite.
-ProxyGround make_ground(const Points& rest, const Triangles& triangles, const VertexStates& states,
+ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
                         std::span<const Index> holder, int laplacian_order, Index wanted,
                         const Context& context);
 
 /// The vertices that a proxy has to keep: of what is held, some beside what is not, no farther apart than the
 /// spacing (or all with `all`), and those that span its extent.
-std::vector<std::uint8_t> vertices_to_keep(const ProxyGround& ground, bool all);
+std::vector<std::uint8_t> vertices_to_keep(const ProxyDomain& domain, bool all);
 
 /// How far each of the proxy's vertices has to reach for what was removed around it; 0 where nothing was.
-std::vector<double> proxy_reaches(const ProxyGround& ground, const Decimated& proxy);
+std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy);
 
 }  // namespace meshgraft
