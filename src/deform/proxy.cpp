@@ -13,7 +13,7 @@
 #include <meshgraft/operators/laplacian.h>
 
 #include "../core/stopwatch.h"
-#include "even_out.h"
+#include "tangential_relaxation.h"
 #include "proxy_domain.h"
 #include "region_states.h"
 #include "skin.h"
@@ -159,7 +159,7 @@ bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexState
                         : whole_surface(domain);
   constexpr int rounds = 4;  // more change little
   if (target < domain.size())
-    even_out({domain.points, domain.rings, domain.holder, keep}, proxy, rounds, context);
+    relax_tangentially({domain.points, domain.rings, domain.holder, keep}, proxy, rounds, context);
   summary.decimate_seconds += watch.lap();
   context.step("skin", 0);
   centre = domain.centre;

@@ -13,12 +13,12 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "../mesh/edge_table.h"
-#include "band.h"
-#include "ring.h"
+#include "seam_fairing.h"
+#include "ring_removal.h"
 #include "seam_patch.h"
 #include "seam_report.h"
-#include "strip.h"
-#include "strip_attributes.h"
+#include "gap_fill.h"
+#include "seam_attributes.h"
 
 namespace meshgraft {
 
@@ -244,7 +244,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   context.step("seam", 0.6);
   const Points unsmoothed = mesh.positions;
   const std::vector<Attribute> attributes = mesh.attributes;
-  result.band = fair_band(mesh, layout, options, context);
+  result.band = fair_seam(mesh, layout, options, context);
   renew_normals(mesh, layout, unsmoothed);
 
   context.step("seam", 0.8);

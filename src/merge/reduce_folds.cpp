@@ -1,4 +1,4 @@
-#include "unfold.h"
+#include "reduce_folds.h"
 
 #include <algorithm>
 #include <array>
@@ -151,7 +151,7 @@ bool descend(Points& points, const Cost& cost, Index v) {
 
 }  // namespace
 
-void unfold(Points& points, const SeamPatch& patch, double largest_deg, const std::vector<bool>& may_move,
+void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const std::vector<bool>& may_move,
             const Context& context) {
   constexpr int most_sweeps = 50;
   const Cost cost(points, patch, largest_deg);

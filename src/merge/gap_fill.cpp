@@ -1,4 +1,4 @@
-#include "strip.h"
+#include "gap_fill.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "strip_attributes.h"
+#include "seam_attributes.h"
 
 #include <algorithm>
 #include <cmath>

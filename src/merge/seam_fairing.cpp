@@ -1,4 +1,4 @@
-#include "band.h"
+#include "seam_fairing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/laplacian.h>
 
-#include "relax.h"
-#include "unfold.h"
+#include "tangential_relaxation.h"
+#include "reduce_folds.h"
 
 namespace meshgraft {
 
@@ -165,7 +165,7 @@ struct NearStrips {
 
 }  // namespace
 
-std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
+std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOptions& options,
                              const Context& context) {
   const Band band = make_band(mesh, layout, options);
   Points points = band.patch.points;
@@ -178,13 +178,13 @@ std::vector<Index> fair_band(Mesh& mesh, const SeamLayout& layout, const SeamOpt
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
     // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it went far.
     const NearStrips near(band);
-    relax(points, band.patch, band.triangles, near.but_sharp, context);
+    relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);
     for (int step = 0; step < options.smoothing_steps; ++step) {
-      unfold(points, band.patch, options.sharp_angle_deg, near.all, context);
+      reduce_folds(points, band.patch, options.sharp_angle_deg, near.all, context);
       fair(points, band, continued_curvature(band, Shape(band, points, context).curvature), context);
-      relax(points, band.patch, band.triangles, near.but_sharp, context);
+      relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);
     }
-    unfold(points, band.patch, options.sharp_angle_deg, near.all, context);
+    reduce_folds(points, band.patch, options.sharp_angle_deg, near.all, context);
   }
   std::vector<Index> moved;
   for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {

@@ -21,6 +21,6 @@ struct FineSurface {
 
 /// Makes the triangles of a coarse triangulation as equilateral as may be: coarse vertices step over the
 /// surface to the vertex nearest to the middle of their ring, edges are flipped to Delaunay; `rounds` times.
-void even_out(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context = {});
+void relax_tangentially(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context = {});
 
 }  // namespace meshgraft

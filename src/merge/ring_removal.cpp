@@ -1,4 +1,4 @@
-#include "ring.h"
+#include "ring_removal.h"
 
 #include <algorithm>
 #include <array>

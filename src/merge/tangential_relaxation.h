@@ -14,7 +14,7 @@ namespace meshgraft {
 /// harmonic index (Σ of the angles' cotangents, the measure by which strips are chosen), r what a triangle may
 /// have: a bound, or off the strips what it came with. Where all is well, nothing moves. `vertex_triangles`: of
 /// the patch's triangles; `may_slide`: per vertex.
-void relax(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
+void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
            const std::vector<bool>& may_slide, const Context& context);
 
 }  // namespace meshgraft

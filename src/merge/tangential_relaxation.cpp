@@ -1,4 +1,4 @@
-#include "relax.h"
+#include "tangential_relaxation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -132,7 +132,7 @@ std::vector<Goal> goals_of(const Points& points, const SeamPatch& patch, const P
 
 }  // namespace
 
-void relax(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
+void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
            const std::vector<bool>& may_slide, const Context& context) {
   constexpr int most_sweeps = 50;
   const Points normals = smooth_normals(points, patch.triangles, vertex_triangles, context);
