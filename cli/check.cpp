@@ -11,7 +11,7 @@
 #include <meshgraft/edit/report.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "commands.h"
 #include "findings.h"
@@ -35,11 +35,11 @@ struct Uses {
   std::size_t all_loops = 0;
 };
 
-bool is_sound(const Mesh& mesh, const TriageReport& triage, const std::vector<Index>& loop) {
+bool is_sound(const Mesh& mesh, const Diagnostics& diagnostics, const std::vector<Index>& loop) {
   if (std::any_of(loop.begin(), loop.end(), [&](Index v) { return !mesh.positions.row(v).allFinite(); }))
     return false;
   for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
-    const Finding* finding = triage.find(defect);
+    const Finding* finding = diagnostics.find(defect);
     if (finding && std::any_of(loop.begin(), loop.end(), [&](Index v) {
           return std::binary_search(finding->indices.begin(), finding->indices.end(), v);
         }))
@@ -48,9 +48,9 @@ bool is_sound(const Mesh& mesh, const TriageReport& triage, const std::vector<In
   return true;
 }
 
-Uses uses_of(const Mesh& mesh, const TriageReport& triage) {
+Uses uses_of(const Mesh& mesh, const Diagnostics& diagnostics) {
   Uses uses;
-  const bool refused = std::any_of(triage.findings.begin(), triage.findings.end(), [](const Finding& finding) {
+  const bool refused = std::any_of(diagnostics.findings.begin(), diagnostics.findings.end(), [](const Finding& finding) {
     return finding.severity == Severity::refused;
   });
   const bool has_faces = mesh.face_count() > 0;
@@ -59,7 +59,7 @@ Uses uses_of(const Mesh& mesh, const TriageReport& triage) {
   const auto loops = boundary_loops(mesh);
   uses.all_loops = loops.size();
   for (std::size_t k = 0; k < loops.size(); ++k)
-    if (is_sound(mesh, triage, loops[k])) uses.loops.push_back(k);
+    if (is_sound(mesh, diagnostics, loops[k])) uses.loops.push_back(k);
   return uses;
 }
 
@@ -86,7 +86,7 @@ std::string repaired_name(const std::filesystem::path& mesh) {
 void run_check(const CheckArguments& arguments, const Context& context) {
   context.step("read");
   const Mesh mesh = read_mesh(arguments.mesh, context);
-  const TriageReport report = triage(mesh, context);
+  const Diagnostics report = check_mesh(mesh, context);
   const Uses uses = uses_of(mesh, report);
   const bool clean = !report.has_defects() && mesh.face_count() > 0;
   if (arguments.json) {
@@ -95,7 +95,7 @@ void run_check(const CheckArguments& arguments, const Context& context) {
                        {"mesh", arguments.mesh.string()},
                        {"clean", clean},
                        {"counts", {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}}},
-                       {"triage", Json::parse(write_triage(report))},
+                       {"findings", Json::parse(write_diagnostics(report))},
                        {"deform", uses.deform          ? "everywhere"
                                   : uses.deform_beyond ? "partly"
                                                        : "no"},

@@ -12,9 +12,9 @@
 #include <meshgraft/core/version.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/set_aside.h>
+#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "choices.h"
 #include "commands.h"
@@ -72,7 +72,7 @@ CutAlong along(const CutArguments& arguments) {
   return {parse_plane(arguments.plane, "--plane"), {}};
 }
 
-CutResult cut(const SetAside& usable, const CutAlong& along, const CutArguments& arguments,
+CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments& arguments,
               const Context& context) {
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
   try {
@@ -208,7 +208,7 @@ Mesh pulled_apart(const CutResult& result) {
 #endif
 
 // Everything is computed before anything is written.
-WrittenOutputs write_outputs(const CutArguments& arguments, const SetAside& usable, CutResult& result,
+WrittenOutputs write_outputs(const CutArguments& arguments, const SoundMesh& usable, CutResult& result,
                              const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
@@ -240,8 +240,8 @@ void run_cut(const CutArguments& arguments, const Context& context) {
   check_outputs(arguments);
   context.step("read");
   const Mesh mesh = read_mesh(arguments.mesh, context);
-  const TriageReport findings = triage(mesh, context);
-  const SetAside usable(mesh, findings, arguments.mesh.string());
+  const Diagnostics findings = check_mesh(mesh, context);
+  const SoundMesh usable(mesh, findings, arguments.mesh.string());
   usable.require_beyond(asked.loop);
   CutResult result = cut(usable, asked, arguments, context);
   usable.require_beyond(vertices_at_cut(result));

@@ -37,12 +37,12 @@ std::string_view domain_name(Domain domain) {
   return "";
 }
 
-void print_findings(const TriageReport& triage, std::string_view label) {
+void print_findings(const Diagnostics& diagnostics, std::string_view label) {
   const auto line = [](std::string_view before, const std::string& text) {
     fmt::print("  {:<12}{}\n", before, text);
   };
-  if (triage.clean()) line(label, "none");
-  for (const Finding& finding : triage.findings) {
+  if (diagnostics.clean()) line(label, "none");
+  for (const Finding& finding : diagnostics.findings) {
     line(label, fmt::format("{} ({}): {}", finding.name, severity_name(finding.severity), finding.description));
     line("", fmt::format("  at {} {}", domain_name(finding.domain), first_of(finding.indices)));
     if (!finding.remedy.empty()) line("", "  " + finding.remedy);

@@ -14,7 +14,7 @@
 #include <meshgraft/edit/report.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "commands.h"
 #include "findings.h"
@@ -40,7 +40,7 @@ struct MeshFacts {
   std::vector<LoopFacts> loop_facts;
   std::map<Index, Index> faces_by_corners;
   Eigen::RowVector3d low, high;  // of the finite positions
-  TriageReport triage;
+  Diagnostics diagnostics;
 };
 
 MeshFacts gather(const std::filesystem::path& path, const Context& context) {
@@ -48,7 +48,7 @@ MeshFacts gather(const std::filesystem::path& path, const Context& context) {
   context.step("read");
   facts.mesh = read_mesh(path, context);
   context.step("look");
-  facts.triage = triage(facts.mesh, context);
+  facts.diagnostics = check_mesh(facts.mesh, context);
   facts.topology = summarise_topology(facts.mesh);
   facts.loops = boundary_loops(facts.mesh);
   facts.loop_facts = loop_facts(facts.mesh, facts.loops);
@@ -102,7 +102,7 @@ std::string defects_along(const MeshFacts& facts, const std::vector<Index>& loop
   std::string text;
   for (const char* defect :
        {"non-finite", "non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
-    const Finding* finding = facts.triage.find(defect);
+    const Finding* finding = facts.diagnostics.find(defect);
     if (!finding) continue;
     const auto here = std::find_if(loop.begin(), loop.end(), [&](Index v) {
       return std::binary_search(finding->indices.begin(), finding->indices.end(), v);
@@ -197,7 +197,7 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
       has_box(facts) ? Json{{"min", point_json(facts.low)}, {"max", point_json(facts.high)}} : Json(nullptr);
   json["unit"] = unit_of(facts.mesh).empty() ? Json(nullptr) : Json(unit_of(facts.mesh));
   json["attributes"] = attributes;
-  json["triage"] = Json::parse(write_triage(facts.triage));
+  json["findings"] = Json::parse(write_diagnostics(facts.diagnostics));
   return json;
 }
 
@@ -211,7 +211,7 @@ void run_info(const InfoArguments& arguments, const Context& context) {
   print_surface(facts);
   print_box(facts);
   print_attributes(facts.mesh);
-  print_findings(facts.triage, "findings");
+  print_findings(facts.diagnostics, "findings");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include <meshgraft/edit/report.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/repair.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "choices.h"
 #include "commands.h"
@@ -65,7 +65,7 @@ struct WrittenOutputs {
 };
 
 Json report_json(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
-                 const TriageReport& left, const WrittenOutputs& written, bool with_maps) {
+                 const Diagnostics& left, const WrittenOutputs& written, bool with_maps) {
   Json changes = Json::array();
   for (const RepairChange& change : result.changes)
     changes.push_back({{"name", change.name},
@@ -85,7 +85,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                {"after", {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}}},
                {"changes", changes},
                {"notes", notes},
-               {"triage", Json::parse(write_triage(left))}};
+               {"findings", Json::parse(write_diagnostics(left))}};
   if (with_maps)
     json["maps"] = {{"vertices", result.vertex.new_index},
                     {"faces", result.face.new_index},
@@ -95,7 +95,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
 }
 
 void print_summary(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
-                   const TriageReport& left, const WrittenOutputs& written) {
+                   const Diagnostics& left, const WrittenOutputs& written) {
   fmt::print("{}: {} vertices, {} faces\n", arguments.mesh.string(), given.vertex_count(), given.face_count());
   for (const RepairChange& change : result.changes) fmt::print("  {}\n", change.description);
   if (!result.changed()) fmt::print("  nothing to repair\n");
@@ -170,7 +170,7 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
   if (result.mesh.face_count() == 0 && !arguments.dry_run)
     throw Error(ErrorCode::input, "no face would be left, so nothing is written", arguments.mesh.string(),
                 "'--dry-run' tells what is wrong with them.");
-  const TriageReport left = triage(result.mesh, context);
+  const Diagnostics left = check_mesh(result.mesh, context);
   WrittenOutputs written;
   write_repair_outputs(arguments, given, result, written, context);
   const auto dump = [&](bool with_maps) {

@@ -8,7 +8,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "io/format.h"
 
@@ -54,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const meshgraft::Error&) {
     return 0;
   }
-  meshgraft::triage(mesh);
+  meshgraft::check_mesh(mesh);
   meshgraft::summarise_topology(mesh);
   meshgraft::boundary_loops(mesh);
   require(written(mesh, name) == content);

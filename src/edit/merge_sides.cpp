@@ -26,7 +26,7 @@ void require_loops(const MergeSide& side, const std::string& place) {
   const std::string name = fmt::format("the {} ({})", side.name, side.scene.label);
   if (side.scene.mesh.face_count() == 0)
     throw Error(ErrorCode::input, name + " has no faces", place, "Export it with its faces.");
-  if (const Finding* edges = side.scene.triage.find("non-manifold-edge"))
+  if (const Finding* edges = side.scene.diagnostics.find("non-manifold-edge"))
     throw Error(ErrorCode::input,
                 fmt::format("{} has no closed boundary loop: {}, first at vertex {}", name, edges->description,
                             edges->indices.front()),
@@ -38,7 +38,7 @@ void require_loops(const MergeSide& side, const std::string& place) {
 void require_sound(const MergeSide& side, std::size_t number, const std::string& place) {
   const std::vector<Index>& loop = side.context.loops[number];
   for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
-    const Finding* finding = side.scene.triage.find(defect);
+    const Finding* finding = side.scene.diagnostics.find(defect);
     if (!finding) continue;
     std::vector<Index> here;
     for (const Index v : loop)

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <meshgraft/edit/edit_file.h>
-#include <meshgraft/mesh/set_aside.h>
+#include <meshgraft/mesh/sound_mesh.h>
 
 #include "run_steps.h"
 #include "selection_resolver.h"
@@ -16,14 +16,14 @@ namespace meshgraft {
 struct MergeSide {
   std::string name;  ///< "source" or "target", as fields and messages call it
   const Scene& scene;
-  SetAside usable;  ///< what is merged; loops and selections are the scene's
+  SoundMesh usable;  ///< what is merged; loops and selections are the scene's
   SelectionContext context;
   SelectionResolver selections;
 
   MergeSide(std::string name_, const EditFile& edit, const Scene& scene_)
       : name(std::move(name_)),
         scene(scene_),
-        usable(scene.mesh, scene.triage, scene.label),
+        usable(scene.mesh, scene.diagnostics, scene.label),
         context(scene.mesh),
         selections(edit, context, scene.produced) {}
 

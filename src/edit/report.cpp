@@ -22,7 +22,7 @@ Json optional_json(const std::optional<T>& value) {
 }
 
 Json seconds_json(const StageSeconds& seconds) {
-  return {{"read", seconds.read},           {"triage", seconds.triage},     {"select", seconds.select},
+  return {{"read", seconds.read},           {"check", seconds.check},     {"select", seconds.select},
           {"match", seconds.match},         {"assemble", seconds.assemble}, {"analyse", seconds.analyse},
           {"factorise", seconds.factorise}, {"basis", seconds.basis},       {"solve", seconds.solve},
           {"seam", seconds.seam},           {"measure", seconds.measure},   {"write", seconds.write},
@@ -59,9 +59,9 @@ std::string domain_word(Domain domain) {
   return {};
 }
 
-Json triage_json(const TriageReport& triage, std::size_t index_limit) {
+Json diagnostics_json(const Diagnostics& diagnostics, std::size_t index_limit) {
   Json findings = Json::array();
-  for (const Finding& finding : triage.findings) {
+  for (const Finding& finding : diagnostics.findings) {
     const std::size_t shown = std::min(index_limit, finding.indices.size());
     findings.push_back(
         {{"name", finding.name},
@@ -278,14 +278,14 @@ std::string write_report(const EditReport& report) {
                               {"source", input.source},
                               {"vertices", input.vertices},
                               {"faces", input.faces},
-                              {"triage", triage_json(input.triage, 10)}});
+                              {"findings", diagnostics_json(input.diagnostics, 10)}});
   json["steps"] = Json::array();
   for (const StepReport& step : report.steps) json["steps"].push_back(step_json(step));
   return json::to_text(json);
 }
 
-std::string write_triage(const TriageReport& triage, std::size_t index_limit) {
-  return json::to_text(triage_json(triage, index_limit));
+std::string write_diagnostics(const Diagnostics& diagnostics, std::size_t index_limit) {
+  return json::to_text(diagnostics_json(diagnostics, index_limit));
 }
 
 }  // namespace meshgraft

@@ -4,7 +4,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/set_aside.h>
+#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "../core/stopwatch.h"
@@ -47,7 +47,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;
   const Scene& scene = scenes.at(step.mesh);
-  const SetAside usable(scene.mesh, scene.triage, scene.label);
+  const SoundMesh usable(scene.mesh, scene.diagnostics, scene.label);
   StepReport report;
   report.mesh = step.mesh;
   report.result = outcome_of(edit_step);
@@ -77,7 +77,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
   opened.produced = std::move(produced);
   opened.is_cut = true;
   scenes.insert_or_assign(report.result, std::move(opened));
-  report.seconds.triage = watch.lap();
+  report.seconds.check = watch.lap();
   report.seconds.total = watch.seconds();
   return report;
 }

@@ -40,7 +40,7 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
   vertices = grow_rings(vertices, reach, selections.rings);
   // No equation has what no face has.
   std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
-  if (!vertices.empty()) require_usable(scene.triage, selections.mesh, vertices, scene.label);
+  if (!vertices.empty()) require_usable(scene.diagnostics, selections.mesh, vertices, scene.label);
 }
 
 // All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
@@ -272,7 +272,7 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& place,
                           const Scene& scene, const DeformSettings& settings) {
   DeformSetup setup;
-  const Finding* torn = scene.triage.find("duplicate-vertex");
+  const Finding* torn = scene.diagnostics.find("duplicate-vertex");
   const bool welds = torn != nullptr && settings.weld && !scene.is_cut;
   if (welds) setup.weld = weld_at(scene.mesh, torn->indices);
   if (!setup.weld.empty()) setup.welded = welded(scene.mesh, setup.weld);

@@ -38,7 +38,7 @@ std::string label_of(const EditInput& input) {
 }
 
 void add_seconds(StageSeconds& sum, const StageSeconds& part) {
-  sum.triage += part.triage;
+  sum.check += part.check;
   sum.select += part.select;
   sum.match += part.match;
   sum.assemble += part.assemble;
@@ -128,7 +128,7 @@ Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& sce
 
 Scene make_scene(Mesh mesh, std::string label, const Context& context) {
   Scene scene;
-  scene.triage = triage(mesh, context);
+  scene.diagnostics = check_mesh(mesh, context);
   scene.rest = mesh.positions;
   scene.was_free.assign(static_cast<std::size_t>(mesh.vertex_count()), 0);
   scene.label = std::move(label);
@@ -156,9 +156,9 @@ LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
     inputs.read_seconds += watch.lap();
     context.step("check");
     Scene scene = make_scene(std::move(mesh), label_of(input), context);
-    inputs.triage_seconds += watch.lap();
+    inputs.check_seconds += watch.lap();
     inputs.reports.push_back(
-        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.triage});
+        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.diagnostics});
     inputs.scenes.emplace(input.name, std::move(scene));
   }
   return inputs;
@@ -173,7 +173,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   report.notes = edit.notes;
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;
-  report.seconds.triage = inputs.triage_seconds;
+  report.seconds.check = inputs.check_seconds;
   std::map<std::string, Scene>& scenes = inputs.scenes;
 
   std::string output;
@@ -189,7 +189,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   for (const std::string& name : options.keep) result.kept.insert_or_assign(name, scenes.at(name).mesh);
   result.mesh = std::move(scene.mesh);
   result.rest = std::move(scene.rest);
-  report.seconds.total = inputs.read_seconds + inputs.triage_seconds + watch.seconds();
+  report.seconds.total = inputs.read_seconds + inputs.check_seconds + watch.seconds();
   return result;
 }
 

@@ -266,7 +266,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();
   scenes.insert_or_assign(report.result, merged_scene(result, edit_step, target.scene, source.scene, context));
-  report.seconds.triage = watch.lap();
+  report.seconds.check = watch.lap();
   report.seconds.total = watch.seconds();
   return report;
 }

@@ -13,7 +13,7 @@
 #include <meshgraft/edit/run_edit.h>
 #include <meshgraft/merge/open_hole.h>
 #include <meshgraft/mesh/mesh.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/weld.h>
 
 #include "refine_boundary.h"
@@ -25,7 +25,7 @@ struct Scene {
   Mesh mesh;
   Points rest;        ///< before the first deform step since the faces are what they are
   std::string label;  ///< the file or sample it came from
-  TriageReport triage;
+  Diagnostics diagnostics;
   std::vector<std::uint8_t> was_free;  ///< per vertex, in any deform step
   bool is_cut = false;                 ///< by the edit: what lies at one place there was taken apart on purpose
   ProducedSets produced;
@@ -35,7 +35,7 @@ struct Scene {
 struct LoadedInputs {
   std::map<std::string, Scene> scenes;  ///< by name
   std::vector<EditReport::Input> reports;
-  double read_seconds = 0, triage_seconds = 0;
+  double read_seconds = 0, check_seconds = 0;
 };
 
 /// Throws Error(io) and Error(input), naming the input.

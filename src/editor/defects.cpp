@@ -48,7 +48,7 @@ std::optional<std::string> range_note(const Points& positions) {
 }  // namespace
 
 std::optional<std::string> defect_note(const Scene& scene, const std::string& file) {
-  const TriageReport& triage = scene.triage;
+  const Diagnostics& diagnostics = scene.diagnostics;
   const std::filesystem::path path(file);
   if (scene.mesh.face_count() == 0)
     return fmt::format("{}: it has points and no faces, so there is no surface to edit",
@@ -58,7 +58,7 @@ std::optional<std::string> defect_note(const Scene& scene, const std::string& fi
   constexpr std::size_t most_told = 4;
   std::vector<std::string> told;
   std::size_t kinds = 0;
-  for (const Finding& finding : triage.findings) {
+  for (const Finding& finding : diagnostics.findings) {
     if (!matters(finding)) continue;
     if (++kinds <= most_told) told.push_back(finding.description);
   }

@@ -37,7 +37,7 @@ void find_box(Object& base) {
 
 void find_selections(Object& base) {
   const Scene& scene = base.scene();
-  const Finding* torn = scene.triage.find("duplicate-vertex");
+  const Finding* torn = scene.diagnostics.find("duplicate-vertex");
   if (torn != nullptr && !scene.is_cut) base.weld = weld_at(scene.mesh, torn->indices);
   if (!base.weld.empty()) base.welded = welded(scene.mesh, base.weld);
   base.selections.emplace(base.weld.empty() ? scene.mesh : base.welded, base.weld);

@@ -514,7 +514,7 @@ TEST_F(CommandLine, InfoTellsCountsLoopsAndFindings) {
   EXPECT_NEAR(facts["loops"][0]["length"].get<double>(), 2 + std::sqrt(2.0), 1e-12);
   EXPECT_EQ(facts["genus"], 0);
   EXPECT_EQ(facts["box"]["max"], json({9, 9, 9}));
-  EXPECT_EQ(facts["triage"][0]["name"], "isolated-vertex");
+  EXPECT_EQ(facts["findings"][0]["name"], "isolated-vertex");
   const Outcome text = run("info sheet.obj");
   EXPECT_EQ(text.status, 0);
   for (const char* part :

@@ -418,7 +418,7 @@ TEST_F(RunEdit, ReportsEverythingThatIsDocumented) {
   for (const char* count : {"vertices", "faces", "free", "fixed", "handle", "degenerate"})
     EXPECT_TRUE(json["counts"].contains(count)) << count;
   for (const char* stage :
-       {"read", "triage", "assemble", "analyse", "factorise", "basis", "solve", "write", "total"})
+       {"read", "check", "assemble", "analyse", "factorise", "basis", "solve", "write", "total"})
     EXPECT_TRUE(json["seconds"].contains(stage)) << stage;
   EXPECT_GT(json["solver"]["factor_nonzeros"], 0);
   EXPECT_GT(json["condition_estimate"], 1);

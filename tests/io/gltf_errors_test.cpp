@@ -9,7 +9,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "expect_error.h"
 #include "gltf_builder.h"
@@ -158,7 +158,7 @@ TEST(GltfErrors, OfJsonText) {
   refuse(deep, {"nested"});
 }
 
-TEST(GltfErrors, IndicesOutOfRangeAndNansAreForTheTriage) {
+TEST(GltfErrors, IndicesOutOfRangeAndNansAreForCheckMesh) {
   const TemporaryFolder folder;
   GltfBuilder b;
   std::vector<float> p = square_positions();
@@ -169,7 +169,7 @@ TEST(GltfErrors, IndicesOutOfRangeAndNansAreForTheTriage) {
   const Mesh mesh = folder.mesh("a.glb", b.glb());
   EXPECT_EQ(mesh.face_count(), 2);
   EXPECT_GE(mesh.faces.corners()[5], mesh.vertex_count());
-  EXPECT_NO_THROW(triage(mesh));
+  EXPECT_NO_THROW(check_mesh(mesh));
   EXPECT_EQ(folder.written(mesh, "b.glb"), b.glb());
 }
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/samples/samples.h>
 
 #include "damage.h"
@@ -226,12 +226,12 @@ TEST(Off, AFormatIsKnownByItsFirstWord) {
   EXPECT_EQ(folder.mesh("A.Off", "# first\nOFF 0 0 0\n").face_count(), 0);
 }
 
-TEST(Off, IndicesOutOfRangeAreLeftToTheTriage) {
+TEST(Off, IndicesOutOfRangeAreLeftToCheckMesh) {
   const TemporaryFolder folder;
   const std::string file = "OFF\n1 2 0\n0 0 0\n3 0 7 -1\n1 0\n";
   const Mesh mesh = folder.mesh("in.off", file);
   EXPECT_EQ(mesh.faces[0][1], 7);
-  EXPECT_FALSE(triage(mesh).findings.empty());
+  EXPECT_FALSE(check_mesh(mesh).findings.empty());
   EXPECT_EQ(folder.written(mesh, "out.off"), file);
 }
 

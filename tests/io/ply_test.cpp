@@ -367,7 +367,7 @@ TEST(Ply, AValueThatTheFilesTypeCannotHoldIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out.ply"));
 }
 
-TEST(Ply, IndicesOutOfRangeAreReadForTheTriageToName) {
+TEST(Ply, IndicesOutOfRangeAreReadForCheckMeshToName) {
   const TemporaryFolder folder;
   const Mesh mesh = folder.mesh(
       "in.ply",

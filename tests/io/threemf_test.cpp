@@ -9,7 +9,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/samples/samples.h>
 
 #include "io/expect_error.h"
@@ -351,7 +351,7 @@ TEST_F(Threemf, MirroredCopiesFaceOutward) {
   const std::string text = model(R"(<object id="1" name="thing">)" + tetrahedron() + "</object>",
                                  R"(<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>)");
   Mesh mesh = read_mesh(write(package_of(text)));
-  EXPECT_TRUE(triage(mesh).clean());
+  EXPECT_TRUE(check_mesh(mesh).clean());
   mesh.positions(1, 0) -= 1;
   write_mesh(mesh, file("b.3mf"));
   EXPECT_LT((read_mesh(file("b.3mf")).positions - mesh.positions).cwiseAbs().maxCoeff(), 1e-12);

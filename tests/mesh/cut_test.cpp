@@ -12,7 +12,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/mesh/set_aside.h>
+#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "shapes.h"
@@ -376,7 +376,7 @@ TEST(Cut, ValuesAreChecked) {
   EXPECT_THROW(cut_at_zero(broken, values), Error);
 }
 
-// What triage refuses does not keep a step from what lies elsewhere.
+// What the check refuses does not keep a step from what lies elsewhere.
 TEST(Cut, GoesOnBesideWhatIsSetAside) {
   Mesh mesh = shapes::torus(24, 16, true);  // in the plane z = 0
   mesh.attributes = {{.name = "group", .domain = Domain::face, .values = std::vector<double>(768, 1)}};
@@ -386,8 +386,8 @@ TEST(Cut, GoesOnBesideWhatIsSetAside) {
   mesh.positions(highest, 0) = NAN;
   mesh.faces.push_back(std::vector<Index>{0, 1, 9999});
   mesh.attributes[0].values.push_back(2);
-  const TriageReport findings = triage(mesh);
-  const SetAside usable(mesh, findings, "torus");
+  const Diagnostics findings = check_mesh(mesh);
+  const SoundMesh usable(mesh, findings, "torus");
   ASSERT_TRUE(usable.any());
   EXPECT_EQ(usable.mesh().face_count(), 768 - 6);
   EXPECT_EQ(usable.mesh().attributes[0].values, std::vector<double>(762, 1));
@@ -406,7 +406,7 @@ TEST(Cut, GoesOnBesideWhatIsSetAside) {
   const CutResult through = cut_by_plane(usable.mesh(), Vector3d(0, 0, 0.98 * place.z()), Vector3d(0, 0, 1));
   EXPECT_THROW(usable.require_beyond(vertices_at_cut(through)), Error);
 
-  const SetAside clean(result.mesh, TriageReport(), "clean");
+  const SoundMesh clean(result.mesh, Diagnostics(), "clean");
   EXPECT_FALSE(clean.any());
   EXPECT_EQ(&clean.mesh(), &result.mesh) << "nothing is copied";
 }

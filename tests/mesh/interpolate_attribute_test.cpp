@@ -20,7 +20,7 @@ std::vector<double> between(Interpolation interpolation, const std::vector<doubl
   return interpolate_attribute(attribute, elements).values;
 }
 
-TEST(Carry, MixesByTheInterpolationRule) {
+TEST(InterpolateAttribute, MixesByTheInterpolationRule) {
   EXPECT_EQ(between(Interpolation::linear, {1, 0}, {3, 8}, 0.25), (std::vector<double>{1.5, 2}));
   EXPECT_EQ(between(Interpolation::nearest, {1, 0}, {3, 8}, 0.25), (std::vector<double>{1, 0}));
   const std::vector<double> middle = between(Interpolation::direction, {1, 0, 0}, {0, 1, 0}, 0.5);
@@ -29,11 +29,11 @@ TEST(Carry, MixesByTheInterpolationRule) {
   EXPECT_EQ(middle[2], 0);
 }
 
-TEST(Carry, OppositeDirectionsHaveNoMiddle) {
+TEST(InterpolateAttribute, OppositeDirectionsHaveNoMiddle) {
   EXPECT_EQ(between(Interpolation::direction, {1, 0, 0}, {-1, 0, 0}, 0.5), (std::vector<double>{1, 0, 0}));
 }
 
-TEST(Carry, AMixtureWithAMissingValueIsMissing) {
+TEST(InterpolateAttribute, AMixtureWithAMissingValueIsMissing) {
   for (const Interpolation interpolation : {Interpolation::linear, Interpolation::direction}) {
     for (const double t : {0.25, 0.5, 0.75}) {
       for (const bool first : {false, true}) {
@@ -46,13 +46,13 @@ TEST(Carry, AMixtureWithAMissingValueIsMissing) {
   }
 }
 
-TEST(Carry, ADirectionWithOneMissingComponentIsMissing) {
+TEST(InterpolateAttribute, ADirectionWithOneMissingComponentIsMissing) {
   for (const double value : between(Interpolation::direction, {0, missing, 1}, {0, 0, 1}, 0.5)) {
     EXPECT_TRUE(std::isnan(value));
   }
 }
 
-TEST(Carry, AnEndKeepsItsValues) {
+TEST(InterpolateAttribute, AnEndKeepsItsValues) {
   const std::vector<double> end = between(Interpolation::direction, {0, 0, 2}, {missing, missing, missing}, 0);
   EXPECT_EQ(end, (std::vector<double>{0, 0, 2}));
 }

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/mesh/repair.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/samples/samples.h>
 
 #include "support/defects.h"
@@ -51,7 +51,7 @@ TEST(Repair, MakesTwentyDirtyScansDeformable) {
   for (const test::DirtyScan& scan : test::dirty_scans()) {
     SCOPED_TRACE(scan.name);
     const RepairResult result = repair(scan.mesh);
-    EXPECT_FALSE(triage(result.mesh).has_defects());
+    EXPECT_FALSE(check_mesh(result.mesh).has_defects());
     EXPECT_FALSE(repair(result.mesh).changed());
     const test::Trial trial = test::try_deform(result.mesh);
     EXPECT_TRUE(trial.works) << trial.reason;

@@ -9,7 +9,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "mesh/shapes.h"
 #include "support/defects.h"
@@ -27,7 +27,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 // What a repair with all its steps leaves of findings.
 std::string findings_left(const Mesh& mesh) {
   std::string names;
-  for (const Finding& finding : triage(mesh).findings)
+  for (const Finding& finding : check_mesh(mesh).findings)
     if (finding.name != "polygon") names += finding.name + " (" + finding.description + ") ";
   return names;
 }
@@ -294,7 +294,7 @@ TEST(Repair, EndsForAnyFaces) {
     const RepairResult result = repair(mesh);
     const TopologySummary topology = summarise_topology(result.mesh);
     EXPECT_TRUE(topology.manifold);
-    for (const Finding& finding : triage(result.mesh).findings)
+    for (const Finding& finding : check_mesh(result.mesh).findings)
       EXPECT_EQ(finding.severity, Severity::note) << finding.name << ": " << finding.description;
     EXPECT_FALSE(repair(result.mesh).changed());
     if (HasFailure()) break;

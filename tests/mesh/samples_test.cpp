@@ -11,7 +11,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 namespace meshgraft {
 namespace {
@@ -68,7 +68,7 @@ TEST_P(SampleModel, IsACleanManifoldOfTheDocumentedKind) {
     EXPECT_EQ(summary.components, components_of(GetParam()));
     EXPECT_EQ(summary.boundary_loops, expected.loops);
     EXPECT_EQ(summary.euler_characteristic, expected.euler);
-    const TriageReport report = triage(mesh);
+    const Diagnostics report = check_mesh(mesh);
     EXPECT_TRUE(report.clean()) << report.findings.front().description;
     const Shape shape = measure(mesh);
     EXPECT_GE(shape.p1_angle_deg, expected.p1_angle_deg);
@@ -112,7 +112,7 @@ TEST(Samples, TheSmallestResolutionIsStillClean) {
   for (const std::string& name : names()) {
     SCOPED_TRACE(name);
     const Mesh mesh = make_sample(name, 4);
-    EXPECT_TRUE(triage(mesh).clean());
+    EXPECT_TRUE(check_mesh(mesh).clean());
     EXPECT_EQ(summarise_topology(mesh).components, components_of(name));
   }
 }

@@ -10,7 +10,7 @@
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include "mesh/shapes.h"
 
@@ -64,7 +64,7 @@ TEST(Soup, EverythingElseEnds) {
   for (unsigned seed = 0; seed < 3000; ++seed) {
     SCOPED_TRACE(seed);
     Mesh mesh = soup(seed, seed % 2);
-    const TriageReport report = triage(mesh);
+    const Diagnostics report = check_mesh(mesh);
     const Triangulation pieces = triangulate(mesh, {.skip_out_of_range = true});
     const bool out_of_range = report.find("index-out-of-range") != nullptr;
     EXPECT_EQ(out_of_range, [&] {

@@ -6,11 +6,11 @@
 
 #include <meshgraft/mesh/mesh.h>
 
-/// Defects put into clean meshes, the same ones every time: for the tests of triage and repair, and for
+/// Defects put into clean meshes, the same ones every time: for the tests of check_mesh and repair, and for
 /// pictures.
 namespace meshgraft::test {
 
-/// A mesh with one kind of defect, and what triage has to say of it.
+/// A mesh with one kind of defect, and what the diagnostics name it.
 struct Defective {
   Mesh mesh;
   std::string finding;
@@ -19,7 +19,7 @@ struct Defective {
   std::vector<Index> indices;  ///< ascending
 };
 
-/// The names of all kinds that `inject` knows, as triage has them (but "polygon").
+/// The names of all kinds that `inject` knows, as the diagnostics have them (but "polygon").
 const std::vector<std::string>& defect_kinds();
 
 /// Puts one defect of a kind into a mesh of triangles, where the mesh has a place for it; else the mesh has no

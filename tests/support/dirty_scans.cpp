@@ -7,7 +7,7 @@
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/winding.h>
 #include <meshgraft/samples/samples.h>
 
@@ -144,7 +144,7 @@ std::string defects_of(const TopologySummary& topology) {
 
 Trial try_deform(const Mesh& mesh) {
   try {
-    require_usable(triage(mesh), mesh, {}, "the mesh");
+    require_usable(check_mesh(mesh), mesh, {}, "the mesh");
     const std::string defects = defects_of(summarise_topology(mesh));
     const Ends ends = ends_of(mesh, connected_components(mesh));
     const Triangles triangles = triangulate(mesh).triangles;

@@ -16,14 +16,14 @@
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 namespace meshgraft {
 
 /// Wall-clock seconds per stage.
 struct StageSeconds {
   double read = 0;
-  double triage = 0;    ///< with triangulation, of merges and cuts
+  double check = 0;    ///< with triangulation, of merges and cuts
   double select = 0;    ///< resolving selections and poses, triangulation, boundary refinement
   double match = 0;     ///< of loops
   double assemble = 0;  ///< all of the set-up but the next two
@@ -103,7 +103,7 @@ struct EditReport {
   struct Input {
     std::string name, source;  ///< `source`: file or sample
     Index vertices = 0, faces = 0;
-    TriageReport triage;
+    Diagnostics diagnostics;
   };
   std::vector<Input> inputs;
   std::vector<StepReport> steps;
@@ -121,6 +121,6 @@ struct EditReport {
 std::string write_report(const EditReport& report);
 
 /// The findings as a JSON list; up to `index_limit` indices each.
-std::string write_triage(const TriageReport& triage, std::size_t index_limit = 10);
+std::string write_diagnostics(const Diagnostics& diagnostics, std::size_t index_limit = 10);
 
 }  // namespace meshgraft

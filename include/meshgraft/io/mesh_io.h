@@ -12,7 +12,7 @@ namespace meshgraft {
 
 /// Reads a mesh; the format follows the content where it has a signature, else the extension (docs/files.md).
 /// Everything the file carries is kept: what has a meaning here as attributes, the rest in `Mesh::source`.
-/// Indices may be out of range and coordinates non-finite: `triage` names them.
+/// Indices may be out of range and coordinates non-finite: `check_mesh` names them.
 /// Throws Error(io) if the file cannot be read, Error(input) with file and line (or byte) if it is malformed.
 Mesh read_mesh(const std::filesystem::path& path, const Context& context = {});
 

@@ -213,7 +213,7 @@ class GltfReader {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t element = elements[k];
       if (element >= positions.count) {
-        face[k] = std::numeric_limits<Index>::max();  // named by the triage
+        face[k] = std::numeric_limits<Index>::max();  // named by check_mesh
         document_->corner_elements.push_back(no_element);
         continue;
       }

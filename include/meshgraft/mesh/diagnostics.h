@@ -28,7 +28,7 @@ struct Finding {
 };
 
 /// Everything that was found, worst first.
-struct TriageReport {
+struct Diagnostics {
   std::vector<Finding> findings;
   bool clean() const { return findings.empty(); }
   /// Whether there is any finding but "polygon", which is a form and no defect.
@@ -66,12 +66,12 @@ struct TriageReport {
 ///
 /// A face has no area where twice its area is at most 1e-12 × its longest edge squared, or its height is lost
 /// in the precision of its coordinates (4 ulp of the largest one).
-TriageReport triage(const Mesh& mesh, const Context& context = {});
+Diagnostics check_mesh(const Mesh& mesh, const Context& context = {});
 
 /// Throws Error(input) for the first refused finding that touches a vertex in `reach` (empty = the whole
 /// mesh): it names the mesh, how many vertices or faces there are and the first of them, and the remedy. A face
 /// touches `reach` if one of its vertices does. `name` is the mesh's file name for the message.
-void require_usable(const TriageReport& report, const Mesh& mesh, std::span<const Index> reach,
+void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const Index> reach,
                     const std::string& name);
 
 }  // namespace meshgraft

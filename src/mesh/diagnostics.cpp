@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include <algorithm>
 #include <cmath>
@@ -91,14 +91,14 @@ std::string list_first(std::span<const Index> indices) {
 
 }  // namespace
 
-const Finding* TriageReport::find(std::string_view name) const {
+const Finding* Diagnostics::find(std::string_view name) const {
   const auto found = std::find_if(findings.begin(), findings.end(),
                                   [&](const Finding& finding) { return finding.name == name; });
   return found == findings.end() ? nullptr : &*found;
 }
 
-TriageReport triage(const Mesh& mesh, const Context& context) {
-  TriageReport report;
+Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
+  Diagnostics report;
   const auto add = [&](Finding finding, const std::string& one, const std::string& many) {
     if (finding.count == 0) finding.count = static_cast<Index>(finding.indices.size());
     finding.description = counted(finding.count, one, many);
@@ -106,7 +106,7 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
   };
   const auto count_of = [](const std::vector<Index>& list) { return static_cast<Index>(list.size()); };
 
-  context.step("triage", 0);
+  context.step("check", 0);
   const Index vertices = mesh.vertex_count();
   const Index faces = mesh.face_count();
   const auto where = [&](Index count, const auto& predicate) {
@@ -149,9 +149,9 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
        .remedy = "Weights and normals leave them out; the file keeps them."},
       "face has no area", "faces have no area");
 
-  context.step("triage", 0.2);
+  context.step("check", 0.2);
   const EdgeTable table(vertices, mesh.faces);
-  context.step("triage", 0.6);
+  context.step("check", 0.6);
   const std::vector<Index> fans = fan_counts(mesh, table);
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
   const auto against = where(table.edge_count(), [&](Index e) { return wound_alike(mesh, table, e) == false; });
@@ -197,7 +197,7 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
                  "consistent (a Möbius strip has none: cut it open)."},
       "edge has two faces that are wound against each other",
       "edges have two faces that are wound against each other");
-  context.step("triage", 0.9);
+  context.step("check", 0.9);
   add({.name = "inward-facing-component",
        .severity = Severity::note,
        .domain = Domain::vertex,
@@ -211,16 +211,16 @@ TriageReport triage(const Mesh& mesh, const Context& context) {
        .indices = where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }),
        .remedy = "They are solved on their triangles and written as they were."},
       "face has more than three corners", "faces have more than three corners");
-  context.step("triage", 1);
+  context.step("check", 1);
   return report;
 }
 
-bool TriageReport::has_defects() const {
+bool Diagnostics::has_defects() const {
   return std::any_of(findings.begin(), findings.end(),
                      [](const Finding& finding) { return finding.name != "polygon"; });
 }
 
-void require_usable(const TriageReport& report, const Mesh& mesh, std::span<const Index> reach,
+void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const Index> reach,
                     const std::string& name) {
   std::vector<bool> within(mesh.vertex_count(), reach.empty());
   for (const Index v : reach) {

@@ -7,19 +7,19 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 namespace meshgraft {
 
-/// A mesh with what triage refuses out of the way, so that a step that does not reach it can go on: faces that
+/// A mesh with what the check refuses out of the way, so that a step that does not reach it can go on: faces that
 /// name a vertex which does not exist or has a non-finite coordinate are left out. Vertices keep their numbers;
 /// those without finite coordinates are in no face and stand, until they are put back, at the place of another.
-/// Where triage refuses nothing it is the given mesh, and costs nothing.
-class SetAside {
+/// Where the check refuses nothing it is the given mesh, and costs nothing.
+class SoundMesh {
  public:
   /// Refers to both. Throws Error(input), as `require_usable` does, where no face would be left; `name` is the
   /// mesh's for messages.
-  SetAside(const Mesh& mesh, const TriageReport& triage, const std::string& name);
+  SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std::string& name);
 
   const Mesh& mesh() const { return usable_ ? *usable_ : given_; }
   bool any() const { return usable_.has_value(); }
@@ -40,7 +40,7 @@ class SetAside {
 
  private:
   const Mesh& given_;
-  const TriageReport& triage_;
+  const Diagnostics& diagnostics_;
   std::string name_;
   std::optional<Mesh> usable_;
   std::vector<Index> non_finite_, faces_;  // that were left out, of the given mesh

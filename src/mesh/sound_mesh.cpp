@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/set_aside.h>
+#include <meshgraft/mesh/sound_mesh.h>
 
 #include <algorithm>
 
@@ -9,8 +9,8 @@ namespace meshgraft {
 
 namespace {
 
-bool is_refused(const TriageReport& triage) {
-  return std::ranges::any_of(triage.findings,
+bool is_refused(const Diagnostics& diagnostics) {
+  return std::ranges::any_of(diagnostics.findings,
                              [](const Finding& finding) { return finding.severity == Severity::refused; });
 }
 
@@ -21,9 +21,9 @@ bool is_usable(const Mesh& mesh, Index face) {
 
 }  // namespace
 
-SetAside::SetAside(const Mesh& mesh, const TriageReport& triage, const std::string& name)
-    : given_(mesh), triage_(triage), name_(name) {
-  if (!is_refused(triage)) return;
+SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std::string& name)
+    : given_(mesh), diagnostics_(diagnostics), name_(name) {
+  if (!is_refused(diagnostics)) return;
   TracedFaces kept;
   std::vector<EdgePoint> corners;
   for (Index f = 0; f < mesh.face_count(); ++f) {
@@ -36,7 +36,7 @@ SetAside::SetAside(const Mesh& mesh, const TriageReport& triage, const std::stri
       corners.push_back(same(c));
     kept.add(mesh.faces[f], corners, f);
   }
-  if (kept.faces.size() == 0) require_usable(triage, mesh, {}, name);
+  if (kept.faces.size() == 0) require_usable(diagnostics, mesh, {}, name);
 
   Mesh& usable = usable_.emplace();
   usable.source = mesh.source;
@@ -58,7 +58,7 @@ SetAside::SetAside(const Mesh& mesh, const TriageReport& triage, const std::stri
   usable.faces = std::move(kept.faces);
 }
 
-std::string SetAside::note() const {
+std::string SoundMesh::note() const {
   if (faces_.empty()) return {};
   return name_ + ": " + std::to_string(faces_.size()) +
          (faces_.size() == 1 ? " face that has no place was left out"
@@ -66,7 +66,7 @@ std::string SetAside::note() const {
          " ('meshgraft check' names the vertices without finite coordinates and the indices out of range)";
 }
 
-void SetAside::require_beyond(std::span<const Index> reach) const {
+void SoundMesh::require_beyond(std::span<const Index> reach) const {
   if (!usable_) return;
   std::vector<char> within(given_.vertex_count(), 0);
   for (const Index v : reach)
@@ -78,17 +78,17 @@ void SetAside::require_beyond(std::span<const Index> reach) const {
     if (std::ranges::any_of(face, [&](Index v) { return is_vertex_of(given_, v) && within[v]; }))
       touched.insert(touched.end(), face.begin(), face.end());
   }
-  if (!touched.empty()) require_usable(triage_, given_, touched, name_);
+  if (!touched.empty()) require_usable(diagnostics_, given_, touched, name_);
 }
 
-Error SetAside::explained(const Error& error) const {
+Error SoundMesh::explained(const Error& error) const {
   if (faces_.empty()) return error;
   std::string remedy = error.remedy();
   if (!remedy.empty() && remedy.back() != '.') remedy += '.';
   return Error(error.code(), error.problem(), error.place(), remedy + (remedy.empty() ? "" : " ") + note());
 }
 
-void SetAside::put_back(const IndexMap& vertex, Mesh& result) const {
+void SoundMesh::put_back(const IndexMap& vertex, Mesh& result) const {
   for (const Index v : non_finite_)
     if (const Index now = vertex.new_index[v]; now >= 0) result.positions.row(now) = given_.positions.row(v);
 }

@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/triage.h>
+#include <meshgraft/mesh/diagnostics.h>
 
 #include <cmath>
 
@@ -19,7 +19,7 @@ using Indices = std::vector<Index>;
 void expect_finding(const Mesh& mesh, const std::string& name, Severity severity, Index count, Domain domain,
                     const Indices& indices) {
   SCOPED_TRACE(name);
-  const TriageReport report = triage(mesh);
+  const Diagnostics report = check_mesh(mesh);
   const Finding* finding = report.find(name);
   ASSERT_NE(finding, nullptr);
   EXPECT_EQ(finding->severity, severity);
@@ -29,31 +29,31 @@ void expect_finding(const Mesh& mesh, const std::string& name, Severity severity
   EXPECT_TRUE(finding->description.starts_with(std::to_string(count) + " ")) << finding->description;
 }
 
-TEST(Triage, FindsNothingInGoodTriangles) {
+TEST(CheckMesh, FindsNothingInGoodTriangles) {
   for (const Mesh& mesh :
        {Mesh{}, shapes::torus(7, 5, true), shapes::grid(3, 3, true), shapes::tube(5, 2, true)}) {
-    EXPECT_TRUE(triage(mesh).clean());
+    EXPECT_TRUE(check_mesh(mesh).clean());
   }
 }
 
 // Repeated places of vertices without a face are no findings of their own, but such a vertex is one.
-TEST(Triage, FindsNothingInCleanFamilies) {
+TEST(CheckMesh, FindsNothingInCleanFamilies) {
   for (const test::TestMesh& family : test::mesh_families()) {
     SCOPED_TRACE(family.name);
-    for (const Finding& finding : triage(make_mesh(family.positions, family.triangles)).findings)
+    for (const Finding& finding : check_mesh(make_mesh(family.positions, family.triangles)).findings)
       EXPECT_EQ(finding.name, "isolated-vertex") << finding.description;
   }
 }
 
-TEST(Triage, FindsWhatWasInjectedAndNothingElse) {
+TEST(CheckMesh, FindsWhatWasInjectedAndNothingElse) {
   for (const test::TestMesh& family : test::mesh_families()) {
     const Mesh clean = make_mesh(family.positions, family.triangles);
-    const TriageReport before = triage(clean);
+    const Diagnostics before = check_mesh(clean);
     for (const std::string& kind : test::defect_kinds()) {
       SCOPED_TRACE(family.name + " " + kind);
       const test::Defective defective = test::inject(clean, kind);
       if (defective.count == 0) continue;  // an open mesh has no inside
-      const TriageReport report = triage(defective.mesh);
+      const Diagnostics report = check_mesh(defective.mesh);
       const Finding* finding = report.find(kind);
       ASSERT_NE(finding, nullptr);
       EXPECT_EQ(finding->domain, defective.domain);
@@ -75,7 +75,7 @@ TEST(Triage, FindsWhatWasInjectedAndNothingElse) {
   }
 }
 
-TEST(Triage, TellsSeamsFromTouchingParts) {
+TEST(CheckMesh, TellsSeamsFromTouchingParts) {
   // A grid whose right half has vertices of its own, and parts that meet in a place alone.
   const Mesh seam =
       shapes::polygons({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}},
@@ -83,23 +83,23 @@ TEST(Triage, TellsSeamsFromTouchingParts) {
   expect_finding(seam, "duplicate-vertex", Severity::repaired, 4, Domain::vertex, {1, 2, 4, 6});
   const Mesh point = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-1, 0, 0}, {0, -1, 0}},
                                       {{0, 1, 2}, {3, 4, 5}});
-  EXPECT_FALSE(triage(point).has_defects());
-  EXPECT_FALSE(triage(shapes::together({shapes::cube(), shapes::cube()})).has_defects()) << "closed parts";
+  EXPECT_FALSE(check_mesh(point).has_defects());
+  EXPECT_FALSE(check_mesh(shapes::together({shapes::cube(), shapes::cube()})).has_defects()) << "closed parts";
 }
 
-TEST(Triage, KnowsCavitiesFromPartsInsideOut) {
+TEST(CheckMesh, KnowsCavitiesFromPartsInsideOut) {
   const auto cube = [](double size, bool inward) {
     Mesh mesh = inward ? turned_over(shapes::cube()) : shapes::cube();
     mesh.positions = ((mesh.positions.array() - 0.5) * size).matrix();
     return mesh;
   };
-  EXPECT_FALSE(triage(shapes::together({cube(3, false), cube(1, true)})).has_defects()) << "a hollow cube";
+  EXPECT_FALSE(check_mesh(shapes::together({cube(3, false), cube(1, true)})).has_defects()) << "a hollow cube";
   expect_finding(shapes::together({cube(3, true), cube(1, false)}), "inward-facing-component", Severity::note,
                  1, Domain::vertex, {0});
-  EXPECT_FALSE(triage(turned_over(shapes::tube(6, 2))).has_defects()) << "open surfaces have no inside";
+  EXPECT_FALSE(check_mesh(turned_over(shapes::tube(6, 2))).has_defects()) << "open surfaces have no inside";
 }
 
-TEST(Triage, NamesEachDefect) {
+TEST(CheckMesh, NamesEachDefect) {
   Mesh non_finite = shapes::cube();
   non_finite.positions(3, 1) = std::nan("");
   non_finite.positions(5, 0) = INFINITY;
@@ -135,25 +135,25 @@ TEST(Triage, NamesEachDefect) {
   expect_finding(wound_against, "inconsistent-winding", Severity::note, 1, Domain::vertex, {1, 4});
 }
 
-TEST(Triage, MeasuresAreaAgainstTheFaceAndThePrecision) {
+TEST(CheckMesh, MeasuresAreaAgainstTheFaceAndThePrecision) {
   const auto sliver = [](double size, double height, double offset) {
     return shapes::polygons({{offset, 0, 0}, {offset + size, 0, 0}, {offset + size / 2, height, 0}},
                             {{0, 1, 2}});
   };
   // Tiny models and thin CAD fans have area …
-  EXPECT_TRUE(triage(sliver(1e-9, 1e-9, 0)).clean());
-  EXPECT_TRUE(triage(sliver(1, 1e-6, 0)).clean());
-  EXPECT_TRUE(triage(sliver(1e6, 1, 1e9)).clean());
+  EXPECT_TRUE(check_mesh(sliver(1e-9, 1e-9, 0)).clean());
+  EXPECT_TRUE(check_mesh(sliver(1, 1e-6, 0)).clean());
+  EXPECT_TRUE(check_mesh(sliver(1e6, 1, 1e9)).clean());
   // … a height that the coordinates cannot tell from zero is none.
-  EXPECT_NE(triage(sliver(1, 1e-14, 0)).find("zero-area-face"), nullptr);
-  EXPECT_NE(triage(sliver(1e-3, 1e-7, 1e9)).find("zero-area-face"), nullptr);
+  EXPECT_NE(check_mesh(sliver(1, 1e-14, 0)).find("zero-area-face"), nullptr);
+  EXPECT_NE(check_mesh(sliver(1e-3, 1e-7, 1e9)).find("zero-area-face"), nullptr);
 }
 
-TEST(Triage, PutsTheWorstFirst) {
+TEST(CheckMesh, PutsTheWorstFirst) {
   Mesh mesh = shapes::together({shapes::cube(), shapes::three_on_an_edge()});
   shapes::add_vertex(mesh, {0, 0, std::nan("")});
   mesh.faces.push_back(Indices{0, 1, 99});
-  const TriageReport report = triage(mesh);
+  const Diagnostics report = check_mesh(mesh);
   ASSERT_GE(report.findings.size(), 4);
   for (std::size_t k = 1; k < report.findings.size(); ++k) {
     EXPECT_GE(static_cast<int>(report.findings[k - 1].severity), static_cast<int>(report.findings[k].severity));
@@ -165,7 +165,7 @@ TEST(RequireUsable, RefusesOnlyWithinReach) {
   Mesh mesh = shapes::together({shapes::cube(), shapes::cube()});
   mesh.positions(3, 0) = std::nan("");
   mesh.faces.push_back(Indices{1, 2, 99});
-  const TriageReport report = triage(mesh);
+  const Diagnostics report = check_mesh(mesh);
   EXPECT_NO_THROW(require_usable(report, mesh, Indices{8, 9, 15}, "model.ply"));
   try {
     require_usable(report, mesh, Indices{3, 9}, "model.ply");
@@ -185,7 +185,7 @@ TEST(RequireUsable, AcceptsWhatIsWorkedAround) {
   Mesh mesh = shapes::together({shapes::three_on_an_edge(), shapes::bow_tie(), shapes::cube()});
   shapes::add_vertex(mesh, {1, 2, 3});
   mesh.faces.push_back(Indices{0, 0, 1});
-  const TriageReport report = triage(mesh);
+  const Diagnostics report = check_mesh(mesh);
   EXPECT_FALSE(report.clean());
   EXPECT_NO_THROW(require_usable(report, mesh, {}, "model.ply"));
 }
