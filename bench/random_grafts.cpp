@@ -70,7 +70,7 @@ Refusal judged(const Error& error, const test::RandomGraft& graft) {
   Refusal refusal{reason_of(error), fmt::format("{} ({})", error.problem(), error.remedy()), true};
   if (error.remedy().find("--start") == std::string::npos) return refusal;
   std::size_t pair = 0;
-  if (error.place().starts_with("pair ")) pair = std::strtoul(error.place().c_str() + 5, nullptr, 10);
+  if (error.location().starts_with("pair ")) pair = std::strtoul(error.location().c_str() + 5, nullptr, 10);
   const test::LoopFit fit = test::fit_of_loops(graft, pair);
   refusal.is_right = fit.is_ambiguous();
   refusal.text +=

@@ -222,20 +222,20 @@ std::string option_behind(const MergeArguments& arguments, const std::string& fi
 // An error of the plain edit, which nobody wrote, at the option or the file that it is about.
 Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
   constexpr std::string_view steps = "command line: steps[0]", inputs = "command line: inputs.";
-  std::string place = error.place();
-  if (place.starts_with(inputs)) {
-    const std::size_t inner = place.find(": ", inputs.size());
-    const bool of_source = place.substr(inputs.size()).starts_with("source");
-    place = inner != std::string::npos ? place.substr(inner + 2)
+  std::string location = error.location();
+  if (location.starts_with(inputs)) {
+    const std::size_t inner = location.find(": ", inputs.size());
+    const bool of_source = location.substr(inputs.size()).starts_with("source");
+    location = inner != std::string::npos ? location.substr(inner + 2)
                                        : (of_source ? arguments.source : arguments.target).string();
-  } else if (place.starts_with(steps)) {
-    place.erase(0, steps.size());
-    std::string field = place.substr(0, place.find(": "));
-    std::string inner = place.size() > field.size() ? place.substr(field.size() + 2) : "";
+  } else if (location.starts_with(steps)) {
+    location.erase(0, steps.size());
+    std::string field = location.substr(0, location.find(": "));
+    std::string inner = location.size() > field.size() ? location.substr(field.size() + 2) : "";
     if (field.starts_with('.')) field = option_behind(arguments, field.substr(1));
-    place = field + (field.empty() || inner.empty() ? "" : ": ") + inner;
+    location = field + (field.empty() || inner.empty() ? "" : ": ") + inner;
   }
-  return Error(error.code(), error.problem(), place, error.remedy());
+  return Error(error.code(), error.problem(), location, error.remedy());
 }
 
 EditFile edit_from(const MergeArguments& arguments) {

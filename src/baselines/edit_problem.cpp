@@ -46,13 +46,13 @@ Given read_constraints(Index count, std::span<const Index> region,
   }
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
-    const std::string place = fmt::format("constraint {}", c);
-    require_vertex(constraint.vertex, count, place);
+    const std::string location = fmt::format("constraint {}", c);
+    require_vertex(constraint.vertex, count, location);
     if (given.constraint[constraint.vertex] != nullptr)
-      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), place);
+      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), location);
     if (!constraint.position && !constraint.transform)
       throw Error(ErrorCode::input,
-                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), place);
+                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), location);
     require_finite(constraint);
     given.constraint[constraint.vertex] = &constraint;
     if (constraint.position) given.known[constraint.vertex] = 1;

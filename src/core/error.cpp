@@ -6,8 +6,8 @@ namespace meshgraft {
 
 namespace {
 
-std::string compose(const std::string& problem, const std::string& place, const std::string& remedy) {
-  std::string message = place.empty() ? problem : place + ": " + problem;
+std::string compose(const std::string& problem, const std::string& location, const std::string& remedy) {
+  std::string message = location.empty() ? problem : location + ": " + problem;
   if (!remedy.empty()) message += ". " + remedy;
   return message;
 }
@@ -40,17 +40,17 @@ std::string_view to_string(ErrorCode code) noexcept {
   return "internal";
 }
 
-Error::Error(ErrorCode code, std::string problem, std::string place, std::string remedy)
-    : std::runtime_error(compose(problem, place, remedy)),
+Error::Error(ErrorCode code, std::string problem, std::string location, std::string remedy)
+    : std::runtime_error(compose(problem, location, remedy)),
       code_(code),
       problem_(std::move(problem)),
-      place_(std::move(place)),
+      location_(std::move(location)),
       remedy_(std::move(remedy)) {}
 
 Error Error::within(std::string_view outer) const {
-  std::string place(outer);
-  if (!place_.empty()) place += ": " + place_;
-  return Error(code_, problem_, place, remedy_);
+  std::string location(outer);
+  if (!location_.empty()) location += ": " + location_;
+  return Error(code_, problem_, location, remedy_);
 }
 
 }  // namespace meshgraft

@@ -31,14 +31,14 @@ ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std:
   return values;
 }
 
-void require_usable(const HandlePose& pose, const std::string& place) {
+void require_usable(const HandlePose& pose, const std::string& location) {
   constexpr double largest = 1e100;  // squares and volumes stay finite
   if (!(pose.transform.affine().array().abs() < largest).all())
-    throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", place);
+    throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", location);
   if (pose.rotation && !(std::isfinite(pose.rotation->angle()) && pose.rotation->axis().allFinite()))
-    throw Error(ErrorCode::input, "its rotation is not finite", place);
+    throw Error(ErrorCode::input, "its rotation is not finite", location);
   if (pose.curve && !(pose.curve->array().abs() < largest).all())
-    throw Error(ErrorCode::input, "its curve is not finite, or larger than 1e100", place);
+    throw Error(ErrorCode::input, "its curve is not finite, or larger than 1e100", location);
 }
 
 void require_affine_poses(std::span<const Handle> handles, std::span<const HandlePose> poses) {
@@ -46,11 +46,11 @@ void require_affine_poses(std::span<const Handle> handles, std::span<const Handl
     throw Error(ErrorCode::usage,
                 fmt::format("{} poses were given for {} handles", poses.size(), handles.size()));
   for (std::size_t h = 0; h < poses.size(); ++h) {
-    const std::string place = fmt::format("handle '{}'", handles[h].name);
+    const std::string location = fmt::format("handle '{}'", handles[h].name);
     if (poses[h].curve)
-      throw Error(ErrorCode::input, "its curve is redrawn, which is not one affine map", place,
+      throw Error(ErrorCode::input, "its curve is redrawn, which is not one affine map", location,
                   "Evaluate the deformer for this pose");
-    require_usable(poses[h], place);
+    require_usable(poses[h], location);
   }
 }
 

@@ -18,8 +18,8 @@ HandleFrame handle_frame(const HandlePose& pose, const Eigen::RowVector3d& centr
 /// constrained transforms. Solutions for them, times the handles' frames, are solutions for the poses.
 ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std::span<const Handle> handles);
 
-/// Throws Error(input) at `place` for numbers that are not finite, or too large to compute with.
-void require_usable(const HandlePose& pose, const std::string& place);
+/// Throws Error(input) at `location` for numbers that are not finite, or too large to compute with.
+void require_usable(const HandlePose& pose, const std::string& location);
 
 /// Throws Error(usage) for another number of poses than handles, Error(input) for a curve that was redrawn
 /// (every vertex moves by itself there) and for a number that is not finite, or larger than 1e100.

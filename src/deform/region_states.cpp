@@ -11,10 +11,10 @@
 
 namespace meshgraft {
 
-void require_vertex(Index vertex, Index count, const std::string& place) {
+void require_vertex(Index vertex, Index count, const std::string& location) {
   if (vertex < 0 || vertex >= count)
     throw Error(ErrorCode::input, fmt::format("vertex {} does not exist; the mesh has {}", vertex, count),
-                place);
+                location);
 }
 
 void require_triangles(const Points& rest, const Triangles& triangles) {
@@ -69,22 +69,22 @@ void require_disjoint(const Region& region, Index count) {
   }
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
     const Handle& handle = region.handles[h];
-    const std::string place = fmt::format("handle '{}'", handle.name);
+    const std::string location = fmt::format("handle '{}'", handle.name);
     if (handle.vertices.empty())
-      throw Error(ErrorCode::input, "it has no vertices", place, "Select some, or drop the handle");
+      throw Error(ErrorCode::input, "it has no vertices", location, "Select some, or drop the handle");
     if (!handle.constrain_position && !handle.constrain_transform)
-      throw Error(ErrorCode::input, "it constrains neither position nor transform", place,
+      throw Error(ErrorCode::input, "it constrains neither position nor transform", location,
                   "Let it constrain one of them, or drop the handle");
     for (Index v : handle.vertices) {
-      require_vertex(v, count, place);
+      require_vertex(v, count, location);
       if (owner[v] == static_cast<int>(h))
-        throw Error(ErrorCode::input, fmt::format("vertex {} is named twice", v), place);
+        throw Error(ErrorCode::input, fmt::format("vertex {} is named twice", v), location);
       if (owner[v] != nobody)
         throw Error(ErrorCode::input,
                     owner[v] == fixed ? fmt::format("vertex {} is also fixed", v)
                                       : fmt::format("vertex {} also belongs to handle '{}'", v,
                                                     region.handles[owner[v]].name),
-                    place, "Take it out of one of the two");
+                    location, "Take it out of one of the two");
       owner[v] = static_cast<int>(h);
     }
   }
@@ -104,13 +104,13 @@ void ConstraintList::add(std::span<const VertexConstraint> constraints, VertexSt
   std::vector<std::uint8_t> seen(states.position.size(), 0);
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
-    const std::string place = fmt::format("constraint {}", c);
-    require_vertex(constraint.vertex, count, place);
+    const std::string location = fmt::format("constraint {}", c);
+    require_vertex(constraint.vertex, count, location);
     if (seen[constraint.vertex]++)
-      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), place);
+      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), location);
     if (!constraint.position && !constraint.transform)
       throw Error(ErrorCode::input,
-                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), place);
+                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), location);
     add(constraint.vertex, constraint.position.has_value(), constraint.transform.has_value(), states);
   }
 }

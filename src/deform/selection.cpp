@@ -20,22 +20,22 @@ namespace meshgraft {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& place, const std::string& problem, const std::string& remedy = {}) {
-  throw Error(ErrorCode::input, problem, place, remedy);
+[[noreturn]] void fail(const std::string& location, const std::string& problem, const std::string& remedy = {}) {
+  throw Error(ErrorCode::input, problem, location, remedy);
 }
 
-std::string at(const std::string& place, std::string_view list, std::size_t k) {
-  return place + "." + std::string(list) + "[" + std::to_string(k) + "]";
+std::string at(const std::string& location, std::string_view list, std::size_t k) {
+  return location + "." + std::string(list) + "[" + std::to_string(k) + "]";
 }
 
-void require_finite(const Eigen::Vector3d& vector, const std::string& place) {
-  if (!vector.allFinite()) fail(place, "has a coordinate that is not a finite number");
+void require_finite(const Eigen::Vector3d& vector, const std::string& location) {
+  if (!vector.allFinite()) fail(location, "has a coordinate that is not a finite number");
 }
 
-Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& place) {
-  require_finite(normal, place);
+Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& location) {
+  require_finite(normal, location);
   const double length = normal.stableNorm();
-  if (length == 0) fail(place, "the normal has no length");
+  if (length == 0) fail(location, "the normal has no length");
   return normal / length;
 }
 
@@ -121,9 +121,9 @@ class Resolver {
  public:
   explicit Resolver(const SelectionContext& context) : context_(context), count_(context.mesh.vertex_count()) {}
 
-  std::vector<Index> resolve(const Selection& selection, const std::string& place) const {
+  std::vector<Index> resolve(const Selection& selection, const std::string& location) const {
     std::vector<Index> found =
-        std::visit([&](const auto& kind) { return vertices(kind, place); }, selection.kind);
+        std::visit([&](const auto& kind) { return vertices(kind, location); }, selection.kind);
     return context_.weld.empty() ? found : representatives(found);
   }
 
@@ -133,18 +133,18 @@ class Resolver {
     Flags seen(count_, false);
     std::vector<Index> distinct;
     for (const Index v : vertices) {
-      const Index place = context_.weld.of(v);
-      if (!seen[place]) distinct.push_back(place);
-      seen[place] = true;
+      const Index first_copy = context_.weld.of(v);
+      if (!seen[first_copy]) distinct.push_back(first_copy);
+      seen[first_copy] = true;
     }
     return distinct;
   }
 
   Eigen::Vector3d position(Index v) const { return context_.mesh.positions.row(v).transpose(); }
 
-  std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& place) const {
-    if (!of) fail(place, "names no selection");
-    return resolve(*of, place);
+  std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& location) const {
+    if (!of) fail(location, "names no selection");
+    return resolve(*of, location);
   }
 
   std::vector<Index> vertices(const Selection::All&, const std::string&) const {
@@ -153,13 +153,13 @@ class Resolver {
     return all;
   }
 
-  std::vector<Index> vertices(const Selection::Indices& indices, const std::string& place) const {
+  std::vector<Index> vertices(const Selection::Indices& indices, const std::string& location) const {
     Flags seen(count_, false);
     std::vector<Index> distinct;
     for (std::size_t k = 0; k < indices.vertices.size(); ++k) {
       const Index v = indices.vertices[k];
       if (v < 0 || v >= count_) {
-        fail(at(place, "indices", k),
+        fail(at(location, "indices", k),
              "index " + std::to_string(v) + " is not one of the " + std::to_string(count_) + " vertices",
              "Indices count from 0.");
       }
@@ -169,53 +169,53 @@ class Resolver {
     return distinct;
   }
 
-  std::vector<Index> vertices(const Selection::Box& box, const std::string& place) const {
-    require_finite(box.min, place + ".box.min");
-    require_finite(box.max, place + ".box.max");
-    if ((box.min.array() > box.max.array()).any()) fail(place + ".box", "'min' is greater than 'max'");
+  std::vector<Index> vertices(const Selection::Box& box, const std::string& location) const {
+    require_finite(box.min, location + ".box.min");
+    require_finite(box.max, location + ".box.max");
+    if ((box.min.array() > box.max.array()).any()) fail(location + ".box", "'min' is greater than 'max'");
     return vertices_where(count_, [&](Index v) {
       const Eigen::Array3d x = position(v).array();
       return (x >= box.min.array()).all() && (x <= box.max.array()).all();
     });
   }
 
-  std::vector<Index> vertices(const Selection::Sphere& sphere, const std::string& place) const {
-    require_finite(sphere.centre, place + ".sphere.centre");
+  std::vector<Index> vertices(const Selection::Sphere& sphere, const std::string& location) const {
+    require_finite(sphere.centre, location + ".sphere.centre");
     if (!std::isfinite(sphere.radius) || sphere.radius < 0) {
-      fail(place + ".sphere.radius", "must be a finite number, not negative");
+      fail(location + ".sphere.radius", "must be a finite number, not negative");
     }
     return vertices_where(count_,
                           [&](Index v) { return (position(v) - sphere.centre).norm() <= sphere.radius; });
   }
 
-  std::vector<Index> vertices(const Selection::HalfSpace& half, const std::string& place) const {
-    require_finite(half.point, place + ".half_space.point");
-    const Eigen::Vector3d normal = unit(half.normal, place + ".half_space.normal");
+  std::vector<Index> vertices(const Selection::HalfSpace& half, const std::string& location) const {
+    require_finite(half.point, location + ".half_space.point");
+    const Eigen::Vector3d normal = unit(half.normal, location + ".half_space.normal");
     return vertices_where(count_, [&](Index v) { return (position(v) - half.point).dot(normal) >= 0; });
   }
 
-  std::vector<Index> vertices(const Selection::Component& component, const std::string& place) const {
+  std::vector<Index> vertices(const Selection::Component& component, const std::string& location) const {
     const auto& numbers = context_.components;
     const Index count = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
-    require_number(component.number, count, "connected component", place + ".component");
+    require_number(component.number, count, "connected component", location + ".component");
     return vertices_where(count_, [&](Index v) { return numbers[v] == component.number; });
   }
 
-  std::vector<Index> vertices(const Selection::Loop& loop, const std::string& place) const {
-    require_number(loop.number, static_cast<Index>(context_.loops.size()), "boundary loop", place + ".loop");
+  std::vector<Index> vertices(const Selection::Loop& loop, const std::string& location) const {
+    require_number(loop.number, static_cast<Index>(context_.loops.size()), "boundary loop", location + ".loop");
     return context_.loops[loop.number];
   }
 
-  static void require_number(Index number, Index count, const std::string& what, const std::string& place) {
+  static void require_number(Index number, Index count, const std::string& what, const std::string& location) {
     if (number >= 0 && number < count) return;
     const std::string has = count == 0   ? "has no " + what
                             : count == 1 ? "has one " + what + ", number 0"
                                          : "has " + std::to_string(count) + " " + what + "s, numbered from 0";
-    fail(place, what + " " + std::to_string(number) + " does not exist: the mesh " + has);
+    fail(location, what + " " + std::to_string(number) + " does not exist: the mesh " + has);
   }
 
-  std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& place) const {
-    require_finite(nearest.point, place + ".nearest");
+  std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& location) const {
+    require_finite(nearest.point, location + ".nearest");
     // One query is not worth a tree.
     Index best = -1;
     double best_distance = std::numeric_limits<double>::infinity();
@@ -225,12 +225,12 @@ class Resolver {
       best = v;
       best_distance = distance;
     }
-    if (best < 0) fail(place + ".nearest", "the mesh has no vertex that belongs to a face");
+    if (best < 0) fail(location + ".nearest", "the mesh has no vertex that belongs to a face");
     return {best};
   }
 
-  std::vector<Index> vertices(const Selection::Path& path, const std::string& place) const {
-    const std::vector<Index> stations = path_stations(path, place + ".path");
+  std::vector<Index> vertices(const Selection::Path& path, const std::string& location) const {
+    const std::vector<Index> stations = path_stations(path, location + ".path");
     PathFinder finder(context_);
     finder.block(stations);
     std::vector<Index> vertices = {stations[0]};
@@ -240,7 +240,7 @@ class Resolver {
       const Index to = stations[(k + 1) % stations.size()];
       const std::vector<Index> leg = finder.find(from, to);
       if (leg.empty()) {
-        fail(place + ".path",
+        fail(location + ".path",
              "there is no way along edges from vertex " + std::to_string(from) + " to vertex " +
                  std::to_string(to) + " that does not touch the rest of the path",
              "Put the points on one connected component, in order along the path.");
@@ -253,19 +253,19 @@ class Resolver {
   }
 
   // The vertices nearest to a path's points, successive repeats dropped.
-  std::vector<Index> path_stations(const Selection::Path& path, const std::string& place) const {
+  std::vector<Index> path_stations(const Selection::Path& path, const std::string& location) const {
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> stations;
     Flags seen(count_, false);
     for (std::size_t k = 0; k < path.points.size(); ++k) {
-      require_finite(path.points[k], at(place, "points", k));
+      require_finite(path.points[k], at(location, "points", k));
       const auto nearest = tree.nearest(path.points[k]);
-      if (!nearest) fail(place, "the mesh has no vertex that belongs to a face");
+      if (!nearest) fail(location, "the mesh has no vertex that belongs to a face");
       const Index v = nearest->vertex;
       const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
       if ((!stations.empty() && v == stations.back()) || comes_home) continue;
       if (seen[v]) {
-        fail(at(place, "points", k), "comes back to vertex " + std::to_string(v) + ", where the path has been",
+        fail(at(location, "points", k), "comes back to vertex " + std::to_string(v) + ", where the path has been",
              "Give points that lie apart, in order along the path.");
       }
       seen[v] = true;
@@ -273,32 +273,32 @@ class Resolver {
     }
     const std::size_t needed = path.closed ? 3 : 2;
     if (stations.size() < needed) {
-      fail(place + ".points", std::string(path.closed ? "a closed path needs three" : "a path needs two") +
+      fail(location + ".points", std::string(path.closed ? "a closed path needs three" : "a path needs two") +
                                   " points near different vertices, here are " +
                                   std::to_string(stations.size()));
     }
     return stations;
   }
 
-  std::vector<Index> vertices(const Selection::Grow& grow, const std::string& place) const {
-    const std::vector<Index> of = child(grow.of, place + ".grow.of");
+  std::vector<Index> vertices(const Selection::Grow& grow, const std::string& location) const {
+    const std::vector<Index> of = child(grow.of, location + ".grow.of");
     if (grow.rings >= 0) return grow_rings(of, grow.rings, context_.rings);
     const Flags near_outside = within_rings_of_outside(of, -std::int64_t{grow.rings});
     return ascending(of, [&](Index v) { return !near_outside[v]; });
   }
 
-  std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& place) const {
+  std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& location) const {
     if (!std::isfinite(grow.length) || grow.length < 0) {
-      fail(place + ".grow_length.length", "must be a finite number, not negative");
+      fail(location + ".grow_length.length", "must be a finite number, not negative");
     }
-    const std::vector<Index> of = child(grow.of, place + ".grow_length.of");
+    const std::vector<Index> of = child(grow.of, location + ".grow_length.of");
     const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, grow.length);
     return vertices_where(count_, [&](Index v) { return std::isfinite(distance[v]); });
   }
 
-  std::vector<Index> vertices(const Selection::Rim& rim, const std::string& place) const {
-    if (rim.rings < 1) fail(place + ".rim.rings", "must be at least 1");
-    const std::vector<Index> of = child(rim.of, place + ".rim.of");
+  std::vector<Index> vertices(const Selection::Rim& rim, const std::string& location) const {
+    if (rim.rings < 1) fail(location + ".rim.rings", "must be at least 1");
+    const std::vector<Index> of = child(rim.of, location + ".rim.of");
     const Flags near_outside = within_rings_of_outside(of, rim.rings);
     return ascending(of, [&](Index v) { return near_outside[v]; });
   }
@@ -316,44 +316,44 @@ class Resolver {
     return vertices_where(count_, [&](Index v) { return in[v] && predicate(v); });
   }
 
-  std::vector<Flags> operands(const std::vector<Selection>& of, const std::string& place,
+  std::vector<Flags> operands(const std::vector<Selection>& of, const std::string& location,
                               std::string_view name) const {
-    if (of.empty()) fail(place + "." + std::string(name), "combines no selections");
+    if (of.empty()) fail(location + "." + std::string(name), "combines no selections");
     std::vector<Flags> sets;
     for (std::size_t k = 0; k < of.size(); ++k) {
-      sets.push_back(flags_of(resolve(of[k], at(place, name, k)), count_));
+      sets.push_back(flags_of(resolve(of[k], at(location, name, k)), count_));
     }
     return sets;
   }
 
-  std::vector<Index> vertices(const Selection::Union& combined, const std::string& place) const {
-    const auto sets = operands(combined.of, place, "union");
+  std::vector<Index> vertices(const Selection::Union& combined, const std::string& location) const {
+    const auto sets = operands(combined.of, location, "union");
     return vertices_where(count_, [&](Index v) {
       return std::any_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
     });
   }
 
-  std::vector<Index> vertices(const Selection::Intersect& combined, const std::string& place) const {
-    const auto sets = operands(combined.of, place, "intersect");
+  std::vector<Index> vertices(const Selection::Intersect& combined, const std::string& location) const {
+    const auto sets = operands(combined.of, location, "intersect");
     return vertices_where(count_, [&](Index v) {
       return std::all_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
     });
   }
 
-  std::vector<Index> vertices(const Selection::Minus& combined, const std::string& place) const {
-    const auto sets = operands(combined.of, place, "minus");
+  std::vector<Index> vertices(const Selection::Minus& combined, const std::string& location) const {
+    const auto sets = operands(combined.of, location, "minus");
     return vertices_where(count_, [&](Index v) {
       return sets[0][v] && std::none_of(sets.begin() + 1, sets.end(), [&](const Flags& set) { return set[v]; });
     });
   }
 
-  std::vector<Index> vertices(const Selection::Mirror& mirror, const std::string& place) const {
-    require_finite(mirror.point, place + ".mirror.point");
-    const Eigen::Vector3d normal = unit(mirror.normal, place + ".mirror.normal");
+  std::vector<Index> vertices(const Selection::Mirror& mirror, const std::string& location) const {
+    require_finite(mirror.point, location + ".mirror.point");
+    const Eigen::Vector3d normal = unit(mirror.normal, location + ".mirror.normal");
     if (!std::isfinite(mirror.tolerance_rel) || mirror.tolerance_rel < 0) {
-      fail(place + ".mirror.tolerance_rel", "must be a finite number, not negative");
+      fail(location + ".mirror.tolerance_rel", "must be a finite number, not negative");
     }
-    const std::vector<Index> of = child(mirror.of, place + ".mirror.of");
+    const std::vector<Index> of = child(mirror.of, location + ".mirror.of");
     const double tolerance = mirror.tolerance_rel * box_diagonal();
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> images;
@@ -405,8 +405,8 @@ std::vector<Word> words_of(std::string_view text) {
   return words;
 }
 
-std::string line_of(const std::string& place, const Word& word) {
-  return place + ", line " + std::to_string(word.line);
+std::string line_of(const std::string& location, const Word& word) {
+  return location + ", line " + std::to_string(word.line);
 }
 
 std::string quoted(std::string_view text) {
@@ -434,16 +434,16 @@ SelectionContext::SelectionContext(const Mesh& the_mesh, Weld the_weld)
 }
 
 std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
-                           const std::string& place) {
-  return Resolver(context).resolve(selection, place);
+                           const std::string& location) {
+  return Resolver(context).resolve(selection, location);
 }
 
-SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& place) {
+SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location) {
   SelFile sel;
   Index vertex = 0;
   for (const Word& word : words_of(text)) {
     if (vertex == vertex_count) {
-      fail(line_of(place, word),
+      fail(line_of(location, word),
            "has more numbers than the mesh has vertices (" + std::to_string(vertex_count) + ")",
            "The file belongs to another mesh.");
     }
@@ -455,12 +455,12 @@ SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& 
     } else if (status == 2) {
       sel.handle.push_back(vertex);
     } else {
-      fail(line_of(place, word), quoted(word.text) + " is not 0 (fixed), 1 (free) or 2 (handle)");
+      fail(line_of(location, word), quoted(word.text) + " is not 0 (fixed), 1 (free) or 2 (handle)");
     }
     ++vertex;
   }
   if (vertex < vertex_count) {
-    fail(place,
+    fail(location,
          "has " + std::to_string(vertex) + " numbers, but the mesh has " + std::to_string(vertex_count) +
              " vertices",
          "The file belongs to another mesh.");
@@ -468,14 +468,14 @@ SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& 
   return sel;
 }
 
-std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& place) {
+std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& location) {
   Flags seen(vertex_count, false);
   std::vector<Index> indices;
   for (const Word& word : words_of(text)) {
     const auto number = parse_number<std::int64_t>(word.text);
-    if (!number) fail(line_of(place, word), quoted(word.text) + " is not a vertex index");
+    if (!number) fail(line_of(location, word), quoted(word.text) + " is not a vertex index");
     if (*number < 0 || *number >= vertex_count) {
-      fail(line_of(place, word),
+      fail(line_of(location, word),
            "index " + std::to_string(*number) + " is not one of the " + std::to_string(vertex_count) +
                " vertices",
            "Indices count from 0.");
@@ -487,24 +487,24 @@ std::vector<Index> parse_indices(std::string_view text, Index vertex_count, cons
   return indices;
 }
 
-Eigen::Matrix4d parse_def(std::string_view text, const std::string& place) {
+Eigen::Matrix4d parse_def(std::string_view text, const std::string& location) {
   Eigen::Matrix4d matrix;
   int entry = 0;
   for (const Word& word : words_of(text)) {
-    if (entry == 16) fail(line_of(place, word), "has more than 16 numbers");
+    if (entry == 16) fail(line_of(location, word), "has more than 16 numbers");
     const auto number = parse_number<double>(word.text);
     if (!number || !std::isfinite(*number)) {
-      fail(line_of(place, word), quoted(word.text) + " is not a finite number");
+      fail(line_of(location, word), quoted(word.text) + " is not a finite number");
     }
     const int row = entry / 4;
     const int column = entry % 4;
     if (row == 3 && *number != (column == 3 ? 1 : 0)) {
-      fail(line_of(place, word), "the last row is not 0 0 0 1", "Only affine matrices move a handle.");
+      fail(line_of(location, word), "the last row is not 0 0 0 1", "Only affine matrices move a handle.");
     }
     matrix(row, column) = *number;
     ++entry;
   }
-  if (entry < 16) fail(place, "has " + std::to_string(entry) + " numbers, a matrix has 16");
+  if (entry < 16) fail(location, "has " + std::to_string(entry) + " numbers, a matrix has 16");
   return matrix;
 }
 

@@ -153,7 +153,7 @@ Json outcome_json(const MethodOutcome& outcome) {
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context) {
   require_distinct(methods);
   Comparison comparison;
-  comparison.edit = edit.place;
+  comparison.edit = edit.location;
   const LoadedInputs inputs = load_inputs(edit, context);
   std::exception_ptr first_failure;
   for (const Method& method : methods) {

@@ -47,7 +47,7 @@ void note_former_words(const Value& step, std::vector<std::string>& notes) {
   const Value backend = settings.member("backend");
   if (backend.raw() == former_multifrontal)
     notes.push_back(fmt::format("{}: the solver '{}' is called 'multifrontal' now, and that is what was used",
-                                backend.place(), former_multifrontal));
+                                backend.location(), former_multifrontal));
 }
 
 std::string parse_sha256(const Value& value) {
@@ -142,14 +142,14 @@ std::vector<std::string> names_of(const List& list) {
   return names;
 }
 
-[[noreturn]] void fail_unknown_name(const std::string& place, std::string_view what, const std::string& name,
+[[noreturn]] void fail_unknown_name(const std::string& location, std::string_view what, const std::string& name,
                                     const std::vector<std::string>& known) {
   std::string remedy;
   if (const auto meant = json::nearest_name(name, known))
     remedy = fmt::format("Did you mean '{}'?", *meant);
   else if (!known.empty())
     remedy = fmt::format("Known are '{}'.", fmt::join(known, "', '"));
-  throw Error(ErrorCode::input, fmt::format("there is no {} named '{}'", what, name), place, remedy);
+  throw Error(ErrorCode::input, fmt::format("there is no {} named '{}'", what, name), location, remedy);
 }
 
 // Selections may use each other, but not in a circle, and only so deep that resolving them is safe.
@@ -157,34 +157,34 @@ class ReferenceCheck {
  public:
   explicit ReferenceCheck(const EditFile& edit) : edit_(edit), names_(names_of(edit.selections)) {}
 
-  void require_named(const SelectionSpec& selection, const std::string& place) {
+  void require_named(const SelectionSpec& selection, const std::string& location) {
     for_each_selection(selection, [&](const SelectionSpec& part) {
       if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind))
         if (std::find(names_.begin(), names_.end(), named->name) == names_.end())
-          fail_unknown_name(place, "selection", named->name, names_);
+          fail_unknown_name(location, "selection", named->name, names_);
     });
   }
 
   int depth(const NamedSelection& selection, int above = 0) {
-    const std::string place = fmt::format("{}: selections.{}", edit_.place, selection.name);
+    const std::string location = fmt::format("{}: selections.{}", edit_.location, selection.name);
     if (above > edit_file_depth_limit)
       throw Error(
           ErrorCode::input,
           fmt::format("selections use each other more than {} deep or in a circle", edit_file_depth_limit),
-          place);
+          location);
     if (const auto known = depths_.find(selection.name); known != depths_.end()) return known->second;
-    require_named(selection.selection, place);
+    require_named(selection.selection, location);
     int deepest = 0;
     for_each_selection(selection.selection, [&](const SelectionSpec& part) {
       if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind)) {
-        if (named->name == selection.name) throw Error(ErrorCode::input, "a selection uses itself", place);
+        if (named->name == selection.name) throw Error(ErrorCode::input, "a selection uses itself", location);
         const auto used = std::find(names_.begin(), names_.end(), named->name) - names_.begin();
         deepest = std::max(deepest, depth(edit_.selections[static_cast<std::size_t>(used)], above + 1));
       }
     });
     if (deepest + 1 > edit_file_depth_limit)
       throw Error(ErrorCode::input,
-                  fmt::format("selections use each other more than {} deep", edit_file_depth_limit), place);
+                  fmt::format("selections use each other more than {} deep", edit_file_depth_limit), location);
     return depths_[selection.name] = deepest + 1;
   }
 
@@ -200,18 +200,18 @@ void require_names(const EditFile& edit) {
   for (const NamedSelection& selection : edit.selections) references.depth(selection);
   std::vector<std::string> meshes = names_of(edit.inputs);
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
-    const std::string place = fmt::format("{}: steps[{}]", edit.place, i);
+    const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
     for (const auto& [field, name] : mesh_fields(edit.steps[i]))
       if (std::find(meshes.begin(), meshes.end(), name) == meshes.end())
-        fail_unknown_name(place + "." + field, "mesh", name, meshes);
+        fail_unknown_name(location + "." + field, "mesh", name, meshes);
     const std::string& outcome = outcome_of(edit.steps[i]);
     if (std::find(meshes.begin(), meshes.end(), outcome) == meshes.end()) meshes.push_back(outcome);
     for_each_step_selection(edit.steps[i], [&](const SelectionSpec& selection, const std::string& field) {
-      references.require_named(selection, place + "." + field);
+      references.require_named(selection, location + "." + field);
     });
   }
   if (!edit.output.empty() && std::find(meshes.begin(), meshes.end(), edit.output) == meshes.end())
-    fail_unknown_name(edit.place + ": output", "mesh", edit.output, meshes);
+    fail_unknown_name(edit.location + ": output", "mesh", edit.output, meshes);
 }
 
 EditFile parse_version_2(const Value& root) {
@@ -265,9 +265,9 @@ EditFile parse_version_1(const Value& root) {
   return kind.choice<Parser>({{"deform", &parse_deform_version_1}, {"merge", &parse_merge_version_1}})(root);
 }
 
-void require_size(std::uintmax_t size, const std::string& place) {
+void require_size(std::uintmax_t size, const std::string& location) {
   if (size > edit_file_size_limit)
-    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), place,
+    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), location,
                 "Put long lists of vertices into text files of their own: {\"file\": \"rim.txt\"}.");
 }
 
@@ -294,10 +294,10 @@ std::vector<std::string> mesh_names(const EditFile& edit) {
   return names;
 }
 
-EditFile parse_edit(std::string_view text, const std::string& place, const std::filesystem::path& base_folder) {
-  require_size(text.size(), place);
-  const json::Json document = json::parse(text, place, edit_file_depth_limit);
-  const Value root(document, place);
+EditFile parse_edit(std::string_view text, const std::string& location, const std::filesystem::path& base_folder) {
+  require_size(text.size(), location);
+  const json::Json document = json::parse(text, location, edit_file_depth_limit);
+  const Value root(document, location);
   if (!root.is_object() || !document.contains("format") || document["format"] != "meshgraft-edit")
     root.fail("not an edit file", "It begins with {\"format\": \"meshgraft-edit\", \"version\": 2, …}.");
   if (!document.contains("version")) root.fail("the field 'version' is missing");
@@ -307,7 +307,7 @@ EditFile parse_edit(std::string_view text, const std::string& place, const std::
     version.fail(fmt::format("version {} is not known", number), "This program reads versions 1 and 2.");
 
   EditFile edit = number == 1 ? parse_version_1(root) : parse_version_2(root);
-  edit.place = place;
+  edit.location = location;
   edit.base_folder = base_folder;
   require_names(edit);
   return edit;

@@ -69,26 +69,26 @@ std::string meant_or_known(std::string_view word, std::span<const std::string> w
 
 }  // namespace
 
-Json parse(std::string_view text, const std::string& place, int depth_limit) {
+Json parse(std::string_view text, const std::string& location, int depth_limit) {
   std::vector<std::set<std::string>> keys;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
     if (depth > depth_limit)
-      throw Error(ErrorCode::input, fmt::format("nested more than {} deep", depth_limit), place,
+      throw Error(ErrorCode::input, fmt::format("nested more than {} deep", depth_limit), location,
                   "Give inner selections a name and use that.");
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
       throw Error(ErrorCode::input, fmt::format("the field '{}' is given twice", parsed.get<std::string>()),
-                  place);
+                  location);
     return true;
   };
   try {
     return Json::parse(text.begin(), text.end(), watch);
   } catch (const Json::parse_error& error) {
     throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())),
-                fmt::format("{}: {}", place, line_and_column(text, error.byte)));
+                fmt::format("{}: {}", location, line_and_column(text, error.byte)));
   } catch (const Json::exception& error) {
-    throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())), place);
+    throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())), location);
   }
 }
 
@@ -105,7 +105,7 @@ std::optional<std::string> nearest_name(std::string_view name, std::span<const s
   return best ? std::optional(*best) : std::nullopt;
 }
 
-std::string Value::place() const {
+std::string Value::location() const {
   std::vector<const Value*> chain;
   for (const Value* value = this; value->parent_; value = value->parent_) chain.push_back(value);
   std::string path;
@@ -119,7 +119,7 @@ std::string Value::place() const {
 }
 
 void Value::fail(std::string problem, std::string remedy) const {
-  throw Error(ErrorCode::input, std::move(problem), place(), std::move(remedy));
+  throw Error(ErrorCode::input, std::move(problem), location(), std::move(remedy));
 }
 
 void Value::fail_type(std::string_view expected) const {

@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 
 /// Parses a document. Throws Error(input) with line and column for malformed text, a repeated key, or nesting
 /// deeper than `depth_limit`.
-Json parse(std::string_view text, const std::string& place, int depth_limit);
+Json parse(std::string_view text, const std::string& location, int depth_limit);
 
 /// The candidate that a reader most likely meant, or nothing if none is near.
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates);
@@ -32,7 +32,7 @@ class Value {
   Value(const Json& root, const std::string& document) : json_(&root), document_(&document) {}
 
   /// "edit.json: steps[0].mesh", or "edit.json" for the root.
-  std::string place() const;
+  std::string location() const;
   [[noreturn]] void fail(std::string problem, std::string remedy = {}) const;
 
   const Json& raw() const { return *json_; }

@@ -21,21 +21,21 @@ std::string loop_list(const MergeSide& side) {
   return loops.size() > most ? list + ", …" : list;
 }
 
-void require_loops(const MergeSide& side, const std::string& place) {
+void require_loops(const MergeSide& side, const std::string& location) {
   if (!side.context.loops.empty()) return;
   const std::string name = fmt::format("the {} ({})", side.name, side.scene.label);
   if (side.scene.mesh.face_count() == 0)
-    throw Error(ErrorCode::input, name + " has no faces", place, "Export it with its faces.");
+    throw Error(ErrorCode::input, name + " has no faces", location, "Export it with its faces.");
   if (const Finding* edges = side.scene.diagnostics.find("non-manifold-edge"))
     throw Error(ErrorCode::input,
                 fmt::format("{} has no closed boundary loop: {}, first at vertex {}", name, edges->description,
                             edges->indices.front()),
-                place, edges->remedy);
-  throw Error(ErrorCode::input, name + " has no boundary loop", place, "Cut it open first: 'meshgraft cut'.");
+                location, edges->remedy);
+  throw Error(ErrorCode::input, name + " has no boundary loop", location, "Cut it open first: 'meshgraft cut'.");
 }
 
 // Refuses a loop along which the surface is no oriented manifold: nothing can be welded there.
-void require_sound(const MergeSide& side, std::size_t number, const std::string& place) {
+void require_sound(const MergeSide& side, std::size_t number, const std::string& location) {
   const std::vector<Index>& loop = side.context.loops[number];
   for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
     const Finding* finding = side.scene.diagnostics.find(defect);
@@ -51,21 +51,21 @@ void require_sound(const MergeSide& side, std::size_t number, const std::string&
     throw Error(ErrorCode::input,
                 fmt::format("loop {} of the {} ({}) cannot be merged: {}, on the loop at vertices {}{}", number,
                             side.name, side.scene.label, finding->description, fmt::join(here, ", "), more),
-                place, finding->remedy);
+                location, finding->remedy);
   }
 }
 
 // The boundary loop that has exactly the selected vertices.
-std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::string& place) {
-  require_loops(side, place);
+std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::string& location) {
+  require_loops(side, location);
   const auto& loops = side.context.loops;
   if (const auto* loop = std::get_if<Selection::Loop>(&spec.kind)) {
     if (loop->number >= 0 && static_cast<std::size_t>(loop->number) < loops.size())
       return static_cast<std::size_t>(loop->number);
-    throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop {}", side.name, loop->number), place,
+    throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop {}", side.name, loop->number), location,
                 fmt::format("Its loops are {}.", loop_list(side)));
   }
-  const std::vector<Index> wanted = side.selections.vertices(spec, place);
+  const std::vector<Index> wanted = side.selections.vertices(spec, location);
   for (std::size_t k = 0; k < loops.size(); ++k) {
     if (loops[k].size() != wanted.size()) continue;
     std::vector<Index> sorted = loops[k];
@@ -82,12 +82,12 @@ std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::strin
           ? fmt::format("vertex {} is not on a boundary of the {}", *stray, side.name)
           : fmt::format("the {} selected vertices are not those of one boundary loop of the {}", wanted.size(),
                         side.name);
-  throw Error(ErrorCode::input, problem, place, fmt::format("Its loops are {}.", loop_list(side)));
+  throw Error(ErrorCode::input, problem, location, fmt::format("Its loops are {}.", loop_list(side)));
 }
 
 // The boundary loop that a matched vertex lies on.
-std::size_t loop_through(const MergeSide& side, Index vertex, const std::string& place) {
-  require_loops(side, place);
+std::size_t loop_through(const MergeSide& side, Index vertex, const std::string& location) {
+  require_loops(side, location);
   const auto& loops = side.context.loops;
   for (std::size_t k = 0; k < loops.size(); ++k)
     if (std::find(loops[k].begin(), loops[k].end(), vertex) != loops[k].end()) return k;
@@ -96,14 +96,14 @@ std::size_t loop_through(const MergeSide& side, Index vertex, const std::string&
                   ? fmt::format("vertex {} is not on a boundary of the {}", vertex, side.name)
                   : fmt::format("there is no vertex {} among the {}'s {}", vertex, side.name,
                                 side.scene.mesh.vertex_count()),
-              place, fmt::format("Its loops are {}.", loop_list(side)));
+              location, fmt::format("Its loops are {}.", loop_list(side)));
 }
 
 // The vertex of a loop that is meant, or of any loop.
 Index loop_vertex(const MergeSide& side, const VertexSpec& vertex, std::optional<std::size_t> loop,
-                  const std::string& place) {
+                  const std::string& location) {
   if (const auto* number = std::get_if<Index>(&vertex)) return *number;
-  require_loops(side, place);
+  require_loops(side, location);
   std::vector<Index> candidates;
   for (std::size_t k = 0; k < side.context.loops.size(); ++k)
     if (!loop || k == *loop)
@@ -118,10 +118,10 @@ struct LoopNumbers {
 };
 
 std::vector<LoopNumbers> listed_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
-                                      const std::string& place) {
+                                      const std::string& location) {
   std::vector<LoopNumbers> pairs;
   for (std::size_t i = 0; i < step.pairs.size(); ++i) {
-    const std::string where = fmt::format("{}.pairs[{}]", place, i);
+    const std::string where = fmt::format("{}.pairs[{}]", location, i);
     pairs.push_back({loop_of(source, step.pairs[i].source_loop, where + ".source_loop"),
                      loop_of(target, step.pairs[i].target_loop, where + ".target_loop"),
                      {}});
@@ -135,9 +135,9 @@ std::vector<LoopNumbers> listed_pairs(const MergeStep& step, MergeSide& source, 
 
 // Puts each match of the step to the pair on whose loops it lies; makes that pair where none is listed.
 void add_matches(const MergeStep& step, const MergeSide& source, const MergeSide& target,
-                 std::vector<LoopNumbers>& pairs, const std::string& place) {
+                 std::vector<LoopNumbers>& pairs, const std::string& location) {
   for (std::size_t i = 0; i < step.matches.size(); ++i) {
-    const std::string where = fmt::format("{}.matches[{}]", place, i);
+    const std::string where = fmt::format("{}.matches[{}]", location, i);
     const Match match{loop_vertex(source, step.matches[i].source, {}, where),
                       loop_vertex(target, step.matches[i].target, {}, where)};
     const std::size_t from = loop_through(source, match.source, where);
@@ -165,21 +165,21 @@ Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Ve
 }
 
 std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
-                                     const std::string& place) {
-  std::vector<LoopNumbers> numbers = listed_pairs(step, source, target, place);
-  add_matches(step, source, target, numbers, place);
+                                     const std::string& location) {
+  std::vector<LoopNumbers> numbers = listed_pairs(step, source, target, location);
+  add_matches(step, source, target, numbers, location);
   if (numbers.empty()) {
-    for (const MergeSide* side : {&target, &source}) require_loops(*side, place);
+    for (const MergeSide* side : {&target, &source}) require_loops(*side, location);
     if (source.context.loops.size() != 1 || target.context.loops.size() != 1)
       throw Error(ErrorCode::input,
                   fmt::format("which loops meet is not clear: the target has the loops {}, the source has {}",
                               loop_list(target), loop_list(source)),
-                  place,
+                  location,
                   "Say so with 'pairs' ('--pair TARGET_LOOP:SOURCE_LOOP'), or match a vertex of each loop.");
     numbers.push_back({});
   }
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::string where = numbers.size() == 1 ? place : fmt::format("{}.pairs[{}]", place, i);
+    const std::string where = numbers.size() == 1 ? location : fmt::format("{}.pairs[{}]", location, i);
     require_sound(source, numbers[i].source, where);
     require_sound(target, numbers[i].target, where);
   }
@@ -190,14 +190,14 @@ std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, M
   return pairs;
 }
 
-std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& place) {
-  if (drop.source_loop) return loop_of(source, *drop.source_loop, place + ".source_loop");
-  require_loops(source, place);
+std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& location) {
+  if (drop.source_loop) return loop_of(source, *drop.source_loop, location + ".source_loop");
+  require_loops(source, location);
   if (source.context.loops.size() != 1)
     throw Error(ErrorCode::input,
                 fmt::format("which loop of the source meets the target is not clear: it has the loops {}",
                             loop_list(source)),
-                place, "Name one with 'source_loop' ('--source-loop LOOP').");
+                location, "Name one with 'source_loop' ('--source-loop LOOP').");
   return 0;
 }
 

@@ -28,11 +28,11 @@ struct MergeSide {
         selections(edit, context, scene.produced) {}
 
   /// Refuses a vertex that is meant by its number and has no place, or a bad face.
-  void require_usable(Index vertex, const std::string& place) const {
+  void require_usable(Index vertex, const std::string& location) const {
     try {
       usable.require_beyond(std::vector<Index>{vertex});
     } catch (const Error& error) {
-      throw error.within(place);
+      throw error.within(location);
     }
   }
 
@@ -61,10 +61,10 @@ struct MergeSide {
 
 /// The loops that meet, and vertices of them that do. Throws Error(input) naming the field of the step.
 std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
-                                     const std::string& place);
+                                     const std::string& location);
 
 /// The number of the source's loop that is dropped on the target. Throws Error(input).
-std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& place);
+std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& location);
 
 /// Of some vertices, the one nearest to a point.
 Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Vector3d& point);

@@ -61,8 +61,8 @@ DropSpec parse_drop(const Value& value) {
   if (fields.has("vertex") == fields.has("point"))
     value.fail("expected one of the fields 'vertex' and 'point'");
   DropSpec drop;
-  fields.optional("vertex", [&](const Value& v) { drop.place = v.vertex(); });
-  fields.optional("point", [&](const Value& v) { drop.place = v.vector3(); });
+  fields.optional("vertex", [&](const Value& v) { drop.surface_point = v.vertex(); });
+  fields.optional("point", [&](const Value& v) { drop.surface_point = v.vector3(); });
   fields.optional("spin_deg", [&](const Value& v) { drop.spin_deg = v.number(); });
   fields.optional("source_loop", [&](const Value& v) { drop.source_loop = parse_selection(v); });
   return drop;

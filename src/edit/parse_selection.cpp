@@ -134,9 +134,9 @@ SelectionSpec parse_selection(const Value& value) {
   value.fail("'take' goes with 'sel'");
 }
 
-SelectionSpec parse_selection(std::string_view text, const std::string& place) {
-  const json::Json document = json::parse(text, place, edit_file_depth_limit);
-  return parse_selection(Value(document, place));
+SelectionSpec parse_selection(std::string_view text, const std::string& location) {
+  const json::Json document = json::parse(text, location, edit_file_depth_limit);
+  return parse_selection(Value(document, location));
 }
 
 }  // namespace meshgraft

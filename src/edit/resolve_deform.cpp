@@ -33,18 +33,18 @@ class Roles {
   void take(Index vertex, int owner) { owner_[vertex] = owner; }
 
   /// Makes `vertices` those of the handle of that name, or says what is in the way.
-  void take_all(const std::vector<Index>& vertices, const std::string& name, const std::string& place) {
+  void take_all(const std::vector<Index>& vertices, const std::string& name, const std::string& location) {
     const int handle = static_cast<int>(handles_.size());
     handles_.push_back(name);
     const auto beyond = std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return !is_inside(v); });
     if (beyond > 0)
       throw Error(ErrorCode::input,
                   fmt::format("{} of the handle's {} vertices lie outside the region", beyond, vertices.size()),
-                  place, "Enlarge the region, or 'intersect' the handle with it.");
+                  location, "Enlarge the region, or 'intersect' the handle with it.");
     for (const Index v : vertices) {
-      if (owner_[v] == handle) throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), place);
+      if (owner_[v] == handle) throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), location);
       if (owner_[v] != nobody)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder_of(v)), place,
+        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder_of(v)), location,
                     "Take it out of one of the two with 'minus'.");
       owner_[v] = handle;
     }
@@ -77,13 +77,13 @@ bool ends_share_edge(const std::vector<Index>& curve, const IndexLists& rings) {
 }
 
 Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, const SelectionContext& context,
-                      const std::string& place) {
+                      const std::string& location) {
   Handle handle;
   handle.name = spec.name;
   handle.shape = spec.shape;
   handle.constrain_position = spec.constrain_position;
   handle.constrain_transform = spec.constrain_transform;
-  const std::string select = place + ".select";
+  const std::string select = location + ".select";
   const bool is_curve = spec.shape == HandleShape::curve;
   handle.vertices =
       is_curve ? selections.ordered(spec.select, select) : selections.vertices(spec.select, select);
@@ -111,20 +111,20 @@ HandlePose pose_of_matrix(const Eigen::Matrix4d& matrix) {
 }
 
 HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const SelectionResolver& selections,
-                        const EditFile& edit, const SelectionContext& context, const std::string& place) {
+                        const EditFile& edit, const SelectionContext& context, const std::string& location) {
   const Points& rest = context.mesh.positions;
   if (const auto* motion = std::get_if<HandleMotion>(&spec.kind))
     return make_pose(*motion, motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings));
   if (const auto* matrix = std::get_if<Eigen::Matrix4d>(&spec.kind)) return pose_of_matrix(*matrix);
   if (const auto* def = std::get_if<PoseSpec::DefFile>(&spec.kind)) {
-    const std::string where = fmt::format("{}.def: {}", place, (edit.base_folder / def->file).string());
-    return pose_of_matrix(parse_def(selections.read(def->file, place + ".def"), where));
+    const std::string where = fmt::format("{}.def: {}", location, (edit.base_folder / def->file).string());
+    return pose_of_matrix(parse_def(selections.read(def->file, location + ".def"), where));
   }
   HandlePose pose;
   try {
     pose.curve = redraw_curve(handle, rest, std::get<PoseSpec::Redrawn>(spec.kind).polyline);
   } catch (const Error& error) {
-    throw error.within(place + ".curve");
+    throw error.within(location + ".curve");
   }
   return pose;
 }
@@ -149,12 +149,12 @@ class OwnConstraints {
   }
 
   /// Those behind the mirror; a vertex that is its own partner has what was asked of it.
-  void add_images(const MirrorMatch& symmetry, const std::string& place) {
+  void add_images(const MirrorMatch& symmetry, const std::string& location) {
     const Eigen::Affine3d& reflection = symmetry.reflection();
     const Eigen::Matrix3d& s = reflection.linear();
     const std::map<Index, VertexConstraint> given = constraints_;
     for (const auto& [vertex, constraint] : given) {
-      const std::string where = fmt::format("{}: the mirror image of vertex {}", place, vertex);
+      const std::string where = fmt::format("{}: the mirror image of vertex {}", location, vertex);
       const Index partner = symmetry.required_partner(vertex, where);
       if (partner == vertex) continue;
       if (constraint.position) add(TargetSpec{partner, reflection * *constraint.position}, where);
@@ -193,12 +193,12 @@ class OwnConstraints {
   std::map<Index, VertexConstraint> constraints_;
 };
 
-void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const std::string& place) {
+void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const std::string& location) {
   const auto require = [&](const std::optional<Index>& count, const std::optional<Index>& actual,
                            std::string_view name) {
     if (count && *count != *actual)
       throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, *actual),
-                  fmt::format("{}.counts.{}", place, name), "Is it the right mesh?");
+                  fmt::format("{}.counts.{}", location, name), "Is it the right mesh?");
   };
   require(expected.vertices, found.vertices, "vertices");
   require(expected.faces, found.faces, "faces");
@@ -212,16 +212,16 @@ void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found,
 class DeformResolver {
  public:
   DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
-                 const std::string& place, const ProducedSets& produced)
-      : edit_(edit), step_(step), context_(context), place_(place), selections_(edit, context, produced) {
+                 const std::string& location, const ProducedSets& produced)
+      : edit_(edit), step_(step), context_(context), location_(location), selections_(edit, context, produced) {
     if (!step.symmetry) return;
-    symmetry_.emplace(*step.symmetry, context, place + ".symmetry");
+    symmetry_.emplace(*step.symmetry, context, location + ".symmetry");
     resolved_.symmetry.emplace().reflection = symmetry_->reflection();
   }
 
   ResolvedDeform resolve() {
     require_counts(ExpectedCounts{.vertices = step_.counts.vertices, .faces = step_.counts.faces}, found(),
-                   place_);
+                   location_);
     const std::vector<Index> inside = find_region();
     Roles roles(context_.mesh.vertex_count(), inside);
     const std::vector<Index> rim = find_fixed(inside, roles);
@@ -235,7 +235,7 @@ class DeformResolver {
       roles.take(v, Roles::fixed);
     }
     resolved_.region.anchors = find_anchors(roles);
-    require_counts(step_.counts, found(inside), place_);
+    require_counts(step_.counts, found(inside), location_);
     resolved_.region.whole = is_whole() || static_cast<Index>(inside.size()) == context_.mesh.vertex_count();
     if (!resolved_.region.whole) resolved_.region.vertices = inside;
     return std::move(resolved_);
@@ -251,8 +251,8 @@ class DeformResolver {
 
   std::vector<Index> find_region() {
     std::vector<Index> inside = is_whole() ? every_vertex(context_.mesh.vertex_count())
-                                           : selections_.vertices(step_.region, place_ + ".region");
-    if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", place_ + ".region");
+                                           : selections_.vertices(step_.region, location_ + ".region");
+    if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", location_ + ".region");
     if (!symmetry_) return inside;
     inside = symmetry_->with_images(inside);
     const std::vector<Index> lost = symmetry_->without_partner(inside);
@@ -264,17 +264,17 @@ class DeformResolver {
   // Returns the rim that is fixed where nobody says what is.
   std::vector<Index> find_fixed(const std::vector<Index>& inside, Roles& roles) {
     if (step_.fixed) {
-      for (const Index v : vertices_of(*step_.fixed, place_ + ".fixed"))
+      for (const Index v : vertices_of(*step_.fixed, location_ + ".fixed"))
         if (roles.is_inside(v)) resolved_.region.fixed.push_back(v);
       for (const Index v : resolved_.region.fixed) roles.take(v, Roles::fixed);
       return {};
     }
     if (is_whole()) return {};
     const auto whole_region = std::make_shared<const Selection>(Selection::Indices{inside});
-    return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, place_ + ".region");
+    return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, location_ + ".region");
   }
 
-  std::string handle_place(std::size_t handle) const { return fmt::format("{}.handles[{}]", place_, handle); }
+  std::string handle_location(std::size_t handle) const { return fmt::format("{}.handles[{}]", location_, handle); }
 
   void hold(Handle handle, HandlePose pose, Roles& roles, const std::string& where) {
     roles.take_all(handle.vertices, handle.name, where + ".select");
@@ -285,7 +285,7 @@ class DeformResolver {
   void hold_handles(Roles& roles) {
     for (std::size_t i = 0; i < step_.handles.size(); ++i) {
       const HandleSpec& spec = step_.handles[i];
-      const std::string where = handle_place(i);
+      const std::string where = handle_location(i);
       Handle handle = resolve_handle(spec, selections_, context_, where);
       HandlePose pose = resolve_pose(spec.pose, handle, selections_, edit_, context_, where + ".pose");
       if (symmetry_) {
@@ -304,7 +304,7 @@ class DeformResolver {
       HandlePose pose = twin_pose(step_.handles[i].pose, resolved_.poses[i], twin, context_.mesh.positions,
                                   symmetry_->reflection());
       resolved_.symmetry->twin_of.push_back(i);
-      hold(std::move(twin), std::move(pose), roles, handle_place(i));
+      hold(std::move(twin), std::move(pose), roles, handle_location(i));
     }
   }
 
@@ -313,31 +313,31 @@ class DeformResolver {
     for (const HandleSpec& other : step_.handles)
       if (other.name == twin.name)
         throw Error(ErrorCode::input, fmt::format("the name '{}' is that of a twin", twin.name),
-                    handle_place(i) + ".name", "Choose another name.");
+                    handle_location(i) + ".name", "Choose another name.");
     const auto taken = std::find_if(twin.vertices.begin(), twin.vertices.end(),
                                     [&](Index v) { return roles.is_inside(v) && !roles.is_free(v); });
     if (taken == twin.vertices.end()) return;
     throw Error(ErrorCode::input,
                 fmt::format("vertex {} of the mirror image of the handle '{}' is already {}", *taken,
                             step_.handles[i].name, roles.holder_of(*taken)),
-                handle_place(i) + ".select",
+                handle_location(i) + ".select",
                 "'symmetry' makes the handle on the other side: take out what is there.");
   }
 
   std::vector<VertexConstraint> find_constraints(Roles& roles) const {
     OwnConstraints constraints(context_, roles);
     for (std::size_t i = 0; i < step_.targets.size(); ++i)
-      constraints.add(step_.targets[i], fmt::format("{}.targets[{}]", place_, i));
+      constraints.add(step_.targets[i], fmt::format("{}.targets[{}]", location_, i));
     for (std::size_t i = 0; i < step_.transforms.size(); ++i)
-      constraints.add(step_.transforms[i], fmt::format("{}.transforms[{}]", place_, i));
-    if (symmetry_) constraints.add_images(*symmetry_, place_ + ".symmetry");
+      constraints.add(step_.transforms[i], fmt::format("{}.transforms[{}]", location_, i));
+    if (symmetry_) constraints.add_images(*symmetry_, location_ + ".symmetry");
     return constraints.list();
   }
 
   std::vector<Anchor> find_anchors(const Roles& roles) {
     std::map<Index, Anchor> anchors;
     for (std::size_t i = 0; i < step_.anchors.size(); ++i) {
-      const std::string where = fmt::format("{}.anchors[{}].select", place_, i);
+      const std::string where = fmt::format("{}.anchors[{}].select", location_, i);
       for (const Index v : vertices_of(step_.anchors[i].select, where)) {
         if (!roles.is_free(v)) continue;  // what is held or never moves needs no anchor
         if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
@@ -366,7 +366,7 @@ class DeformResolver {
   const EditFile& edit_;
   const DeformStep& step_;
   const SelectionContext& context_;
-  const std::string& place_;
+  const std::string& location_;
   SelectionResolver selections_;
   std::optional<MirrorMatch> symmetry_;
   std::vector<std::optional<Handle>> twins_;  ///< of each handle of the step
@@ -376,8 +376,8 @@ class DeformResolver {
 }  // namespace
 
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
-                              const std::string& place, const ProducedSets& produced) {
-  return DeformResolver(edit, step, context, place, produced).resolve();
+                              const std::string& location, const ProducedSets& produced) {
+  return DeformResolver(edit, step, context, location, produced).resolve();
 }
 
 std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,

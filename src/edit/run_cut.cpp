@@ -42,7 +42,7 @@ std::map<std::string, std::vector<Index>> sets_of(const CutResult& result) {
 
 }  // namespace
 
-StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map<std::string, Scene>& scenes,
+StepReport run_cut(const EditStep& edit_step, const std::string& location, std::map<std::string, Scene>& scenes,
                    const Context& context) {
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;
@@ -62,7 +62,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& place, std::map
     if (std::string note = usable.note(); !note.empty()) report.notes.push_back(std::move(note));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw usable.explained(error).within(place);
+    throw usable.explained(error).within(location);
   }
   report.seconds.solve = watch.lap();
   ProducedSets produced;

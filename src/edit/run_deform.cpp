@@ -240,11 +240,11 @@ Points keep_solution(Solution& solution, DeformSetup& setup, Scene& scene) {
 
 }  // namespace
 
-void apply_solution(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+void apply_solution(const EditFile& edit, const EditStep& edit_step, const std::string& location,
                     std::map<std::string, Scene>& scenes, const Points& positions, const Context& context) {
   const auto& step = std::get<DeformStep>(edit_step.action);
   Scene& scene = scene_for_outcome(edit_step, scenes);
-  DeformSetup setup = set_up_deform(edit, step, place, scene, step.settings);
+  DeformSetup setup = set_up_deform(edit, step, location, scene, step.settings);
   Solution solution{positions, free_vertices(setup.problem, joined_constraints(setup.problem, context))};
   keep_solution(solution, setup, scene);
 }
@@ -269,7 +269,7 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
   return options;
 }
 
-DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& place,
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
                           const Scene& scene, const DeformSettings& settings) {
   DeformSetup setup;
   const Finding* torn = scene.diagnostics.find("duplicate-vertex");
@@ -279,7 +279,7 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const st
   const Mesh& mesh = setup.weld.empty() ? scene.mesh : setup.welded;
   {
     const SelectionContext selections(mesh, setup.weld);
-    setup.problem.deform = resolve_deform(edit, step, selections, place, scene.produced);
+    setup.problem.deform = resolve_deform(edit, step, selections, location, scene.produced);
     require_usable_within_reach(scene, setup.problem.deform.region, selections, reach_rings(settings));
   }
   setup.problem.rest = mesh.positions;
@@ -287,7 +287,7 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const st
   return setup;
 }
 
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& place, Scene& scene,
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, Scene& scene,
                       const RunOptions& options, const Context& context) {
   Stopwatch watch;
   StepReport report;
@@ -299,7 +299,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
   context.step("select");
-  DeformSetup setup = set_up_deform(edit, step, place, scene, report.settings);
+  DeformSetup setup = set_up_deform(edit, step, location, scene, report.settings);
   DeformProblem& problem = setup.problem;
   const Weld& weld = setup.weld;
   const Triangles triangles = problem.triangles;
@@ -328,7 +328,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
                         : solve(problem, report.settings, options, report, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw error.within(place);
+    throw error.within(location);
   }
 
   watch.lap();

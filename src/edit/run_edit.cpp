@@ -21,14 +21,14 @@ namespace meshgraft {
 
 namespace {
 
-void require_hash(const EditInput& input, const std::filesystem::path& path, const std::string& place) {
+void require_hash(const EditInput& input, const std::filesystem::path& path, const std::string& location) {
   if (!input.sha256) return;
   const std::string found = sha256(read_file(path));
   if (found != *input.sha256)
     throw Error(
         ErrorCode::input,
         fmt::format("{} has the SHA-256 {}, the edit was made for {}", path.string(), found, *input.sha256),
-        place + ".sha256", "Restore the file, or drop the field if the other one is meant.");
+        location + ".sha256", "Restore the file, or drop the field if the other one is meant.");
 }
 
 std::string label_of(const EditInput& input) {
@@ -99,24 +99,24 @@ void measure_result(EditReport& report, const Scene& scene, const Context& conte
 }  // namespace
 
 Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context) {
-  const std::string place = fmt::format("{}: inputs.{}", edit.place, input.name);
+  const std::string location = fmt::format("{}: inputs.{}", edit.location, input.name);
   try {
     if (!input.sample.empty()) return make_sample(input.sample, input.resolution, context);
     const std::filesystem::path path = edit.base_folder / input.file;
-    require_hash(input, path, place);
+    require_hash(input, path, location);
     return read_mesh(path, context);
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::cancelled || error.place().starts_with(place)) throw;
-    throw error.within(place);
+    if (error.code() == ErrorCode::cancelled || error.location().starts_with(location)) throw;
+    throw error.within(location);
   }
 }
 
-StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& location,
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
   if (std::holds_alternative<MergeStep>(edit_step.action))
-    return run_merge(edit, edit_step, place, scenes, options, context);
-  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, place, scenes, context);
-  return run_deform(edit, std::get<DeformStep>(edit_step.action), place, scene_for_outcome(edit_step, scenes),
+    return run_merge(edit, edit_step, location, scenes, options, context);
+  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, scenes, context);
+  return run_deform(edit, std::get<DeformStep>(edit_step.action), location, scene_for_outcome(edit_step, scenes),
                     options, context);
 }
 
@@ -169,7 +169,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   Stopwatch watch;
   EditResult result;
   EditReport& report = result.report;
-  report.edit = edit.place;
+  report.edit = edit.location;
   report.notes = edit.notes;
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;
@@ -178,9 +178,9 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
 
   std::string output;
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
-    const std::string place = fmt::format("{}: steps[{}]", edit.place, i);
+    const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
     output = outcome_of(edit.steps[i]);
-    report.steps.push_back(run_step(edit, edit.steps[i], place, scenes, options, context));
+    report.steps.push_back(run_step(edit, edit.steps[i], location, scenes, options, context));
     report.steps.back().name = edit.steps[i].name;
   }
   Scene& scene = scenes.at(edit.output.empty() ? output : edit.output);
@@ -197,7 +197,7 @@ EditResult run_edit(const EditFile& edit, const RunOptions& options, const Conte
   const std::vector<std::string> names = mesh_names(edit);
   for (const std::string& wanted : options.keep)
     if (std::find(names.begin(), names.end(), wanted) == names.end())
-      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", wanted), edit.place,
+      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", wanted), edit.location,
                   fmt::format("It has '{}'.", fmt::join(names, "', '")));
   return run_steps(edit, load_inputs(edit, context), options, context);
 }

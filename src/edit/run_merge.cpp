@@ -20,11 +20,11 @@ namespace meshgraft {
 namespace {
 
 void require_merge_counts(const MergeCounts& expected, const MergeSide& source, const MergeSide& target,
-                          const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& place) {
+                          const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& location) {
   const auto require = [&](const char* name, const std::optional<Index>& count, std::size_t found) {
     if (count && static_cast<std::size_t>(*count) != found)
       throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, found),
-                  fmt::format("{}.counts.{}", place, name), "Is it the right mesh?");
+                  fmt::format("{}.counts.{}", location, name), "Is it the right mesh?");
   };
   const auto require_sizes = [&](const char* name, const std::vector<Index>& sizes, auto size_of) {
     if (sizes.empty()) return;
@@ -46,20 +46,20 @@ void require_merge_counts(const MergeCounts& expected, const MergeSide& source, 
 
 // What the step asks of `merge`, but for lengths of the source before it was posed.
 MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const SettingsOverrides& overrides,
-                             const std::string& place) {
+                             const std::string& location) {
   MergeOptions options;
   options.pose = step.pose;
   options.shape = overrides.shape.value_or(step.shape);
   options.reach = step.reach;
   if (step.fixed) {
-    options.fixed = source.selections.vertices(*step.fixed, place + ".fixed");
+    options.fixed = source.selections.vertices(*step.fixed, location + ".fixed");
     if (options.fixed.empty())
-      throw Error(ErrorCode::input, "it selects no vertex of the source", place + ".fixed",
+      throw Error(ErrorCode::input, "it selects no vertex of the source", location + ".fixed",
                   "Name some, or leave it out: then the part beyond reach stays");
   }
   for (std::size_t i = 0; i < step.features.size(); ++i)
     options.features.push_back(
-        {source.selections.vertices(step.features[i].select, fmt::format("{}.features[{}].select", place, i)),
+        {source.selections.vertices(step.features[i].select, fmt::format("{}.features[{}].select", location, i)),
          step.features[i].similarity});
   options.size = step.size;
   options.normal_angle_deg = step.normal_angle_deg;
@@ -82,9 +82,9 @@ Index any_vertex(const Mesh& mesh, const VertexSpec& vertex) {
 
 // How the step poses the source before it is merged.
 Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh& target,
-                          const std::string& place) {
+                          const std::string& location) {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
-  if (step.mirror) map = reflection(*step.mirror, place + ".mirror");
+  if (step.mirror) map = reflection(*step.mirror, location + ".mirror");
   if (step.source_transform) map = Eigen::Affine3d(*step.source_transform) * map;
   if (step.align.empty()) return map;
   Mesh mirrored;
@@ -92,32 +92,32 @@ Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh&
   std::vector<Match> pairs;
   for (const MatchSpec& pair : step.align)
     pairs.push_back({any_vertex(source, pair.source), any_vertex(target, pair.target)});
-  return align_source(mirrored, target, pairs, place + ".align") * map;
+  return align_source(mirrored, target, pairs, location + ".align") * map;
 }
 
-Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& place) {
+Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& location) {
   if (map.matrix() == Eigen::Matrix4d::Identity()) return source;
-  return transformed(source, map, place + ".source_transform");
+  return transformed(source, map, location + ".source_transform");
 }
 
 // The error of a library call, at the field of the step that it is about.
-Error placed(const Error& error, const std::string& place) {
-  const std::string& inner = error.place();
+Error placed(const Error& error, const std::string& location) {
+  const std::string& inner = error.location();
   if (inner.starts_with("pair "))
-    return Error(error.code(), error.problem(), fmt::format("{}.pairs[{}]", place, inner.substr(5)),
+    return Error(error.code(), error.problem(), fmt::format("{}.pairs[{}]", location, inner.substr(5)),
                  error.remedy());
-  if (inner == "place") return Error(error.code(), error.problem(), place + ".at", error.remedy());
+  if (inner == "place") return Error(error.code(), error.problem(), location + ".at", error.remedy());
   for (const char* field : {"size", "normal_angle_deg", "reach", "fixed", "features"})
-    if (inner == field) return Error(error.code(), error.problem(), place + "." + inner, error.remedy());
-  return error.within(place);
+    if (inner == field) return Error(error.code(), error.problem(), location + "." + inner, error.remedy());
+  return error.within(location);
 }
 
 void judge_intersections(const MergeIntersections& found, const MergeStep& step, bool strict,
-                         std::vector<std::string>& notes, const std::string& place) {
+                         std::vector<std::string>& notes, const std::string& location) {
   if (!found.any_new()) return;
   const std::string problem = fmt::format("{} pairs of faces of the result intersect", found.result);
   const std::string remedy = step.at ? "place, spin or size may help" : "start, size or shape may help";
-  if (strict) throw Error(ErrorCode::unsolvable, problem, place, "Another " + remedy);
+  if (strict) throw Error(ErrorCode::unsolvable, problem, location, "Another " + remedy);
   notes.push_back(problem + "; another " + remedy);
 }
 
@@ -165,29 +165,29 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 
 }  // namespace
 
-DropStand::DropStand(const EditFile& edit, const MergeStep& step, const std::string& place,
+DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
                      const Scene& target_scene, const Scene& source_scene)
-    : place_(place) {
+    : location_(location) {
   MergeSide source("source", edit, source_scene), target("target", edit, target_scene);
-  const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, place + ".at")];
-  posing_ = posing_of(step, source.usable.mesh(), target.usable.mesh(), place);
-  const Mesh part = posed(source.usable.mesh(), posing_, place);
+  const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location + ".at")];
+  posing_ = posing_of(step, source.usable.mesh(), target.usable.mesh(), location);
+  const Mesh part = posed(source.usable.mesh(), posing_, location);
   try {
     guide_.emplace(std::make_shared<const Mesh>(target.usable.mesh()), part, loop);
   } catch (const Error& error) {
-    throw placed(error, place);
+    throw placed(error, location);
   }
 }
 
-Eigen::Affine3d DropStand::map(const MergeStep& step) const {
+Eigen::Affine3d DropPlacement::map(const MergeStep& step) const {
   try {
-    return guide_->pose({step.at->place, step.size, step.at->spin_deg}) * posing_;
+    return guide_->pose({step.at->surface_point, step.size, step.at->spin_deg}) * posing_;
   } catch (const Error& error) {
-    throw placed(error, place_);
+    throw placed(error, location_);
   }
 }
 
-StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& place,
+StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& location,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
   const auto& step = std::get<MergeStep>(edit_step.action);
   Stopwatch watch;
@@ -201,32 +201,32 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   MergeSide source("source", edit, scenes.at(step.source)), target("target", edit, scenes.at(step.target));
   std::vector<MergePair> pairs;
   if (step.at)
-    pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, place + ".at")], {}}, {}});
+    pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, location + ".at")], {}}, {}});
   else
-    pairs = resolve_pairs(step, source, target, place);
-  outcome.options = resolve_options(step, source, options.overrides, place);
-  require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), place);
+    pairs = resolve_pairs(step, source, target, location);
+  outcome.options = resolve_options(step, source, options.overrides, location);
+  require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), location);
   for (const MatchSpec& pair : step.align) {
-    if (const auto* number = std::get_if<Index>(&pair.source)) source.require_usable(*number, place + ".align");
-    if (const auto* number = std::get_if<Index>(&pair.target)) target.require_usable(*number, place + ".align");
+    if (const auto* number = std::get_if<Index>(&pair.source)) source.require_usable(*number, location + ".align");
+    if (const auto* number = std::get_if<Index>(&pair.target)) target.require_usable(*number, location + ".align");
   }
   if (step.at)
-    if (const auto* number = std::get_if<Index>(&step.at->place)) target.require_usable(*number, place + ".at");
+    if (const auto* number = std::get_if<Index>(&step.at->surface_point)) target.require_usable(*number, location + ".at");
   for (const MergePair& pair : pairs) {
     source.usable.require_beyond(pair.loops.source);
     target.usable.require_beyond(pair.loops.target);
   }
-  outcome.posing = posing_of(step, source.usable.mesh(), target.usable.mesh(), place);
+  outcome.posing = posing_of(step, source.usable.mesh(), target.usable.mesh(), location);
   if (outcome.options.reach.length)
     *outcome.options.reach.length *= std::cbrt(std::abs(outcome.posing.linear().determinant()));
-  const Mesh part = posed(source.usable.mesh(), outcome.posing, place);
+  const Mesh part = posed(source.usable.mesh(), outcome.posing, location);
   report.seconds.select = watch.lap();
 
   MergeResult result;
   MergeIntersections intersections;
   try {
     if (step.at) {
-      const Drop drop{step.at->place, step.size, step.at->spin_deg};
+      const Drop drop{step.at->surface_point, step.size, step.at->spin_deg};
       DropResult dropped =
           drop_part(target.usable.mesh(), part, pairs.front().loops.source, drop, outcome.options, context);
       result = std::move(dropped.merge);
@@ -240,10 +240,10 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
       report.seconds.measure = measuring.seconds();
     }
   } catch (const OpenStartError& error) {
-    throw OpenStartError(placed(error, place), error.starts());
+    throw OpenStartError(placed(error, location), error.starts());
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw placed(target.usable.explained(source.usable.explained(error)), place);
+    throw placed(target.usable.explained(source.usable.explained(error)), location);
   }
   // What remains is the hole's, and that of sizes that were tried before.
   report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);
@@ -259,9 +259,9 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   outcome.self_intersections = intersections.result;
   outcome.source_self_intersections = intersections.source;
   if (options.strict && !outcome.report.seam.manifold)
-    throw Error(ErrorCode::unsolvable, "the result is not a manifold", place,
+    throw Error(ErrorCode::unsolvable, "the result is not a manifold", location,
                 "`meshgraft info` tells whether one of the two meshes was not");
-  judge_intersections(intersections, step, options.strict, report.notes, place);
+  judge_intersections(intersections, step, options.strict, report.notes, location);
 
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();

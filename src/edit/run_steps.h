@@ -56,25 +56,25 @@ struct DeformSetup {
 
 /// `settings` are those in force. Throws what `resolve_deform` throws, and Error(input) for defects within
 /// reach.
-DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& place,
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
                           const Scene& scene, const DeformSettings& settings);
 
 /// A step's options with those of the command line in their place.
 DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
 
 /// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
-StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& place,
+StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& location,
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& place, Scene& scene,
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, Scene& scene,
                       const RunOptions& options, const Context& context);
-StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& place,
+StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& location,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 
 /// Where the source of a merge step with `at` stands before it bends.
-class DropStand {
+class DropPlacement {
  public:
   /// Throws Error(input) as the step does for a loop that is none.
-  DropStand(const EditFile& edit, const MergeStep& step, const std::string& place, const Scene& target,
+  DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location, const Scene& target,
             const Scene& source);
 
   /// A map of the source's own coordinates, with `at` and `size` of a step that is else the same. Where no size
@@ -83,17 +83,17 @@ class DropStand {
   Eigen::Affine3d map(const MergeStep& step) const;
 
  private:
-  std::string place_;
+  std::string location_;
   Eigen::Affine3d posing_;
   std::optional<DropGuide> guide_;
 };
 
-StepReport run_cut(const EditStep& step, const std::string& place, std::map<std::string, Scene>& scenes,
+StepReport run_cut(const EditStep& step, const std::string& location, std::map<std::string, Scene>& scenes,
                    const Context& context);
 
 /// Leaves among `scenes` what `run_step` leaves of a deform step whose solution is known: `solution` is what
 /// `Deformer::evaluate` gave on the problem that `set_up_deform` makes of it (n×3). Throws what that throws.
-void apply_solution(const EditFile& edit, const EditStep& step, const std::string& place,
+void apply_solution(const EditFile& edit, const EditStep& step, const std::string& location,
                     std::map<std::string, Scene>& scenes, const Points& solution, const Context& context);
 
 /// The mesh that a step works on, among `scenes` by the name of its outcome.

@@ -26,29 +26,29 @@ class SelectionResolver {
       : edit_(edit), context_(context), produced_(produced) {}
 
   /// Ascending distinct vertices.
-  std::vector<Index> vertices(const SelectionSpec& spec, const std::string& place) {
-    std::vector<Index> list = resolve(bind(spec, place), context_, place);
+  std::vector<Index> vertices(const SelectionSpec& spec, const std::string& location) {
+    std::vector<Index> list = resolve(bind(spec, location), context_, location);
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
     return list;
   }
 
   /// Vertices in the order of the path, the loop or the list that the selection is.
-  std::vector<Index> ordered(const SelectionSpec& spec, const std::string& place) {
+  std::vector<Index> ordered(const SelectionSpec& spec, const std::string& location) {
     if (const auto* named = std::get_if<SelectionSpec::Named>(&spec.kind))
-      return ordered(definition(named->name), selection_place(named->name));
-    const Selection selection = bind(spec, place);
-    std::vector<Index> list = resolve(selection, context_, place);
+      return ordered(definition(named->name), selection_location(named->name));
+    const Selection selection = bind(spec, location);
+    std::vector<Index> list = resolve(selection, context_, location);
     const auto* indices = std::get_if<Selection::Indices>(&selection.kind);
     return indices ? indices->vertices : list;
   }
 
-  std::string read(const std::string& file, const std::string& place) const {
+  std::string read(const std::string& file, const std::string& location) const {
     const std::filesystem::path path = edit_.base_folder / file;
     try {
       return read_file(path);
     } catch (const Error& error) {
-      throw error.within(place);
+      throw error.within(location);
     }
   }
 
@@ -59,28 +59,28 @@ class SelectionResolver {
         ->selection;
   }
 
-  std::string selection_place(const std::string& name) const {
-    return fmt::format("{}: selections.{}", edit_.place, name);
+  std::string selection_location(const std::string& name) const {
+    return fmt::format("{}: selections.{}", edit_.location, name);
   }
 
   Index vertex_count() const { return context_.mesh.vertex_count(); }
 
-  std::string file_place(const std::string& file, const std::string& place) const {
-    return fmt::format("{}: {}", place, (edit_.base_folder / file).string());
+  std::string file_location(const std::string& file, const std::string& location) const {
+    return fmt::format("{}: {}", location, (edit_.base_folder / file).string());
   }
 
   // The library's selection that `spec` stands for.
-  Selection bind(const SelectionSpec& spec, const std::string& place) {
-    return std::visit([&](const auto& kind) { return bind_kind(kind, place); }, spec.kind);
+  Selection bind(const SelectionSpec& spec, const std::string& location) {
+    return std::visit([&](const auto& kind) { return bind_kind(kind, location); }, spec.kind);
   }
 
-  std::shared_ptr<const Selection> bind_child(const SelectionSpec::Child& child, const std::string& place) {
-    return std::make_shared<const Selection>(bind(*child, place));
+  std::shared_ptr<const Selection> bind_child(const SelectionSpec::Child& child, const std::string& location) {
+    return std::make_shared<const Selection>(bind(*child, location));
   }
 
-  std::vector<Selection> bind_all(const std::vector<SelectionSpec>& specs, const std::string& place) {
+  std::vector<Selection> bind_all(const std::vector<SelectionSpec>& specs, const std::string& location) {
     std::vector<Selection> selections;
-    for (const SelectionSpec& spec : specs) selections.push_back(bind(spec, place));
+    for (const SelectionSpec& spec : specs) selections.push_back(bind(spec, location));
     return selections;
   }
 
@@ -98,16 +98,16 @@ class SelectionResolver {
   Selection bind_kind(const SelectionSpec::Named& named, const std::string&) {
     const auto known = named_.find(named.name);
     if (known != named_.end()) return Selection(Selection::Indices{known->second});
-    std::vector<Index> list = vertices(definition(named.name), selection_place(named.name));
+    std::vector<Index> list = vertices(definition(named.name), selection_location(named.name));
     return Selection(Selection::Indices{named_[named.name] = std::move(list)});
   }
-  Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& place) {
-    const std::string text = read(indices.file, place);
-    return Selection(Selection::Indices{parse_indices(text, vertex_count(), file_place(indices.file, place))});
+  Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& location) {
+    const std::string text = read(indices.file, location);
+    return Selection(Selection::Indices{parse_indices(text, vertex_count(), file_location(indices.file, location))});
   }
-  Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& place) {
-    const std::string text = read(sel.file, place);
-    meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_place(sel.file, place));
+  Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& location) {
+    const std::string text = read(sel.file, location);
+    meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_location(sel.file, location));
     switch (sel.take) {
       case SelectionSpec::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
       case SelectionSpec::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
@@ -115,7 +115,7 @@ class SelectionResolver {
     }
     return Selection(Selection::Indices{std::move(parts.handle)});
   }
-  Selection bind_kind(const SelectionSpec::Produced& wanted, const std::string& place) {
+  Selection bind_kind(const SelectionSpec::Produced& wanted, const std::string& location) {
     const auto step = produced_.find(wanted.step);
     if (step != produced_.end())
       if (const auto set = step->second.find(wanted.what); set != step->second.end())
@@ -123,39 +123,39 @@ class SelectionResolver {
     if (step != produced_.end())
       throw Error(
           ErrorCode::input,
-          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what), place,
+          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what), location,
           fmt::format("It produces {}.", names_of(step->second)));
     const bool exists = std::any_of(edit_.steps.begin(), edit_.steps.end(),
                                     [&](const EditStep& other) { return other.name == wanted.step; });
     if (exists)
       throw Error(ErrorCode::input, fmt::format("the step '{}' has produced nothing on this mesh", wanted.step),
-                  place, "Cut and merge steps before this one do, on the mesh that they leave.");
-    throw Error(ErrorCode::input, fmt::format("there is no step named '{}'", wanted.step), place,
+                  location, "Cut and merge steps before this one do, on the mesh that they leave.");
+    throw Error(ErrorCode::input, fmt::format("there is no step named '{}'", wanted.step), location,
                 produced_.empty()
                     ? "Cut and merge steps with a name produce selections."
                     : fmt::format("Those that produced something here: {}.", names_of(produced_)));
   }
-  Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& place) {
-    return Selection(Selection::Grow{bind_child(grow.of, place), grow.rings});
+  Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& location) {
+    return Selection(Selection::Grow{bind_child(grow.of, location), grow.rings});
   }
-  Selection bind_kind(const SelectionSpec::GrowLength& grow, const std::string& place) {
-    return Selection(Selection::GrowLength{bind_child(grow.of, place), grow.length});
+  Selection bind_kind(const SelectionSpec::GrowLength& grow, const std::string& location) {
+    return Selection(Selection::GrowLength{bind_child(grow.of, location), grow.length});
   }
-  Selection bind_kind(const SelectionSpec::Union& combined, const std::string& place) {
-    return Selection(Selection::Union{bind_all(combined.of, place)});
+  Selection bind_kind(const SelectionSpec::Union& combined, const std::string& location) {
+    return Selection(Selection::Union{bind_all(combined.of, location)});
   }
-  Selection bind_kind(const SelectionSpec::Minus& combined, const std::string& place) {
-    return Selection(Selection::Minus{bind_all(combined.of, place)});
+  Selection bind_kind(const SelectionSpec::Minus& combined, const std::string& location) {
+    return Selection(Selection::Minus{bind_all(combined.of, location)});
   }
-  Selection bind_kind(const SelectionSpec::Intersect& combined, const std::string& place) {
-    return Selection(Selection::Intersect{bind_all(combined.of, place)});
+  Selection bind_kind(const SelectionSpec::Intersect& combined, const std::string& location) {
+    return Selection(Selection::Intersect{bind_all(combined.of, location)});
   }
-  Selection bind_kind(const SelectionSpec::Mirror& mirror, const std::string& place) {
+  Selection bind_kind(const SelectionSpec::Mirror& mirror, const std::string& location) {
     return Selection(
-        Selection::Mirror{bind_child(mirror.of, place), mirror.point, mirror.normal, mirror.tolerance_rel});
+        Selection::Mirror{bind_child(mirror.of, location), mirror.point, mirror.normal, mirror.tolerance_rel});
   }
-  Selection bind_kind(const SelectionSpec::Rim& rim, const std::string& place) {
-    return Selection(Selection::Rim{bind_child(rim.of, place), rim.rings});
+  Selection bind_kind(const SelectionSpec::Rim& rim, const std::string& location) {
+    return Selection(Selection::Rim{bind_child(rim.of, location), rim.rings});
   }
 
   const EditFile& edit_;

@@ -18,8 +18,8 @@ namespace meshgraft {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& place, const std::string& problem, const std::string& remedy) {
-  throw Error(ErrorCode::input, problem, place, remedy);
+[[noreturn]] void fail(const std::string& location, const std::string& problem, const std::string& remedy) {
+  throw Error(ErrorCode::input, problem, location, remedy);
 }
 
 // Vertices of faces, with a place.
@@ -55,10 +55,10 @@ std::vector<Index> joined(const std::vector<Index>& a, const std::vector<Index>&
 
 }  // namespace
 
-MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string place)
+MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string location)
     : context_(context),
-      place_(std::move(place)),
-      reflection_(meshgraft::reflection(symmetry.plane, place_ + ".normal")),
+      location_(std::move(location)),
+      reflection_(meshgraft::reflection(symmetry.plane, location_ + ".normal")),
       tolerance_rel_(symmetry.tolerance_rel),
       diagonal_(box_diagonal(context.mesh.positions)),
       partner_(static_cast<std::size_t>(context.mesh.vertex_count()), -1),

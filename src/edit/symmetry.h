@@ -18,8 +18,8 @@ namespace meshgraft {
 /// has one partner and is that one's; on one that nearly is, several may share a partner.
 class MirrorMatch {
  public:
-  /// `place` is that of the field `symmetry`. Throws Error(input) for a plane that is none.
-  MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string place);
+  /// `location` is that of the field `symmetry`. Throws Error(input) for a plane that is none.
+  MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string location);
 
   const Eigen::Affine3d& reflection() const { return reflection_; }
 
@@ -53,7 +53,7 @@ class MirrorMatch {
   double image_distance(Index v) const { return distance_[static_cast<std::size_t>(v)]; }
 
   const SelectionContext& context_;
-  std::string place_;
+  std::string location_;
   Eigen::Affine3d reflection_;
   double tolerance_rel_ = 0, diagonal_ = 0;
   std::vector<Index> partner_;

@@ -193,10 +193,10 @@ Json pair_json(const MergePairSpec& pair) {
 
 Json drop_json(const DropSpec& drop) {
   Json json = Json::object();
-  if (const auto* vertex = std::get_if<Index>(&drop.place))
+  if (const auto* vertex = std::get_if<Index>(&drop.surface_point))
     json["vertex"] = *vertex;
   else
-    json["point"] = vector_json(std::get<Eigen::Vector3d>(drop.place));
+    json["point"] = vector_json(std::get<Eigen::Vector3d>(drop.surface_point));
   json["spin_deg"] = drop.spin_deg;
   if (drop.source_loop) json["source_loop"] = selection_json(*drop.source_loop);
   return json;

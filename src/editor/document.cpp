@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* place = "edit";
+constexpr const char* document_name = "edit";
 
 fs::path rebased(const std::string& file, const fs::path& from, const fs::path& to) {
   const fs::path path(file);
@@ -36,7 +36,7 @@ bool is_empty(const SelectionSpec& selection) {
 
 Document parse_document(std::string_view text, const fs::path& base_folder) {
   Document document;
-  document.edit = parse_edit(text, place, base_folder);
+  document.edit = parse_edit(text, document_name, base_folder);
   document.text = write_edit(document.edit);
   document.json = Json::parse(document.text);
   return document;

@@ -31,16 +31,16 @@ std::vector<std::uint8_t> origins(const MergeOutcome& merge, const Triangulation
 
 void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVector3d& offset) {
   std::vector<Index> sources, pairs;
-  std::vector<float> places;
+  std::vector<float> line_points;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const PairReport& pair = report.pairs[p];
     sources.insert(sources.end(), pair.met.begin(), pair.met.end());
     pairs.resize(sources.size(), static_cast<Index>(p));
-    const std::vector<float> there = relative_to(offset, pair.places);
-    places.insert(places.end(), there.begin(), there.end());
+    const std::vector<float> there = relative_to(offset, pair.line_points);
+    line_points.insert(line_points.end(), there.begin(), there.end());
   }
   frame.add("line_sources", sources);
-  frame.add("line_places", places);
+  frame.add("line_places", line_points);
   frame.add("line_pairs", pairs);
 }
 

@@ -84,7 +84,7 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     std::map<std::string, Scene> scenes{{job.target->name, job.target->scene()},
                                         {job.source->name, job.source->scene()}};
     const StepReport report =
-        run_step(edit, step, fmt::format("{}: steps[{}]", edit.place, edit.steps.size() - 1), scenes,
+        run_step(edit, step, fmt::format("{}: steps[{}]", edit.location, edit.steps.size() - 1), scenes,
                  {.estimate_condition = false}, context);
     outcome = {std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step)))),
                found_json(*report.merge)};

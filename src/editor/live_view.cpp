@@ -21,8 +21,8 @@ namespace meshgraft::editor {
 
 namespace {
 
-std::string place_of(const Document& document) {
-  return fmt::format("{}: steps[{}]", document.edit.place, *step_in_work(document.edit));
+std::string location_of(const Document& document) {
+  return fmt::format("{}: steps[{}]", document.edit.location, *step_in_work(document.edit));
 }
 
 // Whether a frame of the region itself, by handles alone, is what the step makes.
@@ -104,7 +104,7 @@ LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Ob
     plan.resumes = true;
     return plan;
   }
-  plan.setup = set_up_deform(document.edit, *step, place_of(document), plan.base->scene(), step->settings);
+  plan.setup = set_up_deform(document.edit, *step, location_of(document), plan.base->scene(), step->settings);
   plan.poses = plan.setup->problem.deform.poses;
   return plan;
 }
@@ -241,7 +241,7 @@ void LiveView::run_exactly(const Document& document, const Context& context) {
   std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
   const EditStep& step = document.edit.steps.back();
   const StepReport report =
-      run_step(document.edit, step, place_of(document), scenes, {.estimate_condition = false}, context);
+      run_step(document.edit, step, location_of(document), scenes, {.estimate_condition = false}, context);
   const auto positions = std::make_shared<const Points>(scenes.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
   outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
@@ -368,7 +368,7 @@ std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const C
   if (!positions) return nullptr;
   const EditStep& step = document.edit.steps.back();
   std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
-  apply_solution(document.edit, step, place_of(document), scenes, *positions, context);
+  apply_solution(document.edit, step, location_of(document), scenes, *positions, context);
   return std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
 }
 

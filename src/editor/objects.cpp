@@ -141,7 +141,7 @@ std::shared_ptr<const Scene> Objects::scene(const Document& document, const std:
   for (const std::string& used : meshes_of(step))
     scenes.insert_or_assign(used, *scene(document, used, *maker, keys, context));
   const StepReport report =
-      run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.place, *maker), scenes,
+      run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.location, *maker), scenes,
                {.estimate_condition = false}, context);
   if (report.merge) found_.put(key, std::make_shared<const Json>(found_json(*report.merge)));
   auto made = std::make_shared<const Scene>(std::move(scenes.at(name)));

@@ -59,7 +59,7 @@ void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
 Json error_json(const Error& error) {
   Json told = {{"code", to_string(error.code())},
                {"problem", error.problem()},
-               {"place", error.place()},
+               {"place", error.location()},
                {"remedy", error.remedy()}};
   if (const auto* replaces = dynamic_cast<const ReplaceError*>(&error))
     told["replaces"] = replaces->file().string();

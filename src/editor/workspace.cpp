@@ -177,7 +177,7 @@ std::int64_t Workspace::drag_graft(const Json& changed, const Context& context) 
   return graft_number_;
 }
 
-std::optional<Eigen::Affine3d> Workspace::drop_stand_of_last() {
+std::optional<Eigen::Affine3d> Workspace::placement_of_last_drop() {
   const auto& [document, target, source, dragged] = last_graft_;
   const MergeStep* merge = merge_in_work(document.edit);
   if (merge == nullptr || !merge->at) return std::nullopt;
@@ -185,12 +185,12 @@ std::optional<Eigen::Affine3d> Workspace::drop_stand_of_last() {
   for (const char* field : {"vertex", "point", "spin_deg"}) step["at"].erase(field);
   for (const char* field : {"size", "normal_angle_deg", "settings", "shape"}) step.erase(field);
   const Json key = {target->id, source->id, step, selections_used(document.json, step)};
-  if (!drop_stand_ || drop_stand_key_ != key) {
-    const std::string place = fmt::format("{}: steps[{}]", document.edit.place, document.edit.steps.size() - 1);
-    drop_stand_.emplace(document.edit, *merge, place, target->scene(), source->scene());
-    drop_stand_key_ = key;
+  if (!placement_ || placement_key_ != key) {
+    const std::string location = fmt::format("{}: steps[{}]", document.edit.location, document.edit.steps.size() - 1);
+    placement_.emplace(document.edit, *merge, location, target->scene(), source->scene());
+    placement_key_ = key;
   }
-  return drop_stand_->map(*merge);
+  return placement_->map(*merge);
 }
 
 const std::shared_ptr<const Object>& Workspace::object(const std::string& name) const {

@@ -95,7 +95,7 @@ class Workspace {
   /// The number of what shows the graft that was asked for last, and where a part stands that is dropped, if it
   /// is. Throws Error(input) for a place that is none.
   std::int64_t graft_number() const { return graft_number_; }
-  std::optional<Eigen::Affine3d> drop_stand_of_last();
+  std::optional<Eigen::Affine3d> placement_of_last_drop();
 
   /// The start of a pair of the graft that a step is, turned by an angle from where it was found or given.
   /// Throws Error(input) for a step or a pair that is none.
@@ -130,8 +130,8 @@ class Workspace {
   GraftView graft_view_;
   std::int64_t graft_number_ = 0;
   GraftJob last_graft_;
-  std::optional<DropStand> drop_stand_;
-  Json drop_stand_key_;
+  std::optional<DropPlacement> placement_;
+  Json placement_key_;
   Document document_;
   History history_;
   std::optional<std::size_t> before_set_up_;  ///< position in the history

@@ -55,9 +55,9 @@ struct LoopSize {
 };
 
 Points places_of(const Points& target, const Correspondence& correspondence) {
-  Points there(static_cast<Eigen::Index>(correspondence.place.size()), 3);
+  Points there(static_cast<Eigen::Index>(correspondence.loop_parameter.size()), 3);
   for (Eigen::Index i = 0; i < there.rows(); ++i)
-    there.row(i) = at(target, correspondence.place[static_cast<std::size_t>(i)]);
+    there.row(i) = at(target, correspondence.loop_parameter[static_cast<std::size_t>(i)]);
   return there;
 }
 
@@ -73,7 +73,7 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
   constexpr double near_centre = 0.1;  // × the radius: ratios of short distances say nothing
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index i = 0; i < there.rows(); ++i) {
-    const double place = correspondence.place[static_cast<std::size_t>(i)];
+    const double parameter = correspondence.loop_parameter[static_cast<std::size_t>(i)];
     const double distance = (source.points.row(i) - source_size.centre).norm();
     const double ratio = distance < near_centre * source_size.radius
                              ? target_size.radius / source_size.radius
@@ -81,8 +81,8 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
     const double scale = options.scale.value_or(ratio);
     Eigen::Matrix3d transform = scale * Eigen::Matrix3d::Identity();
     if (options.pose == MergePose::find) {
-      const Eigen::RowVector3d listed = at(target_tangents, place);  // the matched direction is the other one
-      Eigen::RowVector3d normal = at(target.normals, place);
+      const Eigen::RowVector3d listed = at(target_tangents, parameter);  // the matched direction is the other one
+      Eigen::RowVector3d normal = at(target.normals, parameter);
       if (options.normal_angle_deg != 0)
         normal = normal * Eigen::AngleAxisd(options.normal_angle_deg * std::numbers::pi / 180,
                                             listed.transpose().stableNormalized())
@@ -107,9 +107,9 @@ Similarity pose_of_boundary(std::span<const LoopGeometry> sources, std::span<con
     const LoopSize source_size(sources[p].points), target_size(targets[p].points);
     const Eigen::VectorXd shares = length_shares(sources[p].points);
     for (Eigen::Index i = 0; i < sources[p].points.rows(); ++i) {
-      const double place = correspondences[p].place[static_cast<std::size_t>(i)];
-      const Eigen::RowVector3d v = sources[p].points.row(i), there = at(targets[p].points, place);
-      const Eigen::RowVector3d normal = at(targets[p].normals, place).stableNormalized();
+      const double parameter = correspondences[p].loop_parameter[static_cast<std::size_t>(i)];
+      const Eigen::RowVector3d v = sources[p].points.row(i), there = at(targets[p].points, parameter);
+      const Eigen::RowVector3d normal = at(targets[p].normals, parameter).stableNormalized();
       for (const double height : {0.0, 1.0}) {  // the vertex, and the tip of its normal
         from.row(row) = v + height * source_size.radius * sources[p].normals.row(i);
         to.row(row) = there + height * target_size.radius * normal;

@@ -33,9 +33,9 @@ struct Knot {
 };
 
 /// Between matched vertices both loops are measured by length (FT05 5.1); the target is run along backwards.
-std::vector<double> places_between(std::span<const Knot> knots, const LoopCurve& source,
+std::vector<double> parameters_between(std::span<const Knot> knots, const LoopCurve& source,
                                    const LoopCurve& target) {
-  std::vector<double> place(static_cast<std::size_t>(source.size()));
+  std::vector<double> parameters(static_cast<std::size_t>(source.size()));
   for (std::size_t m = 0; m < knots.size(); ++m) {
     const Knot& from = knots[m];
     const Knot& to = knots[(m + 1) % knots.size()];
@@ -44,16 +44,16 @@ std::vector<double> places_between(std::span<const Knot> knots, const LoopCurve&
     Index i = from.source;
     do {
       const double ahead = i == from.source ? 0 : source.length_between(from.source, i);
-      place[i] = ahead == 0 ? from.target
+      parameters[i] = ahead == 0 ? from.target
                             : target.place_at(target.arc(from.target) - ahead / source_length * target_length);
       i = (i + 1) % source.size();
     } while (i != to.source);
   }
-  return place;
+  return parameters;
 }
 
 void require_one_turn(std::span<const Knot> knots, Index target_size, const LoopPair& pair,
-                      const std::string& place) {
+                      const std::string& location) {
   Index walked = 0;
   for (std::size_t m = 0; m < knots.size(); ++m) {
     const Knot& from = knots[m];
@@ -63,7 +63,7 @@ void require_one_turn(std::span<const Knot> knots, Index target_size, const Loop
       throw Error(ErrorCode::input,
                   fmt::format("source vertices {} and {} are matched with the same target vertex {}",
                               pair.source[from.source], pair.source[to.source], pair.target[to.target]),
-                  place, "Match each target vertex once");
+                  location, "Match each target vertex once");
     walked += step;
     if (walked > target_size)
       throw Error(
@@ -72,7 +72,7 @@ void require_one_turn(std::span<const Knot> knots, Index target_size, const Loop
                       "{} and {} do not",
                       pair.source[from.source], pair.source[to.source], pair.target[from.target],
                       pair.target[to.target]),
-          place,
+          location,
           "Match the vertices in their order; source and target loops run opposite ways round the seam "
           "(where a mesh is wound the other way, use --fix-winding)");
   }
@@ -82,7 +82,7 @@ void require_one_turn(std::span<const Knot> knots, Index target_size, const Loop
 
 Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> matches,
                                    const LoopGeometry& source, const LoopGeometry& target,
-                                   const std::string& place) {
+                                   const std::string& location) {
   std::vector<Knot> knots;
   for (const Match& match : matches) {
     const Knot knot{place_in(pair.source, match.source), place_in(pair.target, match.target)};
@@ -90,7 +90,7 @@ Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> 
       throw Error(ErrorCode::input,
                   fmt::format("{} vertex {} is not on the pair's loop", knot.source < 0 ? "source" : "target",
                               knot.source < 0 ? match.source : match.target),
-                  place, "Match vertices of the two boundary loops");
+                  location, "Match vertices of the two boundary loops");
     knots.push_back(knot);
   }
   std::sort(knots.begin(), knots.end());
@@ -101,9 +101,9 @@ Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> 
                   fmt::format("source vertex {} is matched with two target vertices, {} and {}",
                               pair.source[knots[m].source], pair.target[knots[m - 1].target],
                               pair.target[knots[m].target]),
-                  place, "Keep one of the two");
-  require_one_turn(knots, static_cast<Index>(pair.target.size()), pair, place);
-  return {places_between(knots, LoopCurve(source.points), LoopCurve(target.points)), 1.0};
+                  location, "Keep one of the two");
+  require_one_turn(knots, static_cast<Index>(pair.target.size()), pair, location);
+  return {parameters_between(knots, LoopCurve(source.points), LoopCurve(target.points)), 1.0};
 }
 
 namespace {
@@ -120,9 +120,9 @@ Samples sample(const LoopGeometry& loop, bool backwards) {
   Samples samples{Points(sample_count, 3), Points(sample_count, 3), {}, 1};
   for (int i = 0; i < sample_count; ++i) {
     const double arc = curve.length() * i / sample_count;
-    const double place = curve.place_at(backwards ? curve.length() - arc : arc);
-    samples.points.row(i) = at(loop.points, place);
-    samples.normals.row(i) = at(loop.normals, place).stableNormalized();
+    const double parameter = curve.parameter_at(backwards ? curve.length() - arc : arc);
+    samples.points.row(i) = at(loop.points, parameter);
+    samples.normals.row(i) = at(loop.normals, parameter).stableNormalized();
   }
   samples.centre = samples.points.colwise().mean();
   samples.points.rowwise() -= samples.centre;
@@ -231,7 +231,7 @@ bool common_similarity(std::span<const Samples> sources, std::span<const Samples
 
 /// Source loop vertices, where they come to lie for a start at a pair of vertices, and what that costs:
 /// exactly, where the profile was sampled.
-double cost_of(const std::vector<double>& places, const LoopGeometry& source, const LoopGeometry& target,
+double cost_of(const std::vector<double>& parameters, const LoopGeometry& source, const LoopGeometry& target,
                const Similarity* pose) {
   const Eigen::Index count = source.points.rows();
   const LoopCurve curve(source.points);
@@ -243,9 +243,9 @@ double cost_of(const std::vector<double>& places, const LoopGeometry& source, co
     const auto previous = static_cast<Index>((i + count - 1) % count),
                next = static_cast<Index>((i + 1) % count);
     weights[i] = curve.length_between(previous, next) / (2 * curve.length());
-    there.row(i) = at(target.points, places[static_cast<std::size_t>(i)]);
+    there.row(i) = at(target.points, parameters[static_cast<std::size_t>(i)]);
     const Eigen::RowVector3d normal =
-        at(target.normals, places[static_cast<std::size_t>(i)]).stableNormalized();
+        at(target.normals, parameters[static_cast<std::size_t>(i)]).stableNormalized();
     normals += weights[i] * normal.transpose() * source.normals.row(i);
     if (pose) normal_cost += weights[i] * (1 - normal.dot(source.normals.row(i) * pose->rotation.transpose()));
   }
@@ -276,14 +276,14 @@ Correspondence start_at_vertices(int shift, const LoopGeometry& source, const Lo
   for (Index c = 0; c < std::min(count, candidates); ++c) {
     const auto i = static_cast<Index>(static_cast<std::int64_t>(c) * count / std::min(count, candidates));
     const double turn = source_curve.arc(i) / source_curve.length() + static_cast<double>(shift) / sample_count;
-    const auto near = static_cast<Index>(std::lround(target_curve.place_at(-turn * target_curve.length())));
+    const auto near = static_cast<Index>(std::lround(target_curve.parameter_at(-turn * target_curve.length())));
     for (Index k = near - 1; k <= near + 1; ++k) {
       const Knot start{i, ((k % target_count) + target_count) % target_count};
-      std::vector<double> places = places_between({&start, 1}, source_curve, target_curve);
-      const double cost = cost_of(places, source, target, pose);
+      std::vector<double> parameters = parameters_between({&start, 1}, source_curve, target_curve);
+      const double cost = cost_of(parameters, source, target, pose);
       if (cost >= least) continue;
       least = cost;
-      best.place = std::move(places);
+      best.loop_parameter = std::move(parameters);
     }
   }
   return best;
@@ -304,18 +304,18 @@ int least_turn(const Samples& source, const Samples& target) {
 
 OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence,
                      const Correspondence& least_turned) {
-  const auto there = static_cast<std::size_t>(std::lround(least_turned.place.front())) % pair.target.size();
+  const auto there = static_cast<std::size_t>(std::lround(least_turned.loop_parameter.front())) % pair.target.size();
   return {number, {pair.source.front(), pair.target[there]}, confidence};
 }
 
-[[noreturn]] void refuse_guess(const std::vector<OpenStart>& open, std::span<const std::string> places) {
+[[noreturn]] void refuse_guess(const std::vector<OpenStart>& open, std::span<const std::string> locations) {
   const auto& [number, start, confidence] = open.front();
   throw OpenStartError(
       Error(ErrorCode::input,
             fmt::format("the loops fit as well from other starts, so where they begin to meet is open "
                         "(confidence {:.2f})",
                         confidence),
-            places[number],
+            locations[number],
             fmt::format("Say which vertices meet: target vertex {0} at source vertex {1} turns the part least "
                         "from how it stands (--start {0}:{1})",
                         start.target, start.source)),
@@ -327,7 +327,7 @@ OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                                 std::span<const LoopGeometry> sources,
                                                 std::span<const LoopGeometry> targets, bool posed,
-                                                std::span<const std::string> places) {
+                                                std::span<const std::string> locations) {
   std::vector<Samples> source_samples, target_samples;
   std::vector<Start> starts;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -350,7 +350,7 @@ std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                 start_at_vertices(least_turn(source_samples[p], target_samples[p]), sources[p],
                                                   targets[p], nullptr)));
   }
-  if (!open.empty()) refuse_guess(open, places);
+  if (!open.empty()) refuse_guess(open, locations);
   return found;
 }
 

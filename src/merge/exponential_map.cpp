@@ -21,15 +21,15 @@ Vector transported(const Vector& vector, const Vector& from_normal, const Vector
 
 struct Frame {
   Vector point, normal, first_axis;
-  Eigen::RowVector2d place = Eigen::RowVector2d::Zero();
+  Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();
 
   // Where a point beside it lies: in its direction, at its whole distance.
-  Eigen::RowVector2d place_of(const Vector& other) const {
+  Eigen::RowVector2d uv_of(const Vector& other) const {
     const Vector way = other - point;
     const Vector second_axis = normal.transpose().cross(first_axis.transpose()).transpose();
     const Eigen::RowVector2d flat(way.dot(first_axis), way.dot(second_axis));
     const double length = flat.norm();
-    return length > 0 ? Eigen::RowVector2d(place + flat * (way.norm() / length)) : place;
+    return length > 0 ? Eigen::RowVector2d(uv + flat * (way.norm() / length)) : uv;
   }
 };
 
@@ -43,7 +43,7 @@ class Spreading {
         settled_(static_cast<std::size_t>(positions.rows()), false),
         distance_(static_cast<std::size_t>(positions.rows()), std::numeric_limits<double>::infinity()),
         first_axis_(positions.rows(), 3),
-        place_(PlanePoints::Constant(positions.rows(), 2, std::numeric_limits<double>::quiet_NaN())) {}
+        uv_(PlanePoints::Constant(positions.rows(), 2, std::numeric_limits<double>::quiet_NaN())) {}
 
   PlanePoints run(const ChartOrigin& origin, const Context& context) {
     const Frame base{origin.point, origin.normal, origin.first_axis};
@@ -60,30 +60,30 @@ class Spreading {
       for (const Index u : rings_[v])
         if (settled_[u]) nearer.push_back(frame_at(u));
       settle(v, nearer);
-      if (place_.row(v).norm() <= reach_) push_neighbours(v);
+      if (uv_.row(v).norm() <= reach_) push_neighbours(v);
     }
-    return place_;
+    return uv_;
   }
 
  private:
   Frame frame_at(Index v) const {
-    return {positions_.row(v), normals_.row(v), first_axis_.row(v), place_.row(v)};
+    return {positions_.row(v), normals_.row(v), first_axis_.row(v), uv_.row(v)};
   }
 
   void settle(Index v, const std::vector<Frame>& from) {
     const Vector point = positions_.row(v);
-    Eigen::RowVector2d place = Eigen::RowVector2d::Zero();
+    Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();
     Vector axis = Vector::Zero();
     double total = 0;
     for (const Frame& frame : from) {
       const double distance = (point - frame.point).norm();
       const double weight = 1 / std::max(distance, 1e-300);
-      place += weight * frame.place_of(point);
+      uv += weight * frame.uv_of(point);
       axis += weight * transported(frame.first_axis, frame.normal, normals_.row(v));
       total += weight;
     }
     settled_[v] = true;
-    place_.row(v) = place / total;
+    uv_.row(v) = uv / total;
     axis -= axis.dot(normals_.row(v)) * normals_.row(v);
     first_axis_.row(v) = axis.stableNormalized();
   }
@@ -92,7 +92,7 @@ class Spreading {
     const Frame frame = frame_at(v);
     for (const Index u : rings_[v]) {
       if (settled_[u]) continue;
-      const double distance = frame.place_of(positions_.row(u)).norm();
+      const double distance = frame.uv_of(positions_.row(u)).norm();
       if (distance >= distance_[u]) continue;
       distance_[u] = distance;
       queue_.emplace(distance, u);
@@ -106,7 +106,7 @@ class Spreading {
   std::vector<bool> settled_;
   std::vector<double> distance_;
   Points first_axis_;
-  PlanePoints place_;
+  PlanePoints uv_;
   using Entry = std::tuple<double, Index>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };

@@ -19,7 +19,7 @@ double LoopCurve::length_between(Index from, Index to) const {
   return from < to ? arcs_[to] - arcs_[from] : length() - arcs_[from] + arcs_[to];
 }
 
-double LoopCurve::place_at(double arc) const {
+double LoopCurve::parameter_at(double arc) const {
   arc -= std::floor(arc / length()) * length();
   const auto after = std::upper_bound(arcs_.begin() + 1, arcs_.end() - 1, arc);
   const auto k = after - arcs_.begin() - 1;
@@ -28,8 +28,8 @@ double LoopCurve::place_at(double arc) const {
   return static_cast<double>(k) + t;
 }
 
-Eigen::RowVector3d at(const Points& values, double place) {
-  const double floor = std::floor(place), t = place - floor;
+Eigen::RowVector3d at(const Points& values, double parameter) {
+  const double floor = std::floor(parameter), t = parameter - floor;
   const auto k = static_cast<Eigen::Index>(floor) % values.rows();
   if (t == 0) return values.row(k);
   return (1 - t) * values.row(k) + t * values.row((k + 1) % values.rows());

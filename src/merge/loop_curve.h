@@ -21,14 +21,14 @@ class LoopCurve {
   /// Forwards from one vertex to another; once round if they are the same.
   double length_between(Index from, Index to) const;
   /// At a length from vertex 0, cyclically.
-  double place_at(double arc) const;
+  double parameter_at(double arc) const;
 
  private:
   std::vector<double> arcs_;  ///< from vertex 0 to each vertex, and once round
 };
 
-/// The row at a place on a closed polyline of values.
-Eigen::RowVector3d at(const Points& values, double place);
+/// The row at a parameter k + t of a closed polyline of values.
+Eigen::RowVector3d at(const Points& values, double parameter);
 
 /// Unit normal of the area that a loop spans (Newell), counter-clockwise.
 Eigen::RowVector3d loop_axis(const Points& points);

@@ -28,67 +28,67 @@ class MeshLoops {
   }
 
   /// The list as the mesh's loop runs. Throws where it is not one whole simple loop.
-  std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& place) const {
+  std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& location) const {
     if (loops_.empty())
       throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop, its surface is closed", role_),
-                  place, "Cut it open first (meshgraft cut), or drop the part onto it at a point (--at)");
-    if (listed.empty()) throw Error(ErrorCode::input, fmt::format("no {} loop is named", role_), place);
-    for (const Index v : listed) require_on_one_loop(v, place);
+                  location, "Cut it open first (meshgraft cut), or drop the part onto it at a point (--at)");
+    if (listed.empty()) throw Error(ErrorCode::input, fmt::format("no {} loop is named", role_), location);
+    for (const Index v : listed) require_on_one_loop(v, location);
     const std::vector<Index>& loop = loops_[at_.at(listed.front()).front()];
     for (const Index v : listed)
       if (&loops_[at_.at(v).front()] != &loop)
         throw Error(ErrorCode::input,
                     fmt::format("{} vertices {} and {} are on two boundary loops", role_, listed.front(), v),
-                    place, "Name the vertices of one loop");
+                    location, "Name the vertices of one loop");
     if (listed.size() != loop.size())
       throw Error(ErrorCode::input,
                   fmt::format("{} vertices are listed of the {}'s boundary loop of {}", listed.size(), role_,
                               loop.size()),
-                  place, "List each vertex of the loop once, in its order");
-    require_length(loop, place);
+                  location, "List each vertex of the loop once, in its order");
+    require_length(loop, location);
     std::vector<Index> turned = loop;
     std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), listed.front()), turned.end());
     const bool backwards = !std::equal(turned.begin(), turned.end(), listed.begin()) &&
                            std::equal(turned.begin() + 1, turned.end(), listed.rbegin());
     if (!backwards && turned != listed)
-      throw Error(ErrorCode::input, fmt::format("the {}'s loop is not listed in its order", role_), place,
+      throw Error(ErrorCode::input, fmt::format("the {}'s loop is not listed in its order", role_), location,
                   "List neighbouring vertices one after another");
     return turned;
   }
 
  private:
-  void require_on_one_loop(Index v, const std::string& place) const {
+  void require_on_one_loop(Index v, const std::string& location) const {
     if (v < 0 || v >= mesh_.vertex_count())
       throw Error(ErrorCode::input,
                   fmt::format("{} vertex {} does not exist; the mesh has {}", role_, v, mesh_.vertex_count()),
-                  place);
+                  location);
     const auto found = at_.find(v);
     if (found == at_.end())
-      throw Error(ErrorCode::input, fmt::format("{} vertex {} is not on a boundary", role_, v), place,
+      throw Error(ErrorCode::input, fmt::format("{} vertex {} is not on a boundary", role_, v), location,
                   "Name a boundary loop; 'meshgraft info' lists them");
     if (found->second.size() > 1)
       throw Error(ErrorCode::input,
                   fmt::format("the {}'s boundary touches {} in vertex {}", role_,
                               found->second[0] == found->second[1] ? "itself" : "another boundary loop", v),
-                  place, "Separate the loops there: take a face away, or repair the mesh");
+                  location, "Separate the loops there: take a face away, or repair the mesh");
   }
 
-  void require_length(const std::vector<Index>& loop, const std::string& place) const {
+  void require_length(const std::vector<Index>& loop, const std::string& location) const {
     Points points(static_cast<Eigen::Index>(loop.size()), 3);
     for (std::size_t i = 0; i < loop.size(); ++i)
       points.row(static_cast<Eigen::Index>(i)) = mesh_.positions.row(loop[i]);
     if (!points.allFinite())
-      throw Error(ErrorCode::input, fmt::format("a vertex of the {}'s loop is not finite", role_), place);
+      throw Error(ErrorCode::input, fmt::format("a vertex of the {}'s loop is not finite", role_), location);
     const double size = points.cwiseAbs().maxCoeff();
     constexpr double least = 1e-60, most = 1e60;  // squares and volumes of lengths are taken
     if (LoopCurve(points).length() > 0 && !(LoopCurve(points).length() > least && size < most))
       throw Error(ErrorCode::input,
                   fmt::format("the {}'s loop at vertex {} is {:.1e} long in coordinates up to {:.1e}", role_,
                               loop.front(), LoopCurve(points).length(), size),
-                  place, "Bring the mesh to units in which sizes are between 1e-60 and 1e60");
+                  location, "Bring the mesh to units in which sizes are between 1e-60 and 1e60");
     if (!(LoopCurve(points).length() > 1e-12 * size))
       throw Error(ErrorCode::input,
-                  fmt::format("the {}'s loop at vertex {} has no length", role_, loop.front()), place,
+                  fmt::format("the {}'s loop at vertex {} has no length", role_, loop.front()), location,
                   "Repair the mesh: all vertices of the loop are in one place");
   }
 
@@ -100,7 +100,7 @@ class MeshLoops {
 
 }  // namespace
 
-std::string pair_place(std::size_t pair, std::size_t count) {
+std::string pair_location(std::size_t pair, std::size_t count) {
   return count == 1 ? std::string() : fmt::format("pair {}", pair);
 }
 
@@ -121,9 +121,9 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
           "Use each loop once");
   };
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const std::string place = pair_place(p, pairs.size());
-    checked.push_back({source_loops.require_loop(pairs[p].loops.source, place),
-                       target_loops.require_loop(pairs[p].loops.target, place)});
+    const std::string location = pair_location(p, pairs.size());
+    checked.push_back({source_loops.require_loop(pairs[p].loops.source, location),
+                       target_loops.require_loop(pairs[p].loops.target, location)});
     claim(checked.back().source, source_owner, p, "source");
     claim(checked.back().target, target_owner, p, "target");
   }

@@ -37,6 +37,6 @@ Points smoothed_loop(const Points& loop);
 double mean_edge_length(const Points& loop);
 
 /// Names a pair in messages; empty where there is only one.
-std::string pair_place(std::size_t pair, std::size_t count);
+std::string pair_location(std::size_t pair, std::size_t count);
 
 }  // namespace meshgraft

@@ -154,9 +154,9 @@ std::vector<Correspondence> match_members(const std::vector<std::size_t>& member
                                           std::span<const LoopPair> pairs,
                                           std::span<const LoopGeometry> sources,
                                           std::span<const LoopGeometry> targets, bool posed,
-                                          std::span<const std::string> places) {
+                                          std::span<const std::string> locations) {
   try {
-    return match_automatically(pairs, sources, targets, posed, places);
+    return match_automatically(pairs, sources, targets, posed, locations);
   } catch (const OpenStartError& error) {
     std::vector<OpenStart> starts = error.starts();
     for (OpenStart& start : starts) start.pair = members[start.pair];
@@ -177,7 +177,7 @@ std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::sp
       open[component[loops[p].source.front()]].push_back(p);
     } else {
       found[p] =
-          match_by_arc_length(loops[p], pairs[p].matches, sources[p], targets[p], pair_place(p, loops.size()));
+          match_by_arc_length(loops[p], pairs[p].matches, sources[p], targets[p], pair_location(p, loops.size()));
     }
   }
   for (const auto& [number, members] : open) {
@@ -188,7 +188,7 @@ std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::sp
       some.push_back(loops[p]);
       some_sources.push_back(sources[p]);
       some_targets.push_back(targets[p]);
-      some_places.push_back(pair_place(p, loops.size()));
+      some_places.push_back(pair_location(p, loops.size()));
     }
     const std::vector<Correspondence> matched =
         match_members(members, some, some_sources, some_targets, posed, some_places);
@@ -214,13 +214,13 @@ Points posed_by_boundary(const Points& source, const std::vector<Index>& compone
       some.push_back(correspondences[p]);
     }
     const Similarity pose = pose_of_boundary(some_sources, some_targets, some, size);
-    const auto place = [&](const Eigen::RowVector3d& point) {
+    const auto bring = [&](const Eigen::RowVector3d& point) {
       return Eigen::RowVector3d(pose.scale * point * pose.rotation.transpose() + pose.translation.transpose());
     };
     for (Index v = 0; v < static_cast<Index>(component.size()); ++v)
-      if (component[v] == number) posed.row(v) = place(source.row(v));
+      if (component[v] == number) posed.row(v) = bring(source.row(v));
     for (const std::size_t p : members) {
-      for (auto point : sources[p].points.rowwise()) point = place(point);
+      for (auto point : sources[p].points.rowwise()) point = bring(point);
       sources[p].normals = (sources[p].normals * pose.rotation.transpose()).eval();
     }
   }
@@ -291,16 +291,16 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
 /// Where a source's loop comes to lie on the target's, for those of its vertices that the source had as given.
 void report_meetings(const LoopPair& pair, const Correspondence& correspondence, const Points& target,
                      Index given, PairReport& report) {
-  report.places.resize(static_cast<Eigen::Index>(pair.source.size()), 3);
+  report.target_points.resize(static_cast<Eigen::Index>(pair.source.size()), 3);
   for (std::size_t i = 0; i < pair.source.size(); ++i) {
     if (pair.source[i] >= given) continue;
-    const double whole = std::floor(correspondence.place[i]), t = correspondence.place[i] - whole;
+    const double whole = std::floor(correspondence.loop_parameter[i]), t = correspondence.loop_parameter[i] - whole;
     const Eigen::Index k = (static_cast<Eigen::Index>(whole) % target.rows() + target.rows()) % target.rows();
-    report.places.row(static_cast<Eigen::Index>(report.met.size())) =
+    report.target_points.row(static_cast<Eigen::Index>(report.met.size())) =
         (1 - t) * target.row(k) + t * target.row((k + 1) % target.rows());
     report.met.push_back(pair.source[i]);
   }
-  report.places.conservativeResize(static_cast<Eigen::Index>(report.met.size()), 3);
+  report.target_points.conservativeResize(static_cast<Eigen::Index>(report.met.size()), 3);
 }
 
 PairReport report_pair(const LoopPair& pair, const Correspondence& correspondence, const LoopGeometry& source,
@@ -308,7 +308,7 @@ PairReport report_pair(const LoopPair& pair, const Correspondence& correspondenc
   PairReport report;
   report.source_vertices = static_cast<Index>(pair.source.size());
   report.target_vertices = static_cast<Index>(pair.target.size());
-  const auto nearest = static_cast<std::size_t>(std::lround(correspondence.place.front()));
+  const auto nearest = static_cast<std::size_t>(std::lround(correspondence.loop_parameter.front()));
   report.start = {pair.source.front(), pair.target[nearest % pair.target.size()]};
   report.confidence = correspondence.confidence;
   report.raggedness_deg = std::max(raggedness_deg(source.points), raggedness_deg(target.points));

@@ -37,9 +37,9 @@ void validate(const Drop& drop, const Mesh& target) {
   if (drop.size && !(*drop.size > 0 && *drop.size < 1e100))
     throw Error(ErrorCode::input, fmt::format("{} is not a positive number", *drop.size), "size");
   if (!std::isfinite(drop.spin_deg)) throw Error(ErrorCode::input, "the angle is not finite", "spin_deg");
-  if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.place); point != nullptr && !point->allFinite())
+  if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point); point != nullptr && !point->allFinite())
     throw Error(ErrorCode::input, "the point is not finite", "place");
-  const auto* vertex = std::get_if<Index>(&drop.place);
+  const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex != nullptr && (*vertex < 0 || *vertex >= target.vertex_count()))
     throw Error(ErrorCode::input,
                 fmt::format("target vertex {} does not exist; the mesh has {}", *vertex, target.vertex_count()),
@@ -170,13 +170,13 @@ SurfacePoint nearest_on(const Surface& surface, const Vector& point) {
 
 SurfacePoint place_on(const Surface& surface, const Drop& drop) {
   constexpr double near_surface = 0.05;  // × the target's diagonal
-  if (const auto* vertex = std::get_if<Index>(&drop.place)) {
+  if (const auto* vertex = std::get_if<Index>(&drop.surface_point)) {
     if (surface.rings[*vertex].empty())
       throw Error(ErrorCode::input, fmt::format("target vertex {} belongs to no face", *vertex), "place",
                   "Name another vertex, or a point");
     return {surface.mesh.positions.row(*vertex), {*vertex}};
   }
-  const Vector point = std::get<Eigen::Vector3d>(drop.place).transpose();
+  const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();
   if (surface.triangles.rows() == 0) throw Error(ErrorCode::input, "the target has no faces");
   SurfacePoint found = nearest_on(surface, point);
   const Points& x = surface.mesh.positions;
@@ -716,7 +716,7 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
 
 /// A hole around a vertex of the boundary would reach it at any size.
 void require_inner_place(const Mesh& target, const Drop& drop) {
-  const auto* vertex = std::get_if<Index>(&drop.place);
+  const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex == nullptr) return;
   for (const auto& loop : boundary_loops(target))
     if (std::find(loop.begin(), loop.end(), *vertex) != loop.end())

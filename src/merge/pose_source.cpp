@@ -25,7 +25,7 @@ void transform_normals(Attribute& normals, const Eigen::Matrix3d& linear) {
   }
 }
 
-Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side, const std::string& place) {
+Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side, const std::string& location) {
   Points points(static_cast<Eigen::Index>(pairs.size()), 3);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Index v = pairs[i].*side;
@@ -33,7 +33,7 @@ Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* s
       throw Error(ErrorCode::input,
                   fmt::format("there is no vertex {} among the {}'s {}", v,
                               side == &Match::source ? "source" : "target", mesh.vertex_count()),
-                  fmt::format("{}[{}]", place, i));
+                  fmt::format("{}[{}]", location, i));
     points.row(static_cast<Eigen::Index>(i)) = mesh.positions.row(v);
   }
   return points;
@@ -50,11 +50,11 @@ bool on_a_line(const Points& points) {
 
 }  // namespace
 
-Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& place) {
+Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& location) {
   const Eigen::Matrix3d linear = map.linear();
   const double determinant = linear.determinant();
   if (!(std::abs(determinant) > 1e-12 * std::pow(linear.norm(), 3)))
-    throw Error(ErrorCode::input, "the transform flattens the source", place);
+    throw Error(ErrorCode::input, "the transform flattens the source", location);
   Mesh moved = mesh;
   moved.positions = ((mesh.positions * linear.transpose()).rowwise() + map.translation().transpose()).eval();
   for (Attribute& attribute : moved.attributes)
@@ -63,9 +63,9 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
   return determinant < 0 ? turned_over(moved) : moved;
 }
 
-Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& place) {
+Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location) {
   const double length = plane.normal.norm();
-  if (!(length > 0)) throw Error(ErrorCode::input, "the normal has no length", place);
+  if (!(length > 0)) throw Error(ErrorCode::input, "the normal has no length", location);
   const Eigen::Vector3d n = plane.normal / length;
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
   map.linear() -= 2 * n * n.transpose();
@@ -74,18 +74,18 @@ Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& place) {
 }
 
 Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs,
-                             const std::string& place) {
+                             const std::string& location) {
   if (pairs.size() < 3)
     throw Error(ErrorCode::input, fmt::format("three pairs of vertices pose a part, {} given", pairs.size()),
-                place);
-  const Points from = gathered(source, pairs, &Match::source, place);
-  const Points to = gathered(target, pairs, &Match::target, place);
+                location);
+  const Points from = gathered(source, pairs, &Match::source, location);
+  const Points to = gathered(target, pairs, &Match::target, location);
   for (const Points* side : {&from, &to})
     if (on_a_line(*side))
       throw Error(ErrorCode::input,
                   fmt::format("the vertices of the {} lie on a line, so that any turn about it fits",
                               side == &from ? "source" : "target"),
-                  place, "Choose vertices that span a triangle.");
+                  location, "Choose vertices that span a triangle.");
   return Eigen::Affine3d(Eigen::umeyama(from.transpose(), to.transpose(), true));
 }
 

@@ -228,7 +228,7 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
         if (for_shape[k]++ == most_halvings_for_shape) {
           throw Error(ErrorCode::input,
                       "the ring of faces at the target's loop cannot be taken away without cutting off more",
-                      requests[k].place,
+                      requests[k].location,
                       "Repair the target near the loop: it is not an oriented manifold there");
         }
         to_halve.push_back(k);

@@ -26,7 +26,7 @@ namespace {
 
 using Loop = std::vector<Index>;
 
-std::string place_of(std::size_t pair) { return "pair " + std::to_string(pair); }
+std::string location_of(std::size_t pair) { return "pair " + std::to_string(pair); }
 
 void check_options(const SeamOptions& options) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::input, what, "seam options"); };
@@ -54,17 +54,17 @@ void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vect
   std::unordered_map<Index, std::size_t> owner;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const Loop& loop = *loops[k];
-    const std::string place = place_of(k) + ", " + mesh_name + " loop";
+    const std::string location = location_of(k) + ", " + mesh_name + " loop";
     if (loop.size() < 3) {
       throw Error(ErrorCode::input,
-                  "a loop needs at least 3 vertices, this one has " + std::to_string(loop.size()), place);
+                  "a loop needs at least 3 vertices, this one has " + std::to_string(loop.size()), location);
     }
     for (const Index v : loop) {
       if (v >= 0 && v < mesh.vertex_count()) continue;
       throw Error(ErrorCode::input,
                   "index " + std::to_string(v) + " is not one of the " + std::to_string(mesh.vertex_count()) +
                       " vertices",
-                  place);
+                  location);
     }
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
@@ -74,11 +74,11 @@ void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vect
         throw Error(
             ErrorCode::input,
             own ? "the loop passes vertex " + std::to_string(a) + " twice"
-                : "the loop meets that of " + place_of(entry->second) + " in vertex " + std::to_string(a),
-            place, "List each vertex of one simple boundary loop once");
+                : "the loop meets that of " + location_of(entry->second) + " in vertex " + std::to_string(a),
+            location, "List each vertex of one simple boundary loop once");
       }
       if (!mesh.positions.row(a).allFinite()) {
-        throw Error(ErrorCode::input, "vertex " + std::to_string(a) + " has no finite position", place);
+        throw Error(ErrorCode::input, "vertex " + std::to_string(a) + " has no finite position", location);
       }
       const auto runs = [&](Index from, Index to) {
         const auto found = steps.find(from);
@@ -87,13 +87,13 @@ void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vect
       if (runs(a, b)) continue;
       if (runs(b, a)) {
         throw Error(ErrorCode::input,
-                    "the loop runs against the half-edges of its mesh at vertex " + std::to_string(a), place,
+                    "the loop runs against the half-edges of its mesh at vertex " + std::to_string(a), location,
                     "List it with the surface at the left hand, or flip the mesh's faces");
       }
       throw Error(
           ErrorCode::input,
           "vertices " + std::to_string(a) + " and " + std::to_string(b) + " are not joined by a boundary edge",
-          place, "List all vertices of a boundary loop in order");
+          location, "List all vertices of a boundary loop in order");
     }
   }
 }
@@ -204,7 +204,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   std::vector<RingRequest> requests;
   for (const std::size_t k : order) {
     requests.push_back({beginning_with_smallest(pairs[k].target),
-                        options.edge_ratio * mean_edge_length(source.positions, pairs[k].source), place_of(k)});
+                        options.edge_ratio * mean_edge_length(source.positions, pairs[k].source), location_of(k)});
   }
   const RingRemoval opened = remove_rings(target, requests, context);
 

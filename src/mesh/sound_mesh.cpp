@@ -85,7 +85,7 @@ Error SoundMesh::explained(const Error& error) const {
   if (faces_.empty()) return error;
   std::string remedy = error.remedy();
   if (!remedy.empty() && remedy.back() != '.') remedy += '.';
-  return Error(error.code(), error.problem(), error.place(), remedy + (remedy.empty() ? "" : " ") + note());
+  return Error(error.code(), error.problem(), error.location(), remedy + (remedy.empty() ? "" : " ") + note());
 }
 
 void SoundMesh::put_back(const IndexMap& vertex, Mesh& result) const {

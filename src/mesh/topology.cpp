@@ -28,11 +28,11 @@ bool repeats(const Triangles& triangles, Eigen::Index t, int corner) {
 
 bool in_range(Index vertex, Index vertex_count) { return vertex >= 0 && vertex < vertex_count; }
 
-[[noreturn]] void fail_index(Index vertex, Index vertex_count, const std::string& place) {
+[[noreturn]] void fail_index(Index vertex, Index vertex_count, const std::string& location) {
   throw Error(
       ErrorCode::input,
       "index " + std::to_string(vertex) + " is not one of the " + std::to_string(vertex_count) + " vertices",
-      place);
+      location);
 }
 
 void check_seeds(std::span<const Index> seeds, Index vertex_count) {

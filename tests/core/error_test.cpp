@@ -19,9 +19,9 @@ TEST(Error, WithinPutsTheOuterPlaceFirst) {
   const Error inner(ErrorCode::unsolvable, "nothing is fixed", "component 2", "Fix a vertex");
   const Error outer = inner.within("edit.json").within("batch");
   EXPECT_EQ(outer.code(), ErrorCode::unsolvable);
-  EXPECT_EQ(outer.place(), "batch: edit.json: component 2");
+  EXPECT_EQ(outer.location(), "batch: edit.json: component 2");
   EXPECT_EQ(outer.remedy(), inner.remedy());
-  EXPECT_EQ(Error(ErrorCode::io, "cannot read").within("a.ply").place(), "a.ply");
+  EXPECT_EQ(Error(ErrorCode::io, "cannot read").within("a.ply").location(), "a.ply");
 }
 
 TEST(Error, EveryCodeHasItsOwnNameAndAFailingStatus) {

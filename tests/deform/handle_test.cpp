@@ -57,7 +57,7 @@ TEST(HandlePivot, NamesAnEmptyHandleAndABadIndex) {
   const IndexLists rings = vertex_rings(8, cube.faces);
   Handle handle;
   handle.name = "ear";
-  EXPECT_EQ(error_of([&] { handle_pivot(handle, cube.positions, rings); }).place(), "handle 'ear'");
+  EXPECT_EQ(error_of([&] { handle_pivot(handle, cube.positions, rings); }).location(), "handle 'ear'");
   handle.vertices = {8};
   EXPECT_EQ(error_of([&] { handle_pivot(handle, cube.positions, rings); }).code(), ErrorCode::input);
 }
@@ -119,10 +119,10 @@ TEST(MakePose, NamesWhatIsWrong) {
   motion.axis = Eigen::Vector3d::Zero();
   EXPECT_NO_THROW(make_pose(motion, Eigen::Vector3d::Zero()));
   motion.angle_deg = 10;
-  EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).place(), "axis");
+  EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).location(), "axis");
   motion = {};
   motion.scale.x() = std::nan("");
-  EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).place(), "scale");
+  EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).location(), "scale");
   motion = {};
   motion.angle_deg = INFINITY;
   EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).code(), ErrorCode::input);

@@ -46,7 +46,7 @@ class OnGrid : public testing::Test {
       ADD_FAILURE() << "no error, expected '" << part_of_problem << "'";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
-      EXPECT_EQ(error.place(), place);
+      EXPECT_EQ(error.location(), place);
       EXPECT_NE(error.problem().find(part_of_problem), std::string::npos) << error.problem();
     }
   }
@@ -272,7 +272,7 @@ std::string problem_of(const std::function<void()>& call) {
     call();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    return error.place() + ": " + error.problem();
+    return error.location() + ": " + error.problem();
   }
   return "no error";
 }

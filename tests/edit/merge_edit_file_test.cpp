@@ -85,9 +85,9 @@ TEST(MergeEditFile, KeepsEveryField) {
   EXPECT_EQ(matched.size, 1.5);
   EXPECT_EQ(matched.reach.length, 0.25);
   const auto& dropped = std::get<MergeStep>(edit.steps.at(4).action);
-  EXPECT_EQ(std::get<Eigen::Vector3d>(dropped.at->place), Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(std::get<Eigen::Vector3d>(dropped.at->surface_point), Eigen::Vector3d::UnitZ());
   EXPECT_EQ(dropped.at->spin_deg, 45);
-  EXPECT_EQ(std::get<Index>(std::get<MergeStep>(edit.steps.at(5).action).at->place), 5);
+  EXPECT_EQ(std::get<Index>(std::get<MergeStep>(edit.steps.at(5).action).at->surface_point), 5);
 }
 
 TEST(MergeEditFile, ReadsVersionOneAsAMergeByThePaper) {

@@ -83,7 +83,7 @@ TEST(GltfErrors, NameThePlaceInTheJson) {
     GltfBuilder b = square();
     bad.spoil(b.json);
     const auto path = folder.file("bird.glb", b.glb());
-    expect_error([&] { read_mesh(path); }, ErrorCode::input, bad.words).place();
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, bad.words).location();
     expect_error([&] { read_mesh(path); }, ErrorCode::input, {"bird.glb"});
   }
 }

@@ -45,7 +45,7 @@ TEST(Correspondence, FollowsTheStartByArcLength) {
   const Correspondence found = match_by_arc_length(pair, {&start, 1}, source, target, "");
   EXPECT_EQ(found.confidence, 1);
   for (int i = 0; i < 50; ++i)
-    EXPECT_LT((at(target.points, found.place[i]) - source.points.row(i)).norm(), 1e-12) << i;
+    EXPECT_LT((at(target.points, found.loop_parameter[i]) - source.points.row(i)).norm(), 1e-12) << i;
 }
 
 TEST(Correspondence, KeepsAllMatchesAndTheOrderBetween) {
@@ -53,10 +53,10 @@ TEST(Correspondence, KeepsAllMatchesAndTheOrderBetween) {
   const LoopPair pair = numbered(40, 25);
   const std::vector<Match> matches{{103, 520}, {115, 512}, {130, 501}};
   const Correspondence found = match_by_arc_length(pair, matches, source, target, "");
-  for (const Match& match : matches) EXPECT_EQ(found.place[match.source - 100], match.target - 500);
+  for (const Match& match : matches) EXPECT_EQ(found.loop_parameter[match.source - 100], match.target - 500);
   double walked = 0;
   for (int i = 0; i < 40; ++i) {
-    double step = found.place[i] - found.place[(i + 1) % 40];
+    double step = found.loop_parameter[i] - found.loop_parameter[(i + 1) % 40];
     step -= 25 * std::floor(step / 25);
     EXPECT_GT(step, 0);
     walked += step;
@@ -79,7 +79,7 @@ TEST(Correspondence, IsFoundWhateverTheSamplingAndThePose) {
     const auto found = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, false, {&place, 1});
     EXPECT_GT(found[0].confidence, 0.3);
     for (int i = 0; i < 64; ++i)
-      EXPECT_LT((at(unposed, found[0].place[i]) - source.points.row(i)).norm(), 0.1) << count << ", " << i;
+      EXPECT_LT((at(unposed, found[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1) << count << ", " << i;
   }
 }
 
@@ -89,7 +89,7 @@ TEST(Correspondence, OfIdenticalLoopsIsExact) {
   const std::string place;
   const auto found = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, false, {&place, 1});
   for (int i = 0; i < 77; ++i)
-    EXPECT_LT((at(target.points, found[0].place[i]) - source.points.row(i)).norm(), 1e-12) << i;
+    EXPECT_LT((at(target.points, found[0].loop_parameter[i]) - source.points.row(i)).norm(), 1e-12) << i;
 }
 
 TEST(Correspondence, OfCirclesIsRefusedAlone) {
@@ -106,7 +106,7 @@ TEST(Correspondence, OfCirclesIsRefusedAlone) {
   // Where the source is posed, nearness decides.
   const auto posed = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, true, {&place, 1});
   for (int i = 0; i < 64; ++i)
-    EXPECT_LT((at(target.points, posed[0].place[i]) - source.points.row(i)).norm(), 0.1);
+    EXPECT_LT((at(target.points, posed[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1);
 }
 
 TEST(Correspondence, OfCirclesIsPlacedByTheOthers) {
@@ -125,7 +125,7 @@ TEST(Correspondence, OfCirclesIsPlacedByTheOthers) {
   const auto found = match_automatically(pairs, sources, targets, false, places);
   for (int p = 0; p < 3; ++p) {
     for (int i = 0; i < 40; ++i)
-      EXPECT_LT((at(targets[p].points, found[p].place[i]) - sources[p].points.row(i)).norm(), 0.15) << p;
+      EXPECT_LT((at(targets[p].points, found[p].loop_parameter[i]) - sources[p].points.row(i)).norm(), 0.15) << p;
   }
 }
 

@@ -107,7 +107,7 @@ TEST(Merge, GraftsBackWhatWasCut) {
         EXPECT_EQ(pair.met.size(), graft.pairs[p].loops.source.size());
         for (std::size_t i = 0; i < pair.met.size(); ++i)
           EXPECT_LT(
-              (pair.places.row(static_cast<Eigen::Index>(i)) - graft.source.positions.row(pair.met[i])).norm(),
+              (pair.target_points.row(static_cast<Eigen::Index>(i)) - graft.source.positions.row(pair.met[i])).norm(),
               1e-9 * size)
               << graft.name;
       }
@@ -365,7 +365,7 @@ TEST(Merge, RefusesSizesAMillionTimesOff) {
       merge_meshes(target, source, {{pair}}, {.size = size});
       ADD_FAILURE() << size << " was accepted";
     } catch (const Error& error) {
-      EXPECT_EQ(error.place(), "size");
+      EXPECT_EQ(error.location(), "size");
       EXPECT_THAT(error.what(), HasSubstr("a million times"));
     }
   }

@@ -172,7 +172,7 @@ TEST(RequireUsable, RefusesOnlyWithinReach) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_EQ(error.place(), "model.ply");
+    EXPECT_EQ(error.location(), "model.ply");
     EXPECT_EQ(error.problem(),
               "1 vertex has a coordinate that is not a finite number (within reach: vertex 3)");
     EXPECT_FALSE(error.remedy().empty());

@@ -280,7 +280,7 @@ TEST(VertexTriangles, NameATriangleWithAnIndexOutOfRange) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_EQ(error.place(), "triangle 1");
+    EXPECT_EQ(error.location(), "triangle 1");
   }
 }
 

@@ -178,7 +178,7 @@ TEST(Triangulate, NamesTheFaceWithAnIndexOutOfRange) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_EQ(error.place(), "face 1");
+    EXPECT_EQ(error.location(), "face 1");
     EXPECT_NE(error.problem().find("index 7"), std::string::npos);
   }
   EXPECT_EQ(triangulate(mesh, {.skip_out_of_range = true}).face, (std::vector<Index>{0}));

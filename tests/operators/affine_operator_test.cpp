@@ -187,7 +187,7 @@ TEST(Options, OutOfRangeAreNamed) {
       FAIL() << field;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
-      EXPECT_EQ(error.place(), field);
+      EXPECT_EQ(error.location(), field);
     }
   }
 }

@@ -297,7 +297,7 @@ bool follow_remedy(RandomGraft& graft, const Error& refusal) {
   if (named == std::string::npos ||
       std::sscanf(refusal.remedy().c_str() + named, "--start %d:%d", &start.target, &start.source) != 2)
     return false;
-  if (std::sscanf(refusal.place().c_str(), "pair %zu", &pair) == 1 && pair >= graft.pairs.size()) return false;
+  if (std::sscanf(refusal.location().c_str(), "pair %zu", &pair) == 1 && pair >= graft.pairs.size()) return false;
   graft.pairs[pair].matches = {start};
   return true;
 }

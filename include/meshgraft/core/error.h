@@ -27,13 +27,13 @@ std::string_view to_string(ErrorCode code) noexcept;
 /// The one exception type. A message has up to three parts, joined as "place: problem. remedy.".
 class Error : public std::runtime_error {
  public:
-  /// `problem` is a clause without a final full stop; `place` (a file, line, field or element) and `remedy`
+  /// `problem` is a clause without a final full stop; `location` (a file, line, field or element) and `remedy`
   /// (what the reader can do) may be empty.
-  Error(ErrorCode code, std::string problem, std::string place = {}, std::string remedy = {});
+  Error(ErrorCode code, std::string problem, std::string location = {}, std::string remedy = {});
 
   ErrorCode code() const noexcept { return code_; }
   const std::string& problem() const noexcept { return problem_; }
-  const std::string& place() const noexcept { return place_; }
+  const std::string& location() const noexcept { return location_; }
   const std::string& remedy() const noexcept { return remedy_; }
 
   /// The same error seen from further out: "outer: inner place".
@@ -42,7 +42,7 @@ class Error : public std::runtime_error {
  private:
   ErrorCode code_;
   std::string problem_;
-  std::string place_;
+  std::string location_;
   std::string remedy_;
 };
 

@@ -108,29 +108,29 @@ class Selection {
   Kind kind;
 };
 
-/// The vertices that `selection` means; may be none. Throws Error(input), naming `place` (a field of the edit
+/// The vertices that `selection` means; may be none. Throws Error(input), naming `location` (a field of the edit
 /// file) and the part of it, for an index, component or loop that does not exist, a malformed shape, or points
 /// of a path that are not connected.
 std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
-                           const std::string& place);
+                           const std::string& location);
 
 /// The `.sel` file of the field's standard tests: 0 fixed, 1 free, 2 handle, one number per vertex.
 struct SelFile {
   std::vector<Index> fixed, free, handle;
 };
 
-/// Text of a `.sel` file; `#` starts a comment. Throws Error(input) with `place` and the line for anything but
+/// Text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line for anything but
 /// 0, 1 or 2 and for a count that differs from the mesh's.
-SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& place);
+SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location);
 
 /// Text of vertex indices (from 0), separated by white space, in their order; `#` starts a comment, an index
-/// that comes again is dropped. Throws Error(input) with `place` and the line for anything else and for an
+/// that comes again is dropped. Throws Error(input) with `location` and the line for anything else and for an
 /// index out of range.
-std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& place);
+std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& location);
 
 /// A `.def` file: an affine 4×4 matrix as 16 numbers, row by row; `#` starts a comment. Throws Error(input)
-/// with `place` and the line for anything else, for a number that is not finite, and for a last row other than
+/// with `location` and the line for anything else, for a number that is not finite, and for a last row other than
 /// 0 0 0 1.
-Eigen::Matrix4d parse_def(std::string_view text, const std::string& place);
+Eigen::Matrix4d parse_def(std::string_view text, const std::string& location);
 
 }  // namespace meshgraft

@@ -35,13 +35,13 @@ struct ResolvedDeform {
   std::vector<std::string> notes;  ///< sentences for people about what is another way than asked
 };
 
-/// What `step` means on `context.mesh`; `place` names the step in messages ("edit.json: steps[0]").
+/// What `step` means on `context.mesh`; `location` names the step in messages ("edit.json: steps[0]").
 /// Throws Error(input), naming the field, for a selection that does not fit the mesh, an empty handle, vertices
 /// with two roles, a handle outside the region, counts that differ, and what is asked of a
 /// symmetry that the mesh does not have; Error(io) for a file that cannot be
 /// read.
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
-                              const std::string& place, const ProducedSets& produced = {});
+                              const std::string& location, const ProducedSets& produced = {});
 
 /// Sentences about handles that are their own mirror image and whose poses are not; `poses` are one per handle.
 std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,

@@ -29,9 +29,9 @@ struct Match {
 
 /// Where each vertex of a source loop comes to lie on the target loop.
 struct Correspondence {
-  /// Per vertex of `LoopPair::source`, in its order: place k + t on the target loop is (1 − t)·target[k] +
+  /// Per vertex of `LoopPair::source`, in its order: the parameter k + t on the target loop is (1 − t)·target[k] +
   /// t·target[k + 1], cyclically. Goes once round the target loop, backwards.
-  std::vector<double> place;
+  std::vector<double> loop_parameter;
   /// 0 … 1: how much better the best start is than the best one elsewhere; 1 where it was given.
   double confidence = 1;
 };
@@ -43,10 +43,10 @@ struct LoopGeometry {
 };
 
 /// FT05 5.1 (1) and (2): from one matched pair of vertices (the start) or more, by arc length between them.
-/// Throws Error(input), naming `place`, for vertices that are not on the loops and for matches that cross.
+/// Throws Error(input), naming `location`, for vertices that are not on the loops and for matches that cross.
 Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> matches,
                                    const LoopGeometry& source, const LoopGeometry& target,
-                                   const std::string& place);
+                                   const std::string& location);
 
 /// A similarity x ↦ scale · rotation · x + translation.
 struct Similarity {
@@ -78,12 +78,12 @@ class OpenStartError : public Error {
 /// The best cyclic alignment of each pair: the arc-length start whose loops, normals included, a similarity
 /// maps onto one another best. The pairs are those of one connected source and share the similarity, so that
 /// loops without any feature of their own (circles) are placed by the others. With `posed`, the source is where
-/// it should be and nearness decides. `places` name the pairs in messages.
+/// it should be and nearness decides. `locations` name the pairs in messages.
 /// Throws OpenStartError, naming the first pair and what to add, where the best start is not distinguished from
 /// others.
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                                 std::span<const LoopGeometry> sources,
                                                 std::span<const LoopGeometry> targets, bool posed,
-                                                std::span<const std::string> places);
+                                                std::span<const std::string> locations);
 
 }  // namespace meshgraft

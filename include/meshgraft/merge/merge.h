@@ -77,7 +77,7 @@ struct PairReport {
   double misfit_rel = 0;
   double edge_ratio = 1;   ///< mean edge length of the target's loop over that of the source's, as matched
   std::vector<Index> met;  ///< vertices of the source's loop, in its order, without those that refinement added
-  Points places;           ///< where on the target's loop each of them comes to lie (k×3)
+  Points target_points;    ///< where on the target's loop each of them comes to lie (k×3)
 };
 
 /// Singular values and the like of the map source → result, over the source's faces, without its similarity.

@@ -16,7 +16,7 @@ namespace meshgraft {
 
 /// Where and how a part is put onto a surface without a hole.
 struct Drop {
-  std::variant<Index, Eigen::Vector3d> place;  ///< a vertex of the target, or the surface nearest to a point
+  std::variant<Index, Eigen::Vector3d> surface_point;  ///< a vertex of the target, or the surface nearest to a point
   /// Scale of the source, about. Absent: 1 if its loop has room there and the source stands clear of the
   /// target, else the largest of 0.7, 0.5, 0.35, … that does.
   std::optional<double> size{};

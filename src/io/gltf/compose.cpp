@@ -39,7 +39,7 @@ GltfDocument blank_document(const std::filesystem::path& path) {
   GltfDocument document;
   document.path = path;
   document.is_glb = true;
-  document.buffers.push_back({GltfBuffer::Place::chunk, {}, 0, 0, {}});
+  document.buffers.push_back({GltfBuffer::Storage::chunk, {}, 0, 0, {}});
   document.json = {{"asset", {{"version", "2.0"}, {"generator", "meshgraft " MESHGRAFT_VERSION}}},
                    {"scene", 0},
                    {"scenes", Json::array({Json::object()})},

@@ -60,23 +60,23 @@ int hex_digit(char c) {
   return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
-std::string decode_data_uri(const std::string& uri, const JsonView& place) {
+std::string decode_data_uri(const std::string& uri, const JsonView& location) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
-    place.fail("the data URI is not base64");
+    location.fail("the data URI is not base64");
   std::optional<std::string> bytes = decode_base64(std::string_view(uri).substr(comma + 1));
-  if (!bytes) place.fail("the data URI is malformed");
+  if (!bytes) location.fail("the data URI is malformed");
   return std::move(*bytes);
 }
 
-std::string read_beside(const fs::path& path, const JsonView& place) {
+std::string read_beside(const fs::path& path, const JsonView& location) {
   try {
     std::error_code missing;
     if (fs::exists(path, missing) && !fs::is_regular_file(path, missing))
       throw Error(ErrorCode::input, "is no file", path.string(), "A buffer has to be one");
     return read_file(path);
   } catch (const Error& error) {
-    throw error.within(place.file() + ": " + place.place());
+    throw error.within(location.file() + ": " + location.location());
   }
 }
 
@@ -87,16 +87,16 @@ GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& l
   if (const auto uri = buffer.find("uri")) {
     const std::string text = uri->text();
     if (is_data_uri(text)) {
-      loaded.place = GltfBuffer::Place::data_uri;
+      loaded.storage = GltfBuffer::Storage::data_uri;
       loaded.own = decode_data_uri(text, *uri);
     } else {
-      loaded.place = GltfBuffer::Place::file;
+      loaded.storage = GltfBuffer::Storage::file;
       loaded.path = fs::path(buffer.file()).parent_path() / path_of_uri(text, *uri);
       loaded.own = read_beside(loaded.path, *uri);
     }
     available = loaded.own.size();
   } else if (is_first && layout.has_binary) {
-    loaded.place = GltfBuffer::Place::chunk;
+    loaded.storage = GltfBuffer::Storage::chunk;
     loaded.begin = layout.binary_begin;
     available = layout.binary_size;
   } else {
@@ -180,9 +180,9 @@ bool has_scheme(std::string_view uri) {
   });
 }
 
-fs::path path_of_uri(const std::string& uri, const JsonView& place) {
+fs::path path_of_uri(const std::string& uri, const JsonView& location) {
   if (has_scheme(uri) || uri.starts_with("//"))
-    place.fail("'" + uri.substr(0, 80) + "' is no file of this computer",
+    location.fail("'" + uri.substr(0, 80) + "' is no file of this computer",
                "Put the file beside the glTF file and name it by a relative path");
   std::string path;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -193,7 +193,7 @@ fs::path path_of_uri(const std::string& uri, const JsonView& place) {
       path += uri[i];
     }
   }
-  if (path.empty() || path.find('\0') != std::string::npos) place.fail("names no file");
+  if (path.empty() || path.find('\0') != std::string::npos) location.fail("names no file");
   return path;
 }
 

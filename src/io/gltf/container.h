@@ -30,13 +30,13 @@ std::string compose_glb(std::string_view json, std::optional<std::string_view> b
 
 /// The bytes of one of a glTF file's buffers, and where they came from.
 struct GltfBuffer {
-  enum class Place {
+  enum class Storage {
     chunk,     ///< of the .glb itself
     data_uri,  ///< in the JSON
     file,      ///< beside it
     absent,    ///< nowhere: it is a fallback that compressed data makes dispensable
   };
-  Place place = Place::absent;
+  Storage storage = Storage::absent;
   std::string own;                  ///< bytes, unless they lie in the .glb
   std::size_t begin = 0, size = 0;  ///< of those that do
   std::filesystem::path path;       ///< of a file
@@ -47,7 +47,7 @@ struct GltfBuffer {
 std::vector<GltfBuffer> load_buffers(const JsonView& root, const GlbLayout& layout);
 
 /// A relative URI as a path: percent signs decoded. Throws Error(input) for addresses in a network.
-std::filesystem::path path_of_uri(const std::string& uri, const JsonView& place);
+std::filesystem::path path_of_uri(const std::string& uri, const JsonView& location);
 std::string uri_of_path(const std::filesystem::path& path);
 bool is_data_uri(std::string_view uri);
 bool has_scheme(std::string_view uri);

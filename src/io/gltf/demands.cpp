@@ -55,8 +55,8 @@ class DemandCollector {
       }
     }
     if (instance.placement.flattens() && !all_met(demands)) {
-      const std::string place = instance.node ? fmt::format("{}: nodes[{}]", name_, *instance.node) : name_;
-      throw Error(ErrorCode::input, "flattens its mesh, so what was moved cannot be told back", place,
+      const std::string location = instance.node ? fmt::format("{}: nodes[{}]", name_, *instance.node) : name_;
+      throw Error(ErrorCode::input, "flattens its mesh, so what was moved cannot be told back", location,
                   "Give the node a scale without zeros, or write another format");
     }
     return demands;

@@ -65,9 +65,9 @@ std::string_view GltfDocument::binary_rest() const {
 GltfBytes GltfDocument::bytes() const {
   GltfBytes bytes;
   for (const GltfBuffer& buffer : buffers) {
-    if (buffer.place == GltfBuffer::Place::absent)
+    if (buffer.storage == GltfBuffer::Storage::absent)
       bytes.emplace_back();
-    else if (buffer.place == GltfBuffer::Place::chunk)
+    else if (buffer.storage == GltfBuffer::Storage::chunk)
       bytes.push_back(std::string_view(content).substr(buffer.begin, buffer.size));
     else
       bytes.push_back(std::string_view(buffer.own).substr(0, buffer.size));

@@ -125,7 +125,7 @@ std::size_t GltfEdit::store_copy(std::size_t accessor_index, const GltfChanges& 
 
 std::size_t GltfEdit::buffer_for_new_bytes() {
   for (std::size_t b = 0; b < document_.buffers.size(); ++b)
-    if (document_.buffers[b].place != GltfBuffer::Place::absent) return b;
+    if (document_.buffers[b].storage != GltfBuffer::Storage::absent) return b;
   throw Error(ErrorCode::internal, "a glTF file with elements has no buffer");
 }
 

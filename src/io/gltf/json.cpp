@@ -220,7 +220,7 @@ std::optional<JsonView> JsonView::find(const std::string& key) const {
   if (!json_->is_object()) fail("is no object");
   const auto member = json_->find(key);
   if (member == json_->end()) return std::nullopt;
-  return JsonView(*member, place_.empty() ? key : place_ + "." + key, *file_);
+  return JsonView(*member, location_.empty() ? key : location_ + "." + key, *file_);
 }
 
 JsonView JsonView::at(const std::string& key) const {
@@ -231,7 +231,7 @@ JsonView JsonView::at(const std::string& key) const {
 
 JsonView JsonView::at(std::size_t element) const {
   if (element >= size()) fail(fmt::format("there is no element {}", element));
-  return JsonView((*json_)[element], fmt::format("{}[{}]", place_, element), *file_);
+  return JsonView((*json_)[element], fmt::format("{}[{}]", location_, element), *file_);
 }
 
 std::size_t JsonView::count(const std::string& key) const {
@@ -280,7 +280,7 @@ std::size_t JsonView::index(std::size_t count, std::string_view what) const {
 }
 
 void JsonView::fail(const std::string& problem, const std::string& remedy) const {
-  throw Error(ErrorCode::input, problem, place_.empty() ? *file_ : *file_ + ": " + place_, remedy);
+  throw Error(ErrorCode::input, problem, location_.empty() ? *file_ : *file_ + ": " + location_, remedy);
 }
 
 }  // namespace meshgraft::io

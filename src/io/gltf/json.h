@@ -25,11 +25,11 @@ std::string patch_json_text(std::string_view text, const Json& before, const Jso
 /// Members throw Error(input) where the file has something else than what is asked for.
 class JsonView {
  public:
-  JsonView(const Json& json, std::string place, const std::string& file)
-      : json_(&json), place_(std::move(place)), file_(&file) {}
+  JsonView(const Json& json, std::string location, const std::string& file)
+      : json_(&json), location_(std::move(location)), file_(&file) {}
 
   const Json& json() const { return *json_; }
-  const std::string& place() const { return place_; }
+  const std::string& location() const { return location_; }
   const std::string& file() const { return *file_; }
 
   std::optional<JsonView> find(const std::string& key) const;
@@ -54,7 +54,7 @@ class JsonView {
 
  private:
   const Json* json_;
-  std::string place_;
+  std::string location_;
   const std::string* file_;
 };
 

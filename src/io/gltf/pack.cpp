@@ -41,10 +41,10 @@ class GltfPacker {
         bytes_(edit.bytes()),
         wants_glb_(is_glb_path(path)),
         moved_(whole(document_.path).parent_path() != whole(path).parent_path()),
-        in_place_(whole(document_.path) == whole(path)),
+        in_location_(whole(document_.path) == whole(path)),
         inputs_(edit.inputs) {
     for (const GltfBuffer& buffer : document_.buffers)
-      if (buffer.place == GltfBuffer::Place::file) inputs_.push_back(buffer.path);
+      if (buffer.storage == GltfBuffer::Storage::file) inputs_.push_back(buffer.path);
   }
 
   Written pack() {
@@ -64,22 +64,22 @@ class GltfPacker {
   void place_buffer(std::size_t b) {
     const GltfBuffer& buffer = document_.buffers[b];
     Json& json = json_["buffers"][b];
-    switch (buffer.place) {
-      case GltfBuffer::Place::absent: break;
-      case GltfBuffer::Place::chunk:
+    switch (buffer.storage) {
+      case GltfBuffer::Storage::absent: break;
+      case GltfBuffer::Storage::chunk:
         if (!wants_glb_)
           write_beside(b, json);
         else if (is_changed(b) || document_.layout.has_binary)
           binary_ = is_changed(b) ? chunk_bytes(b) : original_chunk();
         break;
-      case GltfBuffer::Place::data_uri:
+      case GltfBuffer::Storage::data_uri:
         if (is_changed(b)) {
           const auto uri = json["uri"].get<std::string>();
           json["uri"] = uri.substr(0, uri.find(',') + 1) + encode_base64(bytes_[b]);
         }
         break;
-      case GltfBuffer::Place::file:
-        if (in_place_ && is_changed(b) && is_own(buffer.path))
+      case GltfBuffer::Storage::file:
+        if (in_location_ && is_changed(b) && is_own(buffer.path))
           written_.companions.push_back({buffer.path, std::string(bytes_[b])});
         else if (is_changed(b) || moved_)
           write_beside(b, json);
@@ -114,7 +114,7 @@ class GltfPacker {
 
   /// Data that is somewhere else, or referred to by what only an extension knows, stays where it is.
   bool can_merge() const {
-    const auto is_there = [](const GltfBuffer& buffer) { return buffer.place != GltfBuffer::Place::absent; };
+    const auto is_there = [](const GltfBuffer& buffer) { return buffer.storage != GltfBuffer::Storage::absent; };
     if (document_.buffers.empty() || !std::ranges::all_of(document_.buffers, is_there)) return false;
     const auto views = json_.find("bufferViews");
     return views == json_.end() ||
@@ -192,7 +192,7 @@ class GltfPacker {
   GltfBytes bytes_;
   bool wants_glb_;
   bool moved_;
-  bool in_place_;
+  bool in_location_;
   std::vector<fs::path> inputs_, taken_;
   std::optional<std::string> binary_;
   Written written_;

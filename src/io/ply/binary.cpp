@@ -24,9 +24,9 @@ double PlyBinaryCursor::scalar(const PlyProperty&, ScalarType type) {
 }
 
 void PlyBinaryCursor::fail(const std::string& problem, const std::string& remedy) const {
-  const std::string place =
+  const std::string location =
       element_->name + " " + std::to_string(row_) + " (byte " + std::to_string(offset_) + ")";
-  throw Error(ErrorCode::input, problem, name_ + ", " + place, remedy);
+  throw Error(ErrorCode::input, problem, name_ + ", " + location, remedy);
 }
 
 }  // namespace meshgraft::io

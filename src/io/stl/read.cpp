@@ -92,16 +92,16 @@ class StlReader {
     PointIndex<float> points(count / 2 + 3);  // a closed surface has half as many vertices as triangles
     const char* facet = document_->content.data() + stl_layout::first_facet;
     constexpr std::size_t block = 64;
-    std::array<FloatPoint, 3 * block> places;
+    std::array<FloatPoint, 3 * block> block_points;
     std::array<Index, 3 * block> corners;
     for (std::size_t begin = 0; begin < count; begin += block) {
       if (begin % elements_per_check == 0) report_progress(begin, count);
       const std::size_t size = std::min(block, count - begin);
       for (std::size_t f = 0; f < size; ++f, facet += stl_layout::facet) {
         for (std::size_t c = 0; c < 3; ++c)
-          places[3 * f + c] = load_stl_point(facet + (c + 1) * stl_layout::corner);
+          block_points[3 * f + c] = load_stl_point(facet + (c + 1) * stl_layout::corner);
       }
-      points.add({places.data(), 3 * size}, corners.data());
+      points.add({block_points.data(), 3 * size}, corners.data());
       for (std::size_t f = 0; f < size; ++f) mesh_.faces.push_back({corners.data() + 3 * f, 3});
     }
     mesh_.positions = points.take();

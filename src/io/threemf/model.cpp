@@ -249,14 +249,14 @@ class Reader {
                        iterator.get());
       session_.require(NMR::lib3mf_builditem_getobjectresource(item.get(), object.receive()), item.get());
       session_.require(NMR::lib3mf_builditem_getobjecttransform(item.get(), &transform), item.get());
-      place(object.get(), affine(transform));
+      add_placement(object.get(), affine(transform));
     }
     if (!model_.placements.empty()) return;
     for (std::size_t k = 0; k < model_.objects.size(); ++k)
       model_.placements.push_back({k, Eigen::Affine3d::Identity()});
   }
 
-  void place(NMR::PLib3MFModelObjectResource* object, const Eigen::Affine3d& transform) {
+  void add_placement(NMR::PLib3MFModelObjectResource* object, const Eigen::Affine3d& transform) {
     BOOL is_components = 0;
     session_.require(NMR::lib3mf_object_iscomponentsobject(object, &is_components), object);
     if (!is_components) return place_mesh(object_of_.at(id_of(object)), transform);
@@ -272,7 +272,7 @@ class Reader {
       session_.require(NMR::lib3mf_component_getobjectresource(component.get(), inner.receive()),
                        component.get());
       session_.require(NMR::lib3mf_component_gettransform(component.get(), &own), component.get());
-      place(inner.get(), transform * affine(own));
+      add_placement(inner.get(), transform * affine(own));
     }
   }
 

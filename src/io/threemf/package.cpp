@@ -81,20 +81,20 @@ std::string lower_case(std::string_view text) {
 }
 
 // Nobody's mesh compresses like this: text of numbers shrinks to a tenth or so.
-void require_plausible(const zip_stat_t& entry, const std::string& place) {
+void require_plausible(const zip_stat_t& entry, const std::string& location) {
   constexpr zip_uint64_t small = zip_uint64_t{64} << 20;
   constexpr zip_uint64_t largest_ratio = 200;
   if (entry.size > small && entry.size / largest_ratio > entry.comp_size)
     throw Error(ErrorCode::input,
-                "unpacks to " + std::to_string(entry.size) + " bytes, more than 200 times its size", place,
+                "unpacks to " + std::to_string(entry.size) + " bytes, more than 200 times its size", location,
                 "If this is meant, pack the archive anew without compression");
 }
 
-std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& place) {
+std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& location) {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(archive, entry.index, 0),
                                                                &zip_fclose);
   if (!file)
-    throw Error(ErrorCode::input, std::string("cannot be unpacked: ") + zip_strerror(archive), place,
+    throw Error(ErrorCode::input, std::string("cannot be unpacked: ") + zip_strerror(archive), location,
                 std::string(damaged));
   // By pieces: the size that the archive tells may be a lie.
   constexpr std::size_t piece = std::size_t{1} << 20;
@@ -106,7 +106,7 @@ std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::strin
     const zip_int64_t got = zip_fread(file.get(), content.data() + size, piece);
     content.resize(size + static_cast<std::size_t>(std::max<zip_int64_t>(got, 0)));
     if (got < 0 || content.size() > entry.size)
-      throw Error(ErrorCode::input, "cannot be unpacked: its data are damaged", place, std::string(damaged));
+      throw Error(ErrorCode::input, "cannot be unpacked: its data are damaged", location, std::string(damaged));
     if (got == 0) return content;
   }
 }
@@ -128,10 +128,10 @@ std::vector<PackagePart> model_parts(std::string_view package, const std::string
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
   for (zip_int64_t i = 0; i < count; ++i) {
     const zip_stat_t entry = stat_of(archive.get(), static_cast<zip_uint64_t>(i));
-    const std::string place = entry.name;
-    require_plausible(entry, place);
-    if (lower_case(place).ends_with(".model"))
-      parts.push_back({place, read_entry(archive.get(), entry, place)});
+    const std::string location = entry.name;
+    require_plausible(entry, location);
+    if (lower_case(location).ends_with(".model"))
+      parts.push_back({location, read_entry(archive.get(), entry, location)});
   }
   if (parts.empty())
     throw Error(ErrorCode::input, "holds no 3D model", {}, "It is another kind of ZIP archive");

@@ -154,25 +154,25 @@ class Assembler {
           Attribute{.name = "colour", .domain = Domain::corner, .type = ScalarType::uint8, .components = 4});
   }
 
-  void add(std::size_t placement) {
-    const ThreemfModel::Placement& place = model_.placements[placement];
-    const ThreemfModel::Object& object = model_.objects[place.object];
+  void add(std::size_t number) {
+    const ThreemfModel::Placement& placement = model_.placements[number];
+    const ThreemfModel::Object& object = model_.objects[placement.object];
     const Index first = next_vertex_;
     // A mirror turns what it shows inside out.
-    const bool is_mirrored = place.transform.linear().determinant() < 0;
+    const bool is_mirrored = placement.transform.linear().determinant() < 0;
     const std::array<std::size_t, 3> corners =
         is_mirrored ? std::array<std::size_t, 3>{0, 2, 1} : std::array<std::size_t, 3>{0, 1, 2};
     for (std::size_t v = 0; v < object.vertices.size(); ++v)
-      mesh_.positions.row(next_vertex_++) = placed(place.transform, position(place.object, v));
+      mesh_.positions.row(next_vertex_++) = placed(placement.transform, position(placement.object, v));
     for (std::size_t t = 0; t < object.triangles.size(); ++t) {
       std::array<Index, 3> face;
       for (std::size_t c = 0; c < 3; ++c) face[c] = first + static_cast<Index>(object.triangles[t][corners[c]]);
       mesh_.faces.push_back(face);
-      if (has_objects_) objects_->values.push_back(static_cast<double>(placement));
+      if (has_objects_) objects_->values.push_back(static_cast<double>(number));
       if (has_materials_) materials_->values.push_back(material_of(object, t));
       if (has_colours_) add_colour(object, t, corners);
     }
-    if (has_objects_) objects_->labels.push_back(label(object, placement));
+    if (has_objects_) objects_->labels.push_back(label(object, number));
   }
 
   Eigen::RowVector3d position(std::size_t object, std::size_t vertex) const {
@@ -194,9 +194,9 @@ class Assembler {
         colours_->values.push_back(object.colours.empty() ? 255 : object.colours[triangle][4 * c + k]);
   }
 
-  std::string label(const ThreemfModel::Object& object, std::size_t placement) {
+  std::string label(const ThreemfModel::Object& object, std::size_t number) {
     const std::string name = object.name.empty() ? "object" : object.name;
-    const std::string numbered = fmt::format("{}_{}", name, placement + 1);
+    const std::string numbered = fmt::format("{}_{}", name, number + 1);
     const bool takes_number = object.name.empty() || labels_.contains(name);
     return *labels_.insert(takes_number ? numbered : name).first;
   }

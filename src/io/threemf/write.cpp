@@ -38,16 +38,16 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
   for (std::size_t k = 0; k < document.sources.size(); ++k) positions.push_back(document.vertices(k).positions);
   std::vector<bool> decided(positions.size(), false);
   Eigen::Index first = 0;
-  for (const ThreemfModel::Placement& place : document.placements) {
-    const Points& old = document.vertices(place.object).positions;
-    Points& now = positions[place.object];
-    const Eigen::Affine3d inverse = place.transform.inverse();
-    const bool is_plain = place.transform.matrix() == Eigen::Affine3d::Identity().matrix();
+  for (const ThreemfModel::Placement& placement : document.placements) {
+    const Points& old = document.vertices(placement.object).positions;
+    Points& now = positions[placement.object];
+    const Eigen::Affine3d inverse = placement.transform.inverse();
+    const bool is_plain = placement.transform.matrix() == Eigen::Affine3d::Identity().matrix();
     for (Eigen::Index v = 0; v < old.rows(); ++v) {
       const Eigen::RowVector3d world = mesh.positions.row(first + v);
-      const bool moved = world != placed(place.transform, old.row(v));
-      if (decided[place.object]) {
-        if ((placed(place.transform, now.row(v)) - world).cwiseAbs().maxCoeff() > tolerance_rel * size)
+      const bool moved = world != placed(placement.transform, old.row(v));
+      if (decided[placement.object]) {
+        if ((placed(placement.transform, now.row(v)) - world).cwiseAbs().maxCoeff() > tolerance_rel * size)
           return std::nullopt;
       } else if (moved) {
         now.row(v) = is_plain ? world : placed(inverse, world);
@@ -55,7 +55,7 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
         require_in_range(now.row(v), first + v);
       }
     }
-    decided[place.object] = true;
+    decided[placement.object] = true;
     first += old.rows();
   }
   return positions;

@@ -23,8 +23,8 @@ constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
 /// must not cross its C code.
 class PartScanner {
  public:
-  PartScanner(std::string_view xml, const std::string& place)
-      : xml_(xml), place_(place), parser_(XML_ParserCreateNS(nullptr, '|'), &XML_ParserFree) {
+  PartScanner(std::string_view xml, const std::string& location)
+      : xml_(xml), location_(location), parser_(XML_ParserCreateNS(nullptr, '|'), &XML_ParserFree) {
     if (!parser_) throw std::bad_alloc();
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &start, &end);
@@ -131,11 +131,11 @@ class PartScanner {
 
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const {
     throw Error(ErrorCode::input, problem,
-                place_ + ", line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())), remedy);
+                location_ + ", line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())), remedy);
   }
 
   std::string_view xml_;
-  const std::string& place_;
+  const std::string& location_;
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, void (*)(XML_Parser)> parser_;
   ThreemfPart part_;
   std::string object_;
@@ -163,7 +163,7 @@ std::string_view value_in(std::string_view tag, std::string_view attribute) {
 
 }  // namespace
 
-ThreemfPart scan_part(std::string_view xml, const std::string& place) { return PartScanner(xml, place).scan(); }
+ThreemfPart scan_part(std::string_view xml, const std::string& location) { return PartScanner(xml, location).scan(); }
 
 bool is_utf8(std::string_view xml) { return !xml.starts_with("\xFF\xFE") && !xml.starts_with("\xFE\xFF"); }
 

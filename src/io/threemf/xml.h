@@ -30,9 +30,9 @@ struct ThreemfPart {
   std::vector<ThreemfReference> items;                              ///< of the build
 };
 
-/// `place` names the part in messages. Throws Error(input) with the line for text that is no well-formed XML,
+/// `location` names the part in messages. Throws Error(input) with the line for text that is no well-formed XML,
 /// has a document type (which 3MF forbids) or a malformed coordinate.
-ThreemfPart scan_part(std::string_view xml, const std::string& place);
+ThreemfPart scan_part(std::string_view xml, const std::string& location);
 
 /// True where bytes and characters of the part are the same thing, so that its tags can be rewritten.
 bool is_utf8(std::string_view xml);
