@@ -40,14 +40,14 @@ std::vector<float> roughened(const Points& points, const Points& normals, double
   constexpr double roughness = 0.15;
   const Eigen::RowVector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
   const double extent = (high - low).maxCoeff(), scale = extent > 0 ? 1 / extent : 1;
-  std::vector<float> places;
-  places.reserve(static_cast<std::size_t>(points.size()));
+  std::vector<float> coordinates;
+  coordinates.reserve(static_cast<std::size_t>(points.size()));
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
     const double lift = roughness * edge_length * drawn(static_cast<std::uint64_t>(v));
-    const Eigen::RowVector3d place = (points.row(v) - low + lift * normals.row(v)) * scale;
-    for (const double x : place) places.push_back(static_cast<float>(x));
+    const Eigen::RowVector3d lifted = (points.row(v) - low + lift * normals.row(v)) * scale;
+    for (const double x : lifted) coordinates.push_back(static_cast<float>(x));
   }
-  return places;
+  return coordinates;
 }
 
 /// The triangles' corners, and for each locked vertex a face of that vertex alone: the simplifier moves no
@@ -91,16 +91,16 @@ Decimated gather(std::span<const unsigned> corners, Eigen::Index vertex_count) {
     for (const unsigned v : {a, b, c}) kept.push_back(static_cast<Index>(v));
   }
   drop_closed_pockets(kept);
-  std::vector<Index> place(static_cast<std::size_t>(vertex_count), -1);
-  for (const Index v : kept) place[v] = 0;
+  std::vector<Index> coarse_index(static_cast<std::size_t>(vertex_count), -1);
+  for (const Index v : kept) coarse_index[v] = 0;
   Decimated result;
-  for (std::size_t v = 0; v < place.size(); ++v) {
-    if (place[v] < 0) continue;
-    place[v] = static_cast<Index>(result.vertices.size());
+  for (std::size_t v = 0; v < coarse_index.size(); ++v) {
+    if (coarse_index[v] < 0) continue;
+    coarse_index[v] = static_cast<Index>(result.vertices.size());
     result.vertices.push_back(static_cast<Index>(v));
   }
   result.triangles.resize(static_cast<Eigen::Index>(kept.size() / 3), 3);
-  std::transform(kept.begin(), kept.end(), result.triangles.data(), [&](Index v) { return place[v]; });
+  std::transform(kept.begin(), kept.end(), result.triangles.data(), [&](Index v) { return coarse_index[v]; });
   return result;
 }
 
@@ -109,13 +109,13 @@ Decimated gather(std::span<const unsigned> corners, Eigen::Index vertex_count) {
 Decimated decimate(const Points& points, const Triangles& triangles, const Points& normals,
                    std::span<const std::uint8_t> locked, Index target) {
   std::vector<unsigned> corners = corners_with_locks(triangles, locked);
-  const std::vector<float> places =
+  const std::vector<float> coordinates =
       roughened(points, normals, std::sqrt(surface_area(points, triangles) / target));
   // Twice as many faces as vertices; borders have fewer.
   const std::size_t target_corners = std::min(6 * static_cast<std::size_t>(target), corners.size());
   constexpr float any_error = std::numeric_limits<float>::max();
   std::vector<unsigned> left(corners.size());
-  const std::size_t count = meshopt_simplify(left.data(), corners.data(), corners.size(), places.data(),
+  const std::size_t count = meshopt_simplify(left.data(), corners.data(), corners.size(), coordinates.data(),
                                              static_cast<std::size_t>(points.rows()), 3 * sizeof(float),
                                              target_corners, any_error, 0, nullptr);
   return gather(std::span(left).first(count), points.rows());

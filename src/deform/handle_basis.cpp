@@ -279,11 +279,11 @@ void HandleBasis::place_handles(std::span<const HandlePose> poses, Points& posit
                                 const Context& context) const {
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     const std::vector<Index>& vertices = handles_[h].vertices;
-    const auto place = [&](std::size_t begin, std::size_t end) {
+    const auto move_vertices = [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         positions.row(vertices[k]) = (poses[h].transform * base_.row(vertices[k]).transpose()).transpose();
     };
-    if (handles_[h].constrain_position) parallel_blocks(vertices.size(), place, context, 4096);
+    if (handles_[h].constrain_position) parallel_blocks(vertices.size(), move_vertices, context, 4096);
     const Eigen::Matrix3d linear = poses[h].transform.linear();
     if (normals == nullptr || linear.isIdentity(0)) continue;
     const auto turn = [&](std::size_t begin, std::size_t end) {
@@ -299,7 +299,7 @@ HandleBuffers HandleBasis::buffers() const {
   HandleBuffers buffers;
   buffers.centre = centre_;
   buffers.scale = scale_;
-  std::vector<Index> place(static_cast<std::size_t>(base_.rows()), -1);
+  std::vector<Index> row_of(static_cast<std::size_t>(base_.rows()), -1);
   buffers.vertices = movers_;
   for (const Handle& handle : handles_)
     if (handle.constrain_position)
@@ -314,30 +314,30 @@ HandleBuffers HandleBasis::buffers() const {
   buffers.blocks.setZero(count, width * static_cast<Eigen::Index>(handles_.size()));
   for (Eigen::Index k = 0; k < count; ++k) {
     const Index v = buffers.vertices[static_cast<std::size_t>(k)];
-    place[v] = static_cast<Index>(k);
+    row_of[v] = static_cast<Index>(k);
     buffers.positions.row(k) = ((base_.row(v) - centre_) / scale_).cast<float>();
     if (has_normals()) buffers.normals.row(k) = normals_.row(v);
   }
-  copy_columns(place, buffers);
+  copy_columns(row_of, buffers);
   // Handles' own vertices follow their handle, and no other one.
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     if (!handles_[h].constrain_position) continue;
     const Eigen::Index first = width * static_cast<Eigen::Index>(h);
     for (const Index v : handles_[h].vertices)
-      buffers.blocks.row(place[v]).segment<4>(first) << buffers.positions.row(place[v]), 1.0F;
+      buffers.blocks.row(row_of[v]).segment<4>(first) << buffers.positions.row(row_of[v]), 1.0F;
     for (const Index v : turned_[h])
-      for (Eigen::Index j = 0; has_normals() && j < 3; ++j) buffers.blocks(place[v], first + 4 + 5 * j) = 1.0F;
+      for (Eigen::Index j = 0; has_normals() && j < 3; ++j) buffers.blocks(row_of[v], first + 4 + 5 * j) = 1.0F;
   }
   return buffers;
 }
 
 /// The columns of all vertices that have some, from lanes to rows.
-void HandleBasis::copy_columns(const std::vector<Index>& place, HandleBuffers& buffers) const {
+void HandleBasis::copy_columns(const std::vector<Index>& row_of, HandleBuffers& buffers) const {
   const std::size_t handle_count = handles_.size();
   const std::size_t width = has_normals() ? 16 : 4;
   for (std::size_t k = 0; k < movers_.size(); ++k) {
     const std::size_t block = k / lanes, lane = k % lanes;
-    const Index row = place[movers_[k]];
+    const Index row = row_of[movers_[k]];
     float* numbers = &buffers.blocks.coeffRef(row, 0);
     for (std::size_t h = 0; h < handle_count; ++h) {
       for (std::size_t e = 0; e < 4; ++e)

@@ -116,7 +116,7 @@ struct ProxyDeformer::Impl {
             EvaluationReport* report) const;
   std::vector<Bone> bones(std::span<const VertexConstraint> given, const Context& context,
                           EvaluationReport* report) const;
-  Bone bone_at(const Eigen::RowVector3d& place, const Eigen::RowVector3d& displacement,
+  Bone bone_at(const Eigen::RowVector3d& position, const Eigen::RowVector3d& displacement,
                const Eigen::Matrix3d& map_change) const;
 };
 
@@ -271,11 +271,11 @@ std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> a
                                                        Density density, const Context& context) const {
   if (anchors.empty()) return {};
   const std::vector<double> lengths = mean_edge_lengths(domain.points, domain.rings);
-  Points places(static_cast<Eigen::Index>(proxy.vertices.size()), 3);
+  Points proxy_points(static_cast<Eigen::Index>(proxy.vertices.size()), 3);
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
-    places.row(static_cast<Eigen::Index>(k)) = domain.points.row(proxy.vertices[k]);
+    proxy_points.row(static_cast<Eigen::Index>(k)) = domain.points.row(proxy.vertices[k]);
   const std::vector<double> proxy_lengths =
-      mean_edge_lengths(places, vertex_rings(static_cast<Index>(places.rows()), proxy.triangles, context));
+      mean_edge_lengths(proxy_points, vertex_rings(static_cast<Index>(proxy_points.rows()), proxy.triangles, context));
   struct Pull {
     double squared_weight = 0;
     Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
@@ -312,13 +312,13 @@ void ProxyDeformer::Impl::make_deformer(const VertexStates& states, const Holder
                                         std::vector<Anchor> anchors, std::span<const Feature> features,
                                         const DeformerOptions& options, const Context& context) {
   const auto count = static_cast<Eigen::Index>(proxy_vertices.size());
-  Points places(count, 3);
+  Points proxy_points(count, 3);
   std::vector<Index> region;
   std::vector<Feature> proxy_features(features.begin(), features.end());
   for (Feature& feature : proxy_features) feature.vertices.clear();
   for (Index k = 0; k < count; ++k) {
     const Index v = proxy_vertices[k];
-    places.row(k) = rest.row(v);
+    proxy_points.row(k) = rest.row(v);
     if (!holders.stays(v)) region.push_back(k);
     if (states.feature[v] >= 0) proxy_features[states.feature[v]].vertices.push_back(k);
   }
@@ -333,16 +333,16 @@ void ProxyDeformer::Impl::make_deformer(const VertexStates& states, const Holder
       constraint.position = rest.row(constrained.vertex[need.constraint]).transpose();
     if (constrained.gives_transform[need.constraint]) constraint.transform = Eigen::Matrix3d::Identity();
   }
-  deformer = Deformer::with_constraints(places, proxy_triangles, region, constraints, anchors, proxy_features,
+  deformer = Deformer::with_constraints(proxy_points, proxy_triangles, region, constraints, anchors, proxy_features,
                                         options, context);
   summary.deformer = deformer->summary();
 }
 
-/// What a change of a map does, as a bone: at `place` the displacement, elsewhere the map's.
-Bone ProxyDeformer::Impl::bone_at(const Eigen::RowVector3d& place, const Eigen::RowVector3d& displacement,
+/// What a change of a map does, as a bone: at `position` the displacement, elsewhere the map's.
+Bone ProxyDeformer::Impl::bone_at(const Eigen::RowVector3d& position, const Eigen::RowVector3d& displacement,
                                   const Eigen::Matrix3d& map_change) const {
   Bone bone;
-  bone << map_change, displacement.transpose() - map_change * (place - centre).transpose();
+  bone << map_change, displacement.transpose() - map_change * (position - centre).transpose();
   return bone;
 }
 
@@ -358,19 +358,19 @@ std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> g
   const Points moved = deformer->evaluate_with_maps(of_proxy, map_changes, context, report);
   std::vector<Bone> result(static_cast<std::size_t>(bone_count), Bone::Zero());
   for (std::size_t k = 0; k < proxy_vertices.size(); ++k) {
-    const Eigen::RowVector3d place = rest.row(proxy_vertices[k]);
-    result[k] = bone_at(place, moved.row(static_cast<Eigen::Index>(k)) - place, map_changes[k]);
+    const Eigen::RowVector3d position = rest.row(proxy_vertices[k]);
+    result[k] = bone_at(position, moved.row(static_cast<Eigen::Index>(k)) - position, map_changes[k]);
   }
   for (std::size_t i = 0; i < needed.size(); ++i) {
     const auto& [constraint, proxy, bone, inner_row] = needed[i];
     if (bone <= resting_bone() || !given[i].position) continue;
-    const Eigen::RowVector3d place = rest.row(constrained.vertex[constraint]);
+    const Eigen::RowVector3d position = rest.row(constrained.vertex[constraint]);
     Eigen::Matrix3d map_change = Eigen::Matrix3d::Zero();
     if (given[i].transform)
       map_change = *given[i].transform - Eigen::Matrix3d::Identity();
     else if (inner_row >= 0)
       map_change = blend(skin, inner_row, result).leftCols<3>();
-    result[bone] = bone_at(place, given[i].position->transpose() - place, map_change);
+    result[bone] = bone_at(position, given[i].position->transpose() - position, map_change);
   }
   return result;
 }
@@ -390,8 +390,8 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
                 "Move the handles by less, or repair the surface");
   }
   const auto follow = [&](Index v, const Bone& bone) {
-    const Eigen::Vector3d place = (rest.row(v) - centre).transpose();
-    out.row(v) += (bone.leftCols<3>() * place + bone.col(3)).transpose();
+    const Eigen::Vector3d position = (rest.row(v) - centre).transpose();
+    out.row(v) += (bone.leftCols<3>() * position + bone.col(3)).transpose();
   };
   for (const Follower& follower : followers) follow(follower.vertex, posed[follower.bone]);
   parallel_blocks(

@@ -138,7 +138,7 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
                         const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
   ProxyDomain domain;
-  std::vector<Index> place(static_cast<std::size_t>(n), -1);
+  std::vector<Index> local_index(static_cast<std::size_t>(n), -1);
   {
     const IndexLists faces_at = vertex_triangles(n, triangles, context);
     const Reach reach = reach_around(triangles, faces_at, states, laplacian_order, wanted);
@@ -146,15 +146,15 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
     if (reach.unknown == 0) return domain;
     for (Index v = 0; v < n; ++v) {
       if (!reach.inside[v]) continue;
-      place[v] = domain.size();
+      local_index[v] = domain.size();
       domain.vertices.push_back(v);
     }
   }
   take_points(rest, domain);
   std::vector<Index> corners;
   for (const auto& t : triangles.rowwise())
-    if (std::all_of(t.begin(), t.end(), [&](Index v) { return place[v] >= 0; }))
-      for (const Index v : t) corners.push_back(place[v]);
+    if (std::all_of(t.begin(), t.end(), [&](Index v) { return local_index[v] >= 0; }))
+      for (const Index v : t) corners.push_back(local_index[v]);
   domain.triangles =
       Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
   corners = {};

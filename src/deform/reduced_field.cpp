@@ -159,15 +159,15 @@ void ReducedField::fit_loose_components() {
             v >= 0 && handles_[h].constrain_position && fields.component()[v] == static_cast<Index>(c))
           held.emplace_back(v, h);
     if (held.size() < 4) continue;
-    Eigen::MatrixXd places(held.size(), 3), moves = Eigen::MatrixXd::Zero(held.size(), 4 * handle_count_);
+    Eigen::MatrixXd held_points(held.size(), 3), moves = Eigen::MatrixXd::Zero(held.size(), 4 * handle_count_);
     for (std::size_t k = 0; k < held.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
-      places.row(row) = patch.points.row(held[k].first);
-      moves.row(row).segment<4>(static_cast<Eigen::Index>(4 * held[k].second)) << places.row(row), 1.0;
+      held_points.row(row) = patch.points.row(held[k].first);
+      moves.row(row).segment<4>(static_cast<Eigen::Index>(4 * held[k].second)) << held_points.row(row), 1.0;
     }
-    places.rowwise() -= places.colwise().mean().eval();
+    held_points.rowwise() -= held_points.colwise().mean().eval();
     moves.rowwise() -= moves.colwise().mean().eval();
-    fits_.back() = places.completeOrthogonalDecomposition().solve(moves);
+    fits_.back() = held_points.completeOrthogonalDecomposition().solve(moves);
   }
   const auto loose = [&](Index v) { return number[fields.component()[v]]; };
   std::transform(centres_.begin(), centres_.end(), std::back_inserter(centre_component_), loose);

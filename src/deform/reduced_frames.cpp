@@ -159,11 +159,11 @@ void ReducedFrames::Impl::place_handles(std::span<const HandlePose> poses, Point
   for (std::size_t h = 0; h < handles.size(); ++h) {
     if (!handles[h].constrain_position) continue;
     const std::vector<Index>& vertices = handles[h].vertices;
-    const auto place = [&](std::size_t begin, std::size_t end) {
+    const auto pose_vertices = [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         positions.row(vertices[k]) = (poses[h].transform * base.row(vertices[k]).transpose()).transpose();
     };
-    parallel_blocks(vertices.size(), place, context, 4096);
+    parallel_blocks(vertices.size(), pose_vertices, context, 4096);
   }
 }
 

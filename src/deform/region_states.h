@@ -23,8 +23,8 @@ struct VertexStates {
   bool is_unknown(Index v) const { return !position[v] || !transform[v]; }
 };
 
-/// Throws Error(input) at `place` unless 0 ≤ vertex < count.
-void require_vertex(Index vertex, Index count, const std::string& place);
+/// Throws Error(input) at `location` unless 0 ≤ vertex < count.
+void require_vertex(Index vertex, Index count, const std::string& location);
 
 /// Throws Error(input) where a corner of a triangle is no row of `rest`.
 void require_triangles(const Points& rest, const Triangles& triangles);

@@ -225,14 +225,14 @@ std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexCo
   for (std::size_t c = 0; c < holds.size(); ++c) {
     const auto count = static_cast<Eigen::Index>(moves[c].size());
     if (count < 4) continue;
-    Eigen::MatrixXd places(count, 3), displacements(count, 3);
+    Eigen::MatrixXd points(count, 3), displacements(count, 3);
     for (Eigen::Index k = 0; k < count; ++k) {
-      places.row(k) = moves[c][static_cast<std::size_t>(k)].head<3>();
+      points.row(k) = moves[c][static_cast<std::size_t>(k)].head<3>();
       displacements.row(k) = moves[c][static_cast<std::size_t>(k)].tail<3>();
     }
-    places.rowwise() -= places.colwise().mean().eval();
+    points.rowwise() -= points.colwise().mean().eval();
     displacements.rowwise() -= displacements.colwise().mean().eval();
-    maps[c] += places.completeOrthogonalDecomposition().solve(displacements).transpose();
+    maps[c] += points.completeOrthogonalDecomposition().solve(displacements).transpose();
   }
   return maps;
 }

@@ -41,10 +41,10 @@ HitLists by_vertex(Hits per_source, Index vertex_count) {
   for (const auto& hits : per_source)
     for (const Hit& hit : hits) ++lists.offsets[hit.other + 1];
   for (Index v = 0; v < vertex_count; ++v) lists.offsets[v + 1] += lists.offsets[v];
-  std::vector<std::int64_t> place(lists.offsets.begin(), lists.offsets.end() - 1);
+  std::vector<std::int64_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
   lists.hits.resize(static_cast<std::size_t>(lists.offsets.back()));
   for (std::size_t k = 0; k < per_source.size(); ++k) {
-    for (const Hit& hit : per_source[k]) lists.hits[place[hit.other]++] = {static_cast<Index>(k), hit.value};
+    for (const Hit& hit : per_source[k]) lists.hits[next[hit.other]++] = {static_cast<Index>(k), hit.value};
     per_source[k] = {};
   }
   return lists;

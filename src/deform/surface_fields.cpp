@@ -54,12 +54,12 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows)
 
 /// Lower triangle of the square part of `rows` (of the vertices `unknown`) whose columns are unknown too.
 NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown) {
-  std::vector<Index> place(static_cast<std::size_t>(rows.cols()), -1);
-  for (std::size_t k = 0; k < unknown.size(); ++k) place[unknown[k]] = static_cast<Index>(k);
+  std::vector<Index> column_of(static_cast<std::size_t>(rows.cols()), -1);
+  for (std::size_t k = 0; k < unknown.size(); ++k) column_of[unknown[k]] = static_cast<Index>(k);
   const auto for_each_entry = [&](const auto& body) {
     for (Eigen::Index k = 0; k < rows.rows(); ++k)
       for (SparseRows::InnerIterator it(rows, k); it; ++it)
-        if (const Index column = place[it.col()]; column >= 0 && column <= k) body(k, column, it.value());
+        if (const Index column = column_of[it.col()]; column >= 0 && column <= k) body(k, column, it.value());
   };
   NormalMatrix lower(rows.rows(), rows.rows());
   std::int64_t* const begin = lower.outerIndexPtr();

@@ -89,16 +89,16 @@ class EvenOut {
 };
 
 void sort_vertices(Decimated& coarse) {
-  std::vector<Index> order(coarse.vertices.size()), place(order.size()), sorted(order.size());
+  std::vector<Index> order(coarse.vertices.size()), inverse_permutation(order.size()), sorted(order.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(),
             [&](Index a, Index b) { return coarse.vertices[a] < coarse.vertices[b]; });
   for (std::size_t k = 0; k < order.size(); ++k) {
-    place[order[k]] = static_cast<Index>(k);
+    inverse_permutation[order[k]] = static_cast<Index>(k);
     sorted[k] = coarse.vertices[order[k]];
   }
   coarse.vertices = std::move(sorted);
-  for (Index& k : coarse.triangles.reshaped()) k = place[k];
+  for (Index& k : coarse.triangles.reshaped()) k = inverse_permutation[k];
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ Error placed(const Error& error, const std::string& location) {
   if (inner.starts_with("pair "))
     return Error(error.code(), error.problem(), fmt::format("{}.pairs[{}]", location, inner.substr(5)),
                  error.remedy());
-  if (inner == "place") return Error(error.code(), error.problem(), location + ".at", error.remedy());
+  if (inner == "surface_point") return Error(error.code(), error.problem(), location + ".at", error.remedy());
   for (const char* field : {"size", "normal_angle_deg", "reach", "fixed", "features"})
     if (inner == field) return Error(error.code(), error.problem(), location + "." + inner, error.remedy());
   return error.within(location);

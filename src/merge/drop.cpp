@@ -11,6 +11,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/intersections.h>
 
+#include "drop_size.h"
+
 namespace meshgraft {
 
 namespace {
@@ -76,8 +78,7 @@ MergeIntersections count_intersections(const Mesh& source, const MergeResult& me
 
 DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const MergeOptions& options, const Context& context) {
-  constexpr double smaller = 0.7;
-  constexpr int most_tries = 3;
+    constexpr int most_tries = 3;
   if (options.pose != MergePose::find)
     throw Error(ErrorCode::input, "a part that is dropped has no pose to keep", "pose",
                 "Let the pose be found");
@@ -89,7 +90,7 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
   trying.size = best.hole.size;
   for (int k = 0; k < most_tries && !drop.size; ++k) {
     if (best.inverted() == 0 && (!best.hole.clear || !best.drop.intersections.any_new())) break;
-    trying.size = smaller * *trying.size;
+    trying.size = next_size_ratio * *trying.size;
     try {
       Trial other = trial_of_size();
       const bool better =
@@ -107,7 +108,7 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
     throw Error(ErrorCode::input,
                 fmt::format("the part turns inside out at {} vertices beside the hole, at size {:.3g}",
                             best.inverted(), best.hole.size),
-                "place", "Name another place, or a smaller size");
+                "surface_point", "Name another place, or a smaller size");
   // From the closed target on.
   IndexMap& map = best.drop.merge.target;
   IndexMap from_closed = best.hole.vertex;

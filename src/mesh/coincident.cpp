@@ -48,13 +48,13 @@ std::vector<std::pair<std::uint64_t, Index>> by_hash(const Points& positions, st
 std::vector<Index> coincident_classes(const Points& positions, std::span<const Index> vertices) {
   std::vector<std::pair<std::uint64_t, Index>> order = by_hash(positions, vertices);
   std::vector<Index> classes(vertices.begin(), vertices.end());
-  const auto place = [&](std::size_t k) { return positions.row(vertices[order[k].second]); };
+  const auto representative = [&](std::size_t k) { return positions.row(vertices[order[k].second]); };
   for (std::size_t begin = 0; begin < order.size();) {
     std::size_t end = begin + 1;
     while (end < order.size() && order[end].first == order[begin].first) ++end;
     for (std::size_t k = begin + 1; k < end; ++k) {  // equal hashes: nearly always one place
       for (std::size_t first = begin; first < k; ++first) {
-        if (place(first) != place(k)) continue;
+        if (representative(first) != representative(k)) continue;
         classes[order[k].second] = classes[order[first].second];
         break;
       }
@@ -74,23 +74,23 @@ std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table)
   return vertices;
 }
 
-IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> place) {
+IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> representative) {
   // Buckets by the smaller place, each then sorted by (larger place, half-edge).
-  const auto places = [&](Index e) { return std::minmax(place[table.ends[e][0]], place[table.ends[e][1]]); };
+  const auto positions_of = [&](Index e) { return std::minmax(representative[table.ends[e][0]], representative[table.ends[e][1]]); };
   const auto counts = [&](Index e) {
-    return table.half_edges[e].size() == 1 && places(e).first >= 0 && places(e).first != places(e).second;
+    return table.half_edges[e].size() == 1 && positions_of(e).first >= 0 && positions_of(e).first != positions_of(e).second;
   };
-  std::vector<Index> start(place.size() + 1, 0);
+  std::vector<Index> start(representative.size() + 1, 0);
   for (Index e = 0; e < table.edge_count(); ++e)
-    if (counts(e)) ++start[places(e).first + 1];
-  for (std::size_t v = 0; v < place.size(); ++v) start[v + 1] += start[v];
+    if (counts(e)) ++start[positions_of(e).first + 1];
+  for (std::size_t v = 0; v < representative.size(); ++v) start[v + 1] += start[v];
   std::vector<std::pair<Index, Index>> bucket(start.back());
   std::vector<Index> cursor(start.begin(), start.end() - 1);
   for (Index e = 0; e < table.edge_count(); ++e)
-    if (counts(e)) bucket[cursor[places(e).first]++] = {places(e).second, table.half_edges[e][0]};
+    if (counts(e)) bucket[cursor[positions_of(e).first]++] = {positions_of(e).second, table.half_edges[e][0]};
 
   IndexLists rows;
-  for (std::size_t v = 0; v < place.size(); ++v) {
+  for (std::size_t v = 0; v < representative.size(); ++v) {
     std::sort(bucket.begin() + start[v], bucket.begin() + start[v + 1]);
     for (Index first = start[v]; first < start[v + 1];) {
       Index last = first + 1;
@@ -108,16 +108,16 @@ IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Ind
 std::vector<Index> torn_vertices(const Mesh& mesh, const EdgeTable& table) {
   const std::vector<Index> boundary = boundary_vertices(mesh.vertex_count(), table);
   const std::vector<Index> classes = coincident_classes(mesh.positions, boundary);
-  std::vector<Index> place(mesh.vertex_count(), -1);
-  for (std::size_t k = 0; k < boundary.size(); ++k) place[boundary[k]] = classes[k];
+  std::vector<Index> representative(mesh.vertex_count(), -1);
+  for (std::size_t k = 0; k < boundary.size(); ++k) representative[boundary[k]] = classes[k];
   std::vector<Index> ends;
-  for (const Index half_edge : coincident_boundary_edges(table, place).values)
+  for (const Index half_edge : coincident_boundary_edges(table, representative).values)
     ends.insert(ends.end(), {mesh.faces.corners()[half_edge], mesh.faces.corners()[table.next[half_edge]]});
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   std::vector<Index> shared(mesh.vertex_count(), 0);
-  for (const Index v : ends) ++shared[place[v]];
-  std::erase_if(ends, [&](Index v) { return shared[place[v]] < 2; });
+  for (const Index v : ends) ++shared[representative[v]];
+  std::erase_if(ends, [&](Index v) { return shared[representative[v]] < 2; });
   return ends;
 }
 

@@ -330,10 +330,10 @@ class LoopCut {
   // Divides the piece that has both ends of the chord; no piece has them where chords cross.
   void divide(std::vector<Polygon>& pieces, const std::vector<Chord>& chords, std::size_t k) const {
     for (Polygon& piece : pieces) {
-      const auto place = [&](Index v) {
+      const auto corner_at = [&](Index v) {
         return std::find_if(piece.begin(), piece.end(), [&](const Node& node) { return node.vertex == v; });
       };
-      auto a = place(chords[k].from), b = place(chords[k].to);
+      auto a = corner_at(chords[k].from), b = corner_at(chords[k].to);
       if (a == piece.end() || b == piece.end()) continue;
       if (b < a) std::swap(a, b);
       Polygon one(a, b + 1), other(b, piece.end());

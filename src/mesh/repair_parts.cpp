@@ -56,8 +56,8 @@ bool remove_duplicate_shells(RepairSurface& surface) {
   if (parts.faces.size() < 2) return false;
   std::vector<Index> all(surface.mesh().vertex_count());
   std::iota(all.begin(), all.end(), 0);
-  const std::vector<Index> place = coincident_classes(surface.positions(), all);
-  const auto groups = same_faces(surface.faces(), surface.mesh().vertex_count(), place);
+  const std::vector<Index> representative = coincident_classes(surface.positions(), all);
+  const auto groups = same_faces(surface.faces(), surface.mesh().vertex_count(), representative);
   if (groups.empty()) return false;
   std::vector<std::vector<Index>> groups_of(parts.faces.size());
   for (std::size_t g = 0; g < groups.size(); ++g)

@@ -28,15 +28,15 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
   const Index count = surface.mesh().vertex_count();
   const std::vector<Index> boundary = boundary_vertices(count, surface.edges());
   const std::vector<Index> exact = coincident_classes(positions, boundary);
-  std::vector<Index> place(count, -1), representatives;
+  std::vector<Index> representative(count, -1), representatives;
   std::vector<double> shortest = shortest_edges(surface), reach(count, std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < boundary.size(); ++k) {
-    place[boundary[k]] = exact[k];
+    representative[boundary[k]] = exact[k];
     if (exact[k] == boundary[k]) representatives.push_back(exact[k]);
     reach[exact[k]] = std::min(reach[exact[k]], largest_share * shortest[boundary[k]]);
   }
   const double widest = weld_reach(surface, distance);
-  if (!(widest > 0)) return place;
+  if (!(widest > 0)) return representative;
 
   const VertexTree tree(positions, representatives);
   std::vector<std::vector<Index>> near(representatives.size());  // smaller ones within reach of both
@@ -55,8 +55,8 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
   DisjointSets sets(count);
   for (std::size_t i = 0; i < near.size(); ++i)
     for (const Index w : near[i]) sets.unite(representatives[i], w);
-  for (const Index v : boundary) place[v] = sets.root(place[v]);
-  return place;
+  for (const Index v : boundary) representative[v] = sets.root(representative[v]);
+  return representative;
 }
 
 }  // namespace
@@ -145,14 +145,14 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
 bool stitch(RepairSurface& surface, std::optional<double> distance) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
-  const std::vector<Index> place = boundary_places(surface, distance);
+  const std::vector<Index> representative = boundary_places(surface, distance);
   DisjointSets sets(surface.mesh().vertex_count());
-  const IndexLists rows = coincident_boundary_edges(table, place);
+  const IndexLists rows = coincident_boundary_edges(table, representative);
   for (Index row = 0; row < rows.size(); ++row) {
     for (const auto& [a, b] : pair_up(surface, rows[row])) {
       const std::array ends{corners[a], corners[table.next[a]]};
       std::array others{corners[b], corners[table.next[b]]};
-      if (place[ends[0]] != place[others[0]]) std::swap(others[0], others[1]);
+      if (representative[ends[0]] != representative[others[0]]) std::swap(others[0], others[1]);
       sets.unite(ends[0], others[0]);
       sets.unite(ends[1], others[1]);
     }
@@ -199,11 +199,11 @@ std::optional<double> place_on(const Points& positions, Index a, Index b, const 
 }
 
 // Boundary vertices by their places, so that a place with thousands of them is looked at once.
-struct BoundaryPlaces {
+struct BoundaryPositions {
   std::vector<Index> first;                           // of each place, the smallest vertex
   std::vector<std::pair<Index, Index>> first_vertex;  // of each vertex the first of its place, and the vertex
 
-  BoundaryPlaces(const Points& positions, const std::vector<Index>& boundary) {
+  BoundaryPositions(const Points& positions, const std::vector<Index>& boundary) {
     const std::vector<Index> classes = coincident_classes(positions, boundary);
     for (std::size_t k = 0; k < boundary.size(); ++k) {
       if (classes[k] == boundary[k]) first.push_back(classes[k]);
@@ -212,9 +212,9 @@ struct BoundaryPlaces {
     std::sort(first_vertex.begin(), first_vertex.end());
   }
 
-  auto vertices_at(Index place) const {
+  auto vertices_at(Index first_vertex_there) const {
     const auto [begin, end] =
-        std::ranges::equal_range(first_vertex, place, {}, &std::pair<Index, Index>::first);
+        std::ranges::equal_range(first_vertex, first_vertex_there, {}, &std::pair<Index, Index>::first);
     return std::ranges::subrange(begin, end) | std::views::values;
   }
 };
@@ -223,8 +223,8 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
   const EdgeTable& table = surface.edges();
   const Points& positions = surface.positions();
   const std::vector<Index>& corners = surface.faces().corners();
-  const BoundaryPlaces places(positions, boundary_vertices(surface.mesh().vertex_count(), table));
-  const VertexTree tree(positions, places.first);
+  const BoundaryPositions boundary(positions, boundary_vertices(surface.mesh().vertex_count(), table));
+  const VertexTree tree(positions, boundary.first);
   const std::vector<double> shortest = shortest_edges(surface);
   std::vector<std::vector<Index>> neighbours(surface.mesh().vertex_count());  // along the boundary
   for (Index e = 0; e < table.edge_count(); ++e) {
@@ -238,10 +238,10 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
   const auto look_along = [&](Index c) {
     const Index a = corners[c], b = corners[table.next[c]];
     const auto face = surface.faces()[surface.face_of(c)];
-    for (const Index place : tree.near_segment(positions.row(a), positions.row(b), widest)) {
-      const bool at_end = positions.row(place) == positions.row(a) || positions.row(place) == positions.row(b);
-      if (at_end || !place_on(positions, a, b, positions.row(place), 0, widest)) continue;
-      for (const Index v : places.vertices_at(place)) {
+    for (const Index first_vertex_there : tree.near_segment(positions.row(a), positions.row(b), widest)) {
+      const bool at_end = positions.row(first_vertex_there) == positions.row(a) || positions.row(first_vertex_there) == positions.row(b);
+      if (at_end || !place_on(positions, a, b, positions.row(first_vertex_there), 0, widest)) continue;
+      for (const Index v : boundary.vertices_at(first_vertex_there)) {
         if (std::find(face.begin(), face.end(), v) != face.end()) continue;
         const double reach = std::min(widest, 0.1 * shortest[v]);
         const auto t = place_on(positions, a, b, positions.row(v), reach, reach);

@@ -109,13 +109,13 @@ SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Contex
 // around the end vertices.
 void SurfacePaths::tidy(Strip& strip, Index from, Index to) const {
   Strip kept;
-  std::unordered_map<Index, std::size_t> place;  // per face: how many half-edges were crossed before it
+  std::unordered_map<Index, std::size_t> crossed_before;  // per face: how many half-edges were crossed before it
   const auto enter = [&](Index face) {
-    if (const auto seen = place.find(face); seen != place.end()) {
-      for (std::size_t k = seen->second; k < kept.size(); ++k) place.erase(face_[twin(kept[k])]);
+    if (const auto seen = crossed_before.find(face); seen != crossed_before.end()) {
+      for (std::size_t k = seen->second; k < kept.size(); ++k) crossed_before.erase(face_[twin(kept[k])]);
       kept.resize(seen->second);
     }
-    place[face] = kept.size();
+    crossed_before[face] = kept.size();
   };
   if (!strip.empty()) enter(face_[strip.front()]);
   for (const Index half_edge : strip) {
@@ -163,7 +163,7 @@ SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, 
   };
   std::vector<Post> left, right;
   const auto distance = [&](Index a, Index b) { return (positions_.row(a) - positions_.row(b)).norm(); };
-  // The place of x beyond the directed edge from a to b, at its right hand.
+  // The coordinates of x beyond the directed edge from a to b, at its right hand.
   const auto unfold = [&](const Post& a, const Post& b, Index x) -> Post {
     const Eigen::RowVector3d edge = positions_.row(b.vertex) - positions_.row(a.vertex);
     const Eigen::RowVector3d offset = positions_.row(x) - positions_.row(a.vertex);

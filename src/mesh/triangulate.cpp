@@ -121,8 +121,8 @@ class CornerGrid {
 
  private:
   Index column(int axis, double x) const {
-    const double place = (x - low_[axis]) * scale_[axis];
-    return static_cast<Index>(std::clamp(place, 0.0, static_cast<double>(cells_ - 1)));
+    const double cell = (x - low_[axis]) * scale_[axis];
+    return static_cast<Index>(std::clamp(cell, 0.0, static_cast<double>(cells_ - 1)));
   }
 
   Eigen::Vector2d low_;

@@ -221,7 +221,7 @@ SparseRows AffineOperator::coupling(const Context& context) const {
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
           const int first = K.outerIndexPtr()[3 * v], length = lengths[3 * static_cast<std::size_t>(v)];
           if (length == 0) continue;
-          int place = 0;
+          int next_column = 0;
           const auto write = [&](Index partner, const Eigen::Matrix3d& block, int at) {
             for (int row = 0; row < 3; ++row)
               for (int column = 0; column < 3; ++column) {
@@ -234,12 +234,12 @@ SparseRows AffineOperator::coupling(const Context& context) const {
           const auto add = [&](Index pair, Index partner) {
             const Eigen::Matrix3d block = block_of(pair);
             own += block;
-            write(partner, -block, place);
-            place += 3;
+            write(partner, -block, next_column);
+            next_column += 3;
           };
           for (const Index pair : to_smaller[v]) add(pair, pairs_[static_cast<std::size_t>(pair)][0]);
-          const int diagonal = place;
-          place += 3;
+          const int diagonal = next_column;
+          next_column += 3;
           for (Index pair = first_pair[v]; pair < first_pair[v + 1]; ++pair)
             add(pair, pairs_[static_cast<std::size_t>(pair)][1]);
           write(v, own, diagonal);

@@ -77,7 +77,7 @@ class HandleBasis {
   void solve_targets(const ConstrainedSystem& system, const Context& context);
   void place_block(std::size_t block, std::span<const double> frames, Points& positions) const;
   void turn_block(std::size_t block, std::span<const float> frames, float unit, Directions& normals) const;
-  void copy_columns(const std::vector<Index>& place, HandleBuffers& buffers) const;
+  void copy_columns(const std::vector<Index>& row_of, HandleBuffers& buffers) const;
   void place_handles(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                      const Context& context) const;
 

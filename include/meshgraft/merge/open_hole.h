@@ -38,13 +38,13 @@ struct OpenedHole {
 
 /// Opens a hole of the shape of a source's boundary loop, to be passed on to `merge` with `size` locked.
 ///
-/// The loop, projected along its area vector, is laid around the place: along the surface, by the discrete
+/// The loop, projected along its area vector, is laid around the point: along the surface, by the discrete
 /// exponential map (Schmidt, Grimm and Wyvill 2006, "Interactive decal compositing with discrete exponential
 /// maps"), about the target's normal averaged over the loop's radius, and enlarged on curved surfaces until it
 /// is as wide there as the loop. Edges that are too long to draw it are halved. All vertices outside the hole
 /// keep their positions; only those on its edge may have moved, along edges.
 ///
-/// Throws Error(input), naming `place`, `size` or the loop: a vertex that does not exist or is on the boundary,
+/// Throws Error(input), naming `surface_point`, `size` or the loop: a vertex that does not exist or is on the boundary,
 /// a point farther from the surface than a twentieth of the target's diagonal, a `source_loop` that is none or
 /// spans no area, a size below a millionth of the target's; and a given size whose hole would reach a boundary,
 /// an edge of three faces, or all round the surface, or where the surface is too narrow to be as wide (0.85) as
@@ -53,7 +53,7 @@ OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<I
                      const Drop& drop, const Context& context = {});
 
 /// Where a part stands that is dropped, before it is bent. No hole is opened, so that this follows a pointer:
-/// the constructor does what does not depend on the place.
+/// the constructor does what does not depend on the point.
 class DropGuide {
  public:
   /// Throws Error(input) as `open_hole` for a loop that is none.
@@ -61,12 +61,12 @@ class DropGuide {
             const Context& context = {});
 
   /// The similarity of the source's coordinates, in the size of `drop` (absent: its own), that lays its loop
-  /// level with the surface around the place. Throws Error(input) as `open_hole` for a place that is none.
+  /// level with the surface around the point. Throws Error(input) as `open_hole` for a point that it refuses.
   Eigen::Affine3d pose(const Drop& drop) const;
 
  private:
-  struct Scenery;
-  std::shared_ptr<const Scenery> scenery_;
+  struct Prepared;
+  std::shared_ptr<const Prepared> prepared_;
 };
 
 }  // namespace meshgraft

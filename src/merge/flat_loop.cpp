@@ -1,0 +1,87 @@
+#include "flat_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+
+#include "loop_curve.h"
+#include "loops.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Vector = Eigen::RowVector3d;
+
+/// Moves a polygon's centre of area to the origin, and returns where it was.
+Eigen::RowVector2d centre(PlanePoints& polygon) {
+  Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
+  const Eigen::RowVector2d mean = polygon.colwise().mean();
+  polygon.rowwise() -= mean;
+  for (Eigen::Index i = 0; i < polygon.rows(); ++i) {
+    const Eigen::RowVector2d a = polygon.row(i), b = polygon.row((i + 1) % polygon.rows());
+    sum += (a.x() * b.y() - a.y() * b.x()) * (a + b) / 3;
+  }
+  const Eigen::RowVector2d shift = sum / double_area(polygon);
+  polygon.rowwise() -= shift;
+  return mean + shift;
+}
+
+/// Rounds a polygon off until it does not cross itself, and gives it its width back.
+bool smooth_until_simple(PlanePoints& polygon) {
+  constexpr int most_passes = 400, passes_at_once = 8;
+  const double width = Outline(polygon).width();
+  const Eigen::Index count = polygon.rows();
+  for (int pass = 0; pass < most_passes; ++pass) {
+    if (pass % passes_at_once == 0 && is_simple(polygon)) {
+      polygon *= width / Outline(polygon).width();
+      return true;
+    }
+    PlanePoints next = polygon;
+    for (Eigen::Index i = 0; i < count; ++i)
+      next.row(i) =
+          (polygon.row((i + count - 1) % count) + 2 * polygon.row(i) + polygon.row((i + 1) % count)) / 4;
+    polygon = std::move(next);
+  }
+  return false;
+}
+
+FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
+  constexpr double least_area = 0.02;  // × that of a circle of the loop's length
+  Points points(static_cast<Eigen::Index>(loop.size()), 3);
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    points.row(static_cast<Eigen::Index>(i)) = source.positions.row(loop[i]);
+  const Vector axis = loop_axis(points), first = axis.transpose().unitOrthogonal().transpose();
+  Eigen::Matrix<double, 3, 2> axes;
+  axes << first.transpose(), axis.transpose().cross(first.transpose());
+  const Vector mean = points.colwise().mean();
+  PlanePoints polygon = (points.rowwise() - mean) * axes;
+  const double length = LoopCurve(points).length();
+  if (!(2 * std::numbers::pi * double_area(polygon) > least_area * length * length))
+    throw Error(ErrorCode::input, fmt::format("the source's loop at vertex {} spans no area", loop.front()), "",
+                "Cut the source where the loop is open like a ring");
+  const bool simple = is_simple(polygon);
+  if (!simple && !smooth_until_simple(polygon))
+    throw Error(
+        ErrorCode::input,
+        fmt::format("the source's loop at vertex {} crosses itself as seen along its axis", loop.front()), "",
+        "Cut the source again, along a simpler curve");
+  const Vector middle = mean + centre(polygon) * axes.transpose();
+  return {std::move(loop), axis, first, middle, Outline(std::move(polygon)), !simple};
+}
+
+}  // namespace
+
+FlatLoop flatten_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop) {
+  std::vector<Index> loop = checked_loop(source, "source", source_loop);
+  if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // as it will be turned over
+  return flatten(source, std::move(loop));
+}
+
+}  // namespace meshgraft

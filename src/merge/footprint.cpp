@@ -1,0 +1,157 @@
+#include "footprint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/mesh/refine.h>
+
+#include "../mesh/edge_table.h"
+#include "exponential_map.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Vector = Eigen::RowVector3d;
+
+/// The vertices within the outline that hang together with the deepest one.
+std::vector<Index> connected_inside(const std::vector<double>& values, const IndexLists& rings) {
+  const auto deepest = std::min_element(values.begin(), values.end());
+  if (deepest == values.end() || *deepest >= 0) return {};
+  std::vector<Index> inside{static_cast<Index>(deepest - values.begin())};
+  std::vector<bool> seen(values.size(), false);
+  seen[inside.front()] = true;
+  for (std::size_t k = 0; k < inside.size(); ++k)
+    for (const Index v : rings[inside[k]]) {
+      if (seen[v] || values[v] >= 0) continue;
+      seen[v] = true;
+      inside.push_back(v);
+    }
+  return inside;
+}
+
+Footprint cover(const Outline& outline, double scale, const PlanePoints& uv, const IndexLists& rings) {
+  std::vector<double> values(static_cast<std::size_t>(uv.rows()), scale * outline.reach());
+  const double surely_outside = most_widened * scale * outline.reach();
+  for (Eigen::Index v = 0; v < uv.rows(); ++v)
+    if (uv.row(v).norm() <= surely_outside)  // and not NaN
+      values[static_cast<std::size_t>(v)] = scale * outline.signed_distance(uv.row(v) / scale);
+  Footprint footprint{uv, values, connected_inside(values, rings), scale};
+  for (double& value : footprint.values) value = std::abs(value);
+  for (const Index v : footprint.inside) footprint.values[v] = values[v];
+  return footprint;
+}
+
+/// Covers with the outline as wide as it is, by widening it where the surface curves away under it.
+Footprint cover_as_wide(const PreparedTarget& target, const Outline& outline, double size, const PlanePoints& uv) {
+  constexpr int steps = 4;
+  double widened = 1;
+  for (int step = 0;; ++step) {
+    Footprint footprint = cover(outline, size * widened, uv, target.rings);
+    if (step == steps || footprint.inside.empty()) return footprint;
+    const double ratio = width_of(target, footprint) / (size * outline.width());
+    widened = std::clamp(widened / std::max(ratio, 0.1), 1 / most_widened, most_widened);
+  }
+}
+
+/// Of the vertices, edges and triangles that lie wholly within the outline: 1 for a disc.
+std::ptrdiff_t inner_euler_characteristic(const PreparedTarget& target, const Footprint& footprint) {
+  const auto is_inside = [&](Index v) { return footprint.is_inside(v); };
+  std::ptrdiff_t half_edges = 0, faces = 0;
+  for (const Index v : footprint.inside)
+    half_edges += std::count_if(target.rings[v].begin(), target.rings[v].end(), is_inside);
+  for (const auto& t : target.triangles.rowwise()) faces += std::all_of(t.begin(), t.end(), is_inside) ? 1 : 0;
+  return std::ssize(footprint.inside) - half_edges / 2 + faces;
+}
+
+}  // namespace
+
+std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double reach,
+                                        const Context& context) {
+  PreparedTarget target(std::move(mesh), context);
+  SurfacePoint point = find_surface_point(target, drop);
+  const Vector normal = mean_normal(target, point, 0), axis = normal.transpose().unitOrthogonal().transpose();
+  PlanePoints uv = exponential_map(target.mesh.positions, target.normals, target.rings,
+                                       {point.point, normal, axis, point.corners}, reach, context);
+  return std::make_shared<Chart>(Chart{std::move(target), std::move(point), normal, axis, std::move(uv)});
+}
+
+double width_of(const PreparedTarget& target, const Footprint& footprint) {
+  Eigen::Vector3d double_area = Eigen::Vector3d::Zero();
+  const Vector origin = target.mesh.positions.row(footprint.inside.front());
+  for (Eigen::Index t = 0; t < target.triangles.rows(); ++t) {
+    Eigen::Vector3d out = Eigen::Vector3d::Zero(), in = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const Index a = target.triangles(t, c), b = target.triangles(t, (c + 1) % 3);
+      if (footprint.is_inside(a) == footprint.is_inside(b)) continue;
+      const double s = footprint.values[a] / (footprint.values[a] - footprint.values[b]);
+      (footprint.is_inside(a) ? out : in) =
+          ((1 - s) * target.mesh.positions.row(a) + s * target.mesh.positions.row(b) - origin).transpose();
+    }
+    double_area += in.cross(out);
+  }
+  return std::sqrt(double_area.norm() / 2);
+}
+
+Footprint lay_outline(const Chart& chart, const Outline& outline, double size, const Placement& placement) {
+  const Vector axis = turned(placement.first_axis, placement.normal, chart.normal);
+  const double x = axis.dot(chart.first_axis), y = axis.dot(chart.normal.cross(chart.first_axis));
+  Eigen::Matrix2d turn;
+  turn << x, -y, y, x;
+  return cover_as_wide(chart.target, outline, size, chart.uv * turn);
+}
+
+std::optional<Misfit> find_obstacle(const PreparedTarget& target, const Footprint& footprint) {
+  if (footprint.inside.empty()) return Misfit{"the loop is too small for the target's faces"};
+  std::vector<Index> around;
+  bool crossed = false;
+  for (Eigen::Index t = 0; t < target.triangles.rows(); ++t) {
+    const auto corners = target.triangles.row(t);
+    const auto count =
+        std::count_if(corners.begin(), corners.end(), [&](Index v) { return footprint.is_inside(v); });
+    if (count > 0) around.insert(around.end(), corners.begin(), corners.end());
+    crossed = crossed || (count > 0 && count < 3);
+  }
+  if (!crossed) return Misfit{"the loop is larger than the surface there"};
+  const Eigen::Map<const Triangles> star(around.data(), static_cast<Eigen::Index>(around.size()) / 3, 3);
+  const Mesh patch = make_mesh(target.mesh.positions, star);
+  const EdgeTable table(patch.vertex_count(), patch.faces);
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    const auto& [a, b] = table.ends[e];
+    if (!footprint.is_inside(a) && !footprint.is_inside(b)) continue;
+    const auto along = table.half_edges[e];
+    const auto tail = [&](std::size_t k) { return patch.faces.corners()[along[k]]; };
+    if (along.size() > 2 || (along.size() == 2 && tail(0) == tail(1)))
+      return Misfit{fmt::format("the target is not an oriented manifold within the hole, at edge {}–{}", a, b)};
+  }
+  for (const std::vector<Index>& loop : boundary_loops(patch))
+    for (const Index v : loop)
+      if (footprint.is_inside(v)) return Misfit{fmt::format("the hole would reach the boundary at vertex {}", v)};
+  if (inner_euler_characteristic(target, footprint) != 1) return Misfit{no_disc};
+  return std::nullopt;
+}
+
+std::shared_ptr<const Mesh> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,
+                                           const Context& context) {
+  const auto is_long = [&](Index a, Index b) {
+    if (!footprint.uv.row(a).allFinite() || !footprint.uv.row(b).allFinite()) return false;
+    const double length = (mesh.positions.row(a) - mesh.positions.row(b)).norm();
+    const auto depth = [&](Index v) { return std::abs(footprint.values[v]); };
+    return length > longest && std::min(depth(a), depth(b)) <= length;
+  };
+  bool any = false;
+  for (Index f = 0; f < mesh.face_count() && !any; ++f) {
+    const auto face = mesh.faces[f];
+    for (std::size_t c = 0; c < face.size(); ++c)
+      for (std::size_t d = 0; d < c; ++d) any = any || is_long(face[c], face[d]);
+  }
+  if (!any) return nullptr;
+  return std::make_shared<const Mesh>(split_edges(mesh, is_long, context).mesh);
+}
+
+}  // namespace meshgraft

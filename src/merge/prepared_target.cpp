@@ -1,0 +1,120 @@
+#include "prepared_target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/normals.h>
+
+namespace meshgraft {
+
+namespace {
+
+using Vector = Eigen::RowVector3d;
+
+/// The point of a triangle nearest to another one.
+Vector nearest_in_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
+  const Vector ab = b - a, ac = c - a, normal = ab.transpose().cross(ac.transpose()).transpose();
+  const double square = normal.squaredNorm();
+  if (square > 0) {
+    const double v = (p - a).transpose().cross(ac.transpose()).dot(normal.transpose()) / square;
+    const double w = ab.transpose().cross((p - a).transpose()).dot(normal.transpose()) / square;
+    if (v >= 0 && w >= 0 && v + w <= 1) return a + v * ab + w * ac;
+  }
+  Vector best = a;
+  for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
+    const Vector edge = to - from;
+    const double length = edge.squaredNorm();
+    const double t = length > 0 ? std::clamp((p - from).dot(edge) / length, 0.0, 1.0) : 0.0;
+    const Vector q = from + t * edge;
+    if ((p - q).squaredNorm() < (p - best).squaredNorm()) best = q;
+  }
+  return best;
+}
+
+SurfacePoint nearest_on(const PreparedTarget& target, const Vector& point) {
+  const Points& x = target.mesh.positions;
+  double least = std::numeric_limits<double>::infinity();
+  SurfacePoint best{point, {}};
+  for (Eigen::Index t = 0; t < target.triangles.rows(); ++t) {
+    const auto corners = target.triangles.row(t);
+    const Vector q = nearest_in_triangle(point, x.row(corners[0]), x.row(corners[1]), x.row(corners[2]));
+    const double distance = (q - point).norm();
+    if (!(distance < least)) continue;
+    least = distance;
+    best = {q, {corners[0], corners[1], corners[2]}};
+  }
+  return best;
+}
+
+}  // namespace
+
+PreparedTarget::PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Context& context)
+    : shared(std::move(shared_mesh)),
+      mesh(*shared),
+      triangles(triangulate(mesh, {.skip_out_of_range = true}).triangles),
+      rings(vertex_rings(mesh.vertex_count(), triangles, context)),
+      normals(vertex_normals(mesh)) {}
+
+void validate(const Drop& drop, const Mesh& target) {
+  if (drop.size && !(*drop.size > 0 && *drop.size < 1e100))
+    throw Error(ErrorCode::input, fmt::format("{} is not a positive number", *drop.size), "size");
+  if (!std::isfinite(drop.spin_deg)) throw Error(ErrorCode::input, "the angle is not finite", "spin_deg");
+  if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point); point != nullptr && !point->allFinite())
+    throw Error(ErrorCode::input, "the point is not finite", "surface_point");
+  const auto* vertex = std::get_if<Index>(&drop.surface_point);
+  if (vertex != nullptr && (*vertex < 0 || *vertex >= target.vertex_count()))
+    throw Error(ErrorCode::input,
+                fmt::format("target vertex {} does not exist; the mesh has {}", *vertex, target.vertex_count()),
+                "surface_point", "Name another vertex, or a point");
+}
+
+SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) {
+  constexpr double near_surface = 0.05;  // × the target's diagonal
+  if (const auto* vertex = std::get_if<Index>(&drop.surface_point)) {
+    if (target.rings[*vertex].empty())
+      throw Error(ErrorCode::input, fmt::format("target vertex {} belongs to no face", *vertex), "surface_point",
+                  "Name another vertex, or a point");
+    return {target.mesh.positions.row(*vertex), {*vertex}};
+  }
+  const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();
+  if (target.triangles.rows() == 0) throw Error(ErrorCode::input, "the target has no faces");
+  SurfacePoint found = nearest_on(target, point);
+  const Points& x = target.mesh.positions;
+  const double diagonal = (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
+  const double distance = (found.point - point).norm();
+  if (!(distance <= near_surface * diagonal))
+    throw Error(ErrorCode::input,
+                fmt::format("the point ({:.6g}, {:.6g}, {:.6g}) is {:.4g} away from the target's surface",
+                            point.x(), point.y(), point.z(), distance),
+                "surface_point",
+                fmt::format("Name a point near it; the nearest one is {:.6g},{:.6g},{:.6g}", found.point.x(),
+                            found.point.y(), found.point.z()));
+  return found;
+}
+
+Vector mean_normal(const PreparedTarget& target, const SurfacePoint& point, double distance) {
+  constexpr double wrapped = 0.3;
+  const Points& x = target.mesh.positions;
+  const std::vector<double> away = edge_distance(point.corners, x, target.rings, distance);
+  Vector sum = Vector::Zero(), local = Vector::Zero();
+  double area = 0;
+  for (Eigen::Index t = 0; t < target.triangles.rows(); ++t) {
+    const auto corners = target.triangles.row(t);
+    if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return std::isfinite(away[v]); })) continue;
+    const Vector ab = x.row(corners[1]) - x.row(corners[0]), ac = x.row(corners[2]) - x.row(corners[0]);
+    const Vector normal = ab.transpose().cross(ac.transpose()).transpose();
+    sum += normal;
+    area += normal.norm();
+  }
+  for (const Index v : point.corners) local += target.normals.row(v);
+  return (sum.norm() > wrapped * area ? sum : local).stableNormalized();
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/merge/open_hole.h>
+#include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/topology.h>
+
+namespace meshgraft {
+
+/// A target with what is asked of it for every drop.
+struct PreparedTarget {
+  PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Context& context);
+
+  std::shared_ptr<const Mesh> shared;
+  const Mesh& mesh;
+  Triangles triangles;
+  IndexLists rings;
+  Points normals;
+};
+
+/// A point of a surface, with the vertex there or the corners of the triangle around it.
+struct SurfacePoint {
+  Eigen::RowVector3d point;
+  std::vector<Index> corners;
+};
+
+/// Throws Error(input) for numbers of a drop that are not finite or out of range.
+void validate(const Drop& drop, const Mesh& target);
+
+/// The point that a drop names. Throws Error(input), naming `surface_point`, for a vertex without a face and for
+/// a point farther from the surface than a twentieth of the target's diagonal.
+SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop);
+
+/// The unit normal around a point, averaged over a distance along the surface; that of the point itself where
+/// the surface curves right round within it.
+Eigen::RowVector3d mean_normal(const PreparedTarget& target, const SurfacePoint& point, double distance);
+
+}  // namespace meshgraft
