@@ -15,7 +15,7 @@ namespace meshgraft {
 struct Patch {
   std::vector<Index> vertices;  ///< global index of each local vertex, ascending
   Points points;                ///< (p − centre) / scale
-  Triangles triangles;          ///< local indices; wound alike where that can be done
+  Triangles triangles;          ///< local indices; consistently oriented where that can be done
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   double scale = 1;      ///< a power of two, so scaling rounds nothing
   bool rewound = false;  ///< some triangles were turned over

@@ -25,7 +25,7 @@ void require_held_components(const Mesh& source, std::span<const LoopPair> pairs
 /// them (`cut_normal_name`), else `vertex_normals`.
 LoopGeometry loop_geometry(const Mesh& mesh, const Points& vertex_normals, const std::vector<Index>& loop);
 
-/// Whether one of the meshes clearly looks inward and the other outward (`enclosed_volume`).
+/// Whether one of the meshes clearly faces inward and the other outward (`enclosed_volume`).
 bool windings_disagree(const Mesh& target, const Mesh& source);
 
 /// How much more a loop turns per vertex than it would if it were smooth, degrees.

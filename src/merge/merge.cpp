@@ -406,7 +406,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   if (turn && !options.fix_winding)
     throw Error(
         ErrorCode::input,
-        fmt::format("the faces of the {} look inward, those of the {} outward, so that their loops do not "
+        fmt::format("the faces of the {} point inward, those of the {} outward, so that their loops do not "
                     "run opposite ways",
                     enclosed_volume(target) < 0 ? "target" : "source",
                     enclosed_volume(target) < 0 ? "source" : "target"),

@@ -9,11 +9,11 @@
 
 namespace meshgraft {
 
-/// The connected parts of a mesh that look inward: closed, wound alike throughout, of negative volume, and not
+/// The connected parts of a mesh that face inward: closed, consistently oriented, of negative volume, and not
 /// the wall of a cavity, that is inside no other closed part.
 struct InwardParts {
   std::vector<Index> part;   ///< per vertex the smallest vertex that is connected with it by edges
-  std::vector<Index> parts;  ///< those that look inward, by their smallest vertex, ascending
+  std::vector<Index> parts;  ///< those that face inward, by their smallest vertex, ascending
 };
 
 InwardParts inward_parts(const Mesh& mesh, const EdgeTable& table, const Context& context = {});

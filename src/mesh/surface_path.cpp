@@ -46,7 +46,7 @@ SurfacePaths::SurfacePaths(const Points& positions, const Faces& triangles, cons
     if (table.next[c] >= 0) next_at_[c] = std::exchange(corner_at_[vertex(c)], c);
 }
 
-// The half-edge along the same edge in the neighbouring face, or -1 where there is not one that is wound alike.
+// The half-edge along the same edge in the neighbouring face, or -1 where there is not one that is consistently oriented.
 Index SurfacePaths::twin(Index half_edge) const {
   const auto along = table_.half_edges[table_.edge[half_edge]];
   if (along.size() != 2) return -1;

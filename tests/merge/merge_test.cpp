@@ -506,7 +506,7 @@ TEST(MergeErrors, InwardFacesAreNamedOrTurned) {
   Graft graft = head_on_bust(24);
   const MergeResult expected = merge_meshes(graft.target, graft.source, graft.pairs);
   graft.source = turned_over(graft.source);
-  EXPECT_THAT(error_of(graft), HasSubstr("the faces of the source look inward"));
+  EXPECT_THAT(error_of(graft), HasSubstr("the faces of the source point inward"));
   const MergeResult turned = merge_meshes(graft.target, graft.source, graft.pairs, {.fix_winding = true});
   EXPECT_LT(largest_distance(turned.grafted, expected.grafted), 1e-9 * diagonal(expected.grafted));
 }

@@ -73,7 +73,7 @@ TEST_P(SampleModel, IsACleanManifoldOfTheDocumentedKind) {
     const Shape shape = measure(mesh);
     EXPECT_GE(shape.p1_angle_deg, expected.p1_angle_deg);
     if (expected.loops == 0) {
-      EXPECT_GT(shape.volume, 0.0) << "the faces look inwards";
+      EXPECT_GT(shape.volume, 0.0) << "the faces point inward";
     }
   }
 }

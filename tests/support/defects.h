@@ -61,7 +61,7 @@ struct Trial {
 
 /// Holds both ends of the longest side of the box, turns and moves one, and solves by the default method. It
 /// works if there is no error, the handles are met, all positions are finite, at most 0.5 % of the maps are
-/// inverted, and the surface is one edge-manifold part that is wound alike.
+/// inverted, and the surface is one edge-manifold consistently oriented part.
 Trial try_deform(const Mesh& mesh);
 
 }  // namespace meshgraft::test

@@ -67,7 +67,7 @@ std::vector<DirtyScan> dirty_scans() {
   add("cactus-holes", "9 faces and 6 patches are missing",
       without_faces(without_faces(cactus, 9, 0, 2), 6, 1, 3));
   add("knot-turned-patches", "8 patches are wound the other way", with_turned_patches(knot, 8, 3, 4));
-  add("octopus-inside-out", "all faces look inward", plain(turned_over(octopus)));
+  add("octopus-inside-out", "all faces point inward", plain(turned_over(octopus)));
   add("torus-needles", "20 pairs of vertices 1e-13 apart, needles between them", with_needles(torus, 20, 5));
   add("bust-caps", "20 triangles without area across the middle of an edge", with_caps(bust, 20, 6));
   add("bracket-t-junctions", "30 edges are split on one side alone", with_t_junctions(bracket, 30, 7));
@@ -137,7 +137,7 @@ std::string defects_of(const TopologySummary& topology) {
   const bool crowded = !topology.manifold;
   if (topology.components != 1) return fmt::format("{} parts", topology.components);
   if (crowded) return "not a manifold";
-  return topology.oriented ? "" : "not wound alike";
+  return topology.oriented ? "" : "not consistently oriented";
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace meshgraft {
 struct Quality {
   double area_ratio = 1;       ///< edited / rest, all faces
   double area_ratio_free = 1;  ///< edited / rest, free faces
-  /// Edited / rest, where the surface is closed, wound alike, and encloses a volume.
+  /// Edited / rest, where the surface is closed, consistently oriented, and encloses a volume.
   std::optional<double> volume_ratio;
   double edge_rms = 0;  ///< RMS of the relative change of length over free edges
   /// Of both in-plane singular values of the maps of all free faces: 1 = unchanged, 0 = collapsed.

@@ -59,7 +59,7 @@ struct Diagnostics {
 /// - "duplicate-face": faces with the corners of an earlier one, from whichever on and in either direction;
 /// - "inconsistent-winding": edges that two faces run along in one direction (`count` edges; `indices` their
 ///   ends). Normals are weak there;
-/// - "inward-facing-component": closed parts, wound alike throughout, whose volume is negative and that lie
+/// - "inward-facing-component": closed parts, consistently oriented, whose volume is negative and that lie
 /// inside no
 ///   other closed part, where they would be the wall of a cavity (`indices` their smallest vertices);
 /// - "polygon": faces with more than three corners. Solved on their triangles and written as they were.

@@ -66,7 +66,7 @@ struct TopologySummary {
   std::optional<Index> genus;
   bool closed = false;    ///< no boundary edge
   bool manifold = false;  ///< every edge has one or two faces, every vertex one fan
-  bool oriented = false;  ///< neighbouring faces are wound alike
+  bool oriented = false;  ///< neighbouring faces are consistently oriented
 };
 
 TopologySummary summarise_topology(const Mesh& mesh);

@@ -141,7 +141,7 @@ export function LoopToggles({ step, keep }: GraftFieldsProps) {
       <Toggle
         label="Turn part inside out"
         value={step.fixWinding}
-        help="For a part whose faces look inward."
+        help="For a part whose faces point inward."
         onChange={(on) => keep({ fix_winding: on || null })}
       />
     </>
