@@ -23,7 +23,7 @@ interface Shares {
   engine: number;
   transfer: number;
   page: number;
-  card: number;
+  gpu: number;
 }
 
 /** The time that stretches of work have in common with a span. */
@@ -38,7 +38,7 @@ function sharesOf(picture: Picture, records: Records): Shares | undefined {
   const { at, pose, drawn, end } = picture;
   if (at !== undefined) {
     const page = workIn(records, at, drawn);
-    return { total: end - at, engine: 0, transfer: 0, page, card: end - at - page };
+    return { total: end - at, engine: 0, transfer: 0, page, gpu: end - at - page };
   }
   const asked = records.asked.find((one) => one.pose === pose);
   const arrival = records.arrivals.find((one) => one.pose === pose);
@@ -46,7 +46,7 @@ function sharesOf(picture: Picture, records: Records): Shares | undefined {
   const { engineMs: engine, received } = arrival;
   const page = workIn(records, asked.at, asked.sent) + workIn(records, received, drawn);
   const transfer = Math.max(0, received - asked.sent - engine);
-  return { total: end - asked.at, engine, transfer, page, card: end - asked.at - engine - transfer - page };
+  return { total: end - asked.at, engine, transfer, page, gpu: end - asked.at - engine - transfer - page };
 }
 
 function firstOfEach(pictures: readonly Picture[]): Picture[] {
@@ -176,7 +176,7 @@ async function measureDrags(stage: Stage, triangles: string): Promise<string[][]
     const column = (name: keyof Shares) => spread(shares.map((one) => one[name]));
     const own = spread(shares.map(({ engine, page }) => engine + page));
     rows.push([triangles, moving.toLocaleString("en"), label, `${shares.length}`, column("engine"), column("transfer"),
-      column("page"), own, column("card"), column("total")]);
+      column("page"), own, column("gpu"), column("total")]);
     if (process.env["MESHGRAFT_BENCH_DETAIL"] !== undefined) tellStretches(records);
   }
   return rows;
@@ -212,7 +212,7 @@ for (const [triangles, resolution] of [...sizes, ["2,000,000", 885] as const]) {
   await stage.close();
 }
 const load = (loadavg()[0] ?? 0).toFixed(1);
-process.stdout.write(`${cpus().length} cores, SwiftShader (no graphics card), page of ${size.width} × ${size.height}; load average ${load}.\n\n`);
+process.stdout.write(`${cpus().length} cores, SwiftShader (no GPU), page of ${size.width} × ${size.height}; load average ${load}.\n\n`);
 process.stdout.write(table(["triangles", "first picture, s", "longest task, ms", "heap, MiB"], opened) + "\n");
 if (dragged.length > 0) process.stdout.write(table(["triangles", "free vertices", "method", "pictures", "engine", "transfer", "page", "engine + page",
-  "card", "total"], dragged));
+  "GPU", "total"], dragged));

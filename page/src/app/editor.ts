@@ -95,7 +95,7 @@ export class Editor {
   ) {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
     this.connection = new Connection(`${scheme}//${location.host}/session?token=${encodeURIComponent(token)}`, {
-      event: (event) => this.hear(event),
+      event: (event) => this.onEvent(event),
       frame: (frame) => this.show(frame),
       link: (link) => this.noteLink(link),
     });
@@ -333,7 +333,7 @@ export class Editor {
     for (const note of notes) this.note("The mesh has defects that editing may come upon", "", note);
   }
 
-  private hear(event: EngineEvent): void {
+  private onEvent(event: EngineEvent): void {
     switch (event.event) {
       case "welcome":
         if (this.welcome.value === null) this.begin(event.models);
@@ -360,7 +360,7 @@ export class Editor {
         this.noteLive(event);
         break;
       case "graft":
-        this.graft.hear(event);
+        this.graft.onEvent(event);
         break;
       case "offer-restore":
         if (this.returning !== undefined) void this.restoreAtOnce(event.changes, this.returning.since);

@@ -1,6 +1,6 @@
 // A move, a turn or a scale of a handle, from the pointer's way or from a number that was typed.
 import { Plane as ThreePlane, Quaternion, Vector3 } from "three";
-import type { Eye, Spot } from "./eye";
+import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { NumberEntry } from "./number_entry";
 import { centreOf, moved, scaled, turned, type Placement } from "./pose_math";
 
@@ -32,24 +32,24 @@ export class Gesture {
   readonly number = new NumberEntry();
   /** Steps to snap to; undefined: as the pointer says. */
   steps: Steps | undefined;
-  private first: Spot;
-  private last: Spot;
+  private first: ScreenPoint;
+  private last: ScreenPoint;
   private turnDeg = 0;
   private readonly centre: Vector3;
 
-  /** `axes`: a rotation whose columns are the gizmo's axes. The pointer starts at `spot`. */
+  /** `axes`: a rotation whose columns are the gizmo's axes. The pointer starts at `screenPoint`. */
   constructor(
     private grip: Grip,
     readonly start: Placement,
     private axes: Quaternion,
-    private readonly eye: Eye,
-    spot: Spot,
+    private readonly camera: ScreenCamera,
+    screenPoint: ScreenPoint,
   ) {
     this.centre = centreOf(start);
-    this.first = this.last = spot;
+    this.first = this.last = screenPoint;
   }
 
-  get pointer(): Spot {
+  get pointer(): ScreenPoint {
     return this.last;
   }
 
@@ -57,9 +57,9 @@ export class Gesture {
     return this.grip;
   }
 
-  pointAt(spot: Spot): void {
-    if (this.grip.act === "turn") this.turnDeg += this.turnBetween(this.last, spot);
-    this.last = spot;
+  pointAt(screenPoint: ScreenPoint): void {
+    if (this.grip.act === "turn") this.turnDeg += this.turnBetween(this.last, screenPoint);
+    this.last = screenPoint;
   }
 
   /** Keeps to another axis, from where the gesture began. */
@@ -104,14 +104,14 @@ export class Gesture {
 
   /** In the world: what a turn goes about. */
   turnAxis(): Vector3 {
-    return this.grip.axis === "free" ? this.eye.towards(this.centre).negate() : this.axisOf(this.grip.axis);
+    return this.grip.axis === "free" ? this.camera.towards(this.centre).negate() : this.axisOf(this.grip.axis);
   }
 
   /** From the centre to where the pointer began, of length 1, in the plane of the turn. */
   startDirection(): Vector3 {
     const axis = this.turnAxis();
-    const isEdgeOn = Math.abs(axis.dot(this.eye.towards(this.centre))) < edgeOn;
-    const from = isEdgeOn ? this.eye.towards(this.centre).negate() : this.placeIn(axis, this.first).sub(this.centre);
+    const isEdgeOn = Math.abs(axis.dot(this.camera.towards(this.centre))) < edgeOn;
+    const from = isEdgeOn ? this.camera.towards(this.centre).negate() : this.placeIn(axis, this.first).sub(this.centre);
     from.addScaledVector(axis, -from.dot(axis));
     return from.lengthSq() < 1e-20 ? from.set(1, 0, 0).cross(axis).normalize() : from.normalize();
   }
@@ -129,7 +129,7 @@ export class Gesture {
       const length = this.placeAlong(along, this.last) - this.placeAlong(along, this.first);
       return along.multiplyScalar(snapTo(length, this.steps?.move));
     }
-    const normal = axis === "free" ? this.eye.towards(this.centre) : this.axisOf(axis);
+    const normal = axis === "free" ? this.camera.towards(this.centre) : this.axisOf(axis);
     const shift = this.placeIn(normal, this.last).sub(this.placeIn(normal, this.first));
     return this.steps === undefined ? shift : this.snapped(shift);
   }
@@ -150,13 +150,13 @@ export class Gesture {
   private factor(): number {
     const typed = this.number.value;
     if (typed !== undefined) return Math.abs(typed) < 1e-3 ? 1e-3 : typed;
-    const c = this.eye.project(this.centre);
+    const c = this.camera.project(this.centre);
     const { axis, across } = this.grip;
     const direction = axis === "free" || across === true ? undefined : this.onPage(this.axisOf(axis));
-    const reach = (spot: Spot) =>
+    const reach = (screenPoint: ScreenPoint) =>
       direction === undefined
-        ? Math.hypot(spot.x - c.x, spot.y - c.y)
-        : (spot.x - c.x) * direction.x + (spot.y - c.y) * direction.y;
+        ? Math.hypot(screenPoint.x - c.x, screenPoint.y - c.y)
+        : (screenPoint.x - c.x) * direction.x + (screenPoint.y - c.y) * direction.y;
     const from = reach(this.first);
     const usable = Math.max(Math.abs(from), leastRadiusPx) * (from < 0 ? -1 : 1);
     const factor = 1 + (reach(this.last) - from) / usable;
@@ -173,36 +173,36 @@ export class Gesture {
   }
 
   // The direction of an axis on the page, of length 1.
-  private onPage(axis: Vector3): Spot {
-    const length = 50 * this.eye.worldPerPixel(this.centre);
-    const a = this.eye.project(this.centre.clone().addScaledVector(axis, -length));
-    const b = this.eye.project(this.centre.clone().addScaledVector(axis, length));
+  private onPage(axis: Vector3): ScreenPoint {
+    const length = 50 * this.camera.worldPerPixel(this.centre);
+    const a = this.camera.project(this.centre.clone().addScaledVector(axis, -length));
+    const b = this.camera.project(this.centre.clone().addScaledVector(axis, length));
     const size = Math.hypot(b.x - a.x, b.y - a.y);
     return size < 1e-6 ? { x: 1, y: 0 } : { x: (b.x - a.x) / size, y: (b.y - a.y) / size };
   }
 
   // How far along the axis through the centre a place on the page is.
-  private placeAlong(axis: Vector3, spot: Spot): number {
-    const { origin, direction } = this.eye.rayAt(spot);
+  private placeAlong(axis: Vector3, screenPoint: ScreenPoint): number {
+    const { origin, direction } = this.camera.rayAt(screenPoint);
     const cosine = axis.dot(direction);
     if (1 - cosine * cosine < 0.01) {
-      const c = this.eye.project(this.centre); // it points at the eye: up is along
-      return (c.y - spot.y) * this.eye.worldPerPixel(this.centre);
+      const c = this.camera.project(this.centre); // it points at the eye: up is along
+      return (c.y - screenPoint.y) * this.camera.worldPerPixel(this.centre);
     }
     const between = this.centre.clone().sub(origin);
     return (cosine * between.dot(direction) - between.dot(axis)) / (1 - cosine * cosine);
   }
 
-  private placeIn(normal: Vector3, spot: Spot): Vector3 {
+  private placeIn(normal: Vector3, screenPoint: ScreenPoint): Vector3 {
     const plane = new ThreePlane().setFromNormalAndCoplanarPoint(normal, this.centre);
-    const at = this.eye.rayAt(spot).intersectPlane(plane, new Vector3());
+    const at = this.camera.rayAt(screenPoint).intersectPlane(plane, new Vector3());
     return at ?? this.centre.clone();
   }
 
   // The turn from one place on the page to another, degrees, the short way round.
-  private turnBetween(from: Spot, to: Spot): number {
+  private turnBetween(from: ScreenPoint, to: ScreenPoint): number {
     const axis = this.turnAxis();
-    const facing = axis.dot(this.eye.towards(this.centre));
+    const facing = axis.dot(this.camera.towards(this.centre));
     if (Math.abs(facing) < edgeOn) return this.turnAlongEdge(axis, from, to);
     const a = this.placeIn(axis, from).sub(this.centre);
     const b = this.placeIn(axis, to).sub(this.centre);
@@ -210,8 +210,8 @@ export class Gesture {
   }
 
   // A ring that is seen from its edge is a line: along it, a ring's radius is a radian.
-  private turnAlongEdge(axis: Vector3, from: Spot, to: Spot): number {
-    const sight = this.eye.towards(this.centre);
+  private turnAlongEdge(axis: Vector3, from: ScreenPoint, to: ScreenPoint): number {
+    const sight = this.camera.towards(this.centre);
     const line = this.onPage(sight.cross(axis).normalize());
     const way = (to.x - from.x) * line.x + (to.y - from.y) * line.y;
     return ((way / ringRadiusPx) * 180) / Math.PI;

@@ -1,7 +1,7 @@
 import { Plane, Quaternion, Vector3 } from "three";
 import type { Editor } from "../app/editor";
 import type { Viewport } from "../view/viewport";
-import type { Eye, Spot } from "./eye";
+import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { Gesture, type Act, type Axis, type Grip, type Steps } from "./gesture";
 import { partAt, type Layout, type Part } from "./gizmo_layout";
 import { GizmoView } from "./gizmo_view";
@@ -33,10 +33,10 @@ export class Gizmo {
     private readonly editor: Editor,
     private readonly viewport: Viewport,
     private readonly control: Movable,
-    private readonly eye: Eye,
+    private readonly camera: ScreenCamera,
     private readonly status: Status,
   ) {
-    this.view = new GizmoView(viewport.overlay, eye);
+    this.view = new GizmoView(viewport.overlay, camera);
     viewport.onFrame.add(() => this.draw());
   }
 
@@ -46,13 +46,13 @@ export class Gizmo {
   get isModal(): boolean {
     return this.going?.modal === true;
   }
-  get centre(): Spot | undefined {
+  get centre(): ScreenPoint | undefined {
     return this.layout?.centre;
   }
 
   /** Shows what a press would take; returns whether there is something. */
-  hover(spot: Spot): boolean {
-    const part = this.partUnder(spot);
+  hover(screenPoint: ScreenPoint): boolean {
+    const part = this.partUnder(screenPoint);
     const id = part?.id;
     if (id !== this.hovered) this.viewport.requestRender();
     this.hovered = id;
@@ -65,30 +65,30 @@ export class Gizmo {
   }
 
   /** Begins a drag where a part is; returns whether there is one. */
-  press(spot: Spot, generosity: number): boolean {
+  press(screenPoint: ScreenPoint, generosity: number): boolean {
     const handle = this.control.active;
-    const part = this.partUnder(spot, generosity);
+    const part = this.partUnder(screenPoint, generosity);
     if (handle === undefined || part === undefined) return false;
     if (this.editor.tools.movesPivot.value) this.beginPivot(handle);
-    else this.begin(handle, part.grip, spot, false);
+    else this.begin(handle, part.grip, screenPoint, false);
     return true;
   }
 
   /** Begins a gesture by a key. */
-  beginModal(act: Act, spot: Spot): void {
+  beginModal(act: Act, screenPoint: ScreenPoint): void {
     const handle = this.control.active;
     if (handle === undefined || this.control.acts?.includes(act) === false) return;
     if (this.going !== undefined) this.cancel();
-    this.begin(handle, { act, axis: "free" }, spot, true);
-    this.follow(spot, false);
+    this.begin(handle, { act, axis: "free" }, screenPoint, true);
+    this.follow(screenPoint, false);
   }
 
-  follow(spot: Spot, snapsOnce: boolean): void {
+  follow(screenPoint: ScreenPoint, snapsOnce: boolean): void {
     const { going } = this;
     if (going === undefined) return;
     this.snapsOnce = snapsOnce;
-    if (going.gesture === undefined) return this.dragPivot(going, spot);
-    going.gesture.pointAt(spot);
+    if (going.gesture === undefined) return this.dragPivot(going, screenPoint);
+    going.gesture.pointAt(screenPoint);
     this.showGesture(going.name, going.gesture);
   }
 
@@ -132,18 +132,18 @@ export class Gizmo {
     if (handle !== undefined) void this.control.commit(handle.name, withPivot(handle.placement, handle.defaultPivot));
   }
 
-  private partUnder(spot: Spot, generosity = 1): Part | undefined {
+  private partUnder(screenPoint: ScreenPoint, generosity = 1): Part | undefined {
     if (this.layout === undefined || this.control.active === undefined) return undefined;
-    if (!this.editor.tools.movesPivot.value) return partAt(this.layout, spot, generosity);
+    if (!this.editor.tools.movesPivot.value) return partAt(this.layout, screenPoint, generosity);
     const { centre, parts } = this.layout;
-    const isNear = Math.hypot(centre.x - spot.x, centre.y - spot.y) <= 14 * generosity;
+    const isNear = Math.hypot(centre.x - screenPoint.x, centre.y - screenPoint.y) <= 14 * generosity;
     return isNear ? parts.find(({ kind }) => kind === "ball") : undefined;
   }
 
-  private begin(handle: Moved, grip: Grip, spot: Spot, modal: boolean): void {
+  private begin(handle: Moved, grip: Grip, screenPoint: ScreenPoint, modal: boolean): void {
     const { name, placement } = handle;
     const axes = this.axesFor(placement, this.editor.tools.gizmoSpace.value);
-    const gesture = new Gesture(grip, placement, axes, this.eye, spot);
+    const gesture = new Gesture(grip, placement, axes, this.camera, screenPoint);
     this.going = { name, start: placement, axes, gesture, modal, spaces: 0 };
     this.viewport.requestRender();
   }
@@ -154,14 +154,14 @@ export class Gizmo {
   }
 
   // On the surface where there is one under the pointer, else in the page's plane.
-  private dragPivot({ name, start }: Going, spot: Spot): void {
+  private dragPivot({ name, start }: Going, screenPoint: ScreenPoint): void {
     const centre = centreOf(start);
-    const plane = new Plane().setFromNormalAndCoplanarPoint(this.eye.towards(centre), centre);
-    const on = this.viewport.pick(spot.x, spot.y)?.point;
-    const at = on ?? this.eye.rayAt(spot).intersectPlane(plane, new Vector3());
+    const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.towards(centre), centre);
+    const on = this.viewport.pick(screenPoint.x, screenPoint.y)?.point;
+    const at = on ?? this.camera.rayAt(screenPoint).intersectPlane(plane, new Vector3());
     if (at === null) return;
     this.control.show(name, withPivotAt(start, at));
-    this.status.say(on === undefined ? "Pivot" : "Pivot on the surface", spot);
+    this.status.say(on === undefined ? "Pivot" : "Pivot on the surface", screenPoint);
   }
 
   private showGesture(name: string, gesture: Gesture): void {
@@ -236,10 +236,10 @@ export class Gizmo {
     this.hidden.clear();
     for (const part of layout.parts) {
       if (part.kind === "ring" || part.kind === "ball" || part.axis === "free") continue;
-      const spot = this.eye.project(part.place);
-      const point = this.viewport.pick(spot.x, spot.y)?.point;
-      const eyeward = this.eye.towards(part.place);
-      if (point !== undefined && point.sub(part.place).dot(eyeward) < -4 * this.eye.worldPerPixel(part.place))
+      const screenPoint = this.camera.project(part.place);
+      const point = this.viewport.pick(screenPoint.x, screenPoint.y)?.point;
+      const towardsCamera = this.camera.towards(part.place);
+      if (point !== undefined && point.sub(part.place).dot(towardsCamera) < -4 * this.camera.worldPerPixel(part.place))
         this.hidden.add(part.id);
     }
     if (this.hidden.size > 0) this.viewport.requestRender();

@@ -1,6 +1,6 @@
 // Where the parts of the gizmo are on the page, and which of them is under the pointer. No state, no document.
 import { Quaternion, Vector3 } from "three";
-import type { Eye, Spot } from "./eye";
+import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { ringRadiusPx, type Axis, type Grip } from "./gesture";
 
 export type PartKind = "arrow" | "square" | "ring" | "box" | "ball" | "knob" | "view-ring";
@@ -11,14 +11,14 @@ export interface Part {
   readonly kind: PartKind;
   readonly grip: Grip;
   readonly axis: Axis | "free";
-  readonly outline: readonly Spot[];
+  readonly outline: readonly ScreenPoint[];
   readonly closed: boolean;
   /** The point that tells whether the part is hidden by the model. */
   readonly place: Vector3;
 }
 
 export interface Layout {
-  readonly centre: Spot;
+  readonly centre: ScreenPoint;
   readonly parts: readonly Part[];
 }
 
@@ -32,15 +32,15 @@ const edgeOn = 0.15; // cosine below which a square is a line
 const around = 64; // points of a circle
 
 /** The gizmo at `centre` along the columns of `axes`, always of one size on the page. */
-export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
-  const pixel = eye.worldPerPixel(centre);
-  const sight = eye.towards(centre);
+export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera): Layout {
+  const pixel = camera.worldPerPixel(centre);
+  const sight = camera.towards(centre);
   const along = allAxes.map((k) => new Vector3(+(k === 0), +(k === 1), +(k === 2)).applyQuaternion(axes));
   const of = (k: Axis): Vector3 => along[k] as Vector3;
   const place = (...steps: [Vector3, number][]) =>
     steps.reduce((at, [axis, px]) => at.addScaledVector(axis, px * pixel), centre.clone());
-  const at = (...steps: [Vector3, number][]): Spot => eye.project(place(...steps));
-  const c = eye.project(centre);
+  const at = (...steps: [Vector3, number][]): ScreenPoint => camera.project(place(...steps));
+  const c = camera.project(centre);
   const parts: Part[] = [];
   const add = (part: Omit<Part, "id">) =>
     parts.push({ ...part, id: part.axis === "free" ? part.kind : `${part.kind}-${"xyz".charAt(part.axis)}` });
@@ -55,7 +55,7 @@ export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
     if (Math.abs(of(k).dot(sight)) > endOn) continue;
     const end = place([of(k), boxPx]);
     const stretch: Grip = { act: "scale", axis: k };
-    add({ kind: "box", grip: stretch, axis: k, outline: [eye.project(end)], closed: false, place: end });
+    add({ kind: "box", grip: stretch, axis: k, outline: [camera.project(end)], closed: false, place: end });
     const shaft = [at([of(k), arrowPx.from]), at([of(k), arrowPx.to])];
     add({ kind: "arrow", grip: { act: "move", axis: k }, axis: k, outline: shaft, closed: false,
           place: place([of(k), arrowPx.to]) });
@@ -74,7 +74,7 @@ export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
     const outline = circle(at, of(k), sight, ringRadiusPx, Math.PI);
     add({ kind: "ring", grip: { act: "turn", axis: k }, axis: k, outline, closed: false, place: centre });
   }
-  const round = Array.from({ length: around }, (_, i): Spot => {
+  const round = Array.from({ length: around }, (_, i): ScreenPoint => {
     const angle = (2 * Math.PI * i) / around;
     return { x: c.x + viewRingPx * Math.cos(angle), y: c.y + viewRingPx * Math.sin(angle) };
   });
@@ -85,12 +85,12 @@ export function layOut(centre: Vector3, axes: Quaternion, eye: Eye): Layout {
 
 /** A ring around `axis`; of the half that faces the eye where `span` is π, all of it where it is 2π. */
 export function circle(
-  at: (...steps: [Vector3, number][]) => Spot,
+  at: (...steps: [Vector3, number][]) => ScreenPoint,
   axis: Vector3,
   sight: Vector3,
   radiusPx: number,
   span: number,
-): Spot[] {
+): ScreenPoint[] {
   const side = sight.clone().cross(axis);
   const aside = Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
   if (side.lengthSq() < 1e-6) side.crossVectors(axis, aside);
@@ -118,30 +118,30 @@ const order: readonly [PartKind, number][] = [
 ];
 
 /** The part under the pointer; `generosity` widens it, for fingers. */
-export function partAt(layout: Layout, spot: Spot, generosity = 1): Part | undefined {
+export function partAt(layout: Layout, screenPoint: ScreenPoint, generosity = 1): Part | undefined {
   for (const [kind, tolerance] of order) {
     const near = layout.parts
       .filter((part) => part.kind === kind)
-      .map((part) => ({ part, distance: distanceTo(part, spot) }))
+      .map((part) => ({ part, distance: distanceTo(part, screenPoint) }))
       .sort((a, b) => a.distance - b.distance)[0];
     if (near !== undefined && near.distance <= tolerance * generosity) return near.part;
   }
   return undefined;
 }
 
-function distanceTo({ outline, closed, kind }: Part, spot: Spot): number {
-  if (kind === "square" && isInside(outline, spot)) return 0;
+function distanceTo({ outline, closed, kind }: Part, screenPoint: ScreenPoint): number {
+  if (kind === "square" && isInside(outline, screenPoint)) return 0;
   const last = outline[outline.length - 1];
   if (last === undefined) return Infinity;
-  let least = Math.hypot(last.x - spot.x, last.y - spot.y);
+  let least = Math.hypot(last.x - screenPoint.x, last.y - screenPoint.y);
   outline.forEach((a, i) => {
     const b = outline[i + 1] ?? (closed ? outline[0] : undefined);
-    if (b !== undefined) least = Math.min(least, distanceToSegment(spot, a, b));
+    if (b !== undefined) least = Math.min(least, distanceToSegment(screenPoint, a, b));
   });
   return least;
 }
 
-export function distanceToSegment(p: Spot, a: Spot, b: Spot): number {
+export function distanceToSegment(p: ScreenPoint, a: ScreenPoint, b: ScreenPoint): number {
   const dx = b.x - a.x;
   const dy = b.y - a.y;
   const length = dx * dx + dy * dy;
@@ -149,10 +149,10 @@ export function distanceToSegment(p: Spot, a: Spot, b: Spot): number {
   return Math.hypot(a.x + t * dx - p.x, a.y + t * dy - p.y);
 }
 
-function isInside(polygon: readonly Spot[], { x, y }: Spot): boolean {
+function isInside(polygon: readonly ScreenPoint[], { x, y }: ScreenPoint): boolean {
   let inside = false;
   polygon.forEach((a, i) => {
-    const b = polygon[(i + 1) % polygon.length] as Spot;
+    const b = polygon[(i + 1) % polygon.length] as ScreenPoint;
     if (a.y > y !== b.y > y && x < a.x + ((y - a.y) / (b.y - a.y)) * (b.x - a.x)) inside = !inside;
   });
   return inside;

@@ -1,5 +1,5 @@
 import { Quaternion, Vector3 } from "three";
-import type { Eye, Spot } from "./eye";
+import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { ringRadiusPx, type Act, type Gesture } from "./gesture";
 import { circle, layOut, viewRingPx, type Layout, type Part } from "./gizmo_layout";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
@@ -29,7 +29,7 @@ export class GizmoView {
 
   constructor(
     private readonly overlay: SVGSVGElement,
-    private readonly eye: Eye,
+    private readonly camera: ScreenCamera,
   ) {
     this.element.append(this.guide, this.sector, this.pivot);
     overlay.append(this.element);
@@ -41,9 +41,9 @@ export class GizmoView {
 
   /** Draws it, and returns where its parts are on the page. */
   draw(look: Appearance): Layout | undefined {
-    const whole = layOut(look.centre, look.axes, this.eye);
+    const whole = layOut(look.centre, look.axes, this.camera);
     const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.acts?.includes(grip.act) !== false) };
-    const isInSight = !this.eye.project(look.centre).behind;
+    const isInSight = !this.camera.project(look.centre).behind;
     show(this.element, isInSight);
     if (!isInSight) return undefined;
     const active = look.gesture === undefined ? undefined : partOf(look.gesture.gesture);
@@ -64,7 +64,7 @@ export class GizmoView {
     const axis = part.axis === "free" ? "free" : "xyz".charAt(part.axis);
     set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " covered" : ""}` });
     const outline = onOverlay(this.overlay, part.outline);
-    const [c] = onOverlay(this.overlay, [layout.centre]) as [Spot];
+    const [c] = onOverlay(this.overlay, [layout.centre]) as [ScreenPoint];
     const d = part.kind === "view-ring" ? circlePath(c, viewRingPx) : shapeOf(part, outline, c);
     for (const path of element.children) set(path, { d });
   }
@@ -79,7 +79,7 @@ export class GizmoView {
   }
 
   private drawPivot(layout: Layout, isShown: boolean): void {
-    const [c] = onOverlay(this.overlay, [layout.centre]) as [Spot];
+    const [c] = onOverlay(this.overlay, [layout.centre]) as [ScreenPoint];
     show(this.pivot, isShown);
     set(this.pivot, { transform: `translate(${c.x} ${c.y})` });
   }
@@ -94,37 +94,37 @@ export class GizmoView {
     set(this.guide, { class: `guide axis-${name}` });
     if (act === "turn") this.drawSector(gesture.gesture, centre, name);
     else if (axis === "free" && act === "scale")
-      set(this.guide, { d: linesThrough([...this.spots(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
-    else if (axis === "free") set(this.guide, { d: linesThrough(this.spots(gesture.from, centre)) });
+      set(this.guide, { d: linesThrough([...this.screenPoints(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
+    else if (axis === "free") set(this.guide, { d: linesThrough(this.screenPoints(gesture.from, centre)) });
     else {
       const along = new Vector3().setComponent(axis, 1).applyQuaternion(gesture.axes);
-      along.multiplyScalar(2000 * this.eye.worldPerPixel(centre));
-      const ends = this.spots(gesture.from.clone().sub(along), gesture.from.clone().add(along));
+      along.multiplyScalar(2000 * this.camera.worldPerPixel(centre));
+      const ends = this.screenPoints(gesture.from.clone().sub(along), gesture.from.clone().add(along));
       set(this.guide, { d: linesThrough(ends) });
     }
   }
 
   private drawSector(gesture: Gesture, centre: Vector3, name: string): void {
-    const pixel = this.eye.worldPerPixel(centre);
+    const pixel = this.camera.worldPerPixel(centre);
     const radius = gesture.doing.axis === "free" ? viewRingPx : ringRadiusPx;
     const at = (...steps: [Vector3, number][]) =>
-      this.eye.project(steps.reduce((sum, [v, px]) => sum.addScaledVector(v, px * pixel), centre.clone()));
+      this.camera.project(steps.reduce((sum, [v, px]) => sum.addScaledVector(v, px * pixel), centre.clone()));
     const axis = gesture.turnAxis();
-    const ring = circle(at, axis, this.eye.towards(centre), radius, 2 * Math.PI);
+    const ring = circle(at, axis, this.camera.towards(centre), radius, 2 * Math.PI);
     set(this.guide, { d: linesThrough(onOverlay(this.overlay, ring), true) });
     const first = gesture.startDirection();
     const side = axis.clone().cross(first);
     const angle = (Math.sign(gesture.angleDeg()) * Math.min(360, Math.abs(gesture.angleDeg())) * Math.PI) / 180;
-    const spots = [at()];
+    const screenPoints = [at()];
     for (let i = 0; i <= 48; ++i) {
       const turned = (angle * i) / 48;
-      spots.push(at([first, radius * Math.cos(turned)], [side, radius * Math.sin(turned)]));
+      screenPoints.push(at([first, radius * Math.cos(turned)], [side, radius * Math.sin(turned)]));
     }
-    set(this.sector, { class: `sector axis-${name}`, d: linesThrough(onOverlay(this.overlay, spots), true) });
+    set(this.sector, { class: `sector axis-${name}`, d: linesThrough(onOverlay(this.overlay, screenPoints), true) });
   }
 
-  private spots(...places: Vector3[]): Spot[] {
-    return onOverlay(this.overlay, places.map((place) => this.eye.project(place)));
+  private screenPoints(...places: Vector3[]): ScreenPoint[] {
+    return onOverlay(this.overlay, places.map((place) => this.camera.project(place)));
   }
 }
 
@@ -136,7 +136,7 @@ function partOf(gesture: Gesture): string {
   return axis === "free" ? free[act] : `${kinds[act]}-${"xyz".charAt(axis)}`;
 }
 
-function shapeOf(part: Part, outline: readonly Spot[], centre: Spot): string {
+function shapeOf(part: Part, outline: readonly ScreenPoint[], centre: ScreenPoint): string {
   const [first, second] = outline;
   if (first === undefined) return "";
   switch (part.kind) {
@@ -153,20 +153,20 @@ function shapeOf(part: Part, outline: readonly Spot[], centre: Spot): string {
   }
 }
 
-function circlePath({ x, y }: Spot, r: number): string {
+function circlePath({ x, y }: ScreenPoint, r: number): string {
   return `M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
 }
 
-function squarePath({ x, y }: Spot, half: number): string {
+function squarePath({ x, y }: ScreenPoint, half: number): string {
   return `M${x - half} ${y - half}h${2 * half}v${2 * half}h${-2 * half}Z`;
 }
 
-function cornerPath({ x, y }: Spot): string {
+function cornerPath({ x, y }: ScreenPoint): string {
   return `M${x - 7} ${y + 7}v-9M${x - 7} ${y + 7}h9`;
 }
 
 // The head of an arrow that comes from `from`: at `tip`, a triangle on the page.
-function headPath(from: Spot, tip: Spot): string {
+function headPath(from: ScreenPoint, tip: ScreenPoint): string {
   const size = Math.hypot(tip.x - from.x, tip.y - from.y) || 1;
   const [x, y] = [(tip.x - from.x) / size, (tip.y - from.y) / size];
   const base = { x: tip.x - 11 * x, y: tip.y - 11 * y };

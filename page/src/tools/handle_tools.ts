@@ -1,38 +1,38 @@
 import type { Hit } from "../view/picking/picking";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 import { BrushRing, BrushStroke } from "./select_tools";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { ToolContext, Pointer, Stroke, Tool } from "./tool";
 import type { Surface } from "../view/surface/surface";
-import type { Spot } from "./eye";
+import type { ScreenPoint } from "./screen_camera";
 
 /** A click on a handle picks it up, whatever the tool. */
-function pickUp(bench: Bench, hit: Hit): Stroke | undefined {
-  const name = bench.control.handleAt(hit.surface, hit.vertex);
-  if (name === undefined || name === bench.editor.tools.activeHandle.value) return undefined;
-  return { move: () => undefined, end: () => bench.control.activate(name), cancel: () => undefined };
+function pickUp(context: ToolContext, hit: Hit): Stroke | undefined {
+  const name = context.control.handleAt(hit.surface, hit.vertex);
+  if (name === undefined || name === context.editor.tools.activeHandle.value) return undefined;
+  return { move: () => undefined, end: () => context.control.activate(name), cancel: () => undefined };
 }
 
 /** Says what a click on a handle would pick up. */
-function sayHandle(bench: Bench, { spot }: Pointer, hit: Hit | undefined): boolean {
-  const name = hit === undefined ? undefined : bench.control.handleAt(hit.surface, hit.vertex);
-  if (name === undefined || name === bench.editor.tools.activeHandle.value) bench.status.clear();
-  else bench.status.say(name, spot);
+function sayHandle(context: ToolContext, { screenPoint }: Pointer, hit: Hit | undefined): boolean {
+  const name = hit === undefined ? undefined : context.control.handleAt(hit.surface, hit.vertex);
+  if (name === undefined || name === context.editor.tools.activeHandle.value) context.status.clear();
+  else context.status.say(name, screenPoint);
   return name !== undefined;
 }
 
 /** No tool: a drag turns the view, a click on a handle picks it up. */
 export class NavigateTool implements Tool {
   readonly cursor = "grab";
-  constructor(private readonly bench: Bench) {}
+  constructor(private readonly context: ToolContext) {}
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
-    sayHandle(this.bench, pointer, hit);
+    sayHandle(this.context, pointer, hit);
   }
   leave(): void {
-    this.bench.status.clear();
+    this.context.status.clear();
   }
   press(_pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
-    return hit === undefined ? undefined : pickUp(this.bench, hit);
+    return hit === undefined ? undefined : pickUp(this.context, hit);
   }
 }
 
@@ -41,29 +41,29 @@ export class PaintTool implements Tool {
   readonly cursor = "crosshair";
   private readonly ring: BrushRing;
 
-  constructor(private readonly bench: Bench) {
-    this.ring = new BrushRing(bench);
+  constructor(private readonly context: ToolContext) {
+    this.ring = new BrushRing(context);
   }
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
-    if (sayHandle(this.bench, pointer, hit)) this.ring.hide();
+    if (sayHandle(this.context, pointer, hit)) this.ring.hide();
     else this.ring.show(pointer);
   }
   leave(): void {
     this.ring.hide();
-    this.bench.status.clear();
-    this.bench.preview.hide();
+    this.context.status.clear();
+    this.context.preview.hide();
   }
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
     if (hit === undefined) return undefined;
-    if (this.bench.control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.bench, hit);
-    const { control, preview } = this.bench;
+    if (this.context.control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.context, hit);
+    const { control, preview } = this.context;
     const { surface } = hit;
-    const stroke = new BrushStroke(this.bench, surface, pointer.spot);
+    const stroke = new BrushStroke(this.context, surface, pointer.screenPoint);
     const paint = (at: Pointer) => {
       this.ring.show(at);
-      if (stroke.to(at.spot).length > 0) preview.show(surface, stroke.painted);
+      if (stroke.to(at.screenPoint).length > 0) preview.show(surface, stroke.painted);
     };
     paint(pointer);
     return {
@@ -82,27 +82,27 @@ export class VertexTool implements Tool {
   readonly cursor = "pointer";
   private readonly dot = svg("circle", { class: "vertex-dot", r: 5, display: "none" });
 
-  constructor(private readonly bench: Bench) {
-    bench.viewport.overlay.append(this.dot);
+  constructor(private readonly context: ToolContext) {
+    context.viewport.overlay.append(this.dot);
   }
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
-    const isHeld = sayHandle(this.bench, pointer, hit);
+    const isHeld = sayHandle(this.context, pointer, hit);
     show(this.dot, hit !== undefined && !isHeld);
     if (hit === undefined) return;
-    const { viewport } = this.bench;
-    const [at] = onOverlay(viewport.overlay, [viewport.project(hit.surface.place(hit.vertex))]) as [Spot];
+    const { viewport } = this.context;
+    const [at] = onOverlay(viewport.overlay, [viewport.project(hit.surface.place(hit.vertex))]) as [ScreenPoint];
     set(this.dot, { cx: at.x, cy: at.y });
   }
   leave(): void {
     show(this.dot, false);
-    this.bench.status.clear();
+    this.context.status.clear();
   }
 
   press(_pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
     if (hit === undefined) return undefined;
-    const { control } = this.bench;
-    if (control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.bench, hit);
+    const { control } = this.context;
+    if (control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.context, hit);
     return {
       move: () => undefined,
       end: () => {
@@ -126,34 +126,34 @@ export class CurveTool implements Tool {
   private readonly rest = svg("path", { class: "curve ahead", display: "none" });
   private readonly dots = svg("g", { class: "curve-dots" });
 
-  constructor(private readonly bench: Bench) {
-    bench.viewport.overlay.append(this.line, this.rest, this.dots);
-    bench.viewport.onFrame.add(() => this.draw());
+  constructor(private readonly context: ToolContext) {
+    context.viewport.overlay.append(this.line, this.rest, this.dots);
+    context.viewport.onFrame.add(() => this.draw());
   }
 
-  hover({ spot }: Pointer, hit: Hit | undefined): void {
-    const { status, graphs } = this.bench;
+  hover({ screenPoint }: Pointer, hit: Hit | undefined): void {
+    const { status, graphs } = this.context;
     const last = this.clicked[this.clicked.length - 1];
-    this.closes = this.isAtFirst(spot);
+    this.closes = this.isAtFirst(screenPoint);
     const isSame = hit?.surface === (this.surface ?? hit?.surface);
     const to = this.closes ? this.clicked[0] : isSame ? hit?.vertex : undefined;
     const surface = this.surface ?? hit?.surface;
     const graph = surface === undefined ? undefined : graphs.of(surface);
     const path = to === undefined || last === undefined ? undefined : graph?.path(last, to);
     this.ahead = path ?? Uint32Array.of(...(to === undefined ? [] : [to]));
-    if (this.closes) status.say("Click to close the curve", spot);
-    else if (this.clicked.length > 1) status.say("Enter or a double click ends the curve", spot);
+    if (this.closes) status.say("Click to close the curve", screenPoint);
+    else if (this.clicked.length > 1) status.say("Enter or a double click ends the curve", screenPoint);
     else status.clear();
-    this.bench.viewport.requestRender();
+    this.context.viewport.requestRender();
   }
   leave(): void {
     this.ahead = new Uint32Array();
-    this.bench.status.clear();
-    this.bench.viewport.requestRender();
+    this.context.status.clear();
+    this.context.viewport.requestRender();
   }
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
-    if (hit === undefined && !this.isAtFirst(pointer.spot)) return undefined;
+    if (hit === undefined && !this.isAtFirst(pointer.screenPoint)) return undefined;
     return { move: () => undefined, end: () => this.click(pointer, hit), cancel: () => undefined };
   }
 
@@ -181,7 +181,7 @@ export class CurveTool implements Tool {
     this.clicked.push(hit.vertex);
     this.path.push(...(last === undefined ? [hit.vertex] : this.ahead.slice(1)));
     this.ahead = new Uint32Array();
-    this.bench.viewport.requestRender();
+    this.context.viewport.requestRender();
   }
 
   private finish(closed: boolean): void {
@@ -190,7 +190,7 @@ export class CurveTool implements Tool {
     const whole = closed ? [...this.path, ...this.ahead.slice(1, -1)] : this.path;
     const path = Uint32Array.from(new Set(whole));
     this.clear();
-    void this.bench.control.addCurve(surface, path, closed);
+    void this.context.control.addCurve(surface, path, closed);
   }
 
   private clear(): void {
@@ -200,24 +200,24 @@ export class CurveTool implements Tool {
     this.leave();
   }
 
-  private isAtFirst(spot: Spot): boolean {
+  private isAtFirst(screenPoint: ScreenPoint): boolean {
     const [first] = this.clicked;
     if (first === undefined || this.clicked.length < 3 || this.surface === undefined) return false;
-    const at = this.bench.viewport.project(this.surface.place(first));
-    return Math.hypot(at.x - spot.x, at.y - spot.y) < 12;
+    const at = this.context.viewport.project(this.surface.place(first));
+    return Math.hypot(at.x - screenPoint.x, at.y - screenPoint.y) < 12;
   }
 
   private draw(): void {
-    const surface = this.surface ?? this.bench.viewport.main;
+    const surface = this.surface ?? this.context.viewport.main;
     const isShown = surface !== undefined && (this.clicked.length > 0 || this.ahead.length > 0);
     for (const element of [this.line, this.rest, this.dots]) show(element, isShown);
     if (surface === undefined || !isShown) return;
-    const { viewport } = this.bench;
-    const spots = (vertices: Iterable<number>) =>
+    const { viewport } = this.context;
+    const screenPoints = (vertices: Iterable<number>) =>
       onOverlay(viewport.overlay, Array.from(vertices, (v) => viewport.project(surface.place(v))));
-    set(this.line, { d: linesThrough(spots(this.path)) });
-    set(this.rest, { d: linesThrough(spots(this.ahead)) });
-    const ends = spots([...this.clicked, ...this.ahead.slice(-1)]);
+    set(this.line, { d: linesThrough(screenPoints(this.path)) });
+    set(this.rest, { d: linesThrough(screenPoints(this.ahead)) });
+    const ends = screenPoints([...this.clicked, ...this.ahead.slice(-1)]);
     this.dots.replaceChildren(...ends.map(({ x, y }) => svg("circle", { cx: x, cy: y, r: 4.5 })));
   }
 }

@@ -1,12 +1,12 @@
 import { effect } from "@preact/signals";
 import { Vector3 } from "three";
-import type { Spot } from "./eye";
+import type { ScreenPoint } from "./screen_camera";
 import { distanceToSegment } from "./gizmo_layout";
 import type { ActiveHandle } from "./handle_control";
 import { centreOf, matrixOf } from "./pose_math";
 import type { Preview } from "./preview";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
-import type { Bench, Pointer, Stroke } from "./tool";
+import type { ToolContext, Pointer, Stroke } from "./tool";
 
 const knobPx = 150; // from the gizmo's middle, beyond its rings
 const mostVertices = 300_000;
@@ -21,41 +21,41 @@ export class ReachKnob {
   private readonly halo = svg("circle", { class: "reach-halo", r: 8 });
   private readonly knob = svg("circle", { class: "reach-knob", r: 6 });
   private readonly element = svg("g", { class: "reach", display: "none" }, this.stem, this.halo, this.knob);
-  private at: Spot | undefined; // of the knob
-  private dragged: Spot | undefined;
+  private at: ScreenPoint | undefined; // of the knob
+  private dragged: ScreenPoint | undefined;
   private isHot = false;
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly region: Preview,
     private readonly isBusy: () => boolean,
   ) {
-    bench.viewport.overlay.prepend(this.element);
-    bench.viewport.onFrame.add(() => this.draw());
-    effect(() => this.light(bench.editor.tools.reachFor.value));
+    context.viewport.overlay.prepend(this.element);
+    context.viewport.onFrame.add(() => this.draw());
+    effect(() => this.light(context.editor.tools.reachFor.value));
   }
 
   /** Whether a press here takes the knob. */
-  hover(spot: Spot, generosity = 1): boolean {
-    const isHot = this.at !== undefined && distanceToSegment(spot, this.at, this.at) <= 12 * generosity;
-    if (isHot !== this.isHot) this.bench.viewport.requestRender();
+  hover(screenPoint: ScreenPoint, generosity = 1): boolean {
+    const isHot = this.at !== undefined && distanceToSegment(screenPoint, this.at, this.at) <= 12 * generosity;
+    if (isHot !== this.isHot) this.context.viewport.requestRender();
     this.isHot = isHot;
     return isHot;
   }
 
-  press({ spot: first }: Pointer): Stroke | undefined {
-    const handle = this.bench.control.active;
+  press({ screenPoint: first }: Pointer): Stroke | undefined {
+    const handle = this.context.control.active;
     if (handle?.reach === undefined || this.at === undefined) return undefined;
-    const { reachFor } = this.bench.editor.tools;
+    const { reachFor } = this.context.editor.tools;
     const centre = this.centreOf(handle);
-    const c = this.bench.eye.project(centre);
-    const farFrom = ({ x, y }: Spot) => Math.hypot(x - c.x, y - c.y);
-    const perPixel = this.bench.eye.worldPerPixel(centre);
-    const follow = ({ spot }: Pointer) => {
-      const reach = (handle.reach ?? 0) + (farFrom(spot) - farFrom(first)) * perPixel;
-      this.dragged = spot;
+    const c = this.context.camera.project(centre);
+    const farFrom = ({ x, y }: ScreenPoint) => Math.hypot(x - c.x, y - c.y);
+    const perPixel = this.context.camera.worldPerPixel(centre);
+    const follow = ({ screenPoint }: Pointer) => {
+      const reach = (handle.reach ?? 0) + (farFrom(screenPoint) - farFrom(first)) * perPixel;
+      this.dragged = screenPoint;
       reachFor.value = { handle: handle.name, reach: Math.max(0.01 * this.diagonal, Math.min(reach, this.diagonal)) };
-      this.say(reachFor.value.reach, spot);
+      this.say(reachFor.value.reach, screenPoint);
     };
     return {
       move: follow,
@@ -68,36 +68,36 @@ export class ReachKnob {
   }
 
   private async set(): Promise<void> {
-    const { value: asked } = this.bench.editor.tools.reachFor;
-    this.bench.status.clear();
-    if (asked !== null) await this.bench.editor.ask({ do: "reach", handle: asked.handle, reach: asked.reach });
+    const { value: asked } = this.context.editor.tools.reachFor;
+    this.context.status.clear();
+    if (asked !== null) await this.context.editor.ask({ do: "reach", handle: asked.handle, reach: asked.reach });
     this.stop();
   }
 
   private stop(): void {
     this.dragged = undefined;
-    this.bench.editor.tools.reachFor.value = null;
-    this.bench.status.clear();
-    this.bench.viewport.requestRender();
+    this.context.editor.tools.reachFor.value = null;
+    this.context.status.clear();
+    this.context.viewport.requestRender();
   }
 
   private get diagonal(): number {
-    return this.bench.editor.state.value?.model.diagonal ?? 1;
+    return this.context.editor.state.value?.model.diagonal ?? 1;
   }
 
-  private say(reach: number, spot: Spot): void {
-    const unit = this.bench.viewport.settings.unit.value;
-    this.bench.status.say(`Reach  ${reach.toPrecision(3)}${unit === "none" ? "" : ` ${unit}`}`, spot);
+  private say(reach: number, screenPoint: ScreenPoint): void {
+    const unit = this.context.viewport.settings.unit.value;
+    this.context.status.say(`Reach  ${reach.toPrecision(3)}${unit === "none" ? "" : ` ${unit}`}`, screenPoint);
   }
 
   // What would be reached; nothing where that would take the page too long to find.
   private light(asked: { handle: string; reach: number } | null): void {
-    this.bench.viewport.requestRender();
-    const surface = this.bench.viewport.main;
-    const handle = this.bench.control.active;
+    this.context.viewport.requestRender();
+    const surface = this.context.viewport.main;
+    const handle = this.context.control.active;
     if (asked === null || handle?.name !== asked.handle || surface === undefined || surface.vertexCount > mostVertices)
       return this.region.hide();
-    const inside = this.bench.graphs.of(surface)?.within(handle.vertices, asked.reach, mostVertices);
+    const inside = this.context.graphs.of(surface)?.within(handle.vertices, asked.reach, mostVertices);
     if (inside !== undefined) this.region.show(surface, inside.keys());
   }
 
@@ -108,17 +108,17 @@ export class ReachKnob {
   }
 
   private draw(): void {
-    const handle = this.bench.control.active;
-    const { before } = this.bench.viewport.settings;
+    const handle = this.context.control.active;
+    const { before } = this.context.viewport.settings;
     const isShown = handle?.reach !== undefined && !this.isBusy() && !before.value;
     show(this.element, isShown);
     this.at = undefined;
     if (!isShown) return;
-    const c = this.bench.eye.project(this.centreOf(handle));
+    const c = this.context.camera.project(this.centreOf(handle));
     if (c.behind) return show(this.element, false);
     const off = knobPx * Math.SQRT1_2;
     this.at = this.dragged ?? this.inView({ x: c.x + off, y: c.y + off });
-    const [o, knob] = onOverlay(this.bench.viewport.overlay, [c, this.at]) as [Spot, Spot];
+    const [o, knob] = onOverlay(this.context.viewport.overlay, [c, this.at]) as [ScreenPoint, ScreenPoint];
     const far = Math.hypot(knob.x - o.x, knob.y - o.y);
     const along = (px: number) => ({ x: o.x + ((knob.x - o.x) * px) / far, y: o.y + ((knob.y - o.y) * px) / far });
     set(this.stem, { d: far > stemPx ? linesThrough([along(far - stemPx), knob]) : "" });
@@ -127,8 +127,8 @@ export class ReachKnob {
   }
 
   // The knob stays on the page.
-  private inView({ x, y }: Spot): Spot {
-    const box = this.bench.viewport.canvas.getBoundingClientRect();
+  private inView({ x, y }: ScreenPoint): ScreenPoint {
+    const box = this.context.viewport.canvas.getBoundingClientRect();
     const within = (value: number, from: number, to: number) => Math.min(Math.max(value, from), to);
     return { x: within(x, box.left + 20, box.right - 20), y: within(y, box.top + 20, box.bottom - 40) };
   }

@@ -2,22 +2,22 @@ import { Vector3 } from "three";
 import type { AskedSelection } from "../protocol";
 import type { Hit } from "../view/picking/picking";
 import type { Surface } from "../view/surface/surface";
-import type { Spot } from "./eye";
-import { DabPath } from "./dab_path";
+import type { ScreenPoint } from "./screen_camera";
+import { StrokePath } from "./stroke_path";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
-import { combineOf, type Bench, type Pointer, type Stroke, type Tool } from "./tool";
+import { combineOf, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
 
 /** A circle on the page: how large the brush is. */
 export class BrushRing {
   private readonly circles = [svg("circle"), svg("circle")];
   private readonly element = svg("g", { class: "brush-ring", display: "none" }, ...this.circles);
 
-  constructor(private readonly bench: Bench) {
-    bench.viewport.overlay.append(this.element);
+  constructor(private readonly context: ToolContext) {
+    context.viewport.overlay.append(this.element);
   }
-  show({ spot, ctrl, alt }: Pointer): void {
-    const [at] = onOverlay(this.bench.viewport.overlay, [spot]) as [Spot];
-    const r = this.bench.editor.tools.brushRadiusPx.value;
+  show({ screenPoint, ctrl, alt }: Pointer): void {
+    const [at] = onOverlay(this.context.viewport.overlay, [screenPoint]) as [ScreenPoint];
+    const r = this.context.editor.tools.brushRadiusPx.value;
     for (const circle of this.circles) set(circle, { cx: at.x, cy: at.y, r });
     set(this.element, { class: `brush-ring${ctrl || alt ? " removes" : ""}` });
     show(this.element, true);
@@ -30,25 +30,25 @@ export class BrushRing {
 /** Vertices under the brush along a stroke, each told once. */
 export class BrushStroke {
   readonly painted = new Set<number>();
-  private readonly path: DabPath;
+  private readonly path: StrokePath;
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly surface: Surface,
-    start: Spot,
+    start: ScreenPoint,
   ) {
-    this.path = new DabPath(start, 0.5 * bench.editor.tools.brushRadiusPx.value);
+    this.path = new StrokePath(start, 0.5 * context.editor.tools.brushRadiusPx.value);
   }
 
-  /** What comes under the brush on the way to a spot, that was not before. */
-  to(spot: Spot): Uint32Array {
-    const { tools } = this.bench.editor;
+  /** What comes under the brush on the way to a screenPoint, that was not before. */
+  to(screenPoint: ScreenPoint): Uint32Array {
+    const { tools } = this.context.editor;
     const fresh: number[] = [];
-    for (const { x, y } of this.path.to(spot)) {
-      const hit = this.bench.viewport.pick(x, y);
+    for (const { x, y } of this.path.to(screenPoint)) {
+      const hit = this.context.viewport.pick(x, y);
       if (hit?.surface !== this.surface) continue;
-      const radius = tools.brushRadiusPx.value * this.bench.viewport.worldPerPixel(hit.point);
-      for (const v of this.bench.viewport.verticesNear(this.surface, hit, radius, tools.through.value))
+      const radius = tools.brushRadiusPx.value * this.context.viewport.worldPerPixel(hit.point);
+      for (const v of this.context.viewport.verticesNear(this.surface, hit, radius, tools.through.value))
         if (!this.painted.has(v)) {
           this.painted.add(v);
           fresh.push(v);
@@ -66,8 +66,8 @@ export class BrushTool implements Tool {
   readonly cursor = "crosshair";
   private readonly ring: BrushRing;
 
-  constructor(private readonly bench: Bench) {
-    this.ring = new BrushRing(bench);
+  constructor(private readonly context: ToolContext) {
+    this.ring = new BrushRing(context);
   }
 
   hover(pointer: Pointer): void {
@@ -80,14 +80,14 @@ export class BrushTool implements Tool {
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
     if (hit === undefined) return undefined;
     const { surface } = hit;
-    const { editor } = this.bench;
-    const how = combineOf(this.bench, pointer);
+    const { editor } = this.context;
+    const how = combineOf(this.context, pointer);
     const before = surface.selection.slice();
     if (how === "set") surface.setSelection(new Uint32Array());
-    const stroke = new BrushStroke(this.bench, surface, pointer.spot);
+    const stroke = new BrushStroke(this.context, surface, pointer.screenPoint);
     const paint = (at: Pointer) => {
       this.ring.show(at);
-      surface.markSelected(stroke.to(at.spot), how !== "remove");
+      surface.markSelected(stroke.to(at.screenPoint), how !== "remove");
     };
     paint(pointer);
     return {
@@ -105,10 +105,10 @@ export class OutlineTool implements Tool {
   private readonly outline = svg("path", { class: "outline", display: "none" });
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly isBox: boolean,
   ) {
-    bench.viewport.overlay.append(this.outline);
+    context.viewport.overlay.append(this.outline);
   }
 
   hover(): void {}
@@ -117,15 +117,15 @@ export class OutlineTool implements Tool {
   }
 
   press(pointer: Pointer): Stroke | undefined {
-    const surface = this.bench.viewport.main;
+    const surface = this.context.viewport.main;
     if (surface === undefined) return undefined;
-    const spots = [pointer.spot];
-    const how = combineOf(this.bench, pointer);
-    const draw = ({ spot }: Pointer) => {
-      const [first = spot] = spots;
-      if (this.isBox) spots.splice(0, 4, first, { x: spot.x, y: first.y }, spot, { x: first.x, y: spot.y });
-      else spots.push(spot);
-      set(this.outline, { d: linesThrough(onOverlay(this.bench.viewport.overlay, spots), true) });
+    const screenPoints = [pointer.screenPoint];
+    const how = combineOf(this.context, pointer);
+    const draw = ({ screenPoint }: Pointer) => {
+      const [first = screenPoint] = screenPoints;
+      if (this.isBox) screenPoints.splice(0, 4, first, { x: screenPoint.x, y: first.y }, screenPoint, { x: first.x, y: screenPoint.y });
+      else screenPoints.push(screenPoint);
+      set(this.outline, { d: linesThrough(onOverlay(this.context.viewport.overlay, screenPoints), true) });
       set(this.outline, { class: `outline${how === "remove" ? " removes" : ""}` });
       show(this.outline, true);
     };
@@ -133,16 +133,16 @@ export class OutlineTool implements Tool {
       move: draw,
       end: () => {
         show(this.outline, false);
-        this.take(surface, spots, how);
+        this.take(surface, screenPoints, how);
       },
       cancel: () => show(this.outline, false),
     };
   }
 
-  private take(surface: Surface, spots: readonly Spot[], how: "set" | "add" | "remove"): void {
-    const polygon = spots.map(({ x, y }): [number, number] => [x, y]);
-    if (areaOf(spots) < 9) return; // a click
-    const { viewport, editor } = this.bench;
+  private take(surface: Surface, screenPoints: readonly ScreenPoint[], how: "set" | "add" | "remove"): void {
+    const polygon = screenPoints.map(({ x, y }): [number, number] => [x, y]);
+    if (areaOf(screenPoints) < 9) return; // a click
+    const { viewport, editor } = this.context;
     const vertices = viewport.verticesInPolygon(surface, polygon, editor.tools.through.value);
     if (vertices.length === 0 && how !== "set") return;
     if (how === "set") surface.setSelection(vertices);
@@ -156,7 +156,7 @@ export abstract class ClickTool implements Tool {
   readonly cursor = "pointer";
   private shownKey: string | undefined;
 
-  constructor(protected readonly bench: Bench) {}
+  constructor(protected readonly context: ToolContext) {}
 
   /** What a click here would take: a key by which it is known, its vertices, and what to ask for. */
   protected abstract find(pointer: Pointer, hit: Hit | undefined): Found | undefined;
@@ -170,12 +170,12 @@ export abstract class ClickTool implements Tool {
       this.present(found);
     }
     const count = found.vertices === undefined ? "" : `: ${found.vertices.length.toLocaleString("en")} vertices`;
-    this.bench.status.say(`${found.words}${count}`, pointer.spot);
+    this.context.status.say(`${found.words}${count}`, pointer.screenPoint);
   }
   leave(): void {
     this.shownKey = undefined;
-    this.bench.preview.hide();
-    this.bench.status.clear();
+    this.context.preview.hide();
+    this.context.status.clear();
   }
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
@@ -183,13 +183,13 @@ export abstract class ClickTool implements Tool {
     if (found === undefined) return undefined;
     return {
       move: () => undefined,
-      end: () => void this.bench.editor.ask({ do: "select", how: combineOf(this.bench, pointer), what: found.ask }),
+      end: () => void this.context.editor.ask({ do: "select", how: combineOf(this.context, pointer), what: found.ask }),
       cancel: () => undefined,
     };
   }
 
   protected present({ surface, vertices }: Found): void {
-    if (vertices !== undefined) this.bench.preview.show(surface, vertices);
+    if (vertices !== undefined) this.context.preview.show(surface, vertices);
   }
 }
 
@@ -207,7 +207,7 @@ export class ConnectedTool extends ClickTool {
   protected find(_pointer: Pointer, hit: Hit | undefined): Found | undefined {
     if (hit === undefined) return undefined;
     const { surface, vertex } = hit;
-    const graph = this.bench.graphs.of(surface);
+    const graph = this.context.graphs.of(surface);
     const first = graph?.first(vertex) ?? vertex;
     if (graph !== undefined && (this.last?.surface !== surface || this.last.has[first] === 0)) {
       const vertices = graph.component(vertex);
@@ -225,9 +225,9 @@ export class FloodTool extends ClickTool {
   protected find(_pointer: Pointer, hit: Hit | undefined): Found | undefined {
     if (hit === undefined) return undefined;
     const { surface, vertex } = hit;
-    const angle = this.bench.editor.tools.floodAngleDeg.value;
+    const angle = this.context.editor.tools.floodAngleDeg.value;
     const isQuick = surface.vertexCount < 300_000; // else it is seen after the click
-    const vertices = isQuick ? this.bench.graphs.of(surface)?.flood(vertex, angle) : undefined;
+    const vertices = isQuick ? this.context.graphs.of(surface)?.flood(vertex, angle) : undefined;
     return {
       key: `flood ${surface.id} ${vertex} ${angle} ${vertices?.length}`, surface, vertices,
       words: `Up to ${angle}°`, ask: { flood: { vertex, angle_deg: angle } },
@@ -239,25 +239,25 @@ export class FloodTool extends ClickTool {
 export class LoopTool extends ClickTool {
   private readonly line = svg("path", { class: "loop", display: "none" });
 
-  constructor(bench: Bench) {
-    super(bench);
-    bench.viewport.overlay.append(this.line);
-    bench.viewport.onFrame.add(() => this.draw());
+  constructor(context: ToolContext) {
+    super(context);
+    context.viewport.overlay.append(this.line);
+    context.viewport.onFrame.add(() => this.draw());
   }
 
   private loop: { surface: Surface; vertices: Uint32Array } | undefined;
 
-  protected find({ spot }: Pointer): Found | undefined {
-    const surface = this.bench.viewport.main;
-    const graph = surface === undefined ? undefined : this.bench.graphs.of(surface);
+  protected find({ screenPoint }: Pointer): Found | undefined {
+    const surface = this.context.viewport.main;
+    const graph = surface === undefined ? undefined : this.context.graphs.of(surface);
     if (surface === undefined || graph === undefined) return undefined;
     let least = nearPx;
     let found: { vertices: Uint32Array; vertex: number } | undefined;
     const place = new Vector3();
     for (const vertices of graph.loops)
       for (const vertex of vertices) {
-        const { x, y, behind } = this.bench.viewport.project(surface.place(vertex, place));
-        const distance = Math.hypot(x - spot.x, y - spot.y);
+        const { x, y, behind } = this.context.viewport.project(surface.place(vertex, place));
+        const distance = Math.hypot(x - screenPoint.x, y - screenPoint.y);
         if (behind || distance >= least) continue;
         least = distance;
         found = { vertices, vertex };
@@ -282,8 +282,8 @@ export class LoopTool extends ClickTool {
     show(this.line, this.loop !== undefined);
     if (this.loop === undefined) return;
     const { surface, vertices } = this.loop;
-    const spots = Array.from(vertices, (v) => this.bench.viewport.project(surface.place(v)));
-    set(this.line, { d: linesThrough(onOverlay(this.bench.viewport.overlay, spots), true) });
+    const screenPoints = Array.from(vertices, (v) => this.context.viewport.project(surface.place(v)));
+    set(this.line, { d: linesThrough(onOverlay(this.context.viewport.overlay, screenPoints), true) });
   }
 }
 
@@ -296,10 +296,10 @@ function selectedIn(flags: Uint8Array): Uint32Array {
 }
 
 /** Of a closed outline, square pixels. */
-function areaOf(spots: readonly Spot[]): number {
+function areaOf(screenPoints: readonly ScreenPoint[]): number {
   let twice = 0;
-  spots.forEach((a, i) => {
-    const b = spots[(i + 1) % spots.length] as Spot;
+  screenPoints.forEach((a, i) => {
+    const b = screenPoints[(i + 1) % screenPoints.length] as ScreenPoint;
     twice += a.x * b.y - b.x * a.y;
   });
   return Math.abs(twice) / 2;

@@ -1,4 +1,4 @@
-import type { Spot } from "./eye";
+import type { ScreenPoint } from "./screen_camera";
 import { onOverlay, set, show, svg } from "./svg";
 
 /** A line of text beside the pointer: what a gesture does, what a click would take. */
@@ -11,13 +11,13 @@ export class Status {
     overlay.append(this.element);
   }
 
-  say(words: string, { x, y }: Spot): void {
+  say(words: string, { x, y }: ScreenPoint): void {
     overlayLast(this.overlay, this.element);
     show(this.element, true);
     if (this.text.textContent !== words) this.text.textContent = words;
     const width = this.text.getComputedTextLength() + 18;
     set(this.back, { width });
-    const [at] = onOverlay(this.overlay, [{ x: x + 22, y: y + 22 }]) as [Spot];
+    const [at] = onOverlay(this.overlay, [{ x: x + 22, y: y + 22 }]) as [ScreenPoint];
     const left = Math.max(4, Math.min(at.x, this.overlay.clientWidth - width - 4));
     const top = Math.max(4, Math.min(at.y, this.overlay.clientHeight - 30));
     set(this.element, { transform: `translate(${left} ${top})` });

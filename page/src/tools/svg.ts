@@ -1,4 +1,4 @@
-import type { Spot } from "./eye";
+import type { ScreenPoint } from "./screen_camera";
 
 type Value = string | number | undefined;
 
@@ -25,14 +25,14 @@ export function show(element: SVGElement, isShown: boolean): void {
   set(element, { display: isShown ? undefined : "none" });
 }
 
-/** The `d` of lines from spot to spot. */
-export function linesThrough(spots: readonly Spot[], closed = false): string {
-  const steps = spots.map(({ x, y }, i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`);
-  return steps.join("") + (closed && spots.length > 0 ? "Z" : "");
+/** The `d` of lines from screenPoint to screenPoint. */
+export function linesThrough(screenPoints: readonly ScreenPoint[], closed = false): string {
+  const steps = screenPoints.map(({ x, y }, i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`);
+  return steps.join("") + (closed && screenPoints.length > 0 ? "Z" : "");
 }
 
-/** Spots of the page as spots of the overlay. */
-export function onOverlay(overlay: SVGSVGElement, spots: readonly Spot[]): Spot[] {
+/** Spots of the page as screenPoints of the overlay. */
+export function onOverlay(overlay: SVGSVGElement, screenPoints: readonly ScreenPoint[]): ScreenPoint[] {
   const { left, top } = overlay.getBoundingClientRect();
-  return spots.map(({ x, y }) => ({ x: x - left, y: y - top }));
+  return screenPoints.map(({ x, y }) => ({ x: x - left, y: y - top }));
 }

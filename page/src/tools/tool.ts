@@ -1,7 +1,7 @@
 import type { Editor } from "../app/editor";
 import type { Hit } from "../view/picking/picking";
 import type { Viewport } from "../view/viewport";
-import type { Eye, Spot } from "./eye";
+import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import type { GraphStore } from "./graph_store";
 import type { HandleControl } from "./handle_control";
 import type { Preview } from "./preview";
@@ -9,7 +9,7 @@ import type { Status } from "./status";
 
 /** Where the pointer is, and what is held with it. */
 export interface Pointer {
-  readonly spot: Spot;
+  readonly screenPoint: ScreenPoint;
   readonly shift: boolean;
   readonly ctrl: boolean;
   readonly alt: boolean;
@@ -24,10 +24,10 @@ export interface Stroke {
 }
 
 /** What a tool works with. */
-export interface Bench {
+export interface ToolContext {
   readonly editor: Editor;
   readonly viewport: Viewport;
-  readonly eye: Eye;
+  readonly camera: ScreenCamera;
   readonly graphs: GraphStore;
   readonly control: HandleControl;
   readonly status: Status;
@@ -55,7 +55,7 @@ export interface Tool {
 }
 
 /** Whether what is taken is added to the selection, taken from it, or becomes it. */
-export function combineOf(bench: Bench, { shift, ctrl, alt }: Pointer): "set" | "add" | "remove" {
+export function combineOf(context: ToolContext, { shift, ctrl, alt }: Pointer): "set" | "add" | "remove" {
   if (ctrl || alt) return "remove";
-  return shift ? "add" : bench.editor.tools.combine.value;
+  return shift ? "add" : context.editor.tools.combine.value;
 }

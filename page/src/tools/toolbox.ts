@@ -5,7 +5,7 @@ import type { GraftTool } from "../app/graft/graft";
 import type { ToolName } from "../app/tool_settings";
 import type { Hit } from "../view/picking/picking";
 import type { Viewport } from "../view/viewport";
-import { eyeOf, type Spot } from "./eye";
+import { screenCameraOf, type ScreenPoint } from "./screen_camera";
 import type { GraftView } from "../view/graft/graft_view";
 import { CutCurveTool } from "./graft/cut_curve_tool";
 import { DropTool } from "./graft/drop_tool";
@@ -26,13 +26,13 @@ import { ReachKnob } from "./reach_knob";
 import { BrushTool, ConnectedTool, FloodTool, LoopTool, OutlineTool } from "./select_tools";
 import { Status } from "./status";
 import { SymmetryPlane } from "./symmetry_plane";
-import type { Bench, Pointer, Stroke, Tool } from "./tool";
+import type { ToolContext, Pointer, Stroke, Tool } from "./tool";
 import "./tools.css";
 
 /** Gives the pointer to the gizmo, to the active tool, or to the navigation. */
 export class ToolBox implements ToolActions {
   readonly control: HandleControl;
-  private readonly bench: Bench;
+  private readonly context: ToolContext;
   private readonly gizmo: Gizmo;
   private readonly reach: ReachKnob;
   private readonly tools: Record<ToolName, Tool>;
@@ -41,7 +41,7 @@ export class ToolBox implements ToolActions {
   private tool: Tool;
   private stroke: Stroke | undefined;
   private taken: number | undefined; // the pointer that drags
-  private pointer: Pointer = { spot: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
+  private pointer: Pointer = { screenPoint: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
   private waiting: PointerEvent | undefined; // the last move, until the next frame
 
   constructor(
@@ -51,24 +51,24 @@ export class ToolBox implements ToolActions {
   ) {
     const graphs = new GraphStore();
     this.control = new HandleControl(editor, viewport, graphs);
-    const eye = eyeOf(viewport);
+    const camera = screenCameraOf(viewport);
     const status = new Status(viewport.overlay);
     const preview = new Preview(viewport, graphs, 0xffa02e, 0.55);
-    this.bench = { editor, viewport, eye, graphs, control: this.control, status, preview };
+    this.context = { editor, viewport, camera, graphs, control: this.control, status, preview };
     const part = new PartControl(viewport, editor.graft);
     const plane = new PlaneControl(viewport, editor.graft, graftView);
-    this.gizmo = new Gizmo(editor, viewport, new FirstActive([plane, part, this.control]), eye, status);
-    const drop = new DropTool(this.bench, graftView);
+    this.gizmo = new Gizmo(editor, viewport, new FirstActive([plane, part, this.control]), camera, status);
+    const drop = new DropTool(this.context, graftView);
     this.graft = new GraftPanelActions(editor, viewport, drop);
     new PlaneView(viewport, plane, editor.graft);
     this.graftTools = {
-      loops: new LoopPairTool(this.bench, graftView),
-      plane: new CutPlaneTool(this.bench, plane),
-      stroke: new CutCurveTool(this.bench, graftView),
-      fixed: new FixedTool(this.bench),
+      loops: new LoopPairTool(this.context, graftView),
+      plane: new CutPlaneTool(this.context, plane),
+      stroke: new CutCurveTool(this.context, graftView),
+      fixed: new FixedTool(this.context),
       drop,
     };
-    this.reach = new ReachKnob(this.bench, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
+    this.reach = new ReachKnob(this.context, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
     new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();
@@ -128,7 +128,7 @@ export class ToolBox implements ToolActions {
     return this.gizmo.isGoing || this.tool.confirm !== undefined;
   }
   beginGesture(kind: "move" | "turn" | "scale"): void {
-    this.gizmo.beginModal(kind, this.pointer.spot);
+    this.gizmo.beginModal(kind, this.pointer.screenPoint);
   }
   togglePivot(): void {
     const { movesPivot } = this.editor.tools;
@@ -159,18 +159,18 @@ export class ToolBox implements ToolActions {
   }
 
   private makeTools(): Record<ToolName, Tool> {
-    const { bench } = this;
+    const { context } = this;
     return {
-      navigate: new NavigateTool(bench),
-      handle: new PaintTool(bench),
-      vertex: new VertexTool(bench),
-      curve: new CurveTool(bench),
-      brush: new BrushTool(bench),
-      lasso: new OutlineTool(bench, false),
-      box: new OutlineTool(bench, true),
-      connected: new ConnectedTool(bench),
-      loop: new LoopTool(bench),
-      flood: new FloodTool(bench),
+      navigate: new NavigateTool(context),
+      handle: new PaintTool(context),
+      vertex: new VertexTool(context),
+      curve: new CurveTool(context),
+      brush: new BrushTool(context),
+      lasso: new OutlineTool(context, false),
+      box: new OutlineTool(context, true),
+      connected: new ConnectedTool(context),
+      loop: new LoopTool(context),
+      flood: new FloodTool(context),
     };
   }
 
@@ -186,7 +186,7 @@ export class ToolBox implements ToolActions {
   private prepare(): void {
     void this.editor.state.value?.model.mesh;
     const { main } = this.viewport;
-    if (main !== undefined) this.bench.graphs.of(main);
+    if (main !== undefined) this.context.graphs.of(main);
   }
 
   private leave(): void {
@@ -216,16 +216,16 @@ export class ToolBox implements ToolActions {
   private strokeFor(event: PointerEvent): Stroke | undefined {
     const generosity = event.pointerType === "mouse" ? 1 : 2;
     const { pointer } = this;
-    if (this.gizmo.press(pointer.spot, generosity)) {
+    if (this.gizmo.press(pointer.screenPoint, generosity)) {
       this.tool.leave();
       return {
-        move: (at) => this.gizmo.follow(at.spot, at.ctrl),
+        move: (at) => this.gizmo.follow(at.screenPoint, at.ctrl),
         end: () => this.gizmo.end(),
         cancel: () => this.gizmo.cancel(),
       };
     }
-    if (this.reach.hover(pointer.spot, generosity)) return this.reach.press(pointer);
-    return this.tool.press(pointer, this.hitUnder(pointer.spot));
+    if (this.reach.hover(pointer.screenPoint, generosity)) return this.reach.press(pointer);
+    return this.tool.press(pointer, this.hitUnder(pointer.screenPoint));
   }
 
   private follow(event: PointerEvent): void {
@@ -239,20 +239,20 @@ export class ToolBox implements ToolActions {
     this.waiting = undefined;
     if (event === undefined) return;
     this.pointer = pointerOf(event);
-    if (this.gizmo.isModal) this.gizmo.follow(this.pointer.spot, this.pointer.ctrl);
+    if (this.gizmo.isModal) this.gizmo.follow(this.pointer.screenPoint, this.pointer.ctrl);
     else if (this.stroke !== undefined) this.stroke.move(this.pointer);
     else if (event.buttons === 0) this.hover();
   }
 
   private hover(): void {
-    const { spot } = this.pointer;
+    const { screenPoint } = this.pointer;
     const { canvas } = this.viewport;
-    if (this.gizmo.hover(spot) || this.reach.hover(spot)) {
+    if (this.gizmo.hover(screenPoint) || this.reach.hover(screenPoint)) {
       this.tool.leave();
       canvas.style.cursor = "pointer";
       return;
     }
-    const hit = this.hitUnder(spot);
+    const hit = this.hitUnder(screenPoint);
     canvas.style.cursor = hit === undefined && this.tool.beginsBeside !== true ? "default" : this.tool.cursor;
     this.tool.hover(this.pointer, hit);
   }
@@ -263,7 +263,7 @@ export class ToolBox implements ToolActions {
     this.followNow();
     this.pointer = pointerOf(event);
     this.stroke = this.taken = undefined;
-    if (this.gizmo.isGoing) this.gizmo.follow(this.pointer.spot, this.pointer.ctrl);
+    if (this.gizmo.isGoing) this.gizmo.follow(this.pointer.screenPoint, this.pointer.ctrl);
     stroke.end(this.pointer);
   }
 
@@ -292,14 +292,14 @@ export class ToolBox implements ToolActions {
     this.resizeBrush(Math.exp(-0.0015 * (event.deltaY || event.deltaX)));
   }
 
-  private hitUnder({ x, y }: Spot): Hit | undefined {
+  private hitUnder({ x, y }: ScreenPoint): Hit | undefined {
     return this.viewport.pick(x, y);
   }
 }
 
 function pointerOf(event: MouseEvent): Pointer {
   return {
-    spot: { x: event.clientX, y: event.clientY },
+    screenPoint: { x: event.clientX, y: event.clientY },
     shift: event.shiftKey,
     ctrl: event.ctrlKey || event.metaKey,
     alt: event.altKey,

@@ -36,11 +36,11 @@ void main() { place = vec4(shownPlace, 1.0); }
 
 /**
  * Where the vertex shader puts the vertices of a surface (3 numbers each, relative to its offset), read from the
- * graphics card. Rejects where that draws no numbers with a fraction (EXT_color_buffer_float).
+ * GPU. Rejects where that draws no numbers with a fraction (EXT_color_buffer_float).
  */
 export async function readPositions(renderer: WebGLRenderer, surface: Surface): Promise<Float32Array> {
   if (!renderer.getContext().getExtension("EXT_color_buffer_float"))
-    throw new Error("the graphics card draws no floats");
+    throw new Error("the GPU draws no floats");
   const height = Math.max(1, Math.ceil(surface.vertexCount / width));
   const target = new WebGLRenderTarget(width, height, {
     type: FloatType,

@@ -20,7 +20,7 @@ import { areWithin, placesOf } from "./framing";
 import { Projection } from "./projection";
 import type { Legend } from "./surface/heat";
 import { Navigation } from "./navigation";
-import { Pace, type Drawn } from "./pace";
+import { FrameScheduler, type Drawn } from "./frame_scheduler";
 import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking/picking";
 import { inOwn, Parts } from "./parts";
 import { PickTree } from "./picking/pick_tree";
@@ -29,14 +29,14 @@ import type { Polygon } from "./picking/polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
 import { Surface } from "./surface/surface";
-import { bringToCard } from "./surface/to_card";
+import { bringToGpu } from "./surface/to_gpu";
 import { ViewCube, viewFrom, type Side } from "./view_cube";
 import { ViewNotes } from "./view_notes";
 import "./view.css";
 import { seenVertices } from "./picking/visibility";
 import { lookUniforms, shadings } from "./surface/surface_material";
 
-const isLarge = 200_000; // vertices, from which on a surface is brought to the card in parts
+const isLarge = 200_000; // vertices, from which on a surface is brought to the GPU in parts
 
 ColorManagement.enabled = false; // colours are written as they are shown
 
@@ -55,9 +55,9 @@ export class Viewport {
   private readonly projection: Projection;
   /** Called before each picture. */
   readonly onFrame = new Set<() => void>();
-  /** Called after each picture, when the card is done with it. */
+  /** Called after each picture, when the GPU is done with it. */
   readonly onDrawn = new Set<(picture: Drawn) => void>();
-  /** Milliseconds from a picture's begin to its end on the card: the median, the last at rest, and in motion. */
+  /** Milliseconds from a picture's begin to its end on the GPU: the median, the last at rest, and in motion. */
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
   /** Of the model: it is to be seen from then on. */
@@ -76,10 +76,10 @@ export class Viewport {
   private readonly ground = new Ground();
   private readonly notes = new ViewNotes();
   private readonly cube: ViewCube;
-  private readonly pace = new Pace(
+  private readonly scheduler = new FrameScheduler(
     () => this.render(),
     (picture, frameMs) => {
-      this.timings.value = { frameMs, restMs: this.pace.restMs, movingMs: this.pace.movingMs };
+      this.timings.value = { frameMs, restMs: this.scheduler.restMs, movingMs: this.scheduler.movingMs };
       for (const call of this.onDrawn) call(picture);
     },
   );
@@ -318,13 +318,13 @@ export class Viewport {
   }
 
   requestRender(): void {
-    this.pace.request();
+    this.scheduler.request();
   }
 
   private render(): void {
     const { renderer, host, pipeline, settings } = this;
     if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
-    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the card
+    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the GPU
     const start = performance.now();
     this.resize(renderer, host);
     this.navigation.update(host.clientWidth / host.clientHeight);
@@ -333,10 +333,10 @@ export class Viewport {
     this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
     const moving = this.navigation.isMoving || start < this.posesMove;
     const mayReduce = settings.lessWhileMoving.value;
-    const coarse = this.pace.wantsCoarse(moving, mayReduce);
+    const coarse = this.scheduler.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
     for (const part of this.parts.shown()) part.surface.showCoarse(coarse);
-    const detail = this.pace.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
+    const detail = this.scheduler.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
     this.look.cavity.value = detail.occlusion ? 1 : 0;
     const { viewHeight, distance, orthographic } = this.navigation;
     pipeline.render(
@@ -348,10 +348,10 @@ export class Viewport {
     );
     renderer.clearDepth();
     renderer.render(this.helpersScene, this.camera);
-    this.pace.finish(renderer, start, moving);
+    this.scheduler.finish(renderer, start, moving);
   }
 
-  /** To the size of its place, right before a picture: while the card draws one, this would wait for it. */
+  /** To the size of its place, right before a picture: while the GPU draws one, this would wait for it. */
   private resize(renderer: WebGLRenderer, { clientWidth, clientHeight }: HTMLElement): void {
     const ratio = Math.min(2, window.devicePixelRatio);
     const size = renderer.getSize(new Vector2());
@@ -457,12 +457,12 @@ export class Viewport {
     if (first || !similar) this.fit("all", false);
   }
 
-  /** Shows a new surface once its arrays are on the card, one after the other where they are large. */
+  /** Shows a new surface once its arrays are on the GPU, one after the other where they are large. */
   private async bringIn(surface: Surface): Promise<void> {
     if (surface.vertexCount > isLarge && this.renderer !== undefined) {
-      this.pace.expectMuch();
+      this.scheduler.expectMuch();
       const isWanted = () => this.surfaces.get(surface.id) === surface;
-      await bringToCard(surface, this.renderer, this.background.mesh.material, this.camera, isWanted);
+      await bringToGpu(surface, this.renderer, this.background.mesh.material, this.camera, isWanted);
     }
     if (this.surfaces.get(surface.id) !== surface) return;
     this.scene.add(surface.object);

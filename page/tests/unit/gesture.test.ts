@@ -1,15 +1,15 @@
 import { OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
-import type { Eye, Spot } from "../../src/tools/eye";
+import type { ScreenCamera, ScreenPoint } from "../../src/tools/screen_camera";
 import { Gesture, type Axis, type Grip } from "../../src/tools/gesture";
 import { layOut, partAt } from "../../src/tools/gizmo_layout";
 import { NumberEntry } from "../../src/tools/number_entry";
 import { atRest, axesOf, centreOf, matrixOf, turned, type Motion, type Placement } from "../../src/tools/pose_math";
-import { CameraEye } from "./camera_eye";
+import { CanvasCamera } from "./screen_camera";
 
 const box = { x: 10, y: 20, width: 1000, height: 800 } as DOMRect;
 
-function eyes(): Eye[] {
+function eyes(): ScreenCamera[] {
   const perspective = new PerspectiveCamera(35, 1.25, 0.1, 100);
   const orthographic = new OrthographicCamera(-2.5, 2.5, 2, -2, 0.1, 100);
   return [perspective, orthographic].map((camera) => {
@@ -17,7 +17,7 @@ function eyes(): Eye[] {
     camera.lookAt(0, 0, 0);
     camera.updateMatrixWorld();
     camera.updateProjectionMatrix();
-    return new CameraEye(() => camera, () => ({ getBoundingClientRect: () => box }));
+    return new CanvasCamera(() => camera, () => ({ getBoundingClientRect: () => box }));
   });
 }
 
@@ -25,11 +25,11 @@ const rest = atRest(new Vector3(0.2, 0.1, -0.3));
 const tilted = turned(rest, { axis: new Vector3(1, 2, 2).normalize(), angleDeg: 50 });
 const world = new Quaternion();
 
-function begin(eye: Eye, grip: Grip, from: Vector3, start: Placement = rest, axes = world): Gesture {
+function begin(eye: ScreenCamera, grip: Grip, from: Vector3, start: Placement = rest, axes = world): Gesture {
   return new Gesture(grip, start, axes, eye, eye.project(from));
 }
 
-function apart(a: Spot, b: Spot): number {
+function apart(a: ScreenPoint, b: ScreenPoint): number {
   return Math.hypot(a.x - b.x, a.y - b.y);
 }
 
@@ -60,7 +60,7 @@ describe("a move", () => {
   });
 
   it("goes in steps, and by the number that is typed", () => {
-    const [eye] = eyes() as [Eye];
+    const [eye] = eyes() as [ScreenCamera];
     const gesture = begin(eye, { act: "move", axis: 0 }, centreOf(rest));
     gesture.pointAt(eye.project(centreOf(rest).add(new Vector3(0.77, 0, 0))));
     gesture.steps = { move: 0.25, turnDeg: 15, scale: 0.1 };
@@ -91,7 +91,7 @@ describe("a turn", () => {
   });
 
   it("goes on where its ring is seen from the edge", () => {
-    const [eye] = eyes() as [Eye];
+    const [eye] = eyes() as [ScreenCamera];
     const sight = eye.towards(centreOf(rest));
     const axes = new Quaternion().setFromUnitVectors(new Vector3(1, 0, 0), sight.clone().cross(new Vector3(0, 1, 0)).normalize());
     const ring: Grip = { act: "turn", axis: 0 };
@@ -119,7 +119,7 @@ describe("a scale", () => {
   });
 
   it("of one axis leaves the others, and one across it leaves that one", () => {
-    const [eye] = eyes() as [Eye];
+    const [eye] = eyes() as [ScreenCamera];
     const gesture = begin(eye, { act: "scale", axis: 1 }, centreOf(rest));
     gesture.number.press("3");
     expect((gesture.placement() as Motion).scale.toArray()).toEqual([1, 3, 1]);
@@ -149,9 +149,9 @@ describe("the gizmo", () => {
         const layout = layOut(centreOf(rest), axes, eye);
         expect(layout.parts.length).toBe(3 + 4 * 3);
         for (const part of layout.parts.filter(({ kind }) => ["ball", "box", "knob"].includes(kind)))
-          expect(partAt(layout, part.outline[0] as Spot)?.id).toBe(part.id);
+          expect(partAt(layout, part.outline[0] as ScreenPoint)?.id).toBe(part.id);
         for (const part of layout.parts.filter(({ kind }) => kind === "arrow"))
-          expect(partAt(layout, part.outline[1] as Spot)?.id).toBe(part.id);
+          expect(partAt(layout, part.outline[1] as ScreenPoint)?.id).toBe(part.id);
         expect(partAt(layout, { x: layout.centre.x + 300, y: layout.centre.y })).toBeUndefined();
       }
   });
@@ -160,14 +160,14 @@ describe("the gizmo", () => {
     for (const eye of eyes())
       for (const centre of [new Vector3(), new Vector3(-3, -2, -4)]) {
         const layout = layOut(centre, world, eye);
-        const boxes = layout.parts.filter(({ kind }) => kind === "box").map(({ outline }) => outline[0] as Spot);
+        const boxes = layout.parts.filter(({ kind }) => kind === "box").map(({ outline }) => outline[0] as ScreenPoint);
         for (const spot of boxes) expect(apart(spot, layout.centre)).toBeLessThan(135);
         expect(Math.max(...boxes.map((spot) => apart(spot, layout.centre)))).toBeGreaterThan(70);
       }
   });
 
   it("hides arrows that point at the eye", () => {
-    const [eye] = eyes() as [Eye];
+    const [eye] = eyes() as [ScreenCamera];
     const centre = new Vector3();
     const axes = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), eye.towards(centre).negate());
     const ids = layOut(centre, axes, eye).parts.map(({ id }) => id);

@@ -320,7 +320,7 @@ describe("roles", () => {
   });
 });
 
-describe("what is sent to the card", () => {
+describe("what is sent to the GPU", () => {
   it("covers all that changed", () => {
     expect(spanOfChange(Uint32Array.from([1, 5, 9]), Uint32Array.from([1, 5, 9]))).toBeUndefined();
     expect(spanOfChange(Uint32Array.from([1, 5, 9]), Uint32Array.from([1, 6, 9]))).toEqual([5, 6]);

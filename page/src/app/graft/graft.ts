@@ -9,7 +9,7 @@ import {
 import { GraftStarts } from "./graft_starts";
 import type {
   Arrangement, Cut, CutRequest, DrawnCurve, GraftHost, GraftReport, GraftTool, LoopRef, PartSource,
-  SelectionChange, ShownLoop, Side, Thing,
+  SelectionChange, ShownLoop, Side, MeshObject,
 } from "./graft_types";
 import { LoopCurve } from "./loop_curve";
 import { Throttled } from "../throttled";
@@ -46,12 +46,12 @@ export class Graft {
   /** Parts that are shown or hidden against what is usual. */
   readonly shownParts = signal<ReadonlyMap<string, boolean>>(new Map());
 
-  readonly model = computed((): Thing | undefined => {
+  readonly model = computed((): MeshObject | undefined => {
     const state = this.host.state.value;
     return state === null ? undefined : { ...state.model, grafted: false };
   });
-  readonly parts = computed((): readonly Thing[] => this.host.state.value?.parts ?? []);
-  readonly things = computed((): readonly Thing[] => [
+  readonly parts = computed((): readonly MeshObject[] => this.host.state.value?.parts ?? []);
+  readonly things = computed((): readonly MeshObject[] => [
     ...(this.model.value === undefined ? [] : [this.model.value]),
     ...this.parts.value,
   ]);
@@ -90,18 +90,18 @@ export class Graft {
 
   constructor(private readonly host: GraftHost) {}
 
-  named(name: string | undefined): Thing | undefined {
+  named(name: string | undefined): MeshObject | undefined {
     return this.things.value.find((thing) => thing.name === name);
   }
   /** How requests name a mesh; undefined: the model. */
   nameOf(mesh: number): string | undefined {
     return mesh === this.model.value?.mesh ? undefined : this.byMesh(mesh)?.name;
   }
-  byMesh(mesh: number): Thing | undefined {
+  byMesh(mesh: number): MeshObject | undefined {
     return this.things.value.find((thing) => thing.mesh === mesh);
   }
   /** Whether a part is shown: those that were grafted are not, unless it was said. */
-  isShown(part: Thing): boolean {
+  isShown(part: MeshObject): boolean {
     return this.shownParts.value.get(part.name) ?? (!part.grafted || part.name === this.step.value?.source);
   }
   /** Meshes that are shown themselves while grafting: all but those that went into what comes of them. */
@@ -116,7 +116,7 @@ export class Graft {
     if ((hasPreview || lands) && arrangement === "result") meshes.delete(this.source.value?.mesh ?? -1);
     return meshes;
   });
-  toggleShown(part: Thing): void {
+  toggleShown(part: MeshObject): void {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
   }
 
@@ -354,7 +354,7 @@ export class Graft {
     if (frame.kind === FrameKind.loops) this.takeLoops(frame);
   }
 
-  hear(event: GraftReport): void {
+  onEvent(event: GraftReport): void {
     if (event.graft < this.newest) return;
     this.newest = event.graft;
     batch(() => {

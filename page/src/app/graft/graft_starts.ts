@@ -1,11 +1,11 @@
-import type { GraftReport, ShownLoop, Thing } from "./graft_types";
+import type { GraftReport, ShownLoop, MeshObject } from "./graft_types";
 import { meetingOf, type Meeting, type Pair } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
 /** What is read of a graft. */
 interface PairedLoops {
-  readonly source: { readonly value: Thing | undefined };
-  readonly target: { readonly value: Thing | undefined };
+  readonly source: { readonly value: MeshObject | undefined };
+  readonly target: { readonly value: MeshObject | undefined };
   readonly pairs: { readonly value: readonly Pair[] };
   readonly loops: { readonly value: ReadonlyMap<number, readonly ShownLoop[]> };
   readonly report: { readonly value: GraftReport | null };
@@ -19,7 +19,7 @@ export class GraftStarts {
 
   /** The loops of a pair, of source and target; undefined while they are not known. */
   curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
-    const loop = (thing: Thing | undefined, index: number) =>
+    const loop = (thing: MeshObject | undefined, index: number) =>
       this.graft.loops.value.get(thing?.mesh ?? -1)?.[index]?.curve;
     const source = loop(this.graft.source.value, pair.sourceLoop);
     const target = loop(this.graft.target.value, pair.targetLoop);

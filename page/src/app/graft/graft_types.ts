@@ -10,7 +10,7 @@ export type GraftTool = "loops" | "plane" | "stroke" | "fixed" | "drop";
 export type Arrangement = "result" | "both" | "apart";
 
 /** The model or a part, as the engine lists it. */
-export interface Thing {
+export interface MeshObject {
   name: string;
   mesh: number;
   vertices: number;

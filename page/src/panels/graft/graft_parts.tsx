@@ -1,4 +1,4 @@
-import type { Thing } from "../../app/graft/graft";
+import type { MeshObject } from "../../app/graft/graft";
 import type { Page } from "../../app/page";
 import { counted } from "../../app/units";
 import { Thumbnail } from "./graft_library";
@@ -27,7 +27,7 @@ export function PartsPanel({ page }: { page: Page }) {
   );
 }
 
-function PartRow({ page, part }: { page: Page; part: Thing }) {
+function PartRow({ page, part }: { page: Page; part: MeshObject }) {
   const { editor } = page;
   const { graft } = editor;
   const isSource = graft.step.value?.source === part.name;

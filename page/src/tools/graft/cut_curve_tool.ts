@@ -2,10 +2,10 @@ import { effect } from "@preact/signals";
 import { Vector3 } from "three";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Hit } from "../../view/picking/picking";
-import type { Spot } from "../eye";
+import type { ScreenPoint } from "../screen_camera";
 import { runsLeft } from "./graft_plane_math";
 import { linesThrough, onOverlay, set, show, svg } from "../svg";
-import type { Bench, Pointer, Stroke, Tool } from "../tool";
+import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
 const stepPx = 9; // between vertices of the curve
 const closePx = 16;
@@ -17,53 +17,53 @@ export class CutCurveTool implements Tool {
   private readonly first = svg("circle", { class: "cut-first", r: 7, display: "none" });
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly view: GraftView,
   ) {
-    bench.viewport.overlay.append(this.path, this.first);
-    bench.viewport.onFrame.add(() => this.draw());
+    context.viewport.overlay.append(this.path, this.first);
+    context.viewport.onFrame.add(() => this.draw());
     effect(() => {
       void [this.graft.cutCurve.value, this.graft.tool.value, this.graft.mode.value];
-      bench.viewport.requestRender();
+      context.viewport.requestRender();
     });
   }
 
   private get graft() {
-    return this.bench.editor.graft;
+    return this.context.editor.graft;
   }
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
     const { value: curve } = this.graft.cutCurve;
-    if (this.isAtFirst(pointer.spot)) this.bench.status.say("Close the curve here", pointer.spot);
-    else if (hit === undefined) this.bench.status.clear();
-    else if (curve?.closed === true) this.bench.status.say("Enter keeps what is inside", pointer.spot);
-    else if (curve === null) this.bench.status.say("Draw a closed curve on the surface", pointer.spot);
-    else this.bench.status.say("Go on drawing; Enter closes the curve", pointer.spot);
+    if (this.isAtFirst(pointer.screenPoint)) this.context.status.say("Close the curve here", pointer.screenPoint);
+    else if (hit === undefined) this.context.status.clear();
+    else if (curve?.closed === true) this.context.status.say("Enter keeps what is inside", pointer.screenPoint);
+    else if (curve === null) this.context.status.say("Draw a closed curve on the surface", pointer.screenPoint);
+    else this.context.status.say("Go on drawing; Enter closes the curve", pointer.screenPoint);
   }
   leave(): void {
-    this.bench.status.clear();
+    this.context.status.clear();
   }
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
-    if (this.isAtFirst(pointer.spot)) return { move: () => undefined, end: () => this.close(), cancel: () => undefined };
+    if (this.isAtFirst(pointer.screenPoint)) return { move: () => undefined, end: () => this.close(), cancel: () => undefined };
     if (hit === undefined) return undefined;
     const before = this.graft.cutCurve.value;
     const goesOn = before !== null && !before.closed && before.mesh === hit.surface.id;
     const vertices = goesOn ? [...before.vertices] : [];
-    let last: Spot | undefined;
-    const add = ({ spot }: Pointer) => {
-      if (last !== undefined && Math.hypot(spot.x - last.x, spot.y - last.y) < stepPx) return;
-      const under = this.bench.viewport.pick(spot.x, spot.y);
+    let last: ScreenPoint | undefined;
+    const add = ({ screenPoint }: Pointer) => {
+      if (last !== undefined && Math.hypot(screenPoint.x - last.x, screenPoint.y - last.y) < stepPx) return;
+      const under = this.context.viewport.pick(screenPoint.x, screenPoint.y);
       if (under?.surface !== hit.surface || vertices.includes(under.vertex)) return;
-      last = spot;
+      last = screenPoint;
       vertices.push(under.vertex);
       this.graft.cutCurve.value = { mesh: hit.surface.id, vertices: [...vertices], closed: false };
     };
     add(pointer);
     return {
       move: add,
-      end: ({ spot }) => {
-        if (vertices.length > 4 && this.isAtFirst(spot)) this.close();
+      end: ({ screenPoint }) => {
+        if (vertices.length > 4 && this.isAtFirst(screenPoint)) this.close();
       },
       cancel: () => (this.graft.cutCurve.value = before),
     };
@@ -93,25 +93,25 @@ export class CutCurveTool implements Tool {
   private close(): void {
     const { value: curve } = this.graft.cutCurve;
     if (curve === null || curve.vertices.length < 3) return;
-    const spots = this.spots().map(({ x, y }): [number, number] => [x, y]);
-    const vertices = runsLeft(spots) ? curve.vertices : [...curve.vertices].reverse();
+    const screenPoints = this.screenPoints().map(({ x, y }): [number, number] => [x, y]);
+    const vertices = runsLeft(screenPoints) ? curve.vertices : [...curve.vertices].reverse();
     this.graft.cutCurve.value = { ...curve, vertices, closed: true };
   }
 
-  private isAtFirst(spot: Spot): boolean {
+  private isAtFirst(screenPoint: ScreenPoint): boolean {
     const { value: curve } = this.graft.cutCurve;
     if (curve === null || curve.closed || curve.vertices.length < 3) return false;
-    const [first] = this.spots();
-    return first !== undefined && Math.hypot(first.x - spot.x, first.y - spot.y) < closePx;
+    const [first] = this.screenPoints();
+    return first !== undefined && Math.hypot(first.x - screenPoint.x, first.y - screenPoint.y) < closePx;
   }
 
-  private spots(): Spot[] {
+  private screenPoints(): ScreenPoint[] {
     const { value: curve } = this.graft.cutCurve;
     if (curve === null) return [];
     const place = new Vector3();
     return curve.vertices.flatMap((v) => {
       const at = this.view.place(curve.mesh, v, place);
-      return at === undefined ? [] : [this.bench.viewport.project(at)];
+      return at === undefined ? [] : [this.context.viewport.project(at)];
     });
   }
 
@@ -121,10 +121,10 @@ export class CutCurveTool implements Tool {
     show(this.path, isShown);
     show(this.first, isShown && cutCurve.value?.closed === false && cutCurve.value.vertices.length > 2);
     if (!isShown) return;
-    const spots = onOverlay(this.bench.viewport.overlay, this.spots());
+    const screenPoints = onOverlay(this.context.viewport.overlay, this.screenPoints());
     const closed = cutCurve.value?.closed === true;
-    set(this.path, { d: linesThrough(spots, closed), class: `cut-curve${closed ? " closed" : ""}` });
-    const [first] = spots;
+    set(this.path, { d: linesThrough(screenPoints, closed), class: `cut-curve${closed ? " closed" : ""}` });
+    const [first] = screenPoints;
     if (first !== undefined) set(this.first, { cx: first.x, cy: first.y });
   }
 }

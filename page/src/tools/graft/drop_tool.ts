@@ -3,8 +3,8 @@ import type { GraftFields } from "../../app/graft/graft_step";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Hit } from "../../view/picking/picking";
 import { meetSurface } from "../../view/picking/picking";
-import type { Spot } from "../eye";
-import type { Bench, Pointer, Stroke, Tool } from "../tool";
+import type { ScreenPoint } from "../screen_camera";
+import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
 /** Where a part is dropped, and how. */
 interface Drop {
@@ -17,22 +17,22 @@ interface Drop {
 export class DropTool implements Tool {
   readonly cursor = "copy";
   private drop: Drop | undefined;
-  private spot: Spot | undefined;
+  private screenPoint: ScreenPoint | undefined;
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly view: GraftView,
   ) {}
 
   private get graft(): Graft {
-    return this.bench.editor.graft;
+    return this.context.editor.graft;
   }
 
-  hover({ spot }: Pointer, _hit: Hit | undefined): void {
-    this.spot = spot;
-    const point = this.pointUnder(spot);
+  hover({ screenPoint }: Pointer, _hit: Hit | undefined): void {
+    this.screenPoint = screenPoint;
+    const point = this.pointUnder(screenPoint);
     if (point === undefined) {
-      this.bench.status.say("Point at the surface", spot);
+      this.context.status.say("Point at the surface", screenPoint);
       return;
     }
     this.drop = { spinDeg: 0, size: undefined, ...this.drop, point };
@@ -40,18 +40,18 @@ export class DropTool implements Tool {
   }
 
   leave(): void {
-    this.bench.status.clear();
+    this.context.status.clear();
   }
 
   /** A click grafts it there. */
   press(pointer: Pointer): Stroke | undefined {
     this.hover(pointer, undefined);
-    if (this.pointUnder(pointer.spot) === undefined) return undefined;
+    if (this.pointUnder(pointer.screenPoint) === undefined) return undefined;
     return {
       move: (at) => this.hover(at, undefined),
       end: (at) => {
         this.hover(at, undefined);
-        if (this.canLand(at.spot)) void this.finish();
+        if (this.canLand(at.screenPoint)) void this.finish();
       },
       cancel: () => this.giveUp(),
     };
@@ -102,10 +102,10 @@ export class DropTool implements Tool {
 
   private show(): void {
     const fields = this.fields();
-    if (fields === undefined || this.drop === undefined || this.spot === undefined) return;
+    if (fields === undefined || this.drop === undefined || this.screenPoint === undefined) return;
     this.graft.drag(fields);
     const size = this.drop.size === undefined ? "own size" : `× ${this.drop.size.toPrecision(3)}`;
-    this.bench.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (shift+wheel, S) · Esc leaves it`, this.spot);
+    this.context.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (shift+wheel, S) · Esc leaves it`, this.screenPoint);
   }
 
   /** Grafts it where it is. */
@@ -127,18 +127,18 @@ export class DropTool implements Tool {
     this.end();
   }
   /** Whether the surface is there. */
-  canLand(spot: Spot): boolean {
-    return this.pointUnder(spot) !== undefined;
+  canLand(screenPoint: ScreenPoint): boolean {
+    return this.pointUnder(screenPoint) !== undefined;
   }
   private end(): void {
     this.drop = undefined;
-    this.bench.status.clear();
+    this.context.status.clear();
     if (this.graft.tool.value === "drop") this.graft.tool.value = "loops";
   }
 
   // On the target itself, which is hidden while it is shown what comes of it.
-  private pointUnder({ x, y }: Spot): [number, number, number] | undefined {
-    const { viewport } = this.bench;
+  private pointUnder({ x, y }: ScreenPoint): [number, number, number] | undefined {
+    const { viewport } = this.context;
     const target = this.graft.kept.value?.target ?? this.graft.model.value?.name;
     const surface = viewport.surfaceOf(this.graft.named(target)?.mesh ?? -1);
     if (surface === undefined) return undefined;

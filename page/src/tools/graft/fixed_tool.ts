@@ -1,14 +1,14 @@
 import type { Hit } from "../../view/picking/picking";
 import { BrushTool } from "../select_tools";
-import type { Bench, Pointer, Stroke, Tool } from "../tool";
+import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
 /** Paints what of a part stays as it is, where it keeps its pose. */
 export class FixedTool implements Tool {
   readonly cursor = "crosshair";
   private readonly brush: BrushTool;
 
-  constructor(private readonly bench: Bench) {
-    this.brush = new BrushTool(bench);
+  constructor(private readonly context: ToolContext) {
+    this.brush = new BrushTool(context);
   }
 
   hover(pointer: Pointer): void {
@@ -19,7 +19,7 @@ export class FixedTool implements Tool {
   }
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
-    const { graft } = this.bench.editor;
+    const { graft } = this.context.editor;
     if (hit === undefined || hit.surface.id !== graft.source.value?.mesh) return undefined;
     const stroke = this.brush.press(pointer, hit);
     return (

@@ -5,9 +5,9 @@ import { meetingsOf, withDotAt, withMatch, withoutDot, type DotRef, type Meeting
 import { areInOrder, meetingPlace, nearestPlace } from "../../app/graft/loop_curve";
 import { cssColour, pairColour } from "../../app/graft/graft_colours";
 import type { GraftView } from "../../view/graft/graft_view";
-import type { Spot } from "../eye";
+import type { ScreenPoint } from "../screen_camera";
 import { onOverlay, set, show, svg } from "../svg";
-import type { Bench, Pointer, Stroke, Tool } from "../tool";
+import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
 const nearPx = { loop: 14, dot: 11 };
 
@@ -27,49 +27,49 @@ export class LoopPairTool implements Tool {
   private hot: End | undefined;
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly view: GraftView,
   ) {
-    bench.viewport.overlay.append(this.element);
-    bench.viewport.onFrame.add(() => this.draw());
+    context.viewport.overlay.append(this.element);
+    context.viewport.onFrame.add(() => this.draw());
     effect(() => {
       const { pairs, dot, report, activePair } = this.graft;
       void [pairs.value, dot.value, report.value, activePair.value];
-      bench.viewport.requestRender();
+      context.viewport.requestRender();
     });
   }
 
   private get graft() {
-    return this.bench.editor.graft;
+    return this.context.editor.graft;
   }
 
   hover(pointer: Pointer): void {
     this.pointer = pointer;
-    const { canvas } = this.bench.viewport;
-    const end = this.endAt(pointer.spot);
+    const { canvas } = this.context.viewport;
+    const end = this.endAt(pointer.screenPoint);
     if (this.hot?.pair !== end?.pair || this.hot?.dot !== end?.dot || this.hot?.side !== end?.side) {
       this.hot = end;
-      this.bench.viewport.requestRender();
+      this.context.viewport.requestRender();
     }
-    const near = end === undefined ? this.loopAt(pointer.spot) : undefined;
+    const near = end === undefined ? this.loopAt(pointer.screenPoint) : undefined;
     this.graft.hovered.value = near?.ref ?? null;
     canvas.style.cursor = end !== undefined ? "grab" : near !== undefined ? "pointer" : "default";
-    if (end !== undefined) this.bench.status.say(wordsOfDot(end), pointer.spot);
-    else if (near !== undefined) this.bench.status.say(this.wordsOfLoop(near.ref), pointer.spot);
-    else this.bench.status.clear();
+    if (end !== undefined) this.context.status.say(wordsOfDot(end), pointer.screenPoint);
+    else if (near !== undefined) this.context.status.say(this.wordsOfLoop(near.ref), pointer.screenPoint);
+    else this.context.status.clear();
   }
 
   leave(): void {
     this.hot = undefined;
     this.graft.hovered.value = null;
-    this.bench.status.clear();
+    this.context.status.clear();
   }
 
   press(pointer: Pointer): Stroke | undefined {
     this.pointer = pointer;
-    const end = this.endAt(pointer.spot);
+    const end = this.endAt(pointer.screenPoint);
     if (end !== undefined) return this.dragEnd(end);
-    const near = this.loopAt(pointer.spot);
+    const near = this.loopAt(pointer.screenPoint);
     if (near === undefined) {
       this.graft.dot.value = null;
       return undefined;
@@ -89,7 +89,7 @@ export class LoopPairTool implements Tool {
 
   /** A double click on a loop that is paired adds a match there. */
   confirm(): boolean {
-    const near = this.pointer && this.loopAt(this.pointer.spot);
+    const near = this.pointer && this.loopAt(this.pointer.screenPoint);
     const index = near === undefined ? -1 : this.pairOf(near.ref);
     if (near === undefined || index < 0) return false;
     this.graft.picked.value = null;
@@ -123,8 +123,8 @@ export class LoopPairTool implements Tool {
     const curve = end.side === 0 ? curves?.source : curves?.target;
     let { vertex } = end;
     return {
-      move: ({ spot }) => {
-        const next = curve && this.nearestVertex(end.mesh, curve.vertices, spot);
+      move: ({ screenPoint }) => {
+        const next = curve && this.nearestVertex(end.mesh, curve.vertices, screenPoint);
         if (next === undefined || next === vertex) return;
         const meeting = this.movedMeeting(end, next);
         if (meeting === undefined) return;
@@ -173,12 +173,12 @@ export class LoopPairTool implements Tool {
   }
 
   /** The loop under the pointer, and its vertex there. */
-  private loopAt(spot: Spot): { ref: LoopRef; vertex: number } | undefined {
+  private loopAt(screenPoint: ScreenPoint): { ref: LoopRef; vertex: number } | undefined {
     let best: { ref: LoopRef; vertex: number } | undefined;
     let least: number = nearPx.loop;
     for (const ref of this.view.clickable()) {
       const vertices = this.graft.loops.value.get(ref.mesh)?.[ref.loop]?.vertices ?? new Uint32Array();
-      const { index, distance } = nearestPlace(this.spotsOf(ref.mesh, vertices), spot.x, spot.y);
+      const { index, distance } = nearestPlace(this.spotsOf(ref.mesh, vertices), screenPoint.x, screenPoint.y);
       if (index < 0 || distance >= least) continue;
       least = distance;
       best = { ref, vertex: vertices[index] as number };
@@ -186,21 +186,21 @@ export class LoopPairTool implements Tool {
     return best;
   }
 
-  private nearestVertex(mesh: number, vertices: Uint32Array, { x, y }: Spot): number | undefined {
+  private nearestVertex(mesh: number, vertices: Uint32Array, { x, y }: ScreenPoint): number | undefined {
     const { index } = nearestPlace(this.spotsOf(mesh, vertices), x, y);
     return vertices[index];
   }
 
   // Where vertices are on the page; along edges, for coarse loops, halves as well would be too much: vertices are it.
   private spotsOf(mesh: number, vertices: Uint32Array): Float64Array {
-    const spots = new Float64Array(2 * vertices.length).fill(Infinity);
+    const screenPoints = new Float64Array(2 * vertices.length).fill(Infinity);
     const place = new Vector3();
     vertices.forEach((v, i) => {
       if (this.view.place(mesh, v, place) === undefined) return;
-      const { x, y, behind } = this.bench.viewport.project(place);
-      if (!behind) spots.set([x, y], 2 * i);
+      const { x, y, behind } = this.context.viewport.project(place);
+      if (!behind) screenPoints.set([x, y], 2 * i);
     });
-    return spots;
+    return screenPoints;
   }
 
   private ends(): End[] {
@@ -218,14 +218,14 @@ export class LoopPairTool implements Tool {
     );
   }
 
-  private endAt(spot: Spot): End | undefined {
+  private endAt(screenPoint: ScreenPoint): End | undefined {
     let best: End | undefined;
     let least: number = nearPx.dot;
     for (const end of this.ends()) {
       const place = this.view.place(end.mesh, end.vertex);
       if (place === undefined) continue;
-      const { x, y, behind } = this.bench.viewport.project(place);
-      const distance = Math.hypot(x - spot.x, y - spot.y);
+      const { x, y, behind } = this.context.viewport.project(place);
+      const distance = Math.hypot(x - screenPoint.x, y - screenPoint.y);
       if (behind || distance > least) continue;
       least = distance;
       best = end;
@@ -247,16 +247,16 @@ export class LoopPairTool implements Tool {
   private drawEnd(end: End): void {
     const place = this.view.place(end.mesh, end.vertex);
     const element = this.elementOf(end);
-    const at = place && this.bench.viewport.project(place);
+    const at = place && this.context.viewport.project(place);
     show(element, at !== undefined && !at.behind);
     if (at === undefined) return;
-    const [spot] = onOverlay(this.bench.viewport.overlay, [at]) as [Spot];
+    const [screenPoint] = onOverlay(this.context.viewport.overlay, [at]) as [ScreenPoint];
     const { value: dot } = this.graft.dot;
     const isHot = this.hot !== undefined && keyOf(this.hot) === keyOf(end);
     const isChosen = dot?.pair === end.pair && dot.dot === end.dot;
     const given = end.dot > 0 || this.graft.pairs.value[end.pair]?.start !== undefined;
     set(element, {
-      transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`,
+      transform: `translate(${screenPoint.x.toFixed(1)} ${screenPoint.y.toFixed(1)})`,
       class: `graft-dot${end.dot === 0 ? " start" : ""}${isHot ? " hot" : ""}${isChosen ? " chosen" : ""}${given ? "" : " found"}`,
       style: `--own: ${cssColour(pairColour(end.pair))}`,
     });
@@ -283,7 +283,7 @@ export class LoopPairTool implements Tool {
     const loop = this.graft.loops.value.get(ref.mesh)?.[ref.loop];
     const thing = this.graft.byMesh(ref.mesh);
     if (loop === undefined || thing === undefined) return "";
-    const { value: unit } = this.bench.viewport.settings.unit;
+    const { value: unit } = this.context.viewport.settings.unit;
     const length = Number(loop.length.toPrecision(3)).toString();
     const what = `${thing.name}, loop ${ref.loop + 1}: ${loop.vertices.length} vertices, ${length}${unit === "none" ? "" : ` ${unit}`} around`;
     if (this.pairOf(ref) >= 0) return `${what} · double click: a match here`;

@@ -60,7 +60,7 @@ export class GraftPanelActions implements GraftActions {
   private async finish(event: PointerEvent): Promise<void> {
     if (this.editor.graft.dropped.value === null) return; // given up
     const at = pointerOf(event);
-    if (this.isOverView(event) && this.dropTool.canLand(at.spot)) {
+    if (this.isOverView(event) && this.dropTool.canLand(at.screenPoint)) {
       this.dropTool.hover(at, undefined);
       await this.dropTool.finish();
     } else await this.dropTool.miss();
@@ -121,7 +121,7 @@ function swallow(event: MouseEvent): void {
 
 function pointerOf(event: PointerEvent): Pointer {
   return {
-    spot: { x: event.clientX, y: event.clientY },
+    screenPoint: { x: event.clientX, y: event.clientY },
     shift: event.shiftKey,
     ctrl: event.ctrlKey || event.metaKey,
     alt: event.altKey,

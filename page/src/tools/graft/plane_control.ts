@@ -2,13 +2,13 @@ import { Matrix4, Quaternion, Vector3 } from "three";
 import type { Cut, Graft } from "../../app/graft/graft";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Viewport } from "../../view/viewport";
-import type { Eye, Spot } from "../eye";
+import type { ScreenCamera, ScreenPoint } from "../screen_camera";
 import type { Act } from "../gesture";
 import { planeThroughLine, type CutPlane } from "./graft_plane_math";
 import type { Movable, Moved } from "../movable";
 import { axesOf, centreOf, type Placement } from "../pose_math";
 import { linesThrough, onOverlay, set, show, svg } from "../svg";
-import type { Bench, Pointer, Stroke, Tool } from "../tool";
+import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 import type { Hit } from "../../view/picking/picking";
 
 const name = "cutting plane";
@@ -93,27 +93,27 @@ export class CutPlaneTool implements Tool {
   private readonly line = svg("path", { class: "cut-line", display: "none" });
 
   constructor(
-    private readonly bench: Bench,
+    private readonly context: ToolContext,
     private readonly control: PlaneControl,
   ) {
-    bench.viewport.overlay.append(this.line);
+    context.viewport.overlay.append(this.line);
   }
 
-  hover({ spot }: Pointer): void {
-    if (this.control.active === undefined) this.bench.status.say("Draw a line across what is to be cut", spot);
+  hover({ screenPoint }: Pointer): void {
+    if (this.control.active === undefined) this.context.status.say("Draw a line across what is to be cut", screenPoint);
   }
   leave(): void {
-    this.bench.status.clear();
+    this.context.status.clear();
     show(this.line, false);
   }
 
-  press({ spot: first }: Pointer, hit: Hit | undefined): Stroke | undefined {
-    const { overlay } = this.bench.viewport;
-    const follow = ({ spot }: Pointer) => this.lay(hit ?? this.firstBetween(first, spot), first, spot);
+  press({ screenPoint: first }: Pointer, hit: Hit | undefined): Stroke | undefined {
+    const { overlay } = this.context.viewport;
+    const follow = ({ screenPoint }: Pointer) => this.lay(hit ?? this.firstBetween(first, screenPoint), first, screenPoint);
     return {
       move: (pointer) => {
         show(this.line, true);
-        set(this.line, { d: linesThrough(onOverlay(overlay, [first, pointer.spot])) });
+        set(this.line, { d: linesThrough(onOverlay(overlay, [first, pointer.screenPoint])) });
         follow(pointer);
       },
       end: (pointer) => {
@@ -125,21 +125,21 @@ export class CutPlaneTool implements Tool {
   }
 
   // What a line that begins beside all surfaces comes to first.
-  private firstBetween(first: Spot, last: Spot): Hit | undefined {
+  private firstBetween(first: ScreenPoint, last: ScreenPoint): Hit | undefined {
     const count = Math.ceil(Math.hypot(last.x - first.x, last.y - first.y) / betweenPicksPx);
     for (let i = 1; i <= count; ++i) {
       const t = i / count;
-      const hit = this.bench.viewport.pick(first.x + t * (last.x - first.x), first.y + t * (last.y - first.y));
+      const hit = this.context.viewport.pick(first.x + t * (last.x - first.x), first.y + t * (last.y - first.y));
       if (hit !== undefined) return hit;
     }
     return undefined;
   }
 
-  private lay(hit: Hit | undefined, first: Spot, last: Spot): void {
+  private lay(hit: Hit | undefined, first: ScreenPoint, last: ScreenPoint): void {
     if (hit === undefined || Math.hypot(last.x - first.x, last.y - first.y) < 12) return;
-    const { eye } = this.bench;
-    const [a, b] = [atDepthOf(eye, hit.point, first), atDepthOf(eye, hit.point, last)];
-    const plane = planeThroughLine(a, b, eye.towards(a), eye.towards(b));
+    const { camera } = this.context;
+    const [a, b] = [atDepthOf(camera, hit.point, first), atDepthOf(camera, hit.point, last)];
+    const plane = planeThroughLine(a, b, camera.towards(a), camera.towards(b));
     if (plane !== undefined) this.control.set(hit.surface.id, this.throughMiddle(plane, hit));
   }
 
@@ -151,9 +151,9 @@ export class CutPlaneTool implements Tool {
 }
 
 /** The place on the page at the depth of a point. */
-function atDepthOf(eye: Eye, point: Vector3, spot: Spot): Vector3 {
-  const ray = eye.rayAt(spot);
-  const along = eye.towards(point);
+function atDepthOf(camera: ScreenCamera, point: Vector3, screenPoint: ScreenPoint): Vector3 {
+  const ray = camera.rayAt(screenPoint);
+  const along = camera.towards(point);
   const depth = point.clone().sub(ray.origin).dot(along) / ray.direction.dot(along);
   return ray.origin.clone().addScaledVector(ray.direction, depth);
 }

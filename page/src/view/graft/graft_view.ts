@@ -1,6 +1,6 @@
 import { effect, untracked } from "@preact/signals";
 import { Group, Matrix4, Vector3 } from "three";
-import type { Graft, LoopRef, Thing } from "../../app/graft/graft";
+import type { Graft, LoopRef, MeshObject } from "../../app/graft/graft";
 import type { Rows4, Vector3Tuple } from "../../app/graft/graft_step";
 import type { BinaryFrame } from "../../engine/binary_frame";
 import { standBeside, type Box } from "./beside";
@@ -133,7 +133,7 @@ export class GraftView {
   }
 
   // The part in the result keeps its place in the row, so that the others stay where they are.
-  private standsBeside(part: Thing, shows: ReadonlySet<number>): boolean {
+  private standsBeside(part: MeshObject, shows: ReadonlySet<number>): boolean {
     return shows.has(part.mesh) || part.name === this.graft.step.value?.source || part.name === this.graft.step.value?.target;
   }
 

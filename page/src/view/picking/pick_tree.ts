@@ -23,7 +23,7 @@ export class PickTree {
     this.geometry.setIndex(new BufferAttribute(triangles, 1));
     const coarse = surface.triangleCount > isLarge ? 120_000 : 0;
     this.asked = version;
-    this.work = new MeshWork((answer) => this.hear(answer));
+    this.work = new MeshWork((answer) => this.onAnswer(answer));
     surface.slices.start("tree", this.work.begin(positions, triangles, version, coarse));
   }
 
@@ -110,7 +110,7 @@ export class PickTree {
     this.geometry.setAttribute("position", new BufferAttribute(this.surface.positions, 3));
   }
 
-  private hear(answer: FromWorker): void {
+  private onAnswer(answer: FromWorker): void {
     if (answer.what === "coarse") this.surface.setCoarse(answer.triangles);
     if (answer.what === "edges") this.surface.setEdges(answer.edges, answer.boundary);
     if (answer.what !== "tree") return;

@@ -40,7 +40,7 @@ export class LinearFrames {
   }
 
   /**
-   * Kind `weights`, of handles in this order. Takes them to the graphics card, yields in between. Where they do not fit
+   * Kind `weights`, of handles in this order. Takes them to the GPU, yields in between. Where they do not fit
    * there, `isReady` stays false, and the engine's frames are what is shown.
    */
   *setWeights(frame: BinaryFrame, names: Iterable<string>, renderer: WebGLRenderer): Generator<void, void> {

@@ -16,12 +16,12 @@ export class MeshWork {
   private worker: Worker | undefined;
   private isDisposed = false;
 
-  constructor(private readonly hear: (answer: FromWorker) => void) {}
+  constructor(private readonly onAnswer: (answer: FromWorker) => void) {}
 
   /** Yields between parts. */
   *begin(positions: Float32Array, triangles: Uint32Array, version: number, coarse: number): Generator<void, void> {
     this.worker = new Worker(new URL("./mesh_worker.ts", import.meta.url), { type: "module" });
-    this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.hear(data);
+    this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.onAnswer(data);
     yield;
     yield* this.sendParts("positions", positions);
     yield* this.sendParts("triangles", triangles);

@@ -193,7 +193,7 @@ export class Surface {
     this.onChange();
   }
 
-  /** Kind `weights`: once they are on the graphics card, `showPoses` moves the surface in the vertex shader. */
+  /** Kind `weights`: once they are on the GPU, `showPoses` moves the surface in the vertex shader. */
   setWeights(frame: BinaryFrame, renderer: WebGLRenderer): void {
     this.slices.start("weights", this.linear.setWeights(frame, this.handles.keys(), renderer));
   }
@@ -242,7 +242,7 @@ export class Surface {
     this.slices.start("tint", this.paintRoles());
   }
 
-  /** Draws nothing, but brings one attribute after the other to the card, so that the first picture need not. */
+  /** Draws nothing, but brings one attribute after the other to the GPU, so that the first picture need not. */
   *attributesAlone(): Generator<BufferGeometry, void> {
     const alone = (set: (geometry: BufferGeometry) => void) => {
       const geometry = new BufferGeometry();

@@ -1,4 +1,4 @@
-/** Corners that share a vertex and its place in the picture: what a card draws as one. */
+/** Corners that share a vertex and its place in the picture: what a GPU draws as one. */
 export interface Wedges {
   /** Of each wedge, its vertex. */
   vertices: Uint32Array;

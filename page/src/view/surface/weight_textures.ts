@@ -1,6 +1,6 @@
 import { ExternalTexture, type WebGLRenderer } from "three";
 
-const mostBytes = 768 * 1024 * 1024; // of one array of weights on the graphics card
+const mostBytes = 768 * 1024 * 1024; // of one array of weights on the GPU
 const sliceBytes = 4 * 1024 * 1024;
 
 /** What fits into a texture of this many texels, as wide as rows are good for; undefined: it does not. */

@@ -1,9 +1,9 @@
 import { BufferGeometry, Points, Scene, type Camera, type Material, type WebGLRenderer } from "three";
-import { cardIsIdle } from "../pace";
+import { cardIsIdle } from "../frame_scheduler";
 import type { Surface } from "./surface";
 
-/** Brings a surface's arrays to the card, one after the other, while it `isWanted`. `compiled`: a material that is in use. */
-export async function bringToCard(
+/** Brings a surface's arrays to the GPU, one after the other, while it `isWanted`. `compiled`: a material that is in use. */
+export async function bringToGpu(
   surface: Surface,
   renderer: WebGLRenderer,
   compiled: Material,

@@ -1,8 +1,8 @@
 import { OrthographicCamera, Raycaster, Vector2, Vector3, type PerspectiveCamera, type Ray } from "three";
-import type { Eye, Spot } from "../../src/tools/eye";
+import type { ScreenCamera, ScreenPoint } from "../../src/tools/screen_camera";
 
-/** The eye of a camera that draws into `canvas`. */
-export class CameraEye implements Eye {
+/** A camera that draws into `canvas`. */
+export class CanvasCamera implements ScreenCamera {
   constructor(
     private readonly camera: () => PerspectiveCamera | OrthographicCamera,
     private readonly canvas: () => { getBoundingClientRect(): DOMRect },
@@ -14,7 +14,7 @@ export class CameraEye implements Eye {
     return { x: box.x + ((at.x + 1) / 2) * box.width, y: box.y + ((1 - at.y) / 2) * box.height, behind: at.z > 1 };
   }
 
-  rayAt({ x, y }: Spot): Ray {
+  rayAt({ x, y }: ScreenPoint): Ray {
     const box = this.canvas().getBoundingClientRect();
     const caster = new Raycaster();
     const at = new Vector2((2 * (x - box.x)) / box.width - 1, 1 - (2 * (y - box.y)) / box.height);

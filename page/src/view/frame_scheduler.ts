@@ -6,7 +6,7 @@ const smoothMs = 6 * slowMs; // a picture with smooth edges may take this long a
 const refinedMs = 600; // a picture with rough edges that took no longer is drawn once more with smooth ones,
 const idleMs = 400; // when nothing was asked for since
 
-/** Times of performance.now(): when a picture was begun, all drawing of it was called for, and the card was done. */
+/** Times of performance.now(): when a picture was begun, all drawing of it was called for, and the GPU was done. */
 export interface Drawn {
   begin: number;
   drawn: number;
@@ -17,8 +17,8 @@ export interface Drawn {
  * When pictures are made, and how finely: the next one when the last one is done, so that none wait in a row; less detail
  * while something moves, where full detail takes long.
  */
-export class Pace {
-  /** Of the last pictures at rest and in motion, from the call to the card's end. */
+export class FrameScheduler {
+  /** Of the last pictures at rest and in motion, from the call to the GPU's end. */
   restMs = 0;
   movingMs = 0;
   private wanted = false;
@@ -46,7 +46,7 @@ export class Pace {
     this.smooth = false;
   }
 
-  /** What full detail is, for a card as quick as this one. */
+  /** What full detail is, for a GPU as quick as this one. */
   detail(moving: boolean, mayReduce: boolean, occlusion: boolean): Detail {
     const full = { scale: 1, samples: this.smooth || this.refining ? 4 : 0, occlusion };
     if (!moving || !mayReduce || this.restMs <= slowMs) return full;
@@ -57,7 +57,7 @@ export class Pace {
     return moving && mayReduce && this.restMs > slowMs;
   }
 
-  /** Tells when the card is done with what was drawn since `start`. */
+  /** Tells when the GPU is done with what was drawn since `start`. */
   finish(renderer: WebGLRenderer, start: number, moving: boolean): void {
     this.busy = true;
     const drawn = performance.now();
@@ -95,7 +95,7 @@ export class Pace {
   }
 }
 
-/** Resolves once the card has done all that it was told to; until then, telling it more may stop the page. */
+/** Resolves once the GPU has done all that it was told to; until then, telling it more may stop the page. */
 export function cardIsIdle(renderer: WebGLRenderer): Promise<void> {
   const gl = renderer.getContext() as WebGL2RenderingContext;
   const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);

@@ -1,0 +1,25 @@
+import type { ScreenPoint } from "./screen_camera";
+
+/** Spots along the pointer's way, close enough that a brush leaves no gaps, however fast it goes. */
+export class StrokePath {
+  private last: ScreenPoint | undefined;
+
+  constructor(
+    private readonly start: ScreenPoint,
+    private readonly spacing: number,
+  ) {}
+
+  /** The screenPoints on the way to `screenPoint` since the last one; the start where there was none. */
+  to(screenPoint: ScreenPoint): ScreenPoint[] {
+    const screenPoints: ScreenPoint[] = this.last === undefined ? [this.start] : [];
+    const from = this.last ?? this.start;
+    const length = Math.hypot(screenPoint.x - from.x, screenPoint.y - from.y);
+    const steps = Math.floor(length / Math.max(1, this.spacing));
+    for (let i = 1; i <= steps; ++i) {
+      const t = (i * this.spacing) / length;
+      screenPoints.push({ x: from.x + t * (screenPoint.x - from.x), y: from.y + t * (screenPoint.y - from.y) });
+    }
+    this.last = screenPoints[screenPoints.length - 1] ?? this.last ?? this.start;
+    return screenPoints;
+  }
+}
