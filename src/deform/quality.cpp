@@ -201,8 +201,8 @@ std::vector<Edge> list_edges(const Triangles& triangles, const IndexLists& faces
 
 // Signed angle (radians) by which the surface turns across an edge: neighbours wound against each other are
 // compared as if they were not.
-double turn_across(const Vector3d& along, const Vector3d& first, const Vector3d& second, bool wound_alike) {
-  const double sign = wound_alike ? 1.0 : -1.0;
+double turn_across(const Vector3d& along, const Vector3d& first, const Vector3d& second, bool oriented) {
+  const double sign = oriented ? 1.0 : -1.0;
   return std::atan2(sign * along.normalized().dot(first.cross(second)), sign * first.dot(second));
 }
 

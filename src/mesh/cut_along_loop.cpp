@@ -376,16 +376,16 @@ class LoopCut {
       const Index a = faces.corners()[c], b = faces.corners()[table.next[c]];
       cut_.side[c] = static_cast<Side>(run_.contains({a, b}) - run_.contains({b, a}));
     }
-    DisjointSets parts(faces.size());
+    DisjointSets components(faces.size());
     for (Index e = 0; e < table.edge_count(); ++e) {
       const auto along = table.half_edges[e];
       for (std::size_t k = 1; k < along.size(); ++k)
-        if (cut_.side[along[0]] == 0) parts.unite(face_of[along[0]], face_of[along[k]]);
+        if (cut_.side[along[0]] == 0) components.unite(face_of[along[0]], face_of[along[k]]);
     }
     Index above = -1, below = -1;
     for (Index c = 0; c < faces.corner_count(); ++c) {
-      if (cut_.side[c] > 0) above = parts.root(face_of[c]);
-      if (cut_.side[c] < 0) below = parts.root(face_of[c]);
+      if (cut_.side[c] > 0) above = components.root(face_of[c]);
+      if (cut_.side[c] < 0) below = components.root(face_of[c]);
     }
     cut_.face_side.assign(faces.size(), 0);
     if (above == below) {
@@ -394,8 +394,8 @@ class LoopCut {
                   "Keep both; the cut opens the surface along two loops.");
     }
     for (Index f = 0; f < faces.size(); ++f) {
-      if (parts.root(f) == above) cut_.face_side[f] = 1;
-      if (parts.root(f) == below) cut_.face_side[f] = -1;
+      if (components.root(f) == above) cut_.face_side[f] = 1;
+      if (components.root(f) == below) cut_.face_side[f] = -1;
     }
   }
 

@@ -7,7 +7,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
-#include "closed_parts.h"
+#include "closed_components.h"
 #include "coincident.h"
 #include "edge_table.h"
 #include "face_defects.h"
@@ -154,7 +154,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   context.step("check", 0.6);
   const std::vector<Index> fans = fan_counts(mesh, table);
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
-  const auto against = where(table.edge_count(), [&](Index e) { return wound_alike(mesh, table, e) == false; });
+  const auto against = where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
   add({.name = "isolated-vertex",
        .severity = Severity::repaired,
        .domain = Domain::vertex,
@@ -201,7 +201,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   add({.name = "inward-facing-component",
        .severity = Severity::note,
        .domain = Domain::vertex,
-       .indices = inward_parts(mesh, table, context).parts,
+       .indices = inward_components(mesh, table, context).components,
        .remedy = "Its normals point into it: turn its faces over."},
       "closed part faces inward (its first vertex is named)",
       "closed parts face inward (their first vertices are named)");

@@ -22,7 +22,7 @@ std::vector<Index> fan_counts(const Mesh& mesh, const EdgeTable& table) {
   return counts;
 }
 
-std::optional<bool> wound_alike(const Mesh& mesh, const EdgeTable& table, Index edge) {
+std::optional<bool> consistently_oriented(const Mesh& mesh, const EdgeTable& table, Index edge) {
   const auto along = table.half_edges[edge];
   if (along.size() != 2) return std::nullopt;
   return mesh.faces.corners()[along[0]] != mesh.faces.corners()[along[1]];

@@ -14,6 +14,6 @@ namespace meshgraft {
 std::vector<Index> fan_counts(const Mesh& mesh, const EdgeTable& table);
 
 /// Whether the two faces at an edge run along it in opposite directions; empty if there are not two.
-std::optional<bool> wound_alike(const Mesh& mesh, const EdgeTable& table, Index edge);
+std::optional<bool> consistently_oriented(const Mesh& mesh, const EdgeTable& table, Index edge);
 
 }  // namespace meshgraft

@@ -16,13 +16,13 @@ namespace meshgraft {
 namespace {
 
 // A finite double as ± mantissa · 2^exponent, the mantissa below 2^53. Zero has the mantissa 0.
-struct Parts {
+struct DoubleParts {
   std::uint64_t mantissa = 0;
   int exponent = 0;
   bool negative = false;
 };
 
-Parts parts_of(double x) {
+DoubleParts double_parts(double x) {
   constexpr int mantissa_bits = 52, bias = 1075;
   const auto bits = std::bit_cast<std::uint64_t>(x);
   const auto biased = static_cast<int>((bits >> mantissa_bits) & 0x7ff);
@@ -44,7 +44,7 @@ class ProductSum {
     std::fill_n(limbs_.begin(), size_, 0u);
   }
 
-  void add(const Parts& a, const Parts& b, const Parts& c, bool negate) {
+  void add(const DoubleParts& a, const DoubleParts& b, const DoubleParts& c, bool negate) {
     if (a.mantissa == 0 || b.mantissa == 0 || c.mantissa == 0) return;
     std::array<std::uint32_t, 6> product{1};
     multiply(product, a.mantissa);
@@ -99,7 +99,7 @@ class ProductSum {
 // Smallest and largest exponent along one axis, of what is not zero.
 struct Exponents {
   int least = std::numeric_limits<int>::max(), largest = std::numeric_limits<int>::min();
-  void include(const Parts& number) {
+  void include(const DoubleParts& number) {
     if (number.mantissa == 0) return;
     least = std::min(least, number.exponent);
     largest = std::max(largest, number.exponent);
@@ -116,10 +116,10 @@ __extension__ using UnsignedInt128 = unsigned __int128;
 template <std::size_t n>
 std::optional<std::array<std::int64_t, n - 1>> integer_differences(const std::array<double, n>& x) {
   constexpr int most_bits = 61;
-  std::array<Parts, n> parts;
+  std::array<DoubleParts, n> parts;
   int least = std::numeric_limits<int>::max(), end = std::numeric_limits<int>::min();
   for (std::size_t k = 0; k < n; ++k) {
-    parts[k] = parts_of(x[k]);
+    parts[k] = double_parts(x[k]);
     if (parts[k].mantissa == 0) continue;
     least = std::min(least, parts[k].exponent + std::countr_zero(parts[k].mantissa));
     end = std::max(end, parts[k].exponent + static_cast<int>(std::bit_width(parts[k].mantissa)));
@@ -183,15 +183,15 @@ int exact_orient3d(const Point3& a, const Point3& b, const Point3& c, const Poin
 // det [b − a, c − a] = [b, c] − [a, c] + [a, b], where [p, q] = p₀q₁ − p₁q₀.
 int fixed_point_orient2d(const Point2& a, const Point2& b, const Point2& c) {
   const std::array<const Point2*, 3> points{&a, &b, &c};
-  std::array<std::array<Parts, 2>, 3> p;
+  std::array<std::array<DoubleParts, 2>, 3> p;
   std::array<Exponents, 2> exponents;
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      p[k][axis] = parts_of((*points[k])[axis]);
+      p[k][axis] = double_parts((*points[k])[axis]);
       exponents[axis].include(p[k][axis]);
     }
   if (exponents[0].empty() || exponents[1].empty()) return 0;
-  constexpr Parts one{1, 0, false};
+  constexpr DoubleParts one{1, 0, false};
   ProductSum sum(exponents[0].least + exponents[1].least, exponents[0].largest + exponents[1].largest);
   const auto add = [&](std::size_t i, std::size_t j, bool negate) {
     sum.add(p[i][0], p[j][1], one, negate);
@@ -207,11 +207,11 @@ int fixed_point_orient2d(const Point2& a, const Point2& b, const Point2& c) {
 // of the coordinates themselves.
 int fixed_point_orient3d(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   const std::array<const Point3*, 4> points{&a, &b, &c, &d};
-  std::array<std::array<Parts, 3>, 4> p;
+  std::array<std::array<DoubleParts, 3>, 4> p;
   std::array<Exponents, 3> exponents;
   for (std::size_t k = 0; k < 4; ++k)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      p[k][axis] = parts_of((*points[k])[axis]);
+      p[k][axis] = double_parts((*points[k])[axis]);
       exponents[axis].include(p[k][axis]);
     }
   int least = 0, largest = 0;

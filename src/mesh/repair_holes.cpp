@@ -48,7 +48,7 @@ std::vector<Hole> find_holes(const RepairSurface& surface, std::optional<Index> 
   std::vector<Index> leaving(surface.mesh().vertex_count(), -1);  // the boundary half-edge from each vertex
   for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
     if (table.next[c] >= 0 && table.is_boundary(c)) leaving[corners[c]] = c;
-  const SurfaceParts parts = parts_of(surface);
+  const ConnectedComponents components = components_of(surface);
   for (const auto& loop : loops) {
     Hole hole;
     const std::size_t n = loop.size();
@@ -60,10 +60,10 @@ std::vector<Hole> find_holes(const RepairSurface& surface, std::optional<Index> 
     }
     if (!sound) continue;
     for (std::size_t k = 0; k < n; ++k) hole.outside.push_back(leaving[hole.vertices[(k + 1) % n]]);
-    const Index part = parts.of_face[surface.face_of(hole.outside[0])];
-    if (static_cast<std::size_t>(parts.faces[part]) < n / 2 + 1 && parts.faces[part] < 2)
+    const Index component = components.of_face[surface.face_of(hole.outside[0])];
+    if (static_cast<std::size_t>(components.faces[component]) < n / 2 + 1 && components.faces[component] < 2)
       continue;  // a lone face
-    if (!most_edges && fan_area(surface.positions(), loop) > default_area_rel * parts.area[part]) continue;
+    if (!most_edges && fan_area(surface.positions(), loop) > default_area_rel * components.area[component]) continue;
     holes.push_back(std::move(hole));
   }
   return holes;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "closed_parts.h"
+#include "closed_components.h"
 #include "fans.h"
 #include "repair_surface.h"
 
@@ -116,38 +116,38 @@ void turn_faces(RepairSurface& surface, const std::vector<char>& turn) {
 
 // The faces that hang together with `seed` by edges, and how each has to be turned to run as the seed does.
 // Edges count from both sides.
-struct WoundPart {
+struct OrientedComponent {
   std::vector<Index> faces;
   Index against = 0;         // edges whose faces run against each other now
   Index contradictions = 0;  // and after turning: there are none on a surface with two sides
 };
 
-WoundPart follow_winding(const RepairSurface& surface, Index seed, std::vector<char>& reached,
+OrientedComponent follow_winding(const RepairSurface& surface, Index seed, std::vector<char>& reached,
                          std::vector<char>& turn) {
   const EdgeTable& table = surface.edges();
   const Faces& faces = surface.faces();
-  WoundPart part{.faces = {seed}};
+  OrientedComponent component{.faces = {seed}};
   reached[seed] = 1;
-  for (std::size_t k = 0; k < part.faces.size(); ++k) {
-    const Index f = part.faces[k];
+  for (std::size_t k = 0; k < component.faces.size(); ++k) {
+    const Index f = component.faces[k];
     for (Index c = faces.first_corner(f); c < faces.first_corner(f + 1); ++c) {
       if (table.edge[c] < 0) continue;
-      const std::optional<bool> alike = wound_alike(surface.mesh(), table, table.edge[c]);
+      const std::optional<bool> alike = consistently_oriented(surface.mesh(), table, table.edge[c]);
       if (!alike) continue;
       const auto along = table.half_edges[table.edge[c]];
       const Index other = surface.face_of(along[0] == c ? along[1] : along[0]);
       const char wanted = *alike ? turn[f] : !turn[f];
-      part.against += !*alike;
+      component.against += !*alike;
       if (!reached[other]) {
         reached[other] = 1;
         turn[other] = wanted;
-        part.faces.push_back(other);
+        component.faces.push_back(other);
       } else if (turn[other] != wanted) {
-        ++part.contradictions;
+        ++component.contradictions;
       }
     }
   }
-  return part;
+  return component;
 }
 
 // Faces to turn so that neighbours run alike, the fewer ones of each part.
@@ -156,13 +156,13 @@ std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& co
   contradictions = 0;
   for (Index seed = 0; seed < surface.faces().size(); ++seed) {
     if (reached[seed]) continue;
-    const WoundPart part = follow_winding(surface, seed, reached, turn);
+    const OrientedComponent component = follow_winding(surface, seed, reached, turn);
     const auto turned =
-        std::count_if(part.faces.begin(), part.faces.end(), [&](Index f) { return turn[f] != 0; });
-    const bool helps = part.contradictions < part.against;
-    contradictions += (helps ? part.contradictions : part.against) / 2;  // each was seen from both sides
-    const bool most = 2 * turned > static_cast<std::ptrdiff_t>(part.faces.size());
-    for (const Index f : part.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
+        std::count_if(component.faces.begin(), component.faces.end(), [&](Index f) { return turn[f] != 0; });
+    const bool helps = component.contradictions < component.against;
+    contradictions += (helps ? component.contradictions : component.against) / 2;  // each was seen from both sides
+    const bool most = 2 * turned > static_cast<std::ptrdiff_t>(component.faces.size());
+    for (const Index f : component.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
   }
   return turn;
 }
@@ -183,17 +183,17 @@ bool unify_winding(RepairSurface& surface) {
     turn_faces(surface, against);
     changed = true;
   }
-  const InwardParts inward = inward_parts(surface.mesh(), surface.edges(), surface.context());
-  if (inward.parts.empty()) return changed;
+  const InwardComponents inward = inward_components(surface.mesh(), surface.edges(), surface.context());
+  if (inward.components.empty()) return changed;
   std::vector<char> turn(surface.faces().size(), 0);
   std::vector<Index> given;
   for (Index f = 0; f < surface.faces().size(); ++f) {
     const auto face = surface.faces()[f];
     if (face.empty()) continue;
-    turn[f] = std::binary_search(inward.parts.begin(), inward.parts.end(), inward.part[face[0]]);
+    turn[f] = std::binary_search(inward.components.begin(), inward.components.end(), inward.component[face[0]]);
     if (turn[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
-  surface.report("turned-part", Domain::face, std::move(given), static_cast<Index>(inward.parts.size()),
+  surface.report("turned-part", Domain::face, std::move(given), static_cast<Index>(inward.components.size()),
                  "closed part that faced inward was turned over",
                  "closed parts that faced inward were turned over");
   turn_faces(surface, turn);

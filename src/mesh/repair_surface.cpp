@@ -299,10 +299,10 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
                  !same_values(attribute, own.from, common.from);
       }
     }
-    const bool may_part = attribute.name != "colour" && !given_.find_attribute(Domain::corner, attribute.name);
-    if (parted && !may_part)
+    const bool may_separate = attribute.name != "colour" && !given_.find_attribute(Domain::corner, attribute.name);
+    if (parted && !may_separate)
       note("Vertices that were welded differ in their " + attribute.name + ": the first one's was kept.");
-    if (parted && may_part) {
+    if (parted && may_separate) {
       result.mesh.attributes.push_back(interpolate_attribute(attribute, corner_vertex));
       result.mesh.attributes.back().domain = Domain::corner;
       note("Vertices that were welded differ in their " + attribute.name + ": it is kept per corner now.");

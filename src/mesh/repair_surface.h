@@ -103,13 +103,13 @@ class RepairSurface {
 };
 
 /// Faces by the connected part that has them, parts in the order of their first face.
-struct SurfaceParts {
+struct ConnectedComponents {
   std::vector<Index> of_face;
   std::vector<Index> faces;  ///< per part, how many
   std::vector<double> area;
 };
 
-SurfaceParts parts_of(const RepairSurface& surface);
+ConnectedComponents components_of(const RepairSurface& surface);
 
 /// Shortest edge at each vertex of a face, infinity at the others; edges without length do not count.
 std::vector<double> shortest_edges(const RepairSurface& surface);

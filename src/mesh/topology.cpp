@@ -291,7 +291,7 @@ TopologySummary summarise_topology(const Mesh& mesh) {
     const std::size_t faces = table.half_edges[e].size();
     if (faces == 1) summary.closed = false;
     if (faces > 2) summary.manifold = false;
-    if (wound_alike(mesh, table, e) == false) summary.oriented = false;
+    if (consistently_oriented(mesh, table, e) == false) summary.oriented = false;
   }
   if (summary.manifold && summary.oriented) {
     summary.genus = (2 * summary.components - summary.boundary_loops - summary.euler_characteristic) / 2;

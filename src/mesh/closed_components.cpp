@@ -1,4 +1,4 @@
-#include "closed_parts.h"
+#include "closed_components.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,37 +26,37 @@ struct Box {
 };
 
 // One entry per part, at its smallest vertex.
-struct Parts {
-  std::vector<Index> part;
+struct Components {
+  std::vector<Index> component;
   std::vector<char> closed;
   std::vector<double> volume, area;
 };
 
-Parts measure(const Mesh& mesh, const EdgeTable& table) {
+Components measure(const Mesh& mesh, const EdgeTable& table) {
   const Index vertices = mesh.vertex_count();
   DisjointSets sets(vertices);
   for (const auto& ends : table.ends) sets.unite(ends[0], ends[1]);
-  Parts parts;
-  parts.part.resize(vertices);
-  for (Index v = 0; v < vertices; ++v) parts.part[v] = sets.root(v);
-  parts.closed.assign(vertices, 1);
+  Components components;
+  components.component.resize(vertices);
+  for (Index v = 0; v < vertices; ++v) components.component[v] = sets.root(v);
+  components.closed.assign(vertices, 1);
   for (Index e = 0; e < table.edge_count(); ++e)
-    if (wound_alike(mesh, table, e) != true) parts.closed[parts.part[table.ends[e][0]]] = 0;
-  parts.volume.assign(vertices, 0);
-  parts.area.assign(vertices, 0);
+    if (consistently_oriented(mesh, table, e) != true) components.closed[components.component[table.ends[e][0]]] = 0;
+  components.volume.assign(vertices, 0);
+  components.area.assign(vertices, 0);
   for (Index f = 0; f < mesh.face_count(); ++f) {
     const auto face = mesh.faces[f];
     if (face.empty() || table.next[mesh.faces.first_corner(f)] < 0) continue;
-    const Index part = parts.part[face[0]];
-    const Eigen::RowVector3d origin = mesh.positions.row(part), a = mesh.positions.row(face[0]);
+    const Index component = components.component[face[0]];
+    const Eigen::RowVector3d origin = mesh.positions.row(component), a = mesh.positions.row(face[0]);
     for (std::size_t c = 2; c < face.size(); ++c) {
       const Eigen::RowVector3d normal =
           (mesh.positions.row(face[c - 1]) - a).cross(mesh.positions.row(face[c]) - a);
-      parts.volume[part] += (a - origin).dot(normal) / 6;
-      parts.area[part] += normal.norm() / 2;
+      components.volume[component] += (a - origin).dot(normal) / 6;
+      components.area[component] += normal.norm() / 2;
     }
   }
-  return parts;
+  return components;
 }
 
 // How many times the faces wind around the point (van Oosterom and Strackee, 1983).
@@ -78,31 +78,31 @@ double winding_number(const Mesh& mesh, const std::vector<Index>& faces, const E
 
 }  // namespace
 
-InwardParts inward_parts(const Mesh& mesh, const EdgeTable& table, const Context& context) {
-  Parts parts = measure(mesh, table);
+InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, const Context& context) {
+  Components components = measure(mesh, table);
   constexpr double flat = 1e-9;  // × area^1.5: no volume to speak of
   std::vector<Index> closed, inward;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (parts.part[v] != v || !parts.closed[v] || !(parts.area[v] > 0)) continue;
+    if (components.component[v] != v || !components.closed[v] || !(components.area[v] > 0)) continue;
     closed.push_back(v);
-    if (parts.volume[v] < -flat * std::pow(parts.area[v], 1.5)) inward.push_back(v);
+    if (components.volume[v] < -flat * std::pow(components.area[v], 1.5)) inward.push_back(v);
   }
   if (!inward.empty() && closed.size() > 1) {
     std::vector<Box> box(mesh.vertex_count());
-    for (Index v = 0; v < mesh.vertex_count(); ++v) box[parts.part[v]].add(mesh.positions.row(v));
+    for (Index v = 0; v < mesh.vertex_count(); ++v) box[components.component[v]].add(mesh.positions.row(v));
     std::vector<std::vector<Index>> faces(mesh.vertex_count());
     for (Index f = 0; f < mesh.face_count(); ++f)
       if (const auto face = mesh.faces[f]; !face.empty() && table.next[mesh.faces.first_corner(f)] >= 0)
-        faces[parts.part[face[0]]].push_back(f);
-    std::erase_if(inward, [&](Index part) {
+        faces[components.component[face[0]]].push_back(f);
+    std::erase_if(inward, [&](Index component) {
       context.throw_if_stopped();
       return std::any_of(closed.begin(), closed.end(), [&](Index other) {
-        return other != part && box[other].contains(box[part]) &&
-               std::abs(winding_number(mesh, faces[other], mesh.positions.row(part))) > 0.5;
+        return other != component && box[other].contains(box[component]) &&
+               std::abs(winding_number(mesh, faces[other], mesh.positions.row(component))) > 0.5;
       });
     });
   }
-  return {std::move(parts.part), std::move(inward)};
+  return {std::move(components.component), std::move(inward)};
 }
 
 }  // namespace meshgraft

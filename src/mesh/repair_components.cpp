@@ -10,37 +10,37 @@
 
 namespace meshgraft {
 
-SurfaceParts parts_of(const RepairSurface& surface) {
+ConnectedComponents components_of(const RepairSurface& surface) {
   DisjointSets sets(surface.mesh().vertex_count());
   for (const auto& ends : surface.edges().ends) sets.unite(ends[0], ends[1]);
-  SurfaceParts parts;
+  ConnectedComponents components;
   const Index vertices = surface.mesh().vertex_count();
   std::vector<Index> number(static_cast<std::size_t>(vertices) + 1, -1);  // the last for faces without corners
   for (Index f = 0; f < surface.faces().size(); ++f) {
     const auto face = surface.faces()[f];
-    Index& part = number[face.empty() ? vertices : sets.root(face[0])];
-    if (part < 0) {
-      part = static_cast<Index>(parts.faces.size());
-      parts.faces.push_back(0);
-      parts.area.push_back(0);
+    Index& component = number[face.empty() ? vertices : sets.root(face[0])];
+    if (component < 0) {
+      component = static_cast<Index>(components.faces.size());
+      components.faces.push_back(0);
+      components.area.push_back(0);
     }
-    parts.of_face.push_back(part);
-    ++parts.faces[part];
-    parts.area[part] += surface.face_area(f);
+    components.of_face.push_back(component);
+    ++components.faces[component];
+    components.area[component] += surface.face_area(f);
   }
-  return parts;
+  return components;
 }
 
 namespace {
 
-bool remove_parts(RepairSurface& surface, const SurfaceParts& parts, const std::vector<char>& doomed,
+bool remove_components(RepairSurface& surface, const ConnectedComponents& components, const std::vector<char>& doomed,
                   const std::string& name, const std::string& one, const std::string& many) {
   const auto count = static_cast<Index>(std::count(doomed.begin(), doomed.end(), 1));
   if (count == 0) return false;
-  std::vector<char> faces(parts.of_face.size());
+  std::vector<char> faces(components.of_face.size());
   std::vector<Index> given;
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    faces[f] = doomed[parts.of_face[f]];
+    faces[f] = doomed[components.of_face[f]];
     if (faces[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
   surface.report(name, Domain::face, std::move(given), count, one, many);
@@ -52,45 +52,45 @@ bool remove_parts(RepairSurface& surface, const SurfaceParts& parts, const std::
 
 bool remove_duplicate_shells(RepairSurface& surface) {
   if (surface.faces().size() == 0) return false;
-  const SurfaceParts parts = parts_of(surface);
-  if (parts.faces.size() < 2) return false;
+  const ConnectedComponents components = components_of(surface);
+  if (components.faces.size() < 2) return false;
   std::vector<Index> all(surface.mesh().vertex_count());
   std::iota(all.begin(), all.end(), 0);
   const std::vector<Index> representative = coincident_classes(surface.positions(), all);
   const auto groups = same_faces(surface.faces(), surface.mesh().vertex_count(), representative);
   if (groups.empty()) return false;
-  std::vector<std::vector<Index>> groups_of(parts.faces.size());
+  std::vector<std::vector<Index>> groups_of(components.faces.size());
   for (std::size_t g = 0; g < groups.size(); ++g)
-    for (const Index f : groups[g]) groups_of[parts.of_face[f]].push_back(static_cast<Index>(g));
+    for (const Index f : groups[g]) groups_of[components.of_face[f]].push_back(static_cast<Index>(g));
 
   // Larger parts first: one goes if each of its faces lies on a face of a part that stays.
-  std::vector<Index> order(parts.faces.size());
+  std::vector<Index> order(components.faces.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return parts.faces[a] > parts.faces[b]; });
-  std::vector<char> covered(groups.size(), 0), doomed(parts.faces.size(), 0);
-  for (const Index part : order) {
-    const auto& own = groups_of[part];
+                   [&](Index a, Index b) { return components.faces[a] > components.faces[b]; });
+  std::vector<char> covered(groups.size(), 0), doomed(components.faces.size(), 0);
+  for (const Index component : order) {
+    const auto& own = groups_of[component];
     const auto lying = std::count_if(own.begin(), own.end(), [&](Index g) { return covered[g] != 0; });
-    if (lying == parts.faces[part])
-      doomed[part] = 1;
+    if (lying == components.faces[component])
+      doomed[component] = 1;
     else
       for (const Index g : own) covered[g] = 1;
   }
-  return remove_parts(surface, parts, doomed, "removed-duplicate-shell",
+  return remove_components(surface, components, doomed, "removed-duplicate-shell",
                       "part that lies on another one, face by face, was removed",
                       "parts that lie on another one, face by face, were removed");
 }
 
 bool remove_debris(RepairSurface& surface, double debris_rel) {
   if (surface.faces().size() == 0) return false;
-  const SurfaceParts parts = parts_of(surface);
-  const double most_faces = *std::max_element(parts.faces.begin(), parts.faces.end());
-  const double largest_area = *std::max_element(parts.area.begin(), parts.area.end());
-  std::vector<char> doomed(parts.faces.size(), 0);
-  for (std::size_t part = 0; part < doomed.size(); ++part)
-    doomed[part] = parts.faces[part] < debris_rel * most_faces && parts.area[part] < debris_rel * largest_area;
-  return remove_parts(surface, parts, doomed, "removed-debris", "small loose part was removed",
+  const ConnectedComponents components = components_of(surface);
+  const double most_faces = *std::max_element(components.faces.begin(), components.faces.end());
+  const double largest_area = *std::max_element(components.area.begin(), components.area.end());
+  std::vector<char> doomed(components.faces.size(), 0);
+  for (std::size_t component = 0; component < doomed.size(); ++component)
+    doomed[component] = components.faces[component] < debris_rel * most_faces && components.area[component] < debris_rel * largest_area;
+  return remove_components(surface, components, doomed, "removed-debris", "small loose part was removed",
                       "small loose parts were removed");
 }
 
