@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/edit/report.h>
+#include <meshgraft/script/report.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>

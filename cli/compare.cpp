@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/edit/compare.h>
+#include <meshgraft/script/compare.h>
 #include <meshgraft/io/mesh_io.h>
 
 #include "choices.h"

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 
 namespace meshgraft::cli {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/script/edit_file.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "picture.h"

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/script/edit_file.h>
 #include <meshgraft/io/mesh_io.h>
 
 #include "choices.h"

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"

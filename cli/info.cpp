@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include <meshgraft/edit/report.h>
+#include <meshgraft/script/report.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/edit/edit_file.h>
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/edit_file.h>
+#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 
 #include "choices.h"

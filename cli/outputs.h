@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 
 namespace meshgraft::cli {

@@ -10,7 +10,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/version.h>
-#include <meshgraft/edit/report.h>
+#include <meshgraft/script/report.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/repair.h>
 #include <meshgraft/mesh/diagnostics.h>

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::cli {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <meshgraft/edit/report.h>
+#include <meshgraft/script/report.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::cli {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 
 namespace {
 

@@ -23,9 +23,9 @@ USES = {
     "deform": {"core", "mesh", "linalg", "operators"},
     "baselines": {"core", "mesh", "linalg", "operators", "deform"},
     "merge": {"core", "mesh", "linalg", "operators", "deform"},
-    "edit": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
+    "script": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
     "server": {"core"},
-    "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "edit"},
+    "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "script"},
 }
 USES["python"] = USES["cli"]
 USES["editor"] = USES["cli"] | {"server"}

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "edit/run_steps.h"
+#include "script/run_steps.h"
 
 namespace meshgraft::editor {
 

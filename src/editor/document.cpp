@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "edit/json_value.h"
+#include "script/json_value.h"
 
 namespace meshgraft::editor {
 

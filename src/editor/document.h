@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::editor {
 

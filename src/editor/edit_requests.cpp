@@ -8,7 +8,7 @@
 
 #include <meshgraft/core/error.h>
 
-#include "edit/parse_parts.h"
+#include "script/parse_parts.h"
 #include "graft_actions.h"
 #include "mesh_frames.h"
 #include "selecting.h"

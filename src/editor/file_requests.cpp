@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 
-#include "edit/sha256.h"
+#include "script/sha256.h"
 #include "graft_actions.h"
 #include "journal.h"
 #include "worker.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::editor {
 

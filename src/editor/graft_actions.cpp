@@ -8,7 +8,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
-#include "edit/sha256.h"
+#include "script/sha256.h"
 
 namespace meshgraft::editor {
 

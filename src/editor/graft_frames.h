@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <meshgraft/edit/report.h>
+#include <meshgraft/script/report.h>
 #include <meshgraft/merge/correspondence.h>
 
 #include "objects.h"

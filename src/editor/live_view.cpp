@@ -14,7 +14,7 @@
 #include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
-#include "edit/symmetry.h"
+#include "script/symmetry.h"
 #include "mesh_frames.h"
 
 namespace meshgraft::editor {

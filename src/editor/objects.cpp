@@ -9,7 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "edit/sha256.h"
+#include "script/sha256.h"
 #include "graft_frames.h"
 
 namespace meshgraft::editor {

@@ -15,7 +15,7 @@
 #include <meshgraft/mesh/mesh.h>
 
 #include "document.h"
-#include "edit/run_steps.h"
+#include "script/run_steps.h"
 #include "numbers.h"
 
 namespace meshgraft::editor {

@@ -4,10 +4,10 @@
 #include <new>
 #include <utility>
 
-#include <meshgraft/edit/edit_file.h>
+#include <meshgraft/script/edit_file.h>
 
 #include "binary_frame.h"
-#include "edit/json_value.h"
+#include "script/json_value.h"
 
 namespace meshgraft::editor {
 

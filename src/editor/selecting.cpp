@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "edit/selection_resolver.h"
+#include "script/selection_resolver.h"
 
 namespace meshgraft::editor {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "edit/json_value.h"
+#include "script/json_value.h"
 #include "folders.h"
 #include "objects.h"
 

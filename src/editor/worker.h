@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "edit/json_value.h"
+#include "script/json_value.h"
 #include "folders.h"
 #include "numbers.h"
 #include "protocol.h"

@@ -10,7 +10,7 @@
 
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/selection.h>
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 
 #include "support/mesh_families.h"

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/edit/run_edit.h>
+#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/samples/samples.h>
 

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/script/edit_file.h>
+#include <meshgraft/script/method.h>
+#include <meshgraft/script/report.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Settings that replace those of every step.
+struct SettingsOverrides {
+  std::optional<Method> method;
+  std::optional<double> stiffness;
+  std::optional<int> iterations;
+  std::optional<WeightScheme> weights;
+  std::optional<Density> density;
+  std::optional<DegenerateTreatment> degenerate;
+  std::optional<SolverBackend> backend;
+  std::optional<Index> proxy;
+  std::optional<MergeShape> shape;
+};
+
+struct RunOptions {
+  SettingsOverrides overrides;
+  bool estimate_condition = true;  ///< costs a few solves
+  /// Bytes that a solve may take; a region that needs more is solved on a decimated proxy, and a note says so.
+  /// Absent: what the machine and the process's limits allow.
+  std::optional<std::uint64_t> memory{};
+  /// A merge whose result intersects itself where it did not before fails, Error(unsolvable), instead of a
+  /// note.
+  bool strict = false;
+  /// Meshes, by name, to give back beside the result.
+  std::vector<std::string> keep{};
+};
+
+struct EditResult {
+  Mesh mesh;    ///< the edit's output; without cuts and merges it has the topology and order of its input
+  Points rest;  ///< n×3, its positions before the edit, or since it was cut or merged last
+  EditReport report;
+  std::map<std::string, Mesh> kept{};  ///< those of `RunOptions::keep`, as the last step leaves them
+};
+
+/// Reads one of an edit's inputs. Throws Error(io) and Error(input), naming it.
+Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context = {});
+
+/// Runs an edit: reads its inputs, checks them, runs the steps in order. Writes nothing. The result depends on
+/// the edit and its inputs alone, to the bit, not on `context`.
+/// Throws Error(io) and Error(input) for files and fields (naming them), Error(usage) for meshes to keep that
+/// it does not have, Error(unsolvable) where a step has no unique solution, Error(cancelled).
+EditResult run_edit(const EditFile& edit, const RunOptions& options = {}, const Context& context = {});
+
+}  // namespace meshgraft

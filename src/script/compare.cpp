@@ -1,0 +1,203 @@
+#include <meshgraft/script/compare.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/version.h>
+
+#include "json_text.h"
+#include "report_json.h"
+#include "run_steps.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void require_distinct(std::span<const Method> methods) {
+  if (methods.empty()) throw Error(ErrorCode::usage, "no method to compare is given");
+  for (auto method = methods.begin(); method != methods.end(); ++method)
+    if (std::find(methods.begin(), method, *method) != method)
+      throw Error(ErrorCode::usage, fmt::format("the method '{}' is given twice", to_string(*method)));
+}
+
+// Progress that names the method, too.
+Context context_of(const Method& method, std::size_t number, std::size_t count, const Context& context) {
+  Context own = context;
+  if (context.progress)
+    own.progress = [&context, where = fmt::format("{} ({} of {})", to_string(method), number, count)](
+                       std::string_view stage, double fraction) {
+      context.progress(fmt::format("{}: {}", where, stage), fraction);
+    };
+  return own;
+}
+
+// Seconds before the first solve; published methods do not tell them apart.
+std::optional<double> set_up_seconds(const MethodOutcome& outcome) {
+  if (std::holds_alternative<Baseline>(outcome.method)) return std::nullopt;
+  const StageSeconds& seconds = outcome.result->report.seconds;
+  return seconds.assemble + seconds.analyse + seconds.factorise;
+}
+
+std::vector<std::string> notes_of(const EditReport& report) {
+  std::vector<std::string> notes = report.notes;
+  for (const StepReport& step : report.steps)
+    for (const std::string& note : step.notes)
+      notes.push_back(step.name.empty() ? note : fmt::format("{}: {}", step.name, note));
+  return notes;
+}
+
+constexpr std::array columns = {
+    "method", "edges RMS", "bending p50", "bending p99", "bending max", "σ min",   "σ p1",
+    "σ p50",  "σ max",     "free area",   "volume",      "rim jump",    "flipped", "self-intersections",
+    "set-up", "solve"};
+using Row = std::vector<std::string>;
+
+std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
+
+template <class T, class Write>
+std::string where_known(const std::optional<T>& value, Write write) {
+  return value ? write(*value) : std::string("–");
+}
+
+Row row_of(const MethodOutcome& outcome) {
+  const std::string name(to_string(outcome.method));
+  if (!outcome.result) return {name, "failed: " + outcome.failure};
+  const Quality& quality = outcome.result->report.quality;
+  const auto degrees = [](double angle) { return fmt::format("{:.1f}°", angle); };
+  const auto sigma = [](double value) { return fmt::format("{:.3f}", value); };
+  const auto seconds = [](double value) { return fmt::format("{:.3f} s", value); };
+  return {name,
+          fmt::format("{:.1f} %", 100 * quality.edge_rms),
+          degrees(quality.dihedral_p50_deg),
+          degrees(quality.dihedral_p99_deg),
+          degrees(quality.dihedral_max_deg),
+          sigma(quality.sigma_min),
+          sigma(quality.sigma_p1),
+          sigma(quality.sigma_p50),
+          sigma(quality.sigma_max),
+          percent(quality.area_ratio_free),
+          where_known(quality.volume_ratio, percent),
+          degrees(quality.rim_jump_max_deg),
+          std::to_string(quality.flipped_faces),
+          where_known(quality.new_self_intersections, [](std::int64_t count) { return std::to_string(count); }),
+          where_known(set_up_seconds(outcome), seconds),
+          seconds(outcome.result->report.seconds.solve)};
+}
+
+// Code points, which is how many columns these texts take.
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string padded(const std::string& text, std::size_t width, bool left) {
+  const std::string space(width - std::min(width, width_of(text)), ' ');
+  return left ? text + space : space + text;
+}
+
+// A message within a table's cell.
+std::string cell_text(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '|') escaped += '\\';
+    escaped += c == '\n' ? ' ' : c;
+  }
+  return escaped;
+}
+
+std::string table_of(const std::vector<Row>& rows) {
+  std::array<std::size_t, columns.size()> widths{};
+  for (const Row& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c)
+      if (row.size() == columns.size() || c == 0) widths[c] = std::max(widths[c], width_of(row[c]));
+  std::string text;
+  for (const Row& row : rows) {
+    for (std::size_t c = 0; c < row.size(); ++c)
+      text += fmt::format("| {} ", padded(cell_text(row[c]), widths[c], c == 0 || row.size() < columns.size()));
+    text += "|\n";
+    if (&row != &rows.front()) continue;
+    text += fmt::format("|:{:-<{}} ", "", widths[0]);
+    for (std::size_t c = 1; c < row.size(); ++c) text += fmt::format("|{:->{}}: ", "", widths[c]);
+    text += "|\n";
+  }
+  return text;
+}
+
+Json outcome_json(const MethodOutcome& outcome) {
+  Json json = {{"method", std::string(to_string(outcome.method))}};
+  if (!outcome.result) {
+    json["failure"] = outcome.failure;
+    return json;
+  }
+  const EditReport& report = outcome.result->report;
+  const std::optional<double> set_up = set_up_seconds(outcome);
+  json["failure"] = nullptr;
+  json["outputs"] = report.outputs;
+  json["counts"] = counts_json(report.counts);
+  json["seconds"] = {{"set_up", set_up ? Json(*set_up) : Json(nullptr)}, {"solve", report.seconds.solve}};
+  json["max_displacement"] = report.max_displacement;
+  json["quality"] = quality_json(report.quality);
+  json["notes"] = notes_of(report);
+  return json;
+}
+
+}  // namespace
+
+Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context) {
+  require_distinct(methods);
+  Comparison comparison;
+  comparison.edit = edit.location;
+  const LoadedInputs inputs = load_inputs(edit, context);
+  std::exception_ptr first_failure;
+  for (const Method& method : methods) {
+    MethodOutcome outcome{method, {}, {}};
+    RunOptions options;
+    options.overrides.method = method;
+    options.estimate_condition = false;
+    try {
+      const std::size_t number = comparison.outcomes.size() + 1;
+      outcome.result = run_steps(edit, inputs, options, context_of(method, number, methods.size(), context));
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      if (!first_failure) first_failure = std::current_exception();
+      outcome.failure = error.what();
+    }
+    comparison.outcomes.push_back(std::move(outcome));
+  }
+  const bool any = std::any_of(comparison.outcomes.begin(), comparison.outcomes.end(),
+                               [](const MethodOutcome& outcome) { return outcome.result.has_value(); });
+  if (!any) std::rethrow_exception(first_failure);
+  return comparison;
+}
+
+std::string comparison_table(const Comparison& comparison) {
+  std::vector<Row> rows{Row(columns.begin(), columns.end())};
+  std::string notes;
+  for (const MethodOutcome& outcome : comparison.outcomes) {
+    rows.push_back(row_of(outcome));
+    if (!outcome.result) continue;
+    for (const std::string& note : notes_of(outcome.result->report))
+      notes += fmt::format("- {}: {}\n", to_string(outcome.method), note);
+  }
+  return table_of(rows) + (notes.empty() ? "" : "\n" + notes);
+}
+
+std::string write_comparison(const Comparison& comparison) {
+  Json json = {{"format", "meshgraft-comparison"},
+               {"version", 1},
+               {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
+               {"edit", comparison.edit},
+               {"outputs", comparison.outputs}};
+  json["methods"] = Json::array();
+  for (const MethodOutcome& outcome : comparison.outcomes) json["methods"].push_back(outcome_json(outcome));
+  return json::to_text(json);
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,358 @@
+#include <meshgraft/script/edit_file.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "json_value.h"
+#include "parse_parts.h"
+
+namespace meshgraft {
+
+namespace {
+
+using json::Object;
+using json::Value;
+
+// The kinds of step and their parsers; one without belongs to the format, not to this version.
+EditStep parse_step(const Value& value) {
+  if (!value.is_object()) Object(value, {});
+  if (!value.raw().contains("kind")) value.fail("the field 'kind' is missing");
+  using Parser = EditStep (*)(const Value&);
+  const Value kind = value.member("kind");
+  const auto parser = kind.choice<Parser>({{"deform", &parse_deform_step},
+                                           {"cut", &parse_cut_step},
+                                           {"merge", &parse_merge_step},
+                                           {"accept", nullptr}});
+  if (!parser) kind.fail(fmt::format("'{}' steps are not part of this version", kind.string()));
+  EditStep step = parser(value);
+  if (value.raw().contains("name")) step.name = value.member("name").name();
+  if (value.raw().contains("about")) step.about = value.member("about").string();
+  return step;
+}
+
+// Notes words of earlier versions in a step that was read.
+void note_former_words(const Value& step, std::vector<std::string>& notes) {
+  if (!step.raw().contains("settings")) return;
+  const Value settings = step.member("settings");
+  if (!settings.raw().contains("backend")) return;
+  const Value backend = settings.member("backend");
+  if (backend.raw() == former_multifrontal)
+    notes.push_back(fmt::format("{}: the solver '{}' is called 'multifrontal' now, and that is what was used",
+                                backend.location(), former_multifrontal));
+}
+
+std::string parse_sha256(const Value& value) {
+  const std::string& digits = value.string();
+  if (digits.size() != 64 || digits.find_first_not_of("0123456789abcdef") != std::string::npos)
+    value.fail("expected 64 lower-case hexadecimal digits");
+  return digits;
+}
+
+EditInput parse_input(const std::string& name, const Value& value) {
+  const Object fields(value, {"file", "sha256", "sample", "resolution"});
+  if (fields.has("file") == fields.has("sample")) value.fail("expected one of the fields 'file' and 'sample'");
+  EditInput input;
+  input.name = name;
+  fields.optional("file", [&](const Value& v) { input.file = v.name(); });
+  fields.optional("sample", [&](const Value& v) { input.sample = v.name(); });
+  fields.optional("sha256", [&](const Value& v) {
+    if (input.file.empty()) v.fail("goes with 'file'");
+    input.sha256 = parse_sha256(v);
+  });
+  fields.optional("resolution", [&](const Value& v) {
+    if (input.sample.empty()) v.fail("goes with 'sample'");
+    input.resolution = static_cast<int>(v.integer_in(4, 4096));
+  });
+  return input;
+}
+
+std::string parse_colour(const Value& value) {
+  const std::string& colour = value.string();
+  if (colour.size() != 7 || colour[0] != '#' ||
+      colour.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
+    value.fail("expected a colour, '#rrggbb'");
+  return colour;
+}
+
+// Calls `visit` with every selection below and including `selection`.
+void for_each_selection(const SelectionSpec& selection,
+                        const std::function<void(const SelectionSpec&)>& visit) {
+  visit(selection);
+  std::visit(
+      [&](const auto& kind) {
+        if constexpr (requires { kind.of->kind; }) {
+          for_each_selection(*kind.of, visit);
+        } else if constexpr (requires { kind.of.size(); }) {
+          for (const SelectionSpec& operand : kind.of) for_each_selection(operand, visit);
+        }
+      },
+      selection.kind);
+}
+
+// Calls `visit` with every top-level selection of a step and the path of its field.
+void for_each_step_selection(const DeformStep& step,
+                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+  visit(step.region, "region");
+  if (step.fixed) visit(*step.fixed, "fixed");
+  for (std::size_t i = 0; i < step.handles.size(); ++i)
+    visit(step.handles[i].select, fmt::format("handles[{}].select", i));
+  for (std::size_t i = 0; i < step.anchors.size(); ++i)
+    visit(step.anchors[i].select, fmt::format("anchors[{}].select", i));
+}
+
+void for_each_step_selection(const MergeStep& step,
+                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+  for (std::size_t i = 0; i < step.pairs.size(); ++i) {
+    visit(step.pairs[i].source_loop, fmt::format("pairs[{}].source_loop", i));
+    visit(step.pairs[i].target_loop, fmt::format("pairs[{}].target_loop", i));
+  }
+  if (step.fixed) visit(*step.fixed, "fixed");
+  for (std::size_t i = 0; i < step.features.size(); ++i)
+    visit(step.features[i].select, fmt::format("features[{}].select", i));
+}
+
+void for_each_step_selection(const CutStep&,
+                             const std::function<void(const SelectionSpec&, const std::string&)>&) {}
+
+void for_each_step_selection(const EditStep& step,
+                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+  std::visit([&](const auto& action) { for_each_step_selection(action, visit); }, step.action);
+}
+
+// The fields of a step that name a mesh.
+std::vector<std::pair<std::string, std::string>> mesh_fields(const EditStep& step) {
+  if (const auto* merge = std::get_if<MergeStep>(&step.action))
+    return {{"target", merge->target}, {"source", merge->source}};
+  return {{"mesh", mesh_of(step)}};
+}
+
+template <class List>
+std::vector<std::string> names_of(const List& list) {
+  std::vector<std::string> names;
+  for (const auto& element : list) names.push_back(element.name);
+  return names;
+}
+
+[[noreturn]] void fail_unknown_name(const std::string& location, std::string_view what, const std::string& name,
+                                    const std::vector<std::string>& known) {
+  std::string remedy;
+  if (const auto meant = json::nearest_name(name, known))
+    remedy = fmt::format("Did you mean '{}'?", *meant);
+  else if (!known.empty())
+    remedy = fmt::format("Known are '{}'.", fmt::join(known, "', '"));
+  throw Error(ErrorCode::input, fmt::format("there is no {} named '{}'", what, name), location, remedy);
+}
+
+// Selections may use each other, but not in a circle, and only so deep that resolving them is safe.
+class ReferenceCheck {
+ public:
+  explicit ReferenceCheck(const EditFile& edit) : edit_(edit), names_(names_of(edit.selections)) {}
+
+  void require_named(const SelectionSpec& selection, const std::string& location) {
+    for_each_selection(selection, [&](const SelectionSpec& part) {
+      if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind))
+        if (std::find(names_.begin(), names_.end(), named->name) == names_.end())
+          fail_unknown_name(location, "selection", named->name, names_);
+    });
+  }
+
+  int depth(const NamedSelection& selection, int above = 0) {
+    const std::string location = fmt::format("{}: selections.{}", edit_.location, selection.name);
+    if (above > edit_file_depth_limit)
+      throw Error(
+          ErrorCode::input,
+          fmt::format("selections use each other more than {} deep or in a circle", edit_file_depth_limit),
+          location);
+    if (const auto known = depths_.find(selection.name); known != depths_.end()) return known->second;
+    require_named(selection.selection, location);
+    int deepest = 0;
+    for_each_selection(selection.selection, [&](const SelectionSpec& part) {
+      if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind)) {
+        if (named->name == selection.name) throw Error(ErrorCode::input, "a selection uses itself", location);
+        const auto used = std::find(names_.begin(), names_.end(), named->name) - names_.begin();
+        deepest = std::max(deepest, depth(edit_.selections[static_cast<std::size_t>(used)], above + 1));
+      }
+    });
+    if (deepest + 1 > edit_file_depth_limit)
+      throw Error(ErrorCode::input,
+                  fmt::format("selections use each other more than {} deep", edit_file_depth_limit), location);
+    return depths_[selection.name] = deepest + 1;
+  }
+
+ private:
+  const EditFile& edit_;
+  std::vector<std::string> names_;
+  std::map<std::string, int> depths_;
+};
+
+// Every name that is used must mean something at that point of the edit.
+void require_names(const EditFile& edit) {
+  ReferenceCheck references(edit);
+  for (const NamedSelection& selection : edit.selections) references.depth(selection);
+  std::vector<std::string> meshes = names_of(edit.inputs);
+  for (std::size_t i = 0; i < edit.steps.size(); ++i) {
+    const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
+    for (const auto& [field, name] : mesh_fields(edit.steps[i]))
+      if (std::find(meshes.begin(), meshes.end(), name) == meshes.end())
+        fail_unknown_name(location + "." + field, "mesh", name, meshes);
+    const std::string& outcome = outcome_of(edit.steps[i]);
+    if (std::find(meshes.begin(), meshes.end(), outcome) == meshes.end()) meshes.push_back(outcome);
+    for_each_step_selection(edit.steps[i], [&](const SelectionSpec& selection, const std::string& field) {
+      references.require_named(selection, location + "." + field);
+    });
+  }
+  if (!edit.output.empty() && std::find(meshes.begin(), meshes.end(), edit.output) == meshes.end())
+    fail_unknown_name(edit.location + ": output", "mesh", edit.output, meshes);
+}
+
+EditFile parse_version_2(const Value& root) {
+  const Object fields(root, {"$schema", "format", "version", "name", "about", "inputs", "selections", "colours",
+                             "steps", "output"});
+  EditFile edit;
+  fields.optional("$schema", [](const Value& v) { v.string(); });
+  fields.optional("name", [&](const Value& v) { edit.name = v.string(); });
+  fields.optional("about", [&](const Value& v) { edit.about = v.string(); });
+  const Value inputs = fields.required("inputs");
+  if (!inputs.is_object() || inputs.raw().empty()) inputs.fail("expected an object with at least one mesh");
+  for (const auto& [name, input] : inputs.raw().items()) {
+    if (name.empty()) inputs.fail("a mesh needs a name");
+    edit.inputs.push_back(parse_input(name, inputs.member(name)));
+  }
+  fields.optional("selections", [&](const Value& selections) {
+    if (!selections.is_object()) selections.fail("expected an object of named selections");
+    for (const auto& [name, selection] : selections.raw().items()) {
+      if (name.empty()) selections.fail("a selection needs a name");
+      if (name == "all") selections.member(name).fail("'all' already means every vertex");
+      edit.selections.push_back({name, parse_selection(selections.member(name))});
+    }
+  });
+  fields.optional("colours", [&](const Value& colours) {
+    if (!colours.is_object()) colours.fail("expected an object of colours");
+    for (const auto& [name, colour] : colours.raw().items()) {
+      const auto named = std::find_if(edit.selections.begin(), edit.selections.end(),
+                                      [&](const NamedSelection& one) { return one.name == name; });
+      if (named == edit.selections.end()) colours.member(name).fail("there is no selection of this name");
+      named->colour = parse_colour(colours.member(name));
+    }
+  });
+  const Value steps = fields.required("steps");
+  if (steps.size() == 0) steps.fail("expected at least one step");
+  std::set<std::string> step_names;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Value step = steps[i];
+    edit.steps.push_back(parse_step(step));
+    note_former_words(step, edit.notes);
+    if (!edit.steps.back().name.empty())
+      require_new_name(step_names, edit.steps.back().name, step.member("name"));
+  }
+  fields.optional("output", [&](const Value& v) { edit.output = v.name(); });
+  return edit;
+}
+
+EditFile parse_version_1(const Value& root) {
+  if (!root.raw().contains("kind")) root.fail("the field 'kind' is missing");
+  const Value kind = root.member("kind");
+  using Parser = EditFile (*)(const Value&);
+  return kind.choice<Parser>({{"deform", &parse_deform_version_1}, {"merge", &parse_merge_version_1}})(root);
+}
+
+void require_size(std::uintmax_t size, const std::string& location) {
+  if (size > edit_file_size_limit)
+    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), location,
+                "Put long lists of vertices into text files of their own: {\"file\": \"rim.txt\"}.");
+}
+
+}  // namespace
+
+const std::string& mesh_of(const EditStep& step) {
+  const auto* merge = std::get_if<MergeStep>(&step.action);
+  if (merge) return merge->target;
+  const auto* cut = std::get_if<CutStep>(&step.action);
+  return cut ? cut->mesh : std::get<DeformStep>(step.action).mesh;
+}
+
+const std::string& outcome_of(const EditStep& step) {
+  const std::string& result =
+      std::visit([](const auto& action) -> const std::string& { return action.result; }, step.action);
+  return result.empty() ? mesh_of(step) : result;
+}
+
+std::vector<std::string> mesh_names(const EditFile& edit) {
+  std::vector<std::string> names = names_of(edit.inputs);
+  for (const EditStep& step : edit.steps)
+    if (const std::string& name = outcome_of(step); std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(name);
+  return names;
+}
+
+EditFile parse_edit(std::string_view text, const std::string& location, const std::filesystem::path& base_folder) {
+  require_size(text.size(), location);
+  const json::Json document = json::parse(text, location, edit_file_depth_limit);
+  const Value root(document, location);
+  if (!root.is_object() || !document.contains("format") || document["format"] != "meshgraft-edit")
+    root.fail("not an edit file", "It begins with {\"format\": \"meshgraft-edit\", \"version\": 2, …}.");
+  if (!document.contains("version")) root.fail("the field 'version' is missing");
+  const Value version = root.member("version");
+  const std::int64_t number = version.integer_in(0, std::numeric_limits<int>::max());
+  if (number != 1 && number != 2)
+    version.fail(fmt::format("version {} is not known", number), "This program reads versions 1 and 2.");
+
+  EditFile edit = number == 1 ? parse_version_1(root) : parse_version_2(root);
+  edit.location = location;
+  edit.base_folder = base_folder;
+  require_names(edit);
+  return edit;
+}
+
+EditFile read_edit_file(const std::filesystem::path& path) {
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (!failure) require_size(size, path.string());
+  return parse_edit(read_file(path), path.string(), path.parent_path());
+}
+
+std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const std::string& file) {
+    const std::filesystem::path path = edit.base_folder / file;
+    if (std::find(files.begin(), files.end(), path) == files.end()) files.push_back(path);
+  };
+  const auto add_from = [&](const SelectionSpec& selection) {
+    for_each_selection(selection, [&](const SelectionSpec& part) {
+      if (const auto* indices = std::get_if<SelectionSpec::IndexFile>(&part.kind)) add(indices->file);
+      if (const auto* sel = std::get_if<SelectionSpec::SelFile>(&part.kind)) add(sel->file);
+    });
+  };
+  for (const EditInput& input : edit.inputs)
+    if (!input.file.empty()) add(input.file);
+  for (const NamedSelection& selection : edit.selections) add_from(selection.selection);
+  for (const EditStep& edit_step : edit.steps) {
+    for_each_step_selection(edit_step,
+                            [&](const SelectionSpec& selection, const std::string&) { add_from(selection); });
+    const auto* deform = std::get_if<DeformStep>(&edit_step.action);
+    if (!deform) continue;
+    for (const HandleSpec& handle : deform->handles)
+      if (const auto* def = std::get_if<PoseSpec::DefFile>(&handle.pose.kind)) add(def->file);
+  }
+  return files;
+}
+
+std::string_view to_string(SelectionSpec::SelPart value) {
+  switch (value) {
+    case SelectionSpec::SelPart::fixed: return "fixed";
+    case SelectionSpec::SelPart::free: return "free";
+    case SelectionSpec::SelPart::handle: return "handle";
+  }
+  return "";
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <meshgraft/script/edit_file.h>
+#include <meshgraft/mesh/sound_mesh.h>
+
+#include "run_steps.h"
+#include "selection_resolver.h"
+
+namespace meshgraft {
+
+/// One of the two meshes of a merge step, as the step sees it.
+struct MergeSide {
+  std::string name;  ///< "source" or "target", as fields and messages call it
+  const Scene& scene;
+  SoundMesh usable;  ///< what is merged; loops and selections are the scene's
+  SelectionContext context;
+  SelectionResolver selections;
+
+  MergeSide(std::string name_, const EditFile& edit, const Scene& scene_)
+      : name(std::move(name_)),
+        scene(scene_),
+        usable(scene.mesh, scene.diagnostics, scene.label),
+        context(scene.mesh),
+        selections(edit, context, scene.produced) {}
+
+  /// Refuses a vertex that is meant by its number and has no place, or a bad face.
+  void require_usable(Index vertex, const std::string& location) const {
+    try {
+      usable.require_beyond(std::vector<Index>{vertex});
+    } catch (const Error& error) {
+      throw error.within(location);
+    }
+  }
+
+  /// The vertices that the merge removed, or that faces of the seam have.
+  std::vector<Index> reached(const IndexMap& map, const Mesh& result,
+                             const std::vector<Index>& new_faces) const {
+    std::vector<char> at_seam(result.vertex_count(), 0);
+    for (const Index face : new_faces)
+      for (const Index v : result.faces[face]) at_seam[v] = 1;
+    std::vector<Index> vertices;
+    for (Index v = 0; v < scene.mesh.vertex_count(); ++v) {
+      const Index now = map.new_index[v];
+      if (scene.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
+    }
+    return vertices;
+  }
+
+  /// Once it is merged: nothing that was left out may lie where the result is new.
+  void finish(const IndexMap& map, MergeResult& result, std::vector<std::string>& notes) const {
+    if (!usable.any()) return;
+    usable.require_beyond(reached(map, result.mesh, result.new_faces));
+    usable.put_back(map, result.mesh);
+    if (std::string note = usable.note(); !note.empty()) notes.push_back(std::move(note));
+  }
+};
+
+/// The loops that meet, and vertices of them that do. Throws Error(input) naming the field of the step.
+std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
+                                     const std::string& location);
+
+/// The number of the source's loop that is dropped on the target. Throws Error(input).
+std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& location);
+
+/// Of some vertices, the one nearest to a point.
+Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Vector3d& point);
+
+}  // namespace meshgraft

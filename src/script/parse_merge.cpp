@@ -1,0 +1,300 @@
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <meshgraft/script/edit_file.h>
+
+#include "parse_parts.h"
+
+namespace meshgraft {
+
+namespace {
+
+using json::Object;
+using json::Value;
+
+// A number, or a point that stands for the nearest vertex.
+VertexSpec parse_vertex(const Value& value) {
+  if (value.is_array()) return value.vector3();
+  return value.vertex();
+}
+
+// Source and target vertex, in this order.
+MatchSpec parse_match(const Value& value) {
+  if (value.size() != 2) value.fail("expected a vertex of the source and one of the target");
+  return {parse_vertex(value[0]), parse_vertex(value[1])};
+}
+
+std::vector<MatchSpec> parse_matches(const Value& value) {
+  std::vector<MatchSpec> matches;
+  for (std::size_t i = 0; i < value.size(); ++i) matches.push_back(parse_match(value[i]));
+  return matches;
+}
+
+void add_match(std::vector<MatchSpec>& matches, const MatchSpec& match) {
+  if (std::find(matches.begin(), matches.end(), match) == matches.end()) matches.push_back(match);
+}
+
+MergePairSpec parse_pair(const Value& value) {
+  const Object fields(value, {"source_loop", "target_loop", "start", "matches"});
+  MergePairSpec pair;
+  pair.source_loop = parse_selection(fields.required("source_loop"));
+  pair.target_loop = parse_selection(fields.required("target_loop"));
+  fields.optional("start", [&](const Value& v) { add_match(pair.matches, parse_match(v)); });
+  fields.optional("matches", [&](const Value& v) {
+    for (const MatchSpec& match : parse_matches(v)) add_match(pair.matches, match);
+  });
+  return pair;
+}
+
+template <class Element>
+std::vector<Element> parse_list(const Value& value, Element (*parse)(const Value&)) {
+  std::vector<Element> list;
+  for (std::size_t i = 0; i < value.size(); ++i) list.push_back(parse(value[i]));
+  if (list.empty()) value.fail("expected at least one element");
+  return list;
+}
+
+DropSpec parse_drop(const Value& value) {
+  const Object fields(value, {"vertex", "point", "spin_deg", "source_loop"});
+  if (fields.has("vertex") == fields.has("point"))
+    value.fail("expected one of the fields 'vertex' and 'point'");
+  DropSpec drop;
+  fields.optional("vertex", [&](const Value& v) { drop.surface_point = v.vertex(); });
+  fields.optional("point", [&](const Value& v) { drop.surface_point = v.vector3(); });
+  fields.optional("spin_deg", [&](const Value& v) { drop.spin_deg = v.number(); });
+  fields.optional("source_loop", [&](const Value& v) { drop.source_loop = parse_selection(v); });
+  return drop;
+}
+
+MirrorPlane parse_plane(const Value& value) {
+  const Object fields(value, {"point", "normal"});
+  return {fields.required("point").vector3(), fields.required("normal").direction()};
+}
+
+Reach parse_reach(const Value& value) {
+  const Object fields(value, {"rings", "length"});
+  if (fields.has("rings") == fields.has("length"))
+    value.fail("expected one of the fields 'rings' and 'length'");
+  Reach reach;
+  fields.optional("rings", [&](const Value& v) { reach.rings = static_cast<int>(v.integer_in(1, max_rings)); });
+  fields.optional("length", [&](const Value& v) { reach.length = v.positive_number(); });
+  return reach;
+}
+
+MergeFeatureSpec parse_feature(const Value& value) {
+  const Object fields(value, {"select", "map"});
+  MergeFeatureSpec feature{parse_selection(fields.required("select"))};
+  fields.optional("map", [&](const Value& v) {
+    feature.similarity = v.choice<bool>({{"similarity", true}, {"affine", false}});
+  });
+  return feature;
+}
+
+MergeSettings parse_merge_settings(const Value& value) {
+  std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
+  known.insert(known.end(), {"strip", "edge_ratio", "smoothing_steps", "band", "sharp_angle_deg"});
+  const Object fields(value, known);
+  MergeSettings settings;
+  settings.deformer = parse_deformer(fields);
+  SeamOptions& seam = settings.seam;
+  fields.optional("strip", [&](const Value& v) {
+    seam.strip = v.choice<StripMethod>({{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}});
+  });
+  fields.optional("edge_ratio", [&](const Value& v) { seam.edge_ratio = v.number_in(1, 1e6); });
+  fields.optional("smoothing_steps",
+                  [&](const Value& v) { seam.smoothing_steps = static_cast<int>(v.integer_in(0, 1000)); });
+  fields.optional("band", [&](const Value& v) { seam.target_rings = static_cast<int>(v.integer_in(0, 100)); });
+  fields.optional("sharp_angle_deg", [&](const Value& v) { seam.sharp_angle_deg = v.number_in(0, 180); });
+  return settings;
+}
+
+// What both versions call alike.
+void read_mesh_counts(const Object& fields, MergeCounts& counts) {
+  read_count(fields, "source_vertices", counts.source_vertices);
+  read_count(fields, "source_faces", counts.source_faces);
+  read_count(fields, "target_vertices", counts.target_vertices);
+  read_count(fields, "target_faces", counts.target_faces);
+  read_count(fields, "free", counts.free);
+}
+
+MergeCounts parse_merge_counts(const Value& value) {
+  const Object fields(value, {"source_vertices", "source_faces", "target_vertices", "target_faces",
+                              "source_loops", "target_loops", "fixed", "free"});
+  MergeCounts counts;
+  read_mesh_counts(fields, counts);
+  read_count(fields, "fixed", counts.fixed);
+  fields.optional("source_loops", [&](const Value& v) { counts.source_loops = v.vertices(); });
+  fields.optional("target_loops", [&](const Value& v) { counts.target_loops = v.vertices(); });
+  return counts;
+}
+
+// Fields that exclude or need each other.
+void require_sense(const MergeStep& step, const Object& fields) {
+  for (const std::string_view loops : {"pairs", "matches"})
+    if (step.at && fields.has(loops))
+      fields.required("at").fail(fmt::format("'at' makes the target's loop, so it goes without '{}'", loops));
+  if (step.at && step.pose != MergePose::find)
+    fields.required("at").fail("'at' says where the part goes, so its pose is not kept");
+  if (step.source_transform && fields.has("align"))
+    fields.required("align").fail("'align' and 'source_transform' both pose the source", "Keep one of them.");
+  if (fields.has("align") && step.align.size() < 3)
+    fields.required("align").fail("expected at least 3 pairs of a source and a target vertex");
+  if (fields.has("fixed") && step.pose != MergePose::keep)
+    fields.required("fixed").fail("nothing stays where the pose is to be found", "Add \"pose\": \"keep\".");
+  if (fields.has("size") && step.pose != MergePose::find)
+    fields.required("size").fail("the size is kept with the pose", "Scale the source with 'source_transform'.");
+}
+
+// A version 1 pair: its lists of loop vertices begin with the start.
+MergePairSpec parse_pair_version_1(const Value& value) {
+  const Object fields(value, {"source_loop", "target_loop", "same_direction", "start", "correspondences"});
+  MergePairSpec pair;
+  pair.source_loop = {Selection::Indices{fields.required("source_loop").vertices()}};
+  pair.target_loop = {Selection::Indices{fields.required("target_loop").vertices()}};
+  fields.optional("same_direction", [](const Value& v) { v.boolean(); });
+  add_match(pair.matches, parse_match(fields.required("start")));
+  fields.optional("correspondences", [&](const Value& v) {
+    for (const MatchSpec& match : parse_matches(v)) add_match(pair.matches, match);
+  });
+  return pair;
+}
+
+std::vector<Index> parse_handles_version_1(const Value& value) {
+  std::set<Index> held;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const Value element = value[i];
+    const Object fields(element, {"name", "shape", "vertices"});
+    fields.required("name").name();
+    fields.optional("shape",
+                    [](const Value& v) { v.choice<int>({{"vertex", 0}, {"curve", 0}, {"region", 0}}); });
+    const std::vector<Index> vertices = fields.required("vertices").vertices();
+    held.insert(vertices.begin(), vertices.end());
+  }
+  return {held.begin(), held.end()};
+}
+
+MergeCounts parse_counts_version_1(const Value& value) {
+  const Object fields(value, {"source_vertices", "source_faces", "target_vertices", "target_faces",
+                              "source_loop", "target_loop", "handle", "free"});
+  MergeCounts counts;
+  read_mesh_counts(fields, counts);
+  read_count(fields, "handle", counts.fixed);
+  fields.optional("source_loop", [&](const Value& v) { counts.source_loops = v.vertices(); });
+  fields.optional("target_loop", [&](const Value& v) { counts.target_loops = v.vertices(); });
+  return counts;
+}
+
+}  // namespace
+
+EditStep parse_merge_step(const Value& value) {
+  const Object fields(value, {"kind",
+                              "name",
+                              "about",
+                              "target",
+                              "source",
+                              "result",
+                              "pose",
+                              "shape",
+                              "pairs",
+                              "matches",
+                              "at",
+                              "mirror",
+                              "source_transform",
+                              "align",
+                              "size",
+                              "normal_angle_deg",
+                              "fixed",
+                              "reach",
+                              "features",
+                              "smooth_boundary",
+                              "fix_winding",
+                              "settings",
+                              "counts"});
+  MergeStep step;
+  step.target = fields.required("target").name();
+  step.source = fields.required("source").name();
+  fields.optional("result", [&](const Value& v) { step.result = v.name(); });
+  fields.optional("pose", [&](const Value& v) {
+    step.pose = v.choice<MergePose>({{"find", MergePose::find}, {"keep", MergePose::keep}});
+  });
+  fields.optional("shape", [&](const Value& v) {
+    step.shape = v.choice<MergeShape>({{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}});
+  });
+  fields.optional("pairs", [&](const Value& v) { step.pairs = parse_list(v, &parse_pair); });
+  fields.optional("matches", [&](const Value& v) { step.matches = parse_list(v, &parse_match); });
+  fields.optional("at", [&](const Value& v) { step.at = parse_drop(v); });
+  fields.optional("mirror", [&](const Value& v) { step.mirror = parse_plane(v); });
+  fields.optional("source_transform", [&](const Value& v) { step.source_transform = v.affine_matrix(); });
+  fields.optional("align", [&](const Value& v) { step.align = parse_matches(v); });
+  fields.optional("size", [&](const Value& v) { step.size = v.positive_number(); });
+  fields.optional("normal_angle_deg", [&](const Value& v) { step.normal_angle_deg = v.number_in(-180, 180); });
+  fields.optional("fixed", [&](const Value& v) { step.fixed = parse_selection(v); });
+  fields.optional("reach", [&](const Value& v) { step.reach = parse_reach(v); });
+  fields.optional("features", [&](const Value& v) { step.features = parse_list(v, &parse_feature); });
+  fields.optional("smooth_boundary", [&](const Value& v) { step.smooth_boundary = v.boolean(); });
+  fields.optional("fix_winding", [&](const Value& v) { step.fix_winding = v.boolean(); });
+  fields.optional("settings", [&](const Value& v) { step.settings = parse_merge_settings(v); });
+  fields.optional("counts", [&](const Value& v) { step.counts = parse_merge_counts(v); });
+  require_sense(step, fields);
+  return {{}, {}, std::move(step)};
+}
+
+EditStep parse_cut_step(const Value& value) {
+  const Object fields(value, {"kind", "name", "about", "mesh", "result", "plane", "loop", "keep", "snap"});
+  if (fields.has("plane") == fields.has("loop")) value.fail("expected one of the fields 'plane' and 'loop'");
+  CutStep step;
+  step.mesh = fields.required("mesh").name();
+  fields.optional("result", [&](const Value& v) { step.result = v.name(); });
+  fields.optional("plane", [&](const Value& v) {
+    const MirrorPlane plane = parse_plane(v);
+    step.along = CutStep::Plane{plane.point, plane.normal};
+  });
+  fields.optional("loop", [&](const Value& v) {
+    std::vector<Index> vertices = v.vertices();
+    if (vertices.size() < 3) v.fail("expected at least 3 vertices that a closed curve joins");
+    step.along = std::move(vertices);
+  });
+  fields.optional("keep", [&](const Value& v) {
+    step.options.keep =
+        v.choice<CutKeep>({{"above", CutKeep::above}, {"below", CutKeep::below}, {"both", CutKeep::both}});
+  });
+  fields.optional("snap", [&](const Value& v) { step.options.snap = v.number_in(0, 0.5); });
+  return {{}, {}, std::move(step)};
+}
+
+EditFile parse_merge_version_1(const Value& root) {
+  const Object fields(
+      root, {"format", "version", "kind", "mode", "name", "about", "paper", "source", "target", "counts",
+             "source_transform", "normal_angle_degrees", "pairs", "handles", "expected"});
+  EditFile edit;
+  read_heading_version_1(fields, edit);
+  edit.inputs.push_back({.name = "source", .file = fields.required("source").name()});
+  edit.inputs.push_back({.name = "target", .file = fields.required("target").name()});
+
+  MergeStep step;
+  step.target = "target";
+  step.source = "source";
+  step.shape = MergeShape::ft05;
+  step.pose = fields.required("mode").choice<MergePose>(
+      {{"pose-independent", MergePose::find}, {"pose-dependent", MergePose::keep}});
+  step.pairs = parse_list(fields.required("pairs"), &parse_pair_version_1);
+  fields.optional("source_transform", [&](const Value& v) {
+    const Eigen::Matrix4d transform = v.affine_matrix();
+    if (step.pose == MergePose::keep) step.source_transform = transform;
+  });
+  fields.optional("normal_angle_degrees",
+                  [&](const Value& v) { step.normal_angle_deg = v.number_in(-180, 180); });
+  fields.optional("handles", [&](const Value& v) {
+    std::vector<Index> held = parse_handles_version_1(v);
+    if (!held.empty() && step.pose != MergePose::keep)
+      v.fail("nothing is held where the mode is pose-independent");
+    if (!held.empty()) step.fixed = SelectionSpec{Selection::Indices{std::move(held)}};
+  });
+  fields.optional("counts", [&](const Value& v) { step.counts = parse_counts_version_1(v); });
+  edit.steps.push_back({{}, {}, std::move(step)});
+  return edit;
+}
+
+}  // namespace meshgraft

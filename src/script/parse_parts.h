@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/script/edit_file.h>
+
+#include "json_value.h"
+
+namespace meshgraft {
+
+// Parts of an edit file that several of its parsers read.
+
+inline constexpr int max_rings = 1'000'000;
+
+SelectionSpec parse_selection(const json::Value& value);
+
+/// A handle's pose; a course of its own only for a curve.
+PoseSpec parse_pose(const json::Value& value, HandleShape shape);
+
+inline void read_count(const json::Object& fields, std::string_view key, std::optional<Index>& count) {
+  fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
+}
+
+/// What both kinds of version 1 files say of themselves.
+inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
+  fields.optional("name", [&](const json::Value& v) { edit.name = v.string(); });
+  fields.optional("about", [&](const json::Value& v) { edit.about = v.string(); });
+  fields.optional("paper", [](const json::Value& v) { v.string(); });
+  fields.optional("expected", [](const json::Value& v) {
+    if (!v.is_null() && !v.is_object()) v.fail("expected an object or null");
+  });
+}
+
+/// The fields of settings that `parse_deformer` reads.
+inline constexpr std::array<std::string_view, 15> deformer_fields = {
+    "method",  "stiffness",        "iterations",      "smoothing_length_rel", "weights",
+    "density", "degenerate",       "apex_height_rel", "noise_length_rel",     "flatness",
+    "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
+DeformerOptions parse_deformer(const json::Object& fields);
+
+/// Edit files before version 0.2 call the backend `multifrontal` so. It is still read, and a note says so.
+inline constexpr std::string_view former_multifrontal = "cholmod";
+
+/// Refuses an element whose name an earlier one of its list has.
+inline void require_new_name(std::set<std::string>& names, const std::string& name, const json::Value& value) {
+  if (!names.insert(name).second) value.fail(fmt::format("the name '{}' is already taken", name));
+}
+
+EditStep parse_deform_step(const json::Value& value);
+EditStep parse_merge_step(const json::Value& value);
+EditStep parse_cut_step(const json::Value& value);
+EditFile parse_deform_version_1(const json::Value& root);
+EditFile parse_merge_version_1(const json::Value& root);
+
+}  // namespace meshgraft

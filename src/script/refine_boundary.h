@@ -1,0 +1,21 @@
+#pragma once
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/script/resolve_deform.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// A deformation on a mesh: what the solver needs to know.
+struct DeformProblem {
+  Points rest;          ///< n×3
+  Triangles triangles;  ///< m×3
+  ResolvedDeform deform;
+};
+
+/// The same deformation on a mesh whose edges are halved `levels` times where free vertices meet handles, fixed
+/// vertices or constraints (FT05 section 6: sparse boundaries). The old vertices come first and keep their
+/// places. A new vertex between two of a handle, or between two that stay, is held as they are.
+DeformProblem refine_boundary(DeformProblem problem, int levels, const Context& context);
+
+}  // namespace meshgraft

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/script/report.h>
+
+namespace meshgraft {
+
+// Parts of a report, as docs/report.md has them.
+nlohmann::ordered_json counts_json(const DeformCounts& counts);
+nlohmann::ordered_json quality_json(const Quality& quality);
+
+}  // namespace meshgraft

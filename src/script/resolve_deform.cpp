@@ -1,0 +1,395 @@
+#include <meshgraft/script/resolve_deform.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+
+#include "selection_resolver.h"
+#include "symmetry.h"
+
+namespace meshgraft {
+
+namespace {
+
+// Who holds each vertex of the region, so that no vertex gets two roles.
+class Roles {
+ public:
+  Roles(Index vertex_count, const std::vector<Index>& region)
+      : owner_(static_cast<std::size_t>(vertex_count), outside) {
+    for (const Index v : region) owner_[v] = nobody;
+  }
+
+  bool is_free(Index v) const { return owner_[v] == nobody; }
+  bool is_inside(Index v) const { return owner_[v] != outside; }
+
+  void take(Index vertex, int owner) { owner_[vertex] = owner; }
+
+  /// Makes `vertices` those of the handle of that name, or says what is in the way.
+  void take_all(const std::vector<Index>& vertices, const std::string& name, const std::string& location) {
+    const int handle = static_cast<int>(handles_.size());
+    handles_.push_back(name);
+    const auto beyond = std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return !is_inside(v); });
+    if (beyond > 0)
+      throw Error(ErrorCode::input,
+                  fmt::format("{} of the handle's {} vertices lie outside the region", beyond, vertices.size()),
+                  location, "Enlarge the region, or 'intersect' the handle with it.");
+    for (const Index v : vertices) {
+      if (owner_[v] == handle) throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), location);
+      if (owner_[v] != nobody)
+        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder_of(v)), location,
+                    "Take it out of one of the two with 'minus'.");
+      owner_[v] = handle;
+    }
+  }
+
+  std::string holder_of(Index vertex) const {
+    const int owner = owner_[vertex];
+    if (owner == fixed) return "fixed";
+    if (owner == constrained) return "constrained by itself";
+    return fmt::format("part of the handle '{}'", handles_[static_cast<std::size_t>(owner)]);
+  }
+
+  static constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
+
+ private:
+  std::vector<std::string> handles_;
+  std::vector<int> owner_;
+};
+
+std::vector<Index> every_vertex(Index count) {
+  std::vector<Index> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+bool ends_share_edge(const std::vector<Index>& curve, const IndexLists& rings) {
+  if (curve.size() < 3) return false;
+  const auto ring = rings[curve.front()];
+  return std::binary_search(ring.begin(), ring.end(), curve.back());
+}
+
+Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, const SelectionContext& context,
+                      const std::string& location) {
+  Handle handle;
+  handle.name = spec.name;
+  handle.shape = spec.shape;
+  handle.constrain_position = spec.constrain_position;
+  handle.constrain_transform = spec.constrain_transform;
+  const std::string select = location + ".select";
+  const bool is_curve = spec.shape == HandleShape::curve;
+  handle.vertices =
+      is_curve ? selections.ordered(spec.select, select) : selections.vertices(spec.select, select);
+  if (handle.vertices.empty())
+    throw Error(ErrorCode::input, fmt::format("the handle '{}' has no vertices", spec.name), select,
+                "Look at the mesh's bounding box with 'meshgraft info' and make the selection larger.");
+  for (const Index v : handle.vertices)
+    if (!context.mesh.positions.row(v).allFinite())
+      throw Error(ErrorCode::input,
+                  fmt::format("the handle '{}' has vertex {}, a coordinate of which is not a finite number",
+                              spec.name, v),
+                  select, "Leave it out, or remove it first: 'meshgraft repair' does.");
+  if (spec.shape == HandleShape::vertex && handle.vertices.size() != 1)
+    throw Error(ErrorCode::input,
+                fmt::format("a handle of shape 'vertex' has one vertex, not {}", handle.vertices.size()),
+                select, "Use the shape 'region', or select with 'nearest'.");
+  if (is_curve) handle.closed = spec.closed.value_or(ends_share_edge(handle.vertices, context.rings));
+  return handle;
+}
+
+HandlePose pose_of_matrix(const Eigen::Matrix4d& matrix) {
+  HandlePose pose;
+  pose.transform.matrix() = matrix;
+  return pose;
+}
+
+HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const SelectionResolver& selections,
+                        const EditFile& edit, const SelectionContext& context, const std::string& location) {
+  const Points& rest = context.mesh.positions;
+  if (const auto* motion = std::get_if<HandleMotion>(&spec.kind))
+    return make_pose(*motion, motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings));
+  if (const auto* matrix = std::get_if<Eigen::Matrix4d>(&spec.kind)) return pose_of_matrix(*matrix);
+  if (const auto* def = std::get_if<PoseSpec::DefFile>(&spec.kind)) {
+    const std::string where = fmt::format("{}.def: {}", location, (edit.base_folder / def->file).string());
+    return pose_of_matrix(parse_def(selections.read(def->file, location + ".def"), where));
+  }
+  HandlePose pose;
+  try {
+    pose.curve = redraw_curve(handle, rest, std::get<PoseSpec::Redrawn>(spec.kind).polyline);
+  } catch (const Error& error) {
+    throw error.within(location + ".curve");
+  }
+  return pose;
+}
+
+// Targets and transforms joined per vertex.
+class OwnConstraints {
+ public:
+  OwnConstraints(const SelectionContext& context, Roles& roles) : context_(context), roles_(roles) {}
+
+  void add(const TargetSpec& target, const std::string& where) {
+    VertexConstraint& constraint = constraint_of(target.vertex, where);
+    if (constraint.position && (context_.weld.empty() || *constraint.position != target.position))
+      throw Error(ErrorCode::input, fmt::format("vertex {} has two targets", constraint.vertex), where);
+    constraint.position = target.position;
+  }
+
+  void add(const TransformSpec& transform, const std::string& where) {
+    VertexConstraint& constraint = constraint_of(transform.vertex, where);
+    if (constraint.transform && (context_.weld.empty() || *constraint.transform != transform.matrix))
+      throw Error(ErrorCode::input, fmt::format("vertex {} has two transforms", constraint.vertex), where);
+    constraint.transform = transform.matrix;
+  }
+
+  /// Those behind the mirror; a vertex that is its own partner has what was asked of it.
+  void add_images(const MirrorMatch& symmetry, const std::string& location) {
+    const Eigen::Affine3d& reflection = symmetry.reflection();
+    const Eigen::Matrix3d& s = reflection.linear();
+    const std::map<Index, VertexConstraint> given = constraints_;
+    for (const auto& [vertex, constraint] : given) {
+      const std::string where = fmt::format("{}: the mirror image of vertex {}", location, vertex);
+      const Index partner = symmetry.required_partner(vertex, where);
+      if (partner == vertex) continue;
+      if (constraint.position) add(TargetSpec{partner, reflection * *constraint.position}, where);
+      if (constraint.transform) add(TransformSpec{partner, s * *constraint.transform * s}, where);
+    }
+  }
+
+  /// Ascending by vertex.
+  std::vector<VertexConstraint> list() const {
+    std::vector<VertexConstraint> list;
+    for (const auto& [vertex, constraint] : constraints_) list.push_back(constraint);
+    return list;
+  }
+
+ private:
+  VertexConstraint& constraint_of(Index vertex, const std::string& where) {
+    const Index vertex_count = context_.mesh.vertex_count();
+    if (vertex >= vertex_count)
+      throw Error(ErrorCode::input,
+                  fmt::format("vertex {} does not exist; the mesh has {}", vertex, vertex_count), where);
+    vertex = context_.weld.of(vertex);
+    auto [entry, is_new] = constraints_.try_emplace(vertex);
+    if (!is_new) return entry->second;
+    if (!roles_.is_inside(vertex))
+      throw Error(ErrorCode::input, fmt::format("vertex {} lies outside the region", vertex), where);
+    if (!roles_.is_free(vertex))
+      throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", vertex, roles_.holder_of(vertex)),
+                  where, "Take it out of that selection with 'minus'.");
+    roles_.take(vertex, Roles::constrained);
+    entry->second.vertex = vertex;
+    return entry->second;
+  }
+
+  const SelectionContext& context_;
+  Roles& roles_;
+  std::map<Index, VertexConstraint> constraints_;
+};
+
+void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const std::string& location) {
+  const auto require = [&](const std::optional<Index>& count, const std::optional<Index>& actual,
+                           std::string_view name) {
+    if (count && *count != *actual)
+      throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, *actual),
+                  fmt::format("{}.counts.{}", location, name), "Is it the right mesh?");
+  };
+  require(expected.vertices, found.vertices, "vertices");
+  require(expected.faces, found.faces, "faces");
+  require(expected.region, found.region, "region");
+  require(expected.fixed, found.fixed, "fixed");
+  require(expected.handle, found.handle, "handle");
+  require(expected.free, found.free, "free");
+}
+
+// A step on its way to what it means.
+class DeformResolver {
+ public:
+  DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+                 const std::string& location, const ProducedSets& produced)
+      : edit_(edit), step_(step), context_(context), location_(location), selections_(edit, context, produced) {
+    if (!step.symmetry) return;
+    symmetry_.emplace(*step.symmetry, context, location + ".symmetry");
+    resolved_.symmetry.emplace().reflection = symmetry_->reflection();
+  }
+
+  ResolvedDeform resolve() {
+    require_counts(ExpectedCounts{.vertices = step_.counts.vertices, .faces = step_.counts.faces}, found(),
+                   location_);
+    const std::vector<Index> inside = find_region();
+    Roles roles(context_.mesh.vertex_count(), inside);
+    const std::vector<Index> rim = find_fixed(inside, roles);
+    hold_handles(roles);
+    if (symmetry_) hold_twins(roles);
+    resolved_.constraints = find_constraints(roles);
+    // A rim that nobody asked for gives way to handles and targets.
+    for (const Index v : rim) {
+      if (!roles.is_free(v)) continue;
+      resolved_.region.fixed.push_back(v);
+      roles.take(v, Roles::fixed);
+    }
+    resolved_.region.anchors = find_anchors(roles);
+    require_counts(step_.counts, found(inside), location_);
+    resolved_.region.whole = is_whole() || static_cast<Index>(inside.size()) == context_.mesh.vertex_count();
+    if (!resolved_.region.whole) resolved_.region.vertices = inside;
+    return std::move(resolved_);
+  }
+
+ private:
+  bool is_whole() const { return std::holds_alternative<Selection::All>(step_.region.kind); }
+
+  std::vector<Index> vertices_of(const SelectionSpec& selection, const std::string& where) {
+    std::vector<Index> vertices = selections_.vertices(selection, where);
+    return symmetry_ ? symmetry_->with_images(vertices) : vertices;
+  }
+
+  std::vector<Index> find_region() {
+    std::vector<Index> inside = is_whole() ? every_vertex(context_.mesh.vertex_count())
+                                           : selections_.vertices(step_.region, location_ + ".region");
+    if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", location_ + ".region");
+    if (!symmetry_) return inside;
+    inside = symmetry_->with_images(inside);
+    const std::vector<Index> lost = symmetry_->without_partner(inside);
+    resolved_.symmetry->without_partner = static_cast<Index>(lost.size());
+    if (!lost.empty()) resolved_.notes.push_back(symmetry_->note_about(lost, inside.size()));
+    return inside;
+  }
+
+  // Returns the rim that is fixed where nobody says what is.
+  std::vector<Index> find_fixed(const std::vector<Index>& inside, Roles& roles) {
+    if (step_.fixed) {
+      for (const Index v : vertices_of(*step_.fixed, location_ + ".fixed"))
+        if (roles.is_inside(v)) resolved_.region.fixed.push_back(v);
+      for (const Index v : resolved_.region.fixed) roles.take(v, Roles::fixed);
+      return {};
+    }
+    if (is_whole()) return {};
+    const auto whole_region = std::make_shared<const Selection>(Selection::Indices{inside});
+    return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, location_ + ".region");
+  }
+
+  std::string handle_location(std::size_t handle) const { return fmt::format("{}.handles[{}]", location_, handle); }
+
+  void hold(Handle handle, HandlePose pose, Roles& roles, const std::string& where) {
+    roles.take_all(handle.vertices, handle.name, where + ".select");
+    resolved_.poses.push_back(std::move(pose));
+    resolved_.region.handles.push_back(std::move(handle));
+  }
+
+  void hold_handles(Roles& roles) {
+    for (std::size_t i = 0; i < step_.handles.size(); ++i) {
+      const HandleSpec& spec = step_.handles[i];
+      const std::string where = handle_location(i);
+      Handle handle = resolve_handle(spec, selections_, context_, where);
+      HandlePose pose = resolve_pose(spec.pose, handle, selections_, edit_, context_, where + ".pose");
+      if (symmetry_) {
+        twins_.push_back(symmetry_->twin_of(handle, where + ".select"));
+        if (!twins_.back()) resolved_.symmetry->own.push_back(i);
+      }
+      hold(std::move(handle), std::move(pose), roles, where);
+    }
+  }
+
+  void hold_twins(Roles& roles) {
+    for (std::size_t i = 0; i < twins_.size(); ++i) {
+      if (!twins_[i]) continue;
+      Handle twin = *std::move(twins_[i]);
+      require_free(twin, roles, i);
+      HandlePose pose = twin_pose(step_.handles[i].pose, resolved_.poses[i], twin, context_.mesh.positions,
+                                  symmetry_->reflection());
+      resolved_.symmetry->twin_of.push_back(i);
+      hold(std::move(twin), std::move(pose), roles, handle_location(i));
+    }
+  }
+
+  // What a twin meets is nobody's mistake in the selection.
+  void require_free(const Handle& twin, const Roles& roles, std::size_t i) const {
+    for (const HandleSpec& other : step_.handles)
+      if (other.name == twin.name)
+        throw Error(ErrorCode::input, fmt::format("the name '{}' is that of a twin", twin.name),
+                    handle_location(i) + ".name", "Choose another name.");
+    const auto taken = std::find_if(twin.vertices.begin(), twin.vertices.end(),
+                                    [&](Index v) { return roles.is_inside(v) && !roles.is_free(v); });
+    if (taken == twin.vertices.end()) return;
+    throw Error(ErrorCode::input,
+                fmt::format("vertex {} of the mirror image of the handle '{}' is already {}", *taken,
+                            step_.handles[i].name, roles.holder_of(*taken)),
+                handle_location(i) + ".select",
+                "'symmetry' makes the handle on the other side: take out what is there.");
+  }
+
+  std::vector<VertexConstraint> find_constraints(Roles& roles) const {
+    OwnConstraints constraints(context_, roles);
+    for (std::size_t i = 0; i < step_.targets.size(); ++i)
+      constraints.add(step_.targets[i], fmt::format("{}.targets[{}]", location_, i));
+    for (std::size_t i = 0; i < step_.transforms.size(); ++i)
+      constraints.add(step_.transforms[i], fmt::format("{}.transforms[{}]", location_, i));
+    if (symmetry_) constraints.add_images(*symmetry_, location_ + ".symmetry");
+    return constraints.list();
+  }
+
+  std::vector<Anchor> find_anchors(const Roles& roles) {
+    std::map<Index, Anchor> anchors;
+    for (std::size_t i = 0; i < step_.anchors.size(); ++i) {
+      const std::string where = fmt::format("{}.anchors[{}].select", location_, i);
+      for (const Index v : vertices_of(step_.anchors[i].select, where)) {
+        if (!roles.is_free(v)) continue;  // what is held or never moves needs no anchor
+        if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
+          throw Error(ErrorCode::input, fmt::format("vertex {} is anchored twice", v), where);
+      }
+    }
+    std::vector<Anchor> list;
+    for (const auto& [vertex, anchor] : anchors) list.push_back(anchor);
+    return list;
+  }
+
+  ExpectedCounts found(const std::vector<Index>& inside = {}) const {
+    const Region& region = resolved_.region;
+    Index handle_count = 0;
+    for (const Handle& handle : region.handles) handle_count += static_cast<Index>(handle.vertices.size());
+    ExpectedCounts found;
+    found.vertices = context_.mesh.vertex_count();
+    found.faces = context_.mesh.face_count();
+    found.region = static_cast<Index>(inside.size());
+    found.fixed = static_cast<Index>(region.fixed.size());
+    found.handle = handle_count;
+    found.free = *found.region - *found.fixed - handle_count - static_cast<Index>(resolved_.constraints.size());
+    return found;
+  }
+
+  const EditFile& edit_;
+  const DeformStep& step_;
+  const SelectionContext& context_;
+  const std::string& location_;
+  SelectionResolver selections_;
+  std::optional<MirrorMatch> symmetry_;
+  std::vector<std::optional<Handle>> twins_;  ///< of each handle of the step
+  ResolvedDeform resolved_;
+};
+
+}  // namespace
+
+ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+                              const std::string& location, const ProducedSets& produced) {
+  return DeformResolver(edit, step, context, location, produced).resolve();
+}
+
+std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+                                    std::span<const HandlePose> poses, const Points& rest) {
+  std::vector<std::string> notes;
+  for (const std::size_t h : symmetry.own)
+    if (!is_symmetric(poses[h], handles[h], rest, symmetry.reflection))
+      notes.push_back(
+          fmt::format("the handle '{}' is its own mirror image, but its pose is not: the result is as little "
+                      "symmetric as the pose",
+                      handles[h].name));
+  return notes;
+}
+
+}  // namespace meshgraft

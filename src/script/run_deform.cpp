@@ -1,0 +1,347 @@
+// The deform step of an edit.
+#include <algorithm>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <meshgraft/baselines/baselines.h>
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/memory.h>
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/memory_estimate.h>
+#include <meshgraft/deform/proxy.h>
+#include <meshgraft/deform/quality.h>
+#include <meshgraft/script/resolve_deform.h>
+#include <meshgraft/script/run_edit.h>
+#include <meshgraft/mesh/normals.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/mesh/weld.h>
+
+#include "../core/stopwatch.h"
+#include "refine_boundary.h"
+#include "run_steps.h"
+
+namespace meshgraft {
+
+namespace {
+
+// Rings around the region that the solve looks at beyond it: stencils of stencils, and their normals.
+int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
+
+void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionContext& selections,
+                                 int reach) {
+  std::vector<Index> vertices = region.vertices;
+  if (region.whole) {
+    vertices.resize(static_cast<std::size_t>(selections.mesh.vertex_count()));
+    std::iota(vertices.begin(), vertices.end(), Index{0});
+  }
+  vertices = grow_rings(vertices, reach, selections.rings);
+  // No equation has what no face has.
+  std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
+  if (!vertices.empty()) require_usable(scene.diagnostics, selections.mesh, vertices, scene.label);
+}
+
+// All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
+std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, const Context& context) {
+  const Region& region = problem.deform.region;
+  const std::vector<HandlePose>& poses = problem.deform.poses;
+  Points normals;
+  if (std::any_of(poses.begin(), poses.end(), [](const HandlePose& pose) { return pose.curve.has_value(); })) {
+    const auto count = static_cast<Index>(problem.rest.rows());
+    normals = vertex_normals(problem.rest, problem.triangles,
+                             vertex_triangles(count, problem.triangles, context), context);
+  }
+  std::vector<VertexConstraint> constraints;
+  for (const Index v : region.fixed)
+    constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity(),
+                           Eigen::AngleAxisd(0, Eigen::Vector3d::UnitZ())});
+  for (std::size_t h = 0; h < region.handles.size(); ++h) {
+    const auto held = handle_constraints(region.handles[h], poses[h], problem.rest, normals);
+    constraints.insert(constraints.end(), held.begin(), held.end());
+  }
+  constraints.insert(constraints.end(), problem.deform.constraints.begin(), problem.deform.constraints.end());
+  return constraints;
+}
+
+struct Solution {
+  Points positions;  // of the problem's vertices
+  std::vector<Index> free;
+};
+
+// What a published method solves for: as `Deformer::free_vertices`.
+std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const VertexConstraint> constraints) {
+  const Region& region = problem.deform.region;
+  std::vector<std::uint8_t> is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
+  for (const Index v : region.vertices) is_free[v] = 1;
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.position) is_free[constraint.vertex] = 0;
+  std::vector<Index> free(problem.triangles.data(), problem.triangles.data() + problem.triangles.size());
+  std::erase_if(free, [&](Index v) { return !is_free[v]; });
+  std::sort(free.begin(), free.end());
+  free.erase(std::unique(free.begin(), free.end()), free.end());
+  return free;
+}
+
+Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const DeformSettings& settings,
+                           StepReport& report, const Context& context) {
+  const Region& region = problem.deform.region;
+  if (!region.anchors.empty())
+    throw Error(ErrorCode::input, fmt::format("the method '{}' knows no anchors", to_string(method)), "anchors",
+                "Leave them out, or compare without this method.");
+  Stopwatch watch;
+  context.step("solve");
+  const std::vector<VertexConstraint> constraints = joined_constraints(problem, context);
+  BaselineOptions options;
+  options.backend = settings.deformer.backend;
+  Solution solution;
+  solution.positions =
+      deform_by(method, problem.rest, problem.triangles, region.vertices, constraints, options, context);
+  report.seconds.solve = watch.lap();
+  solution.free = free_vertices(problem, constraints);
+  return solution;
+}
+
+// The solve of what `options` are for: the region itself, or a proxy of it.
+Deformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
+                       const DeformerOptions& options, const Context& context) {
+  const Region& region = problem.deform.region;
+  if (problem.deform.constraints.empty()) return {problem.rest, problem.triangles, region, options, context};
+  return Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
+                                    region.anchors, region.features, options, context);
+}
+
+ProxyDeformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
+                            const ProxyOptions& options, const Context& context) {
+  const Region& region = problem.deform.region;
+  if (problem.deform.constraints.empty()) return {problem.rest, problem.triangles, region, options, context};
+  return ProxyDeformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
+                                         region.anchors, region.features, options, context);
+}
+
+const DeformerSummary& note_facts(const Deformer& deformer, StepReport&) { return deformer.summary(); }
+
+const DeformerSummary& note_facts(const ProxyDeformer& deformer, StepReport& report) {
+  const ProxySummary& summary = deformer.summary();
+  report.proxy = ProxyFacts{summary.vertices, summary.deformer.free_vertices, summary.spacing};
+  return summary.deformer;
+}
+
+// Factorises, solves and measures: by handles, or vertex by vertex where some are constrained by themselves.
+template <class Options>
+Solution solve_by(const Options& deformer_options, const DeformProblem& problem, const RunOptions& options,
+                  StepReport& report, const Context& context) {
+  const bool by_handles = problem.deform.constraints.empty();
+  std::vector<VertexConstraint> constraints;
+  Stopwatch watch;
+  if (!by_handles) constraints = joined_constraints(problem, context);
+  const auto deformer = make_deformer(problem, constraints, deformer_options, context);
+  const DeformerSummary& summary = note_facts(deformer, report);
+  report.seconds.analyse = summary.analyse_seconds;
+  report.seconds.factorise = summary.factorise_seconds;
+  report.seconds.assemble = std::max(0.0, watch.lap() - summary.analyse_seconds - summary.factorise_seconds);
+  report.solver = summary.solver;
+
+  context.step("solve");
+  Solution solution;
+  EvaluationReport& evaluation = report.evaluation.emplace();
+  solution.positions = by_handles ? deformer.evaluate(problem.deform.poses, context, &evaluation)
+                                  : deformer.evaluate(constraints, context, &evaluation);
+  report.seconds.solve = watch.lap();
+
+  context.step("measure");
+  if (options.estimate_condition) report.condition_estimate = deformer.condition_estimate(context);
+  solution.free.assign(deformer.free_vertices().begin(), deformer.free_vertices().end());
+  report.counts.degenerate = summary.degenerate_vertices;
+  report.seconds.measure = watch.lap();
+  return solution;
+}
+
+// Those of the region whose position nothing tells.
+Index count_free_vertices(const DeformProblem& problem) {
+  const Region& region = problem.deform.region;
+  const bool whole = region.whole || region.vertices.empty();
+  std::vector<std::uint8_t> free(static_cast<std::size_t>(problem.rest.rows()), whole);
+  if (!whole)
+    for (const Index v : region.vertices) free[v] = 1;
+  for (const Index v : region.fixed) free[v] = 0;
+  for (const Handle& handle : region.handles)
+    if (handle.constrain_position)
+      for (const Index v : handle.vertices) free[v] = 0;
+  for (const VertexConstraint& constraint : problem.deform.constraints)
+    if (constraint.position) free[constraint.vertex] = 0;
+  return static_cast<Index>(std::count(free.begin(), free.end(), 1));
+}
+
+Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
+               StepReport& report, const Context& context) {
+  Index proxy = settings.proxy;
+  const std::uint64_t memory = options.memory.value_or(available_memory());
+  const Index free = count_free_vertices(problem);
+  if (proxy == 0 && choose_path(free, settings.deformer, memory) == SolvePath::proxy) {
+    proxy = proxy_vertices_for(settings.deformer, memory);
+    report.notes.push_back(fmt::format(
+        "a solve for {} free vertices does not fit the {} MB of memory there are: it was made on a proxy", free,
+        memory / 1'000'000));
+  }
+  if (proxy == 0) return solve_by(settings.deformer, problem, options, report, context);
+  return solve_by(ProxyOptions{settings.deformer, proxy}, problem, options, report, context);
+}
+
+std::vector<std::string> notes_of(const StepReport& report) {
+  std::vector<std::string> notes;
+  if (report.proxy && report.proxy->free_vertices < report.counts.free)
+    notes.push_back(
+        fmt::format("a proxy with {} free vertices was solved in the place of {}: an approximation, closer "
+                    "with more of them",
+                    report.proxy->free_vertices, report.counts.free));
+  if (report.evaluation && report.evaluation->fell_back_to_linear)
+    notes.emplace_back(
+        "a handle mirrors or flattens what it holds, so there is no rotation to follow; maps were blended "
+        "linearly");
+  constexpr double settled_enough = 0.02;  // radians: about one degree
+  if (report.evaluation && report.evaluation->last_rotation_change > settled_enough)
+    notes.push_back(fmt::format(
+        "the rotations had not settled after {} steps (they would have changed by another "
+        "{:.1f}°); more 'iterations' or less of a turn helps",
+        report.evaluation->iterations, report.evaluation->last_rotation_change * 180 / std::numbers::pi));
+  return notes;
+}
+
+std::string weld_note(const Weld& weld) {
+  return fmt::format(
+      "{} boundary vertices were welded to others at their place for the solve; the result keeps them apart "
+      "('weld': false lets such places open)",
+      weld.copies);
+}
+
+Index count_handle_vertices(const Region& region) {
+  return std::accumulate(
+      region.handles.begin(), region.handles.end(), Index{0},
+      [](Index sum, const Handle& h) { return sum + static_cast<Index>(h.vertices.size()); });
+}
+
+// Puts a solution into the scene; returns where the vertices that the problem was about were.
+Points keep_solution(Solution& solution, DeformSetup& setup, Scene& scene) {
+  const Weld& weld = setup.weld;
+  Mesh& mesh = weld.empty() ? scene.mesh : setup.welded;
+  const Index count = scene.mesh.vertex_count();
+  std::erase_if(solution.free, [&](Index v) { return v >= count; });
+  Points rest = std::exchange(mesh.positions, solution.positions.topRows(count));
+  update_normals(mesh, rest);
+  for (const Index v : solution.free) scene.was_free[v] = 1;
+  if (!weld.empty()) {
+    unweld(mesh, weld, scene.mesh);
+    for (Index v = 0; v < count; ++v) scene.was_free[v] = scene.was_free[weld.of(v)];
+  }
+  return rest;
+}
+
+}  // namespace
+
+void apply_solution(const EditFile& edit, const EditStep& edit_step, const std::string& location,
+                    std::map<std::string, Scene>& scenes, const Points& positions, const Context& context) {
+  const auto& step = std::get<DeformStep>(edit_step.action);
+  Scene& scene = scene_for_outcome(edit_step, scenes);
+  DeformSetup setup = set_up_deform(edit, step, location, scene, step.settings);
+  Solution solution{positions, free_vertices(setup.problem, joined_constraints(setup.problem, context))};
+  keep_solution(solution, setup, scene);
+}
+
+double largest_displacement(const Points& rest, const Points& edited) {
+  double largest = 0;
+  for (Eigen::Index i = 0; i < rest.rows(); ++i)
+    if (rest.row(i) != edited.row(i)) largest = std::max(largest, (edited.row(i) - rest.row(i)).norm());
+  return largest;
+}
+
+DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides) {
+  OperatorOptions& operators = options.operators;
+  if (overrides.method)
+    if (const auto* method = std::get_if<DeformMethod>(&*overrides.method)) options.method = *method;
+  options.stiffness = overrides.stiffness.value_or(options.stiffness);
+  options.iterations = overrides.iterations.value_or(options.iterations);
+  operators.weights = overrides.weights.value_or(operators.weights);
+  operators.density = overrides.density.value_or(operators.density);
+  operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
+  options.backend = overrides.backend.value_or(options.backend);
+  return options;
+}
+
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
+                          const Scene& scene, const DeformSettings& settings) {
+  DeformSetup setup;
+  const Finding* torn = scene.diagnostics.find("duplicate-vertex");
+  const bool welds = torn != nullptr && settings.weld && !scene.is_cut;
+  if (welds) setup.weld = weld_at(scene.mesh, torn->indices);
+  if (!setup.weld.empty()) setup.welded = welded(scene.mesh, setup.weld);
+  const Mesh& mesh = setup.weld.empty() ? scene.mesh : setup.welded;
+  {
+    const SelectionContext selections(mesh, setup.weld);
+    setup.problem.deform = resolve_deform(edit, step, selections, location, scene.produced);
+    require_usable_within_reach(scene, setup.problem.deform.region, selections, reach_rings(settings));
+  }
+  setup.problem.rest = mesh.positions;
+  setup.problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
+  return setup;
+}
+
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, Scene& scene,
+                      const RunOptions& options, const Context& context) {
+  Stopwatch watch;
+  StepReport report;
+  report.mesh = step.mesh;
+  report.result = step.result.empty() ? step.mesh : step.result;
+  report.settings = step.settings;
+  report.settings.deformer = effective_options(step.settings.deformer, options.overrides);
+  report.settings.proxy = options.overrides.proxy.value_or(report.settings.proxy);
+  report.method = options.overrides.method.value_or(report.settings.deformer.method);
+
+  context.step("select");
+  DeformSetup setup = set_up_deform(edit, step, location, scene, report.settings);
+  DeformProblem& problem = setup.problem;
+  const Weld& weld = setup.weld;
+  const Triangles triangles = problem.triangles;
+  report.seconds.select = watch.lap();
+
+  report.symmetry = problem.deform.symmetry;
+  for (const Handle& handle : problem.deform.region.handles) report.handles.push_back(handle.name);
+  report.notes = problem.deform.notes;
+  if (report.symmetry) {
+    const ResolvedDeform& deform = problem.deform;
+    const auto notes = pose_notes(*report.symmetry, deform.region.handles, deform.poses, problem.rest);
+    report.notes.insert(report.notes.end(), notes.begin(), notes.end());
+  }
+  report.counts.vertices = scene.mesh.vertex_count();
+  report.counts.faces = scene.mesh.face_count();
+  report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());
+  report.counts.handle =
+      count_handle_vertices(problem.deform.region) + static_cast<Index>(problem.deform.constraints.size());
+  problem = refine_boundary(std::move(problem), report.settings.refine_boundary, context);
+  report.seconds.select += watch.lap();
+
+  Solution solution;
+  try {
+    const auto* baseline = std::get_if<Baseline>(&report.method);
+    solution = baseline ? solve_by_baseline(*baseline, problem, report.settings, report, context)
+                        : solve(problem, report.settings, options, report, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    throw error.within(location);
+  }
+
+  watch.lap();
+  const Points rest = keep_solution(solution, setup, scene);
+  report.counts.free = static_cast<Index>(solution.free.size());
+  report.max_displacement = largest_displacement(rest, scene.mesh.positions);
+  report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
+  const std::vector<std::string> notes = notes_of(report);
+  report.notes.insert(report.notes.end(), notes.begin(), notes.end());
+  if (!weld.empty()) report.notes.push_back(weld_note(weld));
+  report.seconds.measure += watch.lap();
+  report.seconds.total = watch.seconds();
+  return report;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,205 @@
+#include <meshgraft/script/run_edit.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/quality.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/samples/samples.h>
+
+#include "../core/stopwatch.h"
+#include "run_steps.h"
+#include "sha256.h"
+
+namespace meshgraft {
+
+namespace {
+
+void require_hash(const EditInput& input, const std::filesystem::path& path, const std::string& location) {
+  if (!input.sha256) return;
+  const std::string found = sha256(read_file(path));
+  if (found != *input.sha256)
+    throw Error(
+        ErrorCode::input,
+        fmt::format("{} has the SHA-256 {}, the edit was made for {}", path.string(), found, *input.sha256),
+        location + ".sha256", "Restore the file, or drop the field if the other one is meant.");
+}
+
+std::string label_of(const EditInput& input) {
+  if (input.sample.empty()) return input.file;
+  return input.resolution == 0 ? "sample " + input.sample
+                               : fmt::format("sample {} at resolution {}", input.sample, input.resolution);
+}
+
+void add_seconds(StageSeconds& sum, const StageSeconds& part) {
+  sum.check += part.check;
+  sum.select += part.select;
+  sum.match += part.match;
+  sum.assemble += part.assemble;
+  sum.analyse += part.analyse;
+  sum.factorise += part.factorise;
+  sum.basis += part.basis;
+  sum.solve += part.solve;
+  sum.seam += part.seam;
+  sum.measure += part.measure;
+}
+
+void sum_up(EditReport& report) {
+  for (const StepReport& step : report.steps) {
+    add_seconds(report.seconds, step.seconds);
+    if (&step == &report.steps.front() || step.counts.free > report.counts.free) {
+      report.counts = step.counts;
+      report.solver = step.solver;
+    }
+    if (step.evaluation) {
+      if (!report.evaluation) report.evaluation.emplace();
+      EvaluationReport& largest = *report.evaluation;
+      largest.residual = std::max(largest.residual, step.evaluation->residual);
+      largest.max_transform_deviation =
+          std::max(largest.max_transform_deviation, step.evaluation->max_transform_deviation);
+    }
+    if (step.condition_estimate)
+      report.condition_estimate = std::max(report.condition_estimate.value_or(0), *step.condition_estimate);
+  }
+}
+
+// The quality of what deform steps made of the result since its faces were what they are; of a single step it
+// is known already.
+void measure_result(EditReport& report, const Scene& scene, const Context& context) {
+  Stopwatch watch;
+  const bool same_faces = std::none_of(report.steps.begin(), report.steps.end(),
+                                       [](const StepReport& step) { return step.merge || step.cut; });
+  report.deformed = same_faces || std::any_of(scene.was_free.begin(), scene.was_free.end(),
+                                              [](std::uint8_t free) { return free != 0; });
+  if (!report.deformed) return;
+  if (report.steps.size() == 1) {
+    report.quality = report.steps.front().quality;
+    report.max_displacement = report.steps.front().max_displacement;
+  } else {
+    std::vector<Index> free;
+    for (Index v = 0; v < scene.mesh.vertex_count(); ++v)
+      if (scene.was_free[v]) free.push_back(v);
+    Mesh before;
+    before.positions = scene.rest;
+    before.faces = scene.mesh.faces;
+    report.quality =
+        measure_quality(scene.rest, scene.mesh.positions,
+                        triangulate(before, {.skip_out_of_range = true}).triangles, free, {}, context);
+    report.max_displacement = largest_displacement(scene.rest, scene.mesh.positions);
+  }
+  report.seconds.measure += watch.lap();
+}
+
+}  // namespace
+
+Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context) {
+  const std::string location = fmt::format("{}: inputs.{}", edit.location, input.name);
+  try {
+    if (!input.sample.empty()) return make_sample(input.sample, input.resolution, context);
+    const std::filesystem::path path = edit.base_folder / input.file;
+    require_hash(input, path, location);
+    return read_mesh(path, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled || error.location().starts_with(location)) throw;
+    throw error.within(location);
+  }
+}
+
+StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& location,
+                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
+  if (std::holds_alternative<MergeStep>(edit_step.action))
+    return run_merge(edit, edit_step, location, scenes, options, context);
+  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, scenes, context);
+  return run_deform(edit, std::get<DeformStep>(edit_step.action), location, scene_for_outcome(edit_step, scenes),
+                    options, context);
+}
+
+Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes) {
+  const std::string& output = outcome_of(step);
+  if (output != mesh_of(step)) scenes.insert_or_assign(output, scenes.at(mesh_of(step)));
+  return scenes.at(output);
+}
+
+Scene make_scene(Mesh mesh, std::string label, const Context& context) {
+  Scene scene;
+  scene.diagnostics = check_mesh(mesh, context);
+  scene.rest = mesh.positions;
+  scene.was_free.assign(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  scene.label = std::move(label);
+  scene.mesh = std::move(mesh);
+  return scene;
+}
+
+void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to) {
+  for (const auto& [step, sets] : from)
+    for (const auto& [what, vertices] : sets) {
+      std::vector<Index>& carried = to[step][what];
+      carried.clear();
+      for (const Index v : vertices)
+        if (map.new_index[static_cast<std::size_t>(v)] >= 0)
+          carried.push_back(map.new_index[static_cast<std::size_t>(v)]);
+    }
+}
+
+LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
+  LoadedInputs inputs;
+  for (const EditInput& input : edit.inputs) {
+    Stopwatch watch;
+    context.step("read");
+    Mesh mesh = load_input(input, edit, context);
+    inputs.read_seconds += watch.lap();
+    context.step("check");
+    Scene scene = make_scene(std::move(mesh), label_of(input), context);
+    inputs.check_seconds += watch.lap();
+    inputs.reports.push_back(
+        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.diagnostics});
+    inputs.scenes.emplace(input.name, std::move(scene));
+  }
+  return inputs;
+}
+
+EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,
+                     const Context& context) {
+  Stopwatch watch;
+  EditResult result;
+  EditReport& report = result.report;
+  report.edit = edit.location;
+  report.notes = edit.notes;
+  report.inputs = std::move(inputs.reports);
+  report.seconds.read = inputs.read_seconds;
+  report.seconds.check = inputs.check_seconds;
+  std::map<std::string, Scene>& scenes = inputs.scenes;
+
+  std::string output;
+  for (std::size_t i = 0; i < edit.steps.size(); ++i) {
+    const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
+    output = outcome_of(edit.steps[i]);
+    report.steps.push_back(run_step(edit, edit.steps[i], location, scenes, options, context));
+    report.steps.back().name = edit.steps[i].name;
+  }
+  Scene& scene = scenes.at(edit.output.empty() ? output : edit.output);
+  sum_up(report);
+  measure_result(report, scene, context);
+  for (const std::string& name : options.keep) result.kept.insert_or_assign(name, scenes.at(name).mesh);
+  result.mesh = std::move(scene.mesh);
+  result.rest = std::move(scene.rest);
+  report.seconds.total = inputs.read_seconds + inputs.check_seconds + watch.seconds();
+  return result;
+}
+
+EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+  const std::vector<std::string> names = mesh_names(edit);
+  for (const std::string& wanted : options.keep)
+    if (std::find(names.begin(), names.end(), wanted) == names.end())
+      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", wanted), edit.location,
+                  fmt::format("It has '{}'.", fmt::join(names, "', '")));
+  return run_steps(edit, load_inputs(edit, context), options, context);
+}
+
+}  // namespace meshgraft

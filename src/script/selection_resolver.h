@@ -1,0 +1,167 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/selection.h>
+#include <meshgraft/script/edit_file.h>
+#include <meshgraft/script/resolve_deform.h>
+#include <meshgraft/io/mesh_io.h>
+
+namespace meshgraft {
+
+/// Turns selections of an edit file into vertices of one mesh. Named selections are resolved once, however
+/// often they are used.
+class SelectionResolver {
+ public:
+  /// The arguments must outlive it.
+  SelectionResolver(const EditFile& edit, const SelectionContext& context, const ProducedSets& produced)
+      : edit_(edit), context_(context), produced_(produced) {}
+
+  /// Ascending distinct vertices.
+  std::vector<Index> vertices(const SelectionSpec& spec, const std::string& location) {
+    std::vector<Index> list = resolve(bind(spec, location), context_, location);
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    return list;
+  }
+
+  /// Vertices in the order of the path, the loop or the list that the selection is.
+  std::vector<Index> ordered(const SelectionSpec& spec, const std::string& location) {
+    if (const auto* named = std::get_if<SelectionSpec::Named>(&spec.kind))
+      return ordered(definition(named->name), selection_location(named->name));
+    const Selection selection = bind(spec, location);
+    std::vector<Index> list = resolve(selection, context_, location);
+    const auto* indices = std::get_if<Selection::Indices>(&selection.kind);
+    return indices ? indices->vertices : list;
+  }
+
+  std::string read(const std::string& file, const std::string& location) const {
+    const std::filesystem::path path = edit_.base_folder / file;
+    try {
+      return read_file(path);
+    } catch (const Error& error) {
+      throw error.within(location);
+    }
+  }
+
+ private:
+  const SelectionSpec& definition(const std::string& name) const {
+    return std::find_if(edit_.selections.begin(), edit_.selections.end(),
+                        [&](const NamedSelection& selection) { return selection.name == name; })
+        ->selection;
+  }
+
+  std::string selection_location(const std::string& name) const {
+    return fmt::format("{}: selections.{}", edit_.location, name);
+  }
+
+  Index vertex_count() const { return context_.mesh.vertex_count(); }
+
+  std::string file_location(const std::string& file, const std::string& location) const {
+    return fmt::format("{}: {}", location, (edit_.base_folder / file).string());
+  }
+
+  // The library's selection that `spec` stands for.
+  Selection bind(const SelectionSpec& spec, const std::string& location) {
+    return std::visit([&](const auto& kind) { return bind_kind(kind, location); }, spec.kind);
+  }
+
+  std::shared_ptr<const Selection> bind_child(const SelectionSpec::Child& child, const std::string& location) {
+    return std::make_shared<const Selection>(bind(*child, location));
+  }
+
+  std::vector<Selection> bind_all(const std::vector<SelectionSpec>& specs, const std::string& location) {
+    std::vector<Selection> selections;
+    for (const SelectionSpec& spec : specs) selections.push_back(bind(spec, location));
+    return selections;
+  }
+
+  template <class Named>
+  static std::string names_of(const std::map<std::string, Named>& map) {
+    std::string names;
+    for (const auto& [name, value] : map) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
+    return names;
+  }
+
+  template <class Kind>
+  Selection bind_kind(const Kind& kind, const std::string&) {
+    return Selection(kind);
+  }
+  Selection bind_kind(const SelectionSpec::Named& named, const std::string&) {
+    const auto known = named_.find(named.name);
+    if (known != named_.end()) return Selection(Selection::Indices{known->second});
+    std::vector<Index> list = vertices(definition(named.name), selection_location(named.name));
+    return Selection(Selection::Indices{named_[named.name] = std::move(list)});
+  }
+  Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& location) {
+    const std::string text = read(indices.file, location);
+    return Selection(Selection::Indices{parse_indices(text, vertex_count(), file_location(indices.file, location))});
+  }
+  Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& location) {
+    const std::string text = read(sel.file, location);
+    meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_location(sel.file, location));
+    switch (sel.take) {
+      case SelectionSpec::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
+      case SelectionSpec::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
+      case SelectionSpec::SelPart::handle: break;
+    }
+    return Selection(Selection::Indices{std::move(parts.handle)});
+  }
+  Selection bind_kind(const SelectionSpec::Produced& wanted, const std::string& location) {
+    const auto step = produced_.find(wanted.step);
+    if (step != produced_.end())
+      if (const auto set = step->second.find(wanted.what); set != step->second.end())
+        return Selection(Selection::Indices{set->second});
+    if (step != produced_.end())
+      throw Error(
+          ErrorCode::input,
+          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what), location,
+          fmt::format("It produces {}.", names_of(step->second)));
+    const bool exists = std::any_of(edit_.steps.begin(), edit_.steps.end(),
+                                    [&](const EditStep& other) { return other.name == wanted.step; });
+    if (exists)
+      throw Error(ErrorCode::input, fmt::format("the step '{}' has produced nothing on this mesh", wanted.step),
+                  location, "Cut and merge steps before this one do, on the mesh that they leave.");
+    throw Error(ErrorCode::input, fmt::format("there is no step named '{}'", wanted.step), location,
+                produced_.empty()
+                    ? "Cut and merge steps with a name produce selections."
+                    : fmt::format("Those that produced something here: {}.", names_of(produced_)));
+  }
+  Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& location) {
+    return Selection(Selection::Grow{bind_child(grow.of, location), grow.rings});
+  }
+  Selection bind_kind(const SelectionSpec::GrowLength& grow, const std::string& location) {
+    return Selection(Selection::GrowLength{bind_child(grow.of, location), grow.length});
+  }
+  Selection bind_kind(const SelectionSpec::Union& combined, const std::string& location) {
+    return Selection(Selection::Union{bind_all(combined.of, location)});
+  }
+  Selection bind_kind(const SelectionSpec::Minus& combined, const std::string& location) {
+    return Selection(Selection::Minus{bind_all(combined.of, location)});
+  }
+  Selection bind_kind(const SelectionSpec::Intersect& combined, const std::string& location) {
+    return Selection(Selection::Intersect{bind_all(combined.of, location)});
+  }
+  Selection bind_kind(const SelectionSpec::Mirror& mirror, const std::string& location) {
+    return Selection(
+        Selection::Mirror{bind_child(mirror.of, location), mirror.point, mirror.normal, mirror.tolerance_rel});
+  }
+  Selection bind_kind(const SelectionSpec::Rim& rim, const std::string& location) {
+    return Selection(Selection::Rim{bind_child(rim.of, location), rim.rings});
+  }
+
+  const EditFile& edit_;
+  const SelectionContext& context_;
+  const ProducedSets& produced_;
+  std::map<std::string, std::vector<Index>> named_;
+};
+
+}  // namespace meshgraft
