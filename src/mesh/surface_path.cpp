@@ -22,16 +22,15 @@ constexpr double at_end = 1e-6;            // a crossing this near to an end of 
 
 }  // namespace
 
-// Where the way bends: at a vertex of the strip's border, an end of the half-edge `strip[portal]`.
-struct SurfacePaths::Bend {
+// Where the path turns: at a vertex of the strip's border, an end of the half-edge `strip[portal]`.
+struct SurfacePaths::Turn {
   Index vertex = 0;
   std::size_t portal = 0;
-  double turn = 0;
 };
 
-struct SurfacePaths::Way {
+struct SurfacePaths::Path {
   double length = 0;
-  std::vector<Bend> bends;
+  std::vector<Turn> turns;
   std::vector<EdgePoint> points;
 };
 
@@ -100,14 +99,14 @@ SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Contex
     }
   }
   throw Error(ErrorCode::input,
-              "there is no way over the surface from vertex " + std::to_string(from) + " to vertex " +
+              "there is no path over the surface from vertex " + std::to_string(from) + " to vertex " +
                   std::to_string(to),
               {}, "Choose vertices of one connected component.");
 }
 
 // Takes out what leads back to a triangle where the strip has been, and the triangles at its ends that lie
 // around the end vertices.
-void SurfacePaths::tidy(Strip& strip, Index from, Index to) const {
+void SurfacePaths::remove_detours(Strip& strip, Index from, Index to) const {
   Strip kept;
   std::unordered_map<Index, std::size_t> crossed_before;  // per face: how many half-edges were crossed before it
   const auto enter = [&](Index face) {
@@ -131,12 +130,12 @@ void SurfacePaths::tidy(Strip& strip, Index from, Index to) const {
 }
 
 // The strip led past a vertex on its border at the other side; empty where there is a boundary in the way.
-SurfacePaths::Strip SurfacePaths::around_other_side(const Strip& strip, const Bend& bend) const {
-  const Index v = bend.vertex;
+SurfacePaths::Strip SurfacePaths::around_other_side(const Strip& strip, const Turn& turn) const {
+  const Index v = turn.vertex;
   const auto touches = [&](Index half_edge) {
     return vertex(half_edge) == v || vertex(table_.next[half_edge]) == v;
   };
-  std::size_t first = bend.portal, last = bend.portal;
+  std::size_t first = turn.portal, last = turn.portal;
   while (first > 0 && touches(strip[first - 1])) --first;
   while (last + 1 < strip.size() && touches(strip[last + 1])) ++last;
 
@@ -156,15 +155,15 @@ SurfacePaths::Strip SurfacePaths::around_other_side(const Strip& strip, const Be
 }
 
 // Unfolds the strip and pulls a string through it (the funnel algorithm: Lee and Preparata 1984).
-SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, Index to) const {
-  struct Post {
+SurfacePaths::Path SurfacePaths::shortest_within(const Strip& strip, Index from, Index to) const {
+  struct FunnelPoint {
     Index vertex;
     Eigen::Vector2d at;
   };
-  std::vector<Post> left, right;
+  std::vector<FunnelPoint> left, right;
   const auto distance = [&](Index a, Index b) { return (positions_.row(a) - positions_.row(b)).norm(); };
   // The coordinates of x beyond the directed edge from a to b, at its right hand.
-  const auto unfold = [&](const Post& a, const Post& b, Index x) -> Post {
+  const auto unfold = [&](const FunnelPoint& a, const FunnelPoint& b, Index x) -> FunnelPoint {
     const Eigen::RowVector3d edge = positions_.row(b.vertex) - positions_.row(a.vertex);
     const Eigen::RowVector3d offset = positions_.row(x) - positions_.row(a.vertex);
     const double length = edge.norm();
@@ -176,13 +175,13 @@ SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, 
 
   // Seen along the strip, a half-edge begins at its right post.
   const Index c = strip.front();
-  Post r{vertex(c), {0, 0}}, l{vertex(table_.next[c]), {distance(vertex(c), vertex(table_.next[c])), 0}};
-  const Post start{from, unfold(l, r, from).at};
+  FunnelPoint r{vertex(c), {0, 0}}, l{vertex(table_.next[c]), {distance(vertex(c), vertex(table_.next[c])), 0}};
+  const FunnelPoint start{from, unfold(l, r, from).at};
   for (std::size_t k = 0; k < strip.size(); ++k) {
     right.push_back(r);
     left.push_back(l);
     const Index other = twin(strip[k]);
-    const Post beyond = unfold(r, l, vertex(table_.previous[other]));
+    const FunnelPoint beyond = unfold(r, l, vertex(table_.previous[other]));
     if (k + 1 == strip.size()) {
       left.push_back({to, beyond.at});
       right.push_back({to, beyond.at});
@@ -193,38 +192,38 @@ SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, 
     }
   }
 
-  Way way;
-  Post apex = start;
+  Path path;
+  FunnelPoint apex = start;
   std::ptrdiff_t apex_portal = -1;
-  const auto finish_segment = [&](const Post& end, std::ptrdiff_t portal) {
+  const auto finish_segment = [&](const FunnelPoint& end, std::ptrdiff_t portal) {
     for (std::ptrdiff_t k = apex_portal + 1; k < portal; ++k) {
-      const Post &p = left[k], &q = right[k];
+      const FunnelPoint &p = left[k], &q = right[k];
       const auto is_end = [&](Index v) { return v == apex.vertex || v == end.vertex; };
       if (is_end(p.vertex) || is_end(q.vertex)) continue;
       const Eigen::Vector2d d = end.at - apex.at;
       const double a = cross(d, p.at - apex.at), b = cross(d, q.at - apex.at);
       const double t = a != b ? std::clamp(a / (a - b), 0.0, 1.0) : 0.5;  // from p to q
       if (t < at_end) {
-        way.points.push_back({p.vertex, p.vertex, 0});
+        path.points.push_back({p.vertex, p.vertex, 0});
       } else if (t > 1 - at_end) {
-        way.points.push_back({q.vertex, q.vertex, 0});
+        path.points.push_back({q.vertex, q.vertex, 0});
       } else {
-        way.points.push_back(p.vertex < q.vertex ? EdgePoint{p.vertex, q.vertex, t}
+        path.points.push_back(p.vertex < q.vertex ? EdgePoint{p.vertex, q.vertex, t}
                                                  : EdgePoint{q.vertex, p.vertex, 1 - t});
       }
     }
-    way.length += (end.at - apex.at).norm();
+    path.length += (end.at - apex.at).norm();
     if (end.vertex == to && portal == static_cast<std::ptrdiff_t>(strip.size())) return;
-    way.points.push_back({end.vertex, end.vertex, 0});
-    way.bends.push_back({end.vertex, static_cast<std::size_t>(portal)});
+    path.points.push_back({end.vertex, end.vertex, 0});
+    path.turns.push_back({end.vertex, static_cast<std::size_t>(portal)});
   };
 
   const auto portals = static_cast<std::ptrdiff_t>(left.size());
-  Post funnel_left = left[0], funnel_right = right[0];
+  FunnelPoint funnel_left = left[0], funnel_right = right[0];
   std::ptrdiff_t at_left = 0, at_right = 0;
-  const auto restart_at = [&](const Post& post, std::ptrdiff_t portal) {
-    finish_segment(post, portal);
-    apex = funnel_left = funnel_right = post;
+  const auto restart_at = [&](const FunnelPoint& point, std::ptrdiff_t portal) {
+    finish_segment(point, portal);
+    apex = funnel_left = funnel_right = point;
     apex_portal = at_left = at_right = portal;
   };
   for (std::ptrdiff_t k = 1; k < portals; ++k) {
@@ -250,31 +249,31 @@ SurfacePaths::Way SurfacePaths::shortest_within(const Strip& strip, Index from, 
     }
   }
   if (apex_portal < portals - 1) finish_segment(left.back(), portals - 1);
-  return way;
+  return path;
 }
 
 std::vector<EdgePoint> SurfacePaths::between(Index from, Index to, const Context& context) const {
   Strip strip = first_strip(from, to, context);
-  tidy(strip, from, to);
+  remove_detours(strip, from, to);
   if (strip.empty()) return {};
-  Way way = shortest_within(strip, from, to);
+  Path path = shortest_within(strip, from, to);
   for (bool shorter = true; shorter;) {
     shorter = false;
     context.throw_if_stopped();
-    for (const Bend& bend : way.bends) {
-      Strip other = around_other_side(strip, bend);
+    for (const Turn& turn : path.turns) {
+      Strip other = around_other_side(strip, turn);
       if (other.empty()) continue;
-      tidy(other, from, to);
+      remove_detours(other, from, to);
       if (other.empty()) return {};
-      Way candidate = shortest_within(other, from, to);
-      if (!(candidate.length < shorter_rel * way.length)) continue;
+      Path candidate = shortest_within(other, from, to);
+      if (!(candidate.length < shorter_rel * path.length)) continue;
       strip = std::move(other);
-      way = std::move(candidate);
+      path = std::move(candidate);
       shorter = true;
       break;
     }
   }
-  return way.points;
+  return path.points;
 }
 
 }  // namespace meshgraft

@@ -10,34 +10,34 @@
 
 namespace meshgraft {
 
-/// Straightest ways between vertices of a surface of triangles (faces that are none take no part).
+/// Shortest paths between vertices of a surface of triangles (faces that are none take no part).
 ///
 /// A strip of triangles from one vertex to the other is unfolded into the plane, where a funnel finds the
-/// shortest way within it. Where that bends at a vertex, the strip is led around the vertex's other side if the
-/// way becomes shorter, until no bend can be undone (Xin and Wang 2007, "Efficiently determining a locally
+/// shortest path within it. Where that turns at a vertex, the strip is led around the vertex's other side if the
+/// path becomes shorter, until no turn can be undone (Xin and Wang 2007, "Efficiently determining a locally
 /// exact shortest path on polyhedral surfaces"). The result is a geodesic: no small change makes it shorter.
 class SurfacePaths {
  public:
   /// References are kept.
   SurfacePaths(const Points& positions, const Faces& triangles, const EdgeTable& table);
 
-  /// The points between two vertices, in order: on edges, with 0 < t < 1 and from < to, or at vertices
+  /// Returns the points between two vertices, in order: on edges, with 0 < t < 1 and from < to, or at vertices
   /// (from = to). Neighbours in the list lie in one triangle. Empty if the vertices share an edge. Throws
-  /// Error(input) if there is no way.
+  /// Error(input) if there is no path.
   std::vector<EdgePoint> between(Index from, Index to, const Context& context = {}) const;
 
  private:
   using Strip = std::vector<Index>;  // the half-edges that it crosses
-  struct Bend;
-  struct Way;
+  struct Turn;
+  struct Path;
 
   Index vertex(Index corner) const { return triangles_.corners()[corner]; }
   Index twin(Index half_edge) const;
   bool face_has(Index half_edge, Index vertex) const;
   Strip first_strip(Index from, Index to, const Context& context) const;
-  void tidy(Strip& strip, Index from, Index to) const;
-  Strip around_other_side(const Strip& strip, const Bend& bend) const;
-  Way shortest_within(const Strip& strip, Index from, Index to) const;
+  void remove_detours(Strip& strip, Index from, Index to) const;
+  Strip around_other_side(const Strip& strip, const Turn& turn) const;
+  Path shortest_within(const Strip& strip, Index from, Index to) const;
 
   const Points& positions_;
   const Faces& triangles_;
