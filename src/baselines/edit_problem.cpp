@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 
 /// What is known of each vertex of the whole mesh.
 struct Given {
-  std::vector<std::uint8_t> known, oriented;
+  Flags known, oriented;
   std::vector<const VertexConstraint*> constraint;
 };
 
@@ -94,7 +94,7 @@ void require_held(const EditProblem& problem) {
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
       if (!problem.known[v] && !problem.known[w]) sets.unite(v, w);
-  std::vector<std::uint8_t> held(problem.known.size(), 0);
+  Flags held(problem.known.size(), 0);
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
       if (!problem.known[v] && problem.known[w]) held[sets.root(v)] = 1;
@@ -115,7 +115,7 @@ EditProblem make_problem(const Points& rest, const Triangles& triangles, std::sp
   const IndexLists faces_around = vertex_triangles(n, triangles, context);
   const Given given = read_constraints(n, region, constraints);
   const IndexLists rings = vertex_rings(triangles, faces_around, context);
-  std::vector<std::uint8_t> free(given.known.size());
+  Flags free(given.known.size());
   for (Index v = 0; v < n; ++v) free[v] = !given.known[v] && !rings[v].empty();
 
   EditProblem problem;

@@ -8,8 +8,8 @@ namespace meshgraft::baselines {
 namespace {
 
 /// Drops the rows that see no free vertex: all that they see is known.
-void keep_rows_with_unknowns(SparseRows& D, const std::vector<std::uint8_t>& known) {
-  std::vector<std::uint8_t> kept(known.size(), 0);
+void keep_rows_with_unknowns(SparseRows& D, const Flags& known) {
+  Flags kept(known.size(), 0);
   for (Eigen::Index row = 0; row < D.rows(); ++row)
     for (SparseRows::InnerIterator entry(D, row); entry; ++entry)
       if (!known[entry.col()]) kept[row] = 1;

@@ -137,7 +137,7 @@ Points deform_sorkine_2004(const EditProblem& problem, const BaselineOptions& op
   require_fixed_similarity(problem);
   const SparseRows A = edit_rows(problem, options.sorkine_weights, context);
   const SparseRows A_transposed = transpose(A);
-  std::vector<std::uint8_t> known;
+  Flags known;
   for (std::uint8_t flag : problem.known) known.insert(known.end(), 3, flag);
   const KnownRowsSolver solver(multiply(A_transposed, A, context), known, options.backend, context);
 

@@ -94,7 +94,7 @@ class Arap {
   SparseRows C_;
   std::vector<Matrix3d> rotations_;
   std::vector<double> cell_energies_;
-  std::vector<std::uint8_t> moves_;  ///< the cell has a free vertex
+  Flags moves_;  ///< the cell has a free vertex
 };
 
 }  // namespace

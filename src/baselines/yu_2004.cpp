@@ -102,11 +102,11 @@ Columns propagate_by_distance(const EditProblem& problem) {
 }
 
 /// Vertices whose component has no known transform, as known: they keep I.
-std::vector<std::uint8_t> settled_transforms(const EditProblem& problem) {
+Flags settled_transforms(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v]) sets.unite(v, w);
-  std::vector<std::uint8_t> has_known(problem.oriented.size(), 0), settled = problem.oriented;
+  Flags has_known(problem.oriented.size(), 0), settled = problem.oriented;
   for (Index v = 0; v < problem.size(); ++v)
     if (problem.oriented[v]) has_known[sets.root(v)] = 1;
   for (Index v = 0; v < problem.size(); ++v)
@@ -117,7 +117,7 @@ std::vector<std::uint8_t> settled_transforms(const EditProblem& problem) {
 /// Each number of the transforms as a harmonic function of the surface.
 Columns propagate_harmonically(const EditProblem& problem, SolverBackend backend, const Context& context) {
   Columns rows = known_rows(problem);
-  const std::vector<std::uint8_t> settled = settled_transforms(problem);
+  const Flags settled = settled_transforms(problem);
   if (std::all_of(settled.begin(), settled.end(), [](std::uint8_t flag) { return flag; })) return rows;
   const SparseRows C = cotangent_laplacian(problem);
   KnownRowsSolver(C, settled, backend, context).solve(C, Columns::Zero(C.rows(), 12), rows, context);

@@ -1,5 +1,8 @@
 #include <meshgraft/core/error.h>
 
+#include <exception>
+#include <filesystem>
+#include <new>
 #include <utility>
 
 namespace meshgraft {
@@ -51,6 +54,20 @@ Error Error::within(std::string_view outer) const {
   std::string location(outer);
   if (!location_.empty()) location += ": " + location_;
   return Error(code_, problem_, location, remedy_);
+}
+
+Error current_error() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return error;
+  } catch (const std::bad_alloc&) {
+    return {ErrorCode::memory, "there is not enough memory", {}, "Close other programs, or take a smaller mesh"};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {ErrorCode::io, error.code().message(), error.path1().string()};
+  } catch (const std::exception& error) {
+    return {ErrorCode::internal, error.what(), {}, "This is a defect of meshgraft; please report it"};
+  }
 }
 
 }  // namespace meshgraft

@@ -71,7 +71,7 @@ void drop_closed_pockets(std::vector<Index>& corners) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return std::pair(sorted[a], a) < std::pair(sorted[b], b); });
-  std::vector<std::uint8_t> dropped(count, 0);
+  Flags dropped(count, 0);
   for (std::size_t i = 0; i + 1 < count; ++i)
     if (sorted[order[i]] == sorted[order[i + 1]]) dropped[order[i]] = dropped[order[i + 1]] = 1;
   std::size_t kept = 0;

@@ -6,8 +6,8 @@
 
 namespace meshgraft {
 
-std::vector<char> flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices) {
-  std::vector<char> is_free(static_cast<std::size_t>(vertex_count), 0);
+Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices) {
+  Flags is_free(static_cast<std::size_t>(vertex_count), 0);
   for (const Index v : free_vertices) {
     if (v < 0 || v >= vertex_count) {
       throw Error(ErrorCode::usage, "free vertex " + std::to_string(v) + " is not one of the " +

@@ -8,7 +8,7 @@
 namespace meshgraft {
 
 /// One flag per vertex: whether it is free. Throws Error(usage) if a free vertex does not exist.
-std::vector<char> flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices);
+Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices);
 
 /// Throws Error(usage) unless both have the same number of vertices.
 void require_same_vertices(const Points& rest, const Points& edited);

@@ -138,7 +138,7 @@ CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index
 
 Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const IndexLists& vertex_rings) {
   require_vertices(handle, std::min(static_cast<Index>(rest.rows()), vertex_rings.size()));
-  std::vector<bool> inside(vertex_rings.size(), false);
+  Flags inside(vertex_rings.size(), false);
   for (const Index v : handle.vertices) inside[v] = true;
   std::vector<Index> rim;
   for (const Index v : handle.vertices) {

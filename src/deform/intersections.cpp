@@ -195,7 +195,7 @@ class FreeSurface {
 FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::span<const Index> free_vertices,
                          const Context& context)
     : points_(points), triangles_(triangles) {
-  const std::vector<char> vertex_is_free = flag_free(points.rows(), free_vertices);
+  const Flags vertex_is_free = flag_free(points.rows(), free_vertices);
   require_vertices(triangles, points.rows());
   const auto count = static_cast<std::size_t>(triangles.rows());
   enum class Part : char { none, free, other };

@@ -64,19 +64,6 @@ class PositionPool : public std::enable_shared_from_this<PositionPool> {
   std::vector<std::unique_ptr<Points>> spares_;
 };
 
-/// The exception that is being handled.
-Error current_error() {
-  try {
-    throw;
-  } catch (const Error& error) {
-    return error;
-  } catch (const std::bad_alloc&) {
-    return {ErrorCode::memory, "there is not enough memory", "", "Choose a smaller region"};
-  } catch (const std::exception& error) {
-    return {ErrorCode::internal, error.what()};
-  }
-}
-
 void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
   if (poses.size() != handles)
     throw Error(ErrorCode::usage, fmt::format("{} poses were given for {} handles", poses.size(), handles));

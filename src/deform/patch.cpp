@@ -18,7 +18,7 @@ namespace {
 
 /// The vertices of all faces around `front` that are not yet in `inside`, added to it and returned.
 std::vector<Index> next_ring(const std::vector<Index>& front, const Triangles& triangles,
-                             const IndexLists& vertex_triangles, std::vector<std::uint8_t>& inside) {
+                             const IndexLists& vertex_triangles, Flags& inside) {
   std::vector<Index> next;
   for (Index v : front) {
     for (Index t : vertex_triangles[v]) {
@@ -89,7 +89,7 @@ void wind_alike(Triangles& triangles) {
     bool opposed = false;  ///< wound against each other
   };
   std::vector<std::array<Neighbour, 3>> neighbours(static_cast<std::size_t>(triangles.rows()));
-  std::vector<std::uint8_t> filled(neighbours.size(), 0);
+  Flags filled(neighbours.size(), 0);
   bool any_opposed = false;
   for (std::size_t first = 0; first < edges.size();) {
     std::size_t last = first;
@@ -152,7 +152,7 @@ Index Patch::local(Index global) const {
 Patch make_patch(const Points& points, const Triangles& triangles, const IndexLists& vertex_triangles,
                  std::span<const std::uint8_t> flagged, int rings, const Context& context) {
   context.throw_if_stopped();
-  std::vector<std::uint8_t> inside(flagged.begin(), flagged.end());
+  Flags inside(flagged.begin(), flagged.end());
   Patch patch;
   for (Index v = 0; v < static_cast<Index>(flagged.size()); ++v)
     if (flagged[v]) patch.vertices.push_back(v);

@@ -22,14 +22,14 @@ bool beside_others(Index vertex, const Triangles& triangles, std::span<const Ind
 
 bool is_movable(const KnownParts& known, Index v) { return !known.position[v] && is_fitted(known, v); }
 
-std::vector<std::uint8_t> flag_active(const KnownParts& known) {
-  std::vector<std::uint8_t> active(known.position.size());
+Flags flag_active(const KnownParts& known) {
+  Flags active(known.position.size());
   for (std::size_t v = 0; v < active.size(); ++v) active[v] = !known.position[v] || !known.transform[v];
   return active;
 }
 
 AffineOperator::Extent extent_of(const CutPatch& cut, const KnownParts& known,
-                                 const std::vector<std::uint8_t>& active, const IndexLists& rings,
+                                 const Flags& active, const IndexLists& rings,
                                  int laplacian_order) {
   const Index n = cut.patch.size();
   AffineOperator::Extent extent;
@@ -68,8 +68,8 @@ CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& sta
   patch = make_patch(mesh->points, mesh->triangles, faces_at, active, rings, context);
 }
 
-std::optional<std::vector<std::uint8_t>> CutPatch::active_among(const VertexStates& states) const {
-  std::vector<std::uint8_t> fewer(active.size());
+std::optional<Flags> CutPatch::active_among(const VertexStates& states) const {
+  Flags fewer(active.size());
   for (Index v = 0; v < static_cast<Index>(active.size()); ++v) {
     fewer[v] = in_faces[v] && states.is_unknown(v);
     if (fewer[v] && feature[v] >= 0) fewer[v] = active[v];
@@ -89,13 +89,13 @@ KnownParts CutPatch::known_parts(const VertexStates& states) const {
   return known;
 }
 
-std::optional<PatchPart> part_around(const CutPatch& cut, const std::vector<std::uint8_t>& active,
+std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active,
                                      const IndexLists& rings, const Context& context) {
   const Patch& patch = cut.patch;
   std::vector<Index> centres;
   for (Index v = 0; v < patch.size(); ++v)
     if (active[patch.vertices[v]]) centres.push_back(v);
-  std::vector<std::uint8_t> inside(static_cast<std::size_t>(patch.size()), 0);
+  Flags inside(static_cast<std::size_t>(patch.size()), 0);
   PatchPart part;
   for (const Index v : grow_rings(centres, cut.rings + 1, rings)) {
     inside[v] = 1;

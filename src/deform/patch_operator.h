@@ -33,7 +33,7 @@ struct CutPatch {
   std::shared_ptr<const RestMesh> mesh;
   // Of the mesh's vertices: whether they have faces; whether rows and maps around them are complete in the
   // patch; the number of their feature, or -1.
-  std::vector<std::uint8_t> in_faces, active;
+  Flags in_faces, active;
   std::vector<Index> feature;
   int rings = 0;  ///< around what is active
   Patch patch;
@@ -42,7 +42,7 @@ struct CutPatch {
            const Context& context);
 
   /// What would be active for other states with the same features; nothing where that is more than is.
-  std::optional<std::vector<std::uint8_t>> active_among(const VertexStates& states) const;
+  std::optional<Flags> active_among(const VertexStates& states) const;
   /// What is known of the patch's vertices.
   KnownParts known_parts(const VertexStates& states) const;
 };
@@ -55,7 +55,7 @@ struct PatchPart {
 };
 
 /// Nothing where the part is all of the patch.
-std::optional<PatchPart> part_around(const CutPatch& cut, const std::vector<std::uint8_t>& active,
+std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active,
                                      const IndexLists& rings, const Context& context);
 
 /// The rows of the energy over a patch.
@@ -78,7 +78,7 @@ class PatchOperator {
 
  private:
   OperatorOptions options_;
-  std::vector<std::uint8_t> active_;  ///< of the patch's vertices: a part is unknown
+  Flags active_;  ///< of the patch's vertices: a part is unknown
   AffineOperator::Extent extent_;
   AffineOperator rows_;
   SparseRows P_transposed_;

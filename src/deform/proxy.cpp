@@ -52,7 +52,7 @@ class Holders {
   std::vector<Index> of_vertex;
 
  private:
-  std::vector<std::uint8_t> stays_;
+  Flags stays_;
   Index last_ = 0;
 };
 
@@ -153,7 +153,7 @@ bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexState
   Stopwatch watch;
   const double around = static_cast<double>(domain.size()) / domain.unknown_vertices;
   const auto target = static_cast<Index>(std::min<double>(wanted_vertices(options) * around, domain.size()));
-  const std::vector<std::uint8_t> keep = vertices_to_keep(domain, keep_all);
+  const Flags keep = vertices_to_keep(domain, keep_all);
   Decimated proxy = target < domain.size()
                         ? decimate(domain.points, domain.triangles, domain.normals, keep, target)
                         : whole_surface(domain);
@@ -199,7 +199,7 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
   };
 
   std::vector<Index> bone_of(domain.vertices.size(), -1);  // of constrained vertices
-  std::vector<std::uint8_t> is_constrained(static_cast<std::size_t>(rest.rows()), 0);
+  Flags is_constrained(static_cast<std::size_t>(rest.rows()), 0);
   for (const Index v : constrained.vertex) is_constrained[v] = 1;
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k) bone_of[proxy.vertices[k]] = static_cast<Index>(k);
   bone_count = resting_bone() + 1;

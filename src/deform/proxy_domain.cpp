@@ -17,7 +17,7 @@ namespace meshgraft {
 namespace {
 
 struct Reach {
-  std::vector<std::uint8_t> inside;  ///< flags over the mesh
+  Flags inside;  ///< flags over the mesh
   Index unknown = 0;
 };
 
@@ -25,7 +25,7 @@ struct Reach {
 Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const VertexStates& states,
                    int laplacian_order, Index wanted) {
   const Index n = faces_at.size();
-  Reach reach{std::vector<std::uint8_t>(static_cast<std::size_t>(n), 0)};
+  Reach reach{Flags(static_cast<std::size_t>(n), 0)};
   std::vector<Index> front;
   for (Index v = 0; v < n; ++v) {
     if (!states.is_unknown(v) || faces_at[v].empty()) continue;
@@ -77,8 +77,8 @@ void take_points(const Points& rest, ProxyDomain& domain) {
 }
 
 /// Vertices that something holds beside some that it does not.
-std::vector<std::uint8_t> flag_rim(const ProxyDomain& domain) {
-  std::vector<std::uint8_t> rim(domain.vertices.size(), 0);
+Flags flag_rim(const ProxyDomain& domain) {
+  Flags rim(domain.vertices.size(), 0);
   for (Index v = 0; v < domain.size(); ++v) {
     const auto ring = domain.rings[v];
     rim[v] = domain.holder[v] >= 0 && std::any_of(ring.begin(), ring.end(), [&](Index w) {
@@ -114,7 +114,7 @@ std::vector<Index> extremes(const Points& points, const std::vector<Index>& vert
 
 /// The pieces of what is held: vertices with one holder that hang together.
 std::vector<std::vector<Index>> held_pieces(const ProxyDomain& domain) {
-  std::vector<std::uint8_t> seen(domain.vertices.size(), 0);
+  Flags seen(domain.vertices.size(), 0);
   std::vector<std::vector<Index>> pieces;
   for (Index start = 0; start < domain.size(); ++start) {
     if (domain.holder[start] < 0 || seen[start]) continue;
@@ -167,12 +167,12 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
   return domain;
 }
 
-std::vector<std::uint8_t> vertices_to_keep(const ProxyDomain& domain, bool all) {
+Flags vertices_to_keep(const ProxyDomain& domain, bool all) {
   constexpr double apart = 0.7;  // of the spacing, so that few edges become longer than it
-  std::vector<std::uint8_t> keep(domain.vertices.size(), 0);
-  std::vector<std::uint8_t> rim = flag_rim(domain);
+  Flags keep(domain.vertices.size(), 0);
+  Flags rim = flag_rim(domain);
   if (all) return rim;
-  std::vector<std::uint8_t> settled(keep.size(), 0);
+  Flags settled(keep.size(), 0);
   BallWalk ball(domain.points, domain.rings);
   const auto keep_and_settle = [&](Index v) {
     keep[v] = 1;

@@ -39,7 +39,7 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
 
 /// The vertices that a proxy has to keep: of what is held, some beside what is not, no farther apart than the
 /// spacing (or all with `all`), and those that span its extent.
-std::vector<std::uint8_t> vertices_to_keep(const ProxyDomain& domain, bool all);
+Flags vertices_to_keep(const ProxyDomain& domain, bool all);
 
 /// How far each of the proxy's vertices has to reach for what was removed around it; 0 where nothing was.
 std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy);

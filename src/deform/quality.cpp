@@ -131,7 +131,7 @@ struct FaceMeasure {
 };
 
 std::vector<FaceMeasure> measure_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
-                                       const std::vector<char>& is_free, const Context& context) {
+                                       const Flags& is_free, const Context& context) {
   std::vector<FaceMeasure> measures(static_cast<std::size_t>(triangles.rows()));
   parallel_blocks(
       measures.size(),
@@ -227,7 +227,7 @@ double turn_change_deg(const Edge& edge, const FaceMeasure& first, const FaceMea
 }
 
 std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited, const std::vector<Edge>& edges,
-                                       const std::vector<FaceMeasure>& faces, const std::vector<char>& is_free,
+                                       const std::vector<FaceMeasure>& faces, const Flags& is_free,
                                        const Context& context) {
   std::vector<EdgeMeasure> measures(edges.size());
   const auto measure_edge = [&](const Edge& edge) {
@@ -342,7 +342,7 @@ bool looks_away(Index face, FaceShape FaceMeasure::* state, const std::vector<Fa
 
 void count_flipped(const std::vector<FaceMeasure>& faces, const Triangles& triangles,
                    const IndexLists& faces_around, const Context& context, Quality& quality) {
-  std::vector<char> flipped(faces.size(), 0);
+  Flags flipped(faces.size(), 0);
   parallel_blocks(
       faces.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -363,7 +363,7 @@ Quality measure_quality(const Points& rest, const Points& edited, const Triangle
                         std::span<const Index> free_vertices, const QualityOptions& options,
                         const Context& context) {
   require_same_vertices(rest, edited);
-  const std::vector<char> is_free = flag_free(rest.rows(), free_vertices);
+  const Flags is_free = flag_free(rest.rows(), free_vertices);
   const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
   const auto [rest_pose, edited_pose] = make_poses(rest, edited, faces_around);
   const std::vector<FaceMeasure> faces = measure_faces(rest_pose, edited_pose, triangles, is_free, context);

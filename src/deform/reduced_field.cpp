@@ -52,11 +52,11 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
 void ReducedField::choose_samples(Index centres, Index samples) {
   const Patch& patch = system_->patch();
   const IndexLists& rings = system_->rings();
-  const std::vector<std::uint8_t>& given = system_->known().transform;
-  std::vector<std::uint8_t> open(given.size());
+  const Flags& given = system_->known().transform;
+  Flags open(given.size());
   for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
   // Components without a given map come first, and need a centre each.
-  const std::vector<std::uint8_t>& holds = rotations_->fields().component_holds();
+  const Flags& holds = rotations_->fields().component_holds();
   const auto loose = static_cast<Index>(std::count(holds.begin(), holds.end(), 0));
   centres = std::max(centres, loose);
   samples_ = farthest_vertices(patch.points, rings, given, open, std::max(samples, loose));
@@ -104,7 +104,7 @@ void ReducedField::spread_logs(const Context& context) {
 void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
   const Patch& patch = system_->patch();
   const auto centre_count = static_cast<Eigen::Index>(centres_.size());
-  std::vector<std::uint8_t> held = system_->known().transform;
+  Flags held = system_->known().transform;
   Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
   values.rightCols(given_.cols()) = given_;
   for (Eigen::Index k = 0; k < centre_count; ++k) {

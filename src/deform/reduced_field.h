@@ -84,7 +84,7 @@ class ReducedField {
   // What frames need.
   std::size_t handle_count_ = 0;
   int iterations_ = 0;
-  std::vector<std::uint8_t> gives_maps_;  ///< per handle: it constrains transforms of the patch
+  Flags gives_maps_;  ///< per handle: it constrains transforms of the patch
   std::vector<double> given_areas_;       ///< per handle, of the vertices where it does
   bool from_rest_ = false;                ///< something stays at rest, from which turns count
   std::vector<Index> centres_, samples_;  ///< vertices of the patch; the centres are the first samples

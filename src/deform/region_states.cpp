@@ -101,7 +101,7 @@ void ConstraintList::add(Index v, bool position, bool transform, VertexStates& s
 
 void ConstraintList::add(std::span<const VertexConstraint> constraints, VertexStates& states) {
   const auto count = static_cast<Index>(states.position.size());
-  std::vector<std::uint8_t> seen(states.position.size(), 0);
+  Flags seen(states.position.size(), 0);
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
     const std::string location = fmt::format("constraint {}", c);
@@ -180,7 +180,7 @@ void require_solvable(const Points& rest, const Triangles& triangles, const Vert
                       std::span<const Anchor> anchors, const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
   const IndexLists faces_at = vertex_triangles(n, triangles, context);
-  std::vector<std::uint8_t> unknown(static_cast<std::size_t>(n), 0);
+  Flags unknown(static_cast<std::size_t>(n), 0);
   for (Index v = 0; v < n; ++v)
     unknown[v] = !faces_at[v].empty() && (!states.position[v] || !states.transform[v]);
   const Patch patch = make_patch(rest, triangles, faces_at, unknown, 1, context);

@@ -11,7 +11,7 @@ namespace meshgraft {
 
 /// What is known of each vertex of the whole mesh before the solve.
 struct VertexStates {
-  std::vector<std::uint8_t> position, transform;
+  Flags position, transform;
   std::vector<Index> feature;  ///< its number, or -1
 
   VertexStates(Index count, bool known)
@@ -42,7 +42,7 @@ void require_disjoint(const Region& region, Index count);
 /// What is constrained of which vertex, in an order that values are given in later.
 struct ConstraintList {
   std::vector<Index> vertex;
-  std::vector<std::uint8_t> gives_position, gives_transform;
+  Flags gives_position, gives_transform;
 
   std::size_t size() const { return vertex.size(); }
   void add(Index v, bool position, bool transform, VertexStates& states);

@@ -34,8 +34,8 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
 namespace {
 
 /// Where the field is given: by constraints, or by a feature's one map.
-std::vector<std::uint8_t> known_maps(const KnownParts& known) {
-  std::vector<std::uint8_t> given = known.transform;
+Flags known_maps(const KnownParts& known) {
+  Flags given = known.transform;
   for (std::size_t v = 0; v < given.size(); ++v) given[v] |= static_cast<std::uint8_t>(known.feature[v] >= 0);
   return given;
 }
@@ -107,7 +107,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     PolarParts parts;
   };
   std::vector<Given> given;
-  std::vector<std::uint8_t> constrained(static_cast<std::size_t>(n), 0);
+  Flags constrained(static_cast<std::size_t>(n), 0);
   bool from_rest = false;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const VertexConstraint& constraint : constraints) {
@@ -211,7 +211,7 @@ std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& l
 /// given; I elsewhere.
 std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexConstraint> constraints) const {
   const Patch& patch = system_.patch();
-  const std::vector<std::uint8_t>& holds = fields_.component_holds();
+  const Flags& holds = fields_.component_holds();
   std::vector<std::vector<Eigen::Matrix<double, 1, 6>>> moves(holds.size());  // place at rest, displacement
   for (const VertexConstraint& constraint : constraints) {
     const Index v = patch.local(constraint.vertex);

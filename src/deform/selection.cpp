@@ -14,6 +14,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "mesh/box_diagonal.h"
 #include "mesh/vertex_tree.h"
 
 namespace meshgraft {
@@ -40,7 +41,6 @@ Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& location)
 }
 
 // A set of vertices as flags, for what is combined.
-using Flags = std::vector<bool>;
 
 Flags flags_of(std::span<const Index> vertices, Index vertex_count) {
   Flags flags(vertex_count, false);
@@ -354,7 +354,7 @@ class Resolver {
       fail(location + ".mirror.tolerance_rel", "must be a finite number, not negative");
     }
     const std::vector<Index> of = child(mirror.of, location + ".mirror.of");
-    const double tolerance = mirror.tolerance_rel * box_diagonal();
+    const double tolerance = mirror.tolerance_rel * box_diagonal(context_.mesh.positions);
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> images;
     for (const Index v : of) {
@@ -364,14 +364,6 @@ class Resolver {
       if (found && found->distance <= tolerance) images.push_back(found->vertex);
     }
     return ascending(images, [](Index) { return true; });
-  }
-
-  double box_diagonal() const {
-    Eigen::AlignedBox<double, 3> box;
-    for (Index v = 0; v < count_; ++v) {
-      if (position(v).allFinite()) box.extend(position(v));
-    }
-    return box.isEmpty() ? 0 : box.diagonal().norm();
   }
 
   const SelectionContext& context_;

@@ -103,7 +103,7 @@ class SkinMaker {
 
   /// Lets the nearest proxy reach each vertex that none does; returns these proxies, ascending.
   std::vector<Index> extend(const Hits& hits, std::vector<Index>& outside) {
-    std::vector<std::uint8_t> reached(wanted_.size(), 0);
+    Flags reached(wanted_.size(), 0);
     for (const auto& list : hits)
       for (const Hit& hit : list) reached[hit.other] = 1;
     std::vector<Index> lost;
@@ -257,7 +257,7 @@ class SkinMaker {
 
   SkinProblem problem_;
   const Context& context_;
-  std::vector<std::uint8_t> wanted_;
+  Flags wanted_;
 };
 
 }  // namespace

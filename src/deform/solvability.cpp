@@ -80,7 +80,7 @@ DisjointSets join_unknown(const IndexLists& rings, const KnownParts& known) {
 
 void fix_unconstrained_components(const IndexLists& rings, KnownParts& known) {
   DisjointSets sets = join_unknown(rings, known);
-  std::vector<std::uint8_t> has_free(known.position.size(), 0);
+  Flags has_free(known.position.size(), 0);
   for (Index v = 0; v < rings.size(); ++v)
     if (!known.position[v]) has_free[sets.root(v)] = 1;
   for (Index v = 0; v < rings.size(); ++v)

@@ -12,10 +12,10 @@ namespace meshgraft {
 
 /// What is known of each vertex of a patch before the solve.
 struct KnownParts {
-  std::vector<std::uint8_t> position;
-  std::vector<std::uint8_t> transform;
+  Flags position;
+  Flags transform;
   std::vector<Index> feature;          ///< number of its feature, or -1
-  std::vector<std::uint8_t> anchored;  ///< drawn to a place by a soft row
+  Flags anchored;  ///< drawn to a place by a soft row
 };
 
 /// Marks the transforms of components without a free position as known: nothing depends on them.

@@ -48,7 +48,7 @@ class SurfaceFields {
   const std::vector<double>& areas() const { return areas_; }
   /// Connected components: of each vertex (-1 for isolated ones), and whether a value is given in it.
   const std::vector<Index>& component() const { return component_; }
-  const std::vector<std::uint8_t>& component_holds() const { return holds_; }
+  const Flags& component_holds() const { return holds_; }
   const std::shared_ptr<const BendingMatrix>& bending() const { return bending_; }
 
  private:
@@ -60,7 +60,7 @@ class SurfaceFields {
   std::shared_ptr<const BendingMatrix> bending_;
   std::vector<double> areas_;
   std::vector<Index> component_;
-  std::vector<std::uint8_t> holds_;
+  Flags holds_;
   std::vector<Index> given_, free_;  ///< vertices of faces, by whether a value is given
   std::vector<Index> held_;          ///< of `free_`, those in components where something is given
   SparseRows spread_rows_;           ///< held × n, of the system that `spread` solves

@@ -20,7 +20,7 @@ Points places(const FineSurface& surface, const std::vector<Index>& vertices) {
 }
 
 /// Coarse vertices that hold the outline: on a border, where the surface is no manifold, and along sharp edges.
-std::vector<std::uint8_t> flag_outline(const FineSurface& surface, const Decimated& coarse,
+Flags flag_outline(const FineSurface& surface, const Decimated& coarse,
                                        const IndexLists& rings) {
   constexpr double sharp_cosine = 0.7;  // about 45° away from the mean normal
   const Points points = places(surface, coarse.vertices);
@@ -36,7 +36,7 @@ std::vector<std::uint8_t> flag_outline(const FineSurface& surface, const Decimat
       normals.row(k) += u.cross(v);
     }
   }
-  std::vector<std::uint8_t> outline(faces.size(), 0);
+  Flags outline(faces.size(), 0);
   for (Index k = 0; k < rings.size(); ++k) outline[k] = faces[k] != static_cast<Index>(rings[k].size());
   for (Eigen::Index t = 0; t < coarse.triangles.rows(); ++t)
     for (const Index k : coarse.triangles.row(t))
@@ -54,7 +54,7 @@ class EvenOut {
   void round(const Context& context) {
     const IndexLists rings =
         vertex_rings(static_cast<Index>(coarse_.vertices.size()), coarse_.triangles, context);
-    const std::vector<std::uint8_t> outline = flag_outline(surface_, coarse_, rings);
+    const Flags outline = flag_outline(surface_, coarse_, rings);
     for (Index k = 0; k < rings.size(); ++k) {
       if (outline[k] || surface_.locked[coarse_.vertices[k]]) continue;
       Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
@@ -85,7 +85,7 @@ class EvenOut {
 
   const FineSurface& surface_;
   Decimated& coarse_;
-  std::vector<std::uint8_t> taken_;
+  Flags taken_;
 };
 
 void sort_vertices(Decimated& coarse) {

@@ -17,7 +17,7 @@ std::vector<std::uint8_t> origins(const MergeOutcome& merge, const Triangulation
   Index first_of_source = std::numeric_limits<Index>::max();
   for (const Index v : merge.source_map.new_index)
     if (v >= 0) first_of_source = std::min(first_of_source, v);
-  std::vector<std::uint8_t> is_seam(static_cast<std::size_t>(faces), 0);
+  Flags is_seam(static_cast<std::size_t>(faces), 0);
   for (const Index face : merge.new_faces) is_seam[static_cast<std::size_t>(face)] = 1;
   std::vector<std::uint8_t> found;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {

@@ -156,7 +156,7 @@ std::vector<std::byte> loops_frame(const Object& object) {
 }
 
 std::vector<Index> moving_vertices(const Object& base, const Region& region) {
-  std::vector<std::uint8_t> moves(static_cast<std::size_t>(base.mesh().vertex_count()), region.whole ? 1 : 0);
+  Flags moves(static_cast<std::size_t>(base.mesh().vertex_count()), region.whole ? 1 : 0);
   for (const Index v : region.vertices) moves[static_cast<std::size_t>(v)] = 1;
   for (const Index v : region.fixed) moves[static_cast<std::size_t>(v)] = 0;
   std::vector<Index> moving;

@@ -59,25 +59,11 @@ void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
 Json error_json(const Error& error) {
   Json told = {{"code", to_string(error.code())},
                {"problem", error.problem()},
-               {"place", error.location()},
+               {"location", error.location()},
                {"remedy", error.remedy()}};
   if (const auto* replaces = dynamic_cast<const ReplaceError*>(&error))
     told["replaces"] = replaces->file().string();
   return told;
-}
-
-Error current_error() {
-  try {
-    throw;
-  } catch (const Error& error) {
-    return error;
-  } catch (const std::bad_alloc&) {
-    return {ErrorCode::memory, "not enough memory", {}, "Close other programs, or take a smaller mesh."};
-  } catch (const std::filesystem::filesystem_error& error) {
-    return {ErrorCode::io, error.code().message(), error.path1().string()};
-  } catch (const std::exception& error) {
-    return {ErrorCode::internal, error.what(), {}, "This is a defect of meshgraft; please report it."};
-  }
 }
 
 }  // namespace meshgraft::editor

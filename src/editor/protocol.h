@@ -53,10 +53,7 @@ class Outbox {
   std::shared_ptr<Channel> channel_;
 };
 
-/// {code, problem, place, remedy}, and the file that would be replaced.
+/// {code, problem, location, remedy}, and the file that would be replaced.
 Json error_json(const Error& error);
-
-/// The Error that the exception being handled is, or stands for.
-Error current_error();
 
 }  // namespace meshgraft::editor

@@ -91,7 +91,7 @@ std::vector<Index> flood(const Object& base, Index vertex, double angle_deg) {
       next[static_cast<std::size_t>(edges[f][2])].push_back(edges[e][2]);
     }
   std::vector<Index> reached, waiting;
-  std::vector<std::uint8_t> seen(next.size(), 0);
+  Flags seen(next.size(), 0);
   for (Index t = 0; t < triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k)
       if (base.weld.of(triangles(t, k)) == vertex && std::exchange(seen[static_cast<std::size_t>(t)], 1) == 0)

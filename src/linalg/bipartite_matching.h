@@ -24,7 +24,7 @@ Matching maximum_matching(const BipartiteGraph& graph);
 
 /// Vertices that touch every edge of a bipartite graph: a flag for each.
 struct VertexCover {
-  std::vector<std::uint8_t> left, right;
+  Flags left, right;
 };
 
 /// Returns the cover with the fewest vertices; of several, the one with the most left vertices. There is only

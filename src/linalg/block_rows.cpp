@@ -149,7 +149,7 @@ struct Layers {
 Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings) {
   Layers layers;
   layers.order.reserve(static_cast<std::size_t>(couplings.size()));
-  std::vector<std::uint8_t> seen(static_cast<std::size_t>(couplings.size()), 0);
+  Flags seen(static_cast<std::size_t>(couplings.size()), 0);
   for (const Index start : starts) {
     if (std::exchange(seen[start], 1)) continue;
     layers.order.push_back(start);
@@ -196,7 +196,7 @@ SweepColouring make_strips(const Layers& layers) {
 
 void renumber(BlockRows& nodes, const std::vector<Index>& number, const OrderingGraph& graph) {
   const auto rows = static_cast<std::size_t>(nodes.count) * static_cast<std::size_t>(nodes.width);
-  std::vector<std::uint8_t> shared(nodes.shared.size());
+  Flags shared(nodes.shared.size());
   for (std::size_t k = 0; k < number.size(); ++k) shared[number[k]] = nodes.shared[k];
   nodes.shared = std::move(shared);
   nodes.unknown.assign(rows, -1);
@@ -298,7 +298,7 @@ NodeOrder order_nodes(const NormalMatrix& lower, const OrderingGraph& graph, con
   for (std::size_t k = 0; k < layers.order.size(); ++k) number[layers.order[k]] = static_cast<Index>(k);
   renumber(nodes, number, graph);
 
-  std::vector<std::uint8_t> odd(static_cast<std::size_t>(nodes.count), 0);
+  Flags odd(static_cast<std::size_t>(nodes.count), 0);
   for (Index strip = 1; strip < result.strips.size(); strip += 2)
     std::fill(odd.begin() + result.strips.begin[strip], odd.begin() + result.strips.begin[strip + 1],
               std::uint8_t{1});

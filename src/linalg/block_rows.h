@@ -16,7 +16,7 @@ struct BlockRows {
   int width = 1;                     ///< 1 or 2
   std::vector<int> row;              ///< of each unknown: width · node + its index in the node
   std::vector<int> unknown;          ///< of each row, or -1
-  std::vector<std::uint8_t> shared;  ///< of each node: it has no group, or is coupled with nearly all
+  Flags shared;  ///< of each node: it has no group, or is coupled with nearly all
   Points positions;                  ///< of each row; of padding the node's first one's
 };
 

@@ -81,7 +81,7 @@ int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::
 Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) {
   constexpr std::int64_t most_in_a_leaf = 500, fewest_groups_in_a_leaf = 8;
   const auto count = static_cast<std::size_t>(lower.rows());
-  std::vector<std::uint8_t> has_unknowns(static_cast<std::size_t>(graph.neighbours->size()), 0);
+  Flags has_unknowns(static_cast<std::size_t>(graph.neighbours->size()), 0);
   for (const Index group : graph.group)
     if (group >= 0) has_unknowns[group] = 1;
   const std::int64_t groups = std::count(has_unknowns.begin(), has_unknowns.end(), 1);

@@ -69,10 +69,10 @@ class RowAccumulator {
 constexpr int most_together = 3;
 
 /// For each row, how many from it on (at most three) have the same columns.
-std::vector<std::uint8_t> rows_alike(const SparseRows& b, const Context& context) {
+Flags rows_alike(const SparseRows& b, const Context& context) {
   const int* outer = b.outerIndexPtr();
   const int* inner = b.innerIndexPtr();
-  std::vector<std::uint8_t> alike(static_cast<std::size_t>(b.rows()), 1);
+  Flags alike(static_cast<std::size_t>(b.rows()), 1);
   parallel_blocks(
       alike.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -91,7 +91,7 @@ std::vector<std::uint8_t> rows_alike(const SparseRows& b, const Context& context
 
 struct Factor {
   const SparseRows& rows;
-  std::vector<std::uint8_t> alike;
+  Flags alike;
 
   Factor(const SparseRows& matrix, const Context& context) : rows(matrix), alike(rows_alike(matrix, context)) {}
 };

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "../mesh/box_diagonal.h"
+
 namespace meshgraft {
 
 namespace {
@@ -19,9 +21,7 @@ double rounded_to_three_digits(double size) { return std::stod(fmt::format("{:.3
 
 SizeRange::SizeRange(const Mesh& target, const FlatLoop& loop) {
   constexpr double least_width = 1e-6;  // × the target's diagonal
-  const Points& x = target.positions;
-  const double diagonal = x.rows() > 0 ? (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm() : 0;
-  largest = diagonal / loop.outline.width();
+  largest = box_diagonal(target.positions) / loop.outline.width();
   least = least_width * largest;
 }
 

@@ -103,7 +103,7 @@ class Spreading {
   const Points& normals_;
   const IndexLists& rings_;
   double reach_;
-  std::vector<bool> settled_;
+  Flags settled_;
   std::vector<double> distance_;
   Points first_axis_;
   PlanePoints uv_;

@@ -24,7 +24,7 @@ std::vector<Index> connected_inside(const std::vector<double>& values, const Ind
   const auto deepest = std::min_element(values.begin(), values.end());
   if (deepest == values.end() || *deepest >= 0) return {};
   std::vector<Index> inside{static_cast<Index>(deepest - values.begin())};
-  std::vector<bool> seen(values.size(), false);
+  Flags seen(values.size(), false);
   seen[inside.front()] = true;
   for (std::size_t k = 0; k < inside.size(); ++k)
     for (const Index v : rings[inside[k]]) {

@@ -53,7 +53,7 @@ double loop_radius(const Points& points, const std::vector<Index>& loop) {
 std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
                                 std::span<const std::vector<Index>> loops, const Reach& reach, double radii) {
   constexpr int fewest_rings = 2;
-  std::vector<std::uint8_t> near(static_cast<std::size_t>(source.rows()), 0);
+  Flags near(static_cast<std::size_t>(source.rows()), 0);
   for (const auto& loop : loops) {
     for (const Index v : grow_rings(loop, reach.rings.value_or(fewest_rings), rings)) near[v] = 1;
     if (reach.rings) continue;
@@ -73,7 +73,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   DeformerOptions deformer_options = options.deformer;
   if (options.shape == MergeShape::ft05) deformer_options.method = DeformMethod::ft05;
 
-  std::vector<std::uint8_t> taken(static_cast<std::size_t>(source.rows()), 0);
+  Flags taken(static_cast<std::size_t>(source.rows()), 0);
   if (options.pose == MergePose::keep) {
     for (const Index v : far) taken[v] |= stays;
     for (const Index v : options.fixed) taken[v] |= stays;

@@ -142,7 +142,7 @@ void require_held_components(const Mesh& source, std::span<const LoopPair> pairs
     if (component[v] < 0) continue;
     if (size[component[v]]++ == 0) first[component[v]] = v;
   }
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(count), 0);
+  Flags held(static_cast<std::size_t>(count), 0);
   for (const LoopPair& pair : pairs) held[component[pair.source.front()]] = 1;
   for (Index c = 0; c < count; ++c)
     if (!held[c])

@@ -17,6 +17,7 @@
 #include <meshgraft/mesh/winding.h>
 
 #include "../core/stopwatch.h"
+#include "../mesh/box_diagonal.h"
 #include "boundary_condition.h"
 #include "graft.h"
 #include "loops.h"
@@ -42,18 +43,13 @@ std::string_view to_string(MergeShape value) {
 
 namespace {
 
-double diagonal(const Mesh& mesh) {
-  if (mesh.vertex_count() == 0) return 0;
-  return (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).norm();
-}
-
 void validate_options(const MergeOptions& options, const Mesh& source, const Mesh& target) {
   const auto require = [](bool good, std::string what, const char* field, std::string remedy = {}) {
     if (!good) throw Error(ErrorCode::input, std::move(what), field, std::move(remedy));
   };
   if (options.size) {
     constexpr double extreme = 1e6;
-    const double same = diagonal(target) / diagonal(source);  // makes both equally large
+    const double same = box_diagonal(target.positions) / box_diagonal(source.positions);  // makes both equally large
     require(*options.size > 0, fmt::format("{} is not a positive number", *options.size), "size");
     require(!(*options.size < same / extreme) && !(*options.size > same * extreme),
             fmt::format("{:.3g} makes the part over a million times {} than the target", *options.size,
@@ -131,7 +127,7 @@ void refine_within_reach(Source& source, const Context& context) {
     const IndexLists rings = vertex_rings(source.mesh.vertex_count(), source.mesh.faces);
     std::vector<double> longest(static_cast<std::size_t>(points.rows()),
                                 std::numeric_limits<double>::infinity());
-    std::vector<bool> keeps_its_loop(longest.size(), false);
+    Flags keeps_its_loop(longest.size(), false);
     for (const LoopPair& pair : source.pairs) {
       const double radius = loop_radius(points, pair.source);
       const std::vector<double> distance = edge_distance(pair.source, points, rings, radius);
@@ -379,7 +375,7 @@ void drop_used_cut_normals(Mesh& mesh) {
         return attribute.domain == Domain::vertex && attribute.name == cut_normal_name;
       });
   if (kept == mesh.attributes.end()) return;
-  std::vector<std::uint8_t> open(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  Flags open(static_cast<std::size_t>(mesh.vertex_count()), 0);
   for (const auto& loop : boundary_loops(mesh))
     for (const Index v : loop) open[v] = 1;
   bool used = false;

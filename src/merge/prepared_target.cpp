@@ -12,6 +12,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "../mesh/box_diagonal.h"
+
 namespace meshgraft {
 
 namespace {
@@ -86,10 +88,8 @@ SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) 
   const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();
   if (target.triangles.rows() == 0) throw Error(ErrorCode::input, "the target has no faces");
   SurfacePoint found = nearest_on(target, point);
-  const Points& x = target.mesh.positions;
-  const double diagonal = (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
   const double distance = (found.point - point).norm();
-  if (!(distance <= near_surface * diagonal))
+  if (!(distance <= near_surface * box_diagonal(target.mesh.positions)))
     throw Error(ErrorCode::input,
                 fmt::format("the point ({:.6g}, {:.6g}, {:.6g}) is {:.4g} away from the target's surface",
                             point.x(), point.y(), point.z(), distance),

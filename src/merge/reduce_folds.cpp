@@ -151,7 +151,7 @@ bool descend(Points& points, const Cost& cost, Index v) {
 
 }  // namespace
 
-void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const std::vector<bool>& may_move,
+void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const Flags& may_move,
             const Context& context) {
   constexpr int most_sweeps = 50;
   const Cost cost(points, patch, largest_deg);

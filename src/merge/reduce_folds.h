@@ -14,7 +14,7 @@ namespace meshgraft {
 /// q the harmonic index (Σ of the angles' cotangents), one vertex after another. What is worse than allowed off
 /// the strips may stay so, but gets no worse. A crease may go on: an edge between two vertices may be bent as
 /// much as the sharpest edges off the strips at both of them. `may_move`: per vertex.
-void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const std::vector<bool>& may_move,
+void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const Flags& may_move,
             const Context& context);
 
 }  // namespace meshgraft

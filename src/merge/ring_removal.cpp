@@ -132,7 +132,7 @@ class Rings {
   EdgeTable table_;
   std::vector<std::size_t> loop_sizes_;
   std::vector<Index> loop_of_;   // per vertex
-  std::vector<bool> on_border_;  // per vertex
+  Flags on_border_;  // per vertex
   std::vector<Index> ring_of_;   // per face
   std::vector<Index> face_of_;   // per corner
   Loops corners_;                // per ring, those of its faces that take part
@@ -157,7 +157,7 @@ void insert_middles(const RefineResult& refined, std::vector<Index>& loop) {
 // Empties the loops that share a vertex with another one.
 void drop_touching(Loops& loops) {
   std::unordered_map<Index, std::size_t> owner;
-  std::vector<bool> touches(loops.size(), false);
+  Flags touches(loops.size(), false);
   for (std::size_t k = 0; k < loops.size(); ++k) {
     for (const Index v : loops[k]) {
       const auto [entry, is_new] = owner.emplace(v, k);
@@ -171,7 +171,7 @@ void drop_touching(Loops& loops) {
 
 // The mesh without the faces of the rings and the vertices of the loops.
 RingRemoval without(const Mesh& mesh, const Rings& rings, const Loops& loops) {
-  std::vector<bool> removed(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags removed(static_cast<std::size_t>(mesh.vertex_count()), false);
   for (const auto& loop : loops) {
     for (const Index v : loop) removed[v] = true;
   }

@@ -12,6 +12,7 @@
 #include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "../mesh/area_vector.h"
 #include "../mesh/edge_table.h"
 #include "seam_fairing.h"
 #include "ring_removal.h"
@@ -138,13 +139,7 @@ class BorderFaces {
   Index face(Index from, Index to) const { return face_.at(key(from, to)); }
 
   Eigen::RowVector3d normal(Index from, Index to) const {
-    const auto corners = mesh_.faces[face(from, to)];
-    Eigen::RowVector3d area = Eigen::RowVector3d::Zero();
-    for (std::size_t c = 2; c < corners.size(); ++c) {
-      const Eigen::RowVector3d a = mesh_.positions.row(corners[c - 1]) - mesh_.positions.row(corners[0]);
-      area += a.cross(Eigen::RowVector3d(mesh_.positions.row(corners[c]) - mesh_.positions.row(corners[0])));
-    }
-    return area.normalized();
+    return area_vector(mesh_.faces[face(from, to)], mesh_.positions).transpose().normalized();
   }
 
  private:

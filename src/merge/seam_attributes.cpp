@@ -43,7 +43,7 @@ Eigen::RowVector3d face_normal(const Mesh& mesh, Index triangle) {
 // The strip is smooth; so are the corners beside it that were smooth before.
 void renew_corner_normals(const Mesh& mesh, const Points& normals, Index first_new, Attribute& attribute) {
   constexpr double smooth = 0.7;  // cosine
-  std::vector<bool> on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);
   for (Index c = mesh.faces.first_corner(first_new); c < mesh.faces.corner_count(); ++c) {
     on_strip[mesh.faces.corners()[c]] = true;
   }
@@ -96,7 +96,7 @@ void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unsmoothe
   if (!has_normals) return;
   update_normals(mesh, unsmoothed);
   const Points normals = vertex_normals(mesh);
-  std::vector<bool> on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);
   const Index first_new = layout.target_faces + layout.source_faces;
   for (Index f = first_new; f < mesh.face_count(); ++f) {
     for (const Index v : mesh.faces[f]) on_strip[v] = true;

@@ -23,13 +23,13 @@ struct Band {
   SeamPatch patch;
   IndexLists rings;
   IndexLists triangles;        // per vertex
-  std::vector<bool> is_sharp;  // on a sharp edge of the target or of the source
+  Flags is_sharp;  // on a sharp edge of the target or of the source
   std::vector<Index> column;   // per vertex its unknown, or -1 where it stays
   Index unknowns = 0;
 };
 
-std::vector<bool> on_sharp_edges(const SeamPatch& patch, double sharp_angle_deg) {
-  std::vector<bool> sharp(patch.vertex.size(), false);
+Flags on_sharp_edges(const SeamPatch& patch, double sharp_angle_deg) {
+  Flags sharp(patch.vertex.size(), false);
   for (const SeamEdge& edge : inner_edges(patch)) {
     if (edge.dihedral_deg <= sharp_angle_deg) continue;
     const bool of_strip =
@@ -152,7 +152,7 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
 
 // The free vertices next to the strips, which may leave their normals.
 struct NearStrips {
-  std::vector<bool> all, but_sharp;  // also those on the source's sharp edges, which are its folds, or not
+  Flags all, but_sharp;  // also those on the source's sharp edges, which are its folds, or not
 
   explicit NearStrips(const Band& band) {
     constexpr int rings = 2;

@@ -7,15 +7,13 @@
 
 #include <Eigen/Geometry>
 
+#include "../mesh/area_vector.h"
 #include "../mesh/edge_table.h"
+#include "../mesh/face_defects.h"
 
 namespace meshgraft {
 
 namespace {
-
-bool in_range(std::span<const Index> face, Index vertex_count) {
-  return std::all_of(face.begin(), face.end(), [&](Index v) { return v >= 0 && v < vertex_count; });
-}
 
 // Per vertex the ring it lies on, 0 beyond the last one. The outermost vertices are one ring further out.
 std::vector<int> count_rings(const Mesh& mesh, const SeamLayout& layout, int rings) {
@@ -34,13 +32,6 @@ std::vector<int> count_rings(const Mesh& mesh, const SeamLayout& layout, int rin
     }
   }
   return ring;
-}
-
-Eigen::Vector3d doubled_area_vector(const SeamPatch& patch, Index t) {
-  const Eigen::Vector3d a = patch.points.row(patch.triangles(t, 0));
-  const Eigen::Vector3d b = patch.points.row(patch.triangles(t, 1)),
-                        c = patch.points.row(patch.triangles(t, 2));
-  return (b - a).cross(c - a);
 }
 
 }  // namespace
@@ -101,8 +92,8 @@ std::vector<SeamEdge> inner_edges(const SeamPatch& patch) {
     const auto along = table.half_edges[e];
     if (along.size() != 2) continue;
     SeamEdge edge{table.ends[e], {along[0] / 3, along[1] / 3}, 0};
-    const Eigen::Vector3d a = doubled_area_vector(patch, edge.triangles[0]),
-                          b = doubled_area_vector(patch, edge.triangles[1]);
+    const Eigen::Vector3d a = area_vector(patch.triangles, edge.triangles[0], patch.points),
+                          b = area_vector(patch.triangles, edge.triangles[1], patch.points);
     edge.dihedral_deg = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
     edges.push_back(edge);
   }

@@ -32,7 +32,7 @@ struct SeamPatch {
   std::vector<SeamSide> side;   ///< per triangle
   std::vector<SeamSide> of;     ///< per vertex: the mesh that it comes from
   std::vector<int> ring;        ///< per vertex: 1 on a strip, then one more per ring of faces
-  std::vector<bool> on_border;  ///< per vertex: on a boundary edge of the whole mesh
+  Flags on_border;  ///< per vertex: on a boundary edge of the whole mesh
 };
 
 /// The faces within `rings` rings of the strips.

@@ -10,6 +10,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "../core/percentile.h"
+#include "../mesh/box_diagonal.h"
 
 namespace meshgraft {
 
@@ -49,17 +50,6 @@ void measure_shape(const SeamPatch& patch, SeamReport& report) {
   report.source_dihedral_p99_deg = percentile(source, 99);
 }
 
-// Over the vertices of faces: a stray vertex does not count.
-double diagonal(const Mesh& mesh) {
-  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Index v : mesh.faces.corners()) {
-    if (v < 0 || v >= mesh.vertex_count()) continue;
-    low = low.cwiseMin(mesh.positions.row(v));
-    high = high.cwiseMax(mesh.positions.row(v));
-  }
-  return (high - low).norm();
-}
-
 }  // namespace
 
 SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed) {
@@ -74,7 +64,7 @@ SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points
   const auto n = static_cast<Eigen::Index>(layout.target_vertices);
   if (n > 0) {
     const double largest = (mesh.positions.topRows(n) - unsmoothed.topRows(n)).rowwise().norm().maxCoeff();
-    report.band_displacement_rel = largest / diagonal(mesh);
+    report.band_displacement_rel = largest / box_diagonal_of_faces(mesh);
   }
   return report;
 }

@@ -8,17 +8,13 @@
 
 #include <meshgraft/mesh/normals.h>
 
+#include "../mesh/area_vector.h"
+
 namespace meshgraft {
 
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d area_vector(const Points& points, const Triangles& triangles, Eigen::Index t) {  // twice
-  const Vector3d a = points.row(triangles(t, 0)), b = points.row(triangles(t, 1)),
-                 c = points.row(triangles(t, 2));
-  return (b - a).cross(c - a);
-}
 
 // What a triangle should be like.
 struct Goal {
@@ -113,7 +109,7 @@ std::vector<Goal> goals_of(const Points& points, const SeamPatch& patch, const P
   std::vector<Goal> goals;
   for (Eigen::Index t = 0; t < patch.triangles.rows(); ++t) {
     Goal goal;
-    const Vector3d area = area_vector(points, patch.triangles, t);
+    const Vector3d area = area_vector(patch.triangles, t, points);
     const Vector3d around = normals.row(patch.triangles(t, 0)) + normals.row(patch.triangles(t, 1)) +
                             normals.row(patch.triangles(t, 2));
     goal.normal = area.dot(around) > 0 ? area.normalized() : around.normalized();
@@ -133,7 +129,7 @@ std::vector<Goal> goals_of(const Points& points, const SeamPatch& patch, const P
 }  // namespace
 
 void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
-           const std::vector<bool>& may_slide, const Context& context) {
+           const Flags& may_slide, const Context& context) {
   constexpr int most_sweeps = 50;
   const Points normals = smooth_normals(points, patch.triangles, vertex_triangles, context);
   const std::vector<Goal> goals = goals_of(points, patch, normals);

@@ -20,6 +20,10 @@ inline Eigen::Vector3d area_vector(std::span<const Index> face, const Points& po
   return sum;
 }
 
+inline Eigen::Vector3d area_vector(const Triangles& triangles, Eigen::Index t, const Points& positions) {
+  return area_vector({triangles.row(t).data(), 3}, positions);
+}
+
 /// Twice the signed area of the triangle 0, a, b in the plane.
 inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 

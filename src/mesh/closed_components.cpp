@@ -28,7 +28,7 @@ struct Box {
 // One entry per part, at its smallest vertex.
 struct Components {
   std::vector<Index> component;
-  std::vector<char> closed;
+  Flags closed;
   std::vector<double> volume, area;
 };
 

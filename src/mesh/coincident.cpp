@@ -65,7 +65,7 @@ std::vector<Index> coincident_classes(const Points& positions, std::span<const I
 }
 
 std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table) {
-  std::vector<char> on_boundary(vertex_count, 0);
+  Flags on_boundary(vertex_count, 0);
   for (Index e = 0; e < table.edge_count(); ++e)
     if (table.half_edges[e].size() == 1) on_boundary[table.ends[e][0]] = on_boundary[table.ends[e][1]] = 1;
   std::vector<Index> vertices;

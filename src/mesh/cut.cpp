@@ -64,7 +64,7 @@ void round_to_ends(const Faces& faces, const Points& positions, std::vector<doub
 // the side of their neighbours, and below where they have both.
 std::vector<Side> face_sides(const Faces& faces, const EdgeTable& table, std::span<const double> values) {
   std::vector<Side> side(faces.size(), 0);
-  std::vector<bool> in_the_cut(faces.size(), false);
+  Flags in_the_cut(faces.size(), false);
   std::vector<Index> face_of;
   for (Index f = 0; f < faces.size(); ++f) {
     bool above = false, below = false;

@@ -123,7 +123,7 @@ class LoopCut {
     triangles.positions = mesh_.positions;
     triangles.faces = coarse_.faces;
     const std::vector<Index> fans = fan_counts(triangles, table_);
-    std::vector<bool> on_border(mesh_.vertex_count(), false);
+    Flags on_border(mesh_.vertex_count(), false);
     for (Index e = 0; e < table_.edge_count(); ++e)
       if (table_.half_edges[e].size() != 2) on_border[table_.ends[e][0]] = on_border[table_.ends[e][1]] = true;
     std::map<Index, const CurvePoint*> seen;
@@ -159,7 +159,7 @@ class LoopCut {
           near[v].push_back(k);
       }
     }
-    std::vector<bool> gone(curve_.size(), false);
+    Flags gone(curve_.size(), false);
     for (const auto& [v, points] : near) {
       if (fixed.contains(v)) continue;
       std::size_t best = curve_.size();

@@ -222,7 +222,7 @@ bool Diagnostics::has_defects() const {
 
 void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const Index> reach,
                     const std::string& name) {
-  std::vector<bool> within(mesh.vertex_count(), reach.empty());
+  Flags within(mesh.vertex_count(), reach.empty());
   for (const Index v : reach) {
     if (is_vertex_of(mesh, v)) within[v] = true;
   }

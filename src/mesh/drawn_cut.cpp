@@ -104,7 +104,7 @@ class Separation {
   void number_vertices() {
     const Index old_count = mesh_.vertex_count();
     const auto vertices = static_cast<Index>(cut_.origin.size());
-    std::vector<bool> in_a_face(vertices, false), kept(vertices, false);
+    Flags in_a_face(vertices, false), kept(vertices, false);
     const Faces& faces = cut_.faces.faces;
     for (Index f = 0; f < faces.size(); ++f) {
       for (const Index v : faces[f]) {
@@ -253,7 +253,7 @@ class Separation {
   const CutKeep keep_;
   const EdgeTable table_;
   DisjointSets fan_of_;                          // over the corners
-  std::vector<bool> on_cut_;                     // per vertex
+  Flags on_cut_;                     // per vertex
   std::vector<Index> new_index_;                 // per vertex: its first copy, or -1
   std::vector<Index> copy_of_fan_;               // per corner, at the fan's root
   std::vector<Index> source_;                    // per new vertex

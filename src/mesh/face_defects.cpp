@@ -11,10 +11,11 @@ namespace meshgraft {
 
 bool is_vertex_of(const Mesh& mesh, Index vertex) { return vertex >= 0 && vertex < mesh.vertex_count(); }
 
-bool in_range(const Mesh& mesh, Index face) {
-  const auto corners = mesh.faces[face];
-  return std::all_of(corners.begin(), corners.end(), [&](Index v) { return is_vertex_of(mesh, v); });
+bool in_range(std::span<const Index> face, Index vertex_count) {
+  return std::all_of(face.begin(), face.end(), [&](Index v) { return v >= 0 && v < vertex_count; });
 }
+
+bool in_range(const Mesh& mesh, Index face) { return in_range(mesh.faces[face], mesh.vertex_count()); }
 
 bool is_degenerate(std::span<const Index> face) {
   if (face.size() < 3) return true;

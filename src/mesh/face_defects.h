@@ -8,7 +8,8 @@ namespace meshgraft {
 
 bool is_vertex_of(const Mesh& mesh, Index vertex);
 
-/// Whether all corners of the face are vertices of the mesh.
+/// Whether all corners of a face are vertices.
+bool in_range(std::span<const Index> face, Index vertex_count);
 bool in_range(const Mesh& mesh, Index face);
 
 /// Fewer than three corners, or a vertex twice.

@@ -40,7 +40,7 @@ std::vector<std::vector<Index>> same_faces(const Faces& faces, Index vertex_coun
   std::sort(order.begin(), order.end());
 
   std::vector<std::vector<Index>> groups;
-  std::vector<char> taken;
+  Flags taken;
   for (std::size_t begin = 0; begin < order.size();) {
     std::size_t end = begin + 1;
     while (end < order.size() && order[end].first == order[begin].first) ++end;

@@ -119,7 +119,7 @@ class Refinement {
           corners.push_back({{low, high}, f, k});
         }
       std::sort(corners.begin(), corners.end());
-      std::vector<char> touched(faces_.size(), 0);
+      Flags touched(faces_.size(), 0);
       std::vector<HoleChord> made;
       for (std::size_t k = 0; k + 1 < corners.size(); ++k)
         if (corners[k].edge == corners[k + 1].edge && !touched[corners[k].face] &&
@@ -130,7 +130,7 @@ class Refinement {
   }
 
   void flip(const Corner& one, const Corner& other, const std::vector<Corner>& corners,
-            std::vector<char>& touched, std::vector<HoleChord>& made) {
+            Flags& touched, std::vector<HoleChord>& made) {
     const Index a = faces_[one.face][one.corner], b = faces_[one.face][(one.corner + 1) % 3];
     const Index c = faces_[one.face][(one.corner + 2) % 3], d = faces_[other.face][(other.corner + 2) % 3];
     const auto [low, high] = std::minmax(c, d);
@@ -180,7 +180,7 @@ double cotangent(const RowVector3d& apex, const RowVector3d& a, const RowVector3
 
 // M^{-1/2} K for the new points and the points of the loop, with a column for every point.
 Sparse laplacian(const Points& points, const std::vector<HoleTriangle>& faces, Index rows,
-                 const std::vector<char>& is_row) {
+                 const Flags& is_row) {
   std::vector<double> area(rows, 0);
   std::vector<Eigen::Triplet<double>> entries;
   for (const HoleTriangle& face : faces) {
@@ -230,7 +230,7 @@ void fair_hole(HolePatch& patch, const Points& outside, std::span<const HoleTria
   std::vector<HoleTriangle> faces = patch.faces;
   faces.insert(faces.end(), around.begin(), around.end());
   // A point of the loop has a Laplacian where faces are all around it.
-  std::vector<char> is_row(inside, 1);
+  Flags is_row(inside, 1);
   std::vector<std::pair<HoleChord, Index>> open;
   for (const HoleTriangle& face : faces)
     for (int k = 0; k < 3; ++k) {

@@ -75,7 +75,7 @@ std::vector<Index> choose_kept(const Points& points) {
   std::vector<Index> order(n);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return weight[a] < weight[b]; });
-  std::vector<char> goes(n, 0);
+  Flags goes(n, 0);
   for (const Index k : order)
     if (!goes[(k + n - 1) % n] && !goes[(k + 1) % n]) goes[k] = 1;
   std::vector<Index> kept;
@@ -108,7 +108,7 @@ std::vector<HoleTriangle> refine_triangles(const CoarseLoop& coarse, Index fine_
                                            std::vector<HoleTriangle> triangles) {
   for (HoleTriangle& triangle : triangles)
     for (Index& corner : triangle) corner = coarse.kept[corner];
-  std::vector<char> is_kept(fine_size, 0);
+  Flags is_kept(fine_size, 0);
   for (const Index k : coarse.kept) is_kept[k] = 1;
   for (Index k = 0; k < fine_size; ++k) {
     if (is_kept[k]) continue;

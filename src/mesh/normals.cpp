@@ -11,6 +11,7 @@
 #include <meshgraft/core/parallel.h>
 
 #include "area_vector.h"
+#include "face_defects.h"
 #include "tangents.h"
 
 namespace meshgraft {
@@ -20,13 +21,6 @@ namespace {
 Eigen::Vector3d unit_or_zero(const Eigen::Vector3d& vector) {
   const double length = vector.stableNorm();
   return length > 0 && std::isfinite(length) ? Eigen::Vector3d(vector / length) : Eigen::Vector3d::Zero();
-}
-
-bool in_range(std::span<const Index> face, Index vertex_count) {
-  for (const Index v : face) {
-    if (v < 0 || v >= vertex_count) return false;
-  }
-  return true;
 }
 
 // The rotation (det +1) that takes a face's corners, centred, nearest to their new places.
@@ -51,12 +45,12 @@ Eigen::Matrix3d face_rotation(std::span<const Index> face, const Points& rest, c
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-std::vector<bool> moved_faces(const Mesh& mesh, const Points& rest) {
-  std::vector<bool> moved_vertex(mesh.vertex_count());
+Flags moved_faces(const Mesh& mesh, const Points& rest) {
+  Flags moved_vertex(mesh.vertex_count());
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     moved_vertex[v] = (mesh.positions.row(v).array() != rest.row(v).array()).any();
   }
-  std::vector<bool> moved(mesh.face_count(), false);
+  Flags moved(mesh.face_count(), false);
   for (Index f = 0; f < mesh.face_count(); ++f) {
     if (!in_range(mesh.faces[f], mesh.vertex_count())) continue;
     for (const Index v : mesh.faces[f]) moved[f] = moved[f] || moved_vertex[v];
@@ -80,10 +74,10 @@ Points sum_area_vectors(const Faces& faces, const Points& positions) {
 
 // A vertex normal is turned as the faces around it turn, weighted by their area: so a file keeps its own
 // weighting and its own side, and a small move changes it little.
-void update_vertex_normals(const Mesh& mesh, const Points& rest, const std::vector<bool>& moved,
+void update_vertex_normals(const Mesh& mesh, const Points& rest, const Flags& moved,
                            Attribute& normals) {
   Points sums = Points::Zero(mesh.vertex_count(), 3);
-  std::vector<bool> touched(mesh.vertex_count(), false);
+  Flags touched(mesh.vertex_count(), false);
   for (Index f = 0; f < mesh.face_count(); ++f) {
     if (!in_range(mesh.faces[f], mesh.vertex_count())) continue;
     const double area = area_vector(mesh.faces[f], mesh.positions).stableNorm();
@@ -101,7 +95,7 @@ void update_vertex_normals(const Mesh& mesh, const Points& rest, const std::vect
   }
 }
 
-void update_face_normals(const Mesh& mesh, const Points& rest, const std::vector<bool>& moved,
+void update_face_normals(const Mesh& mesh, const Points& rest, const Flags& moved,
                          Attribute& normals) {
   for (Index f = 0; f < mesh.face_count(); ++f) {
     auto value = value_of(normals, f);
@@ -115,12 +109,12 @@ void update_face_normals(const Mesh& mesh, const Points& rest, const std::vector
 
 // Corners of a vertex that share one normal form a smooth group. It keeps sharing: its new normal is the
 // area-weighted mean of the old one as each of its faces turns it.
-void update_corner_normals(const Mesh& mesh, const Points& rest, const std::vector<bool>& moved,
+void update_corner_normals(const Mesh& mesh, const Points& rest, const Flags& moved,
                            Attribute& normals) {
   std::vector<Index> face_of(mesh.faces.corner_count());
   IndexLists corners;  // per vertex
   corners.offsets.assign(static_cast<std::size_t>(mesh.vertex_count()) + 1, 0);
-  std::vector<bool> usable(mesh.face_count());
+  Flags usable(mesh.face_count());
   for (Index f = 0; f < mesh.face_count(); ++f) {
     usable[f] = in_range(mesh.faces[f], mesh.vertex_count());
     for (std::size_t c = 0; c < mesh.faces[f].size(); ++c) {
@@ -144,7 +138,7 @@ void update_corner_normals(const Mesh& mesh, const Points& rest, const std::vect
   }
 
   const Attribute old = normals;
-  std::vector<bool> done(mesh.faces.corner_count(), false);
+  Flags done(mesh.faces.corner_count(), false);
   std::vector<Index> group;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     for (const Index first : corners[v]) {
@@ -209,7 +203,7 @@ void update_normals(Mesh& mesh, const Points& rest) {
                                       " rows, the mesh has " + std::to_string(mesh.positions.rows()) +
                                       " vertices");
   }
-  const std::vector<bool> moved = moved_faces(mesh, rest);
+  const Flags moved = moved_faces(mesh, rest);
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.name != "normal" || attribute.components != 3) continue;
     if (attribute.domain == Domain::vertex) update_vertex_normals(mesh, rest, moved, attribute);

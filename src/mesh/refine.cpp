@@ -15,8 +15,8 @@ namespace {
 // The middle of two elements.
 EdgePoint midpoint_of(Index a, Index b) { return {a, b, 0.5}; }
 
-std::vector<bool> mark(Index vertex_count, std::span<const Index> vertices) {
-  std::vector<bool> marked(vertex_count, false);
+Flags mark(Index vertex_count, std::span<const Index> vertices) {
+  Flags marked(vertex_count, false);
   for (const Index v : vertices) {
     if (v < 0 || v >= vertex_count) {
       throw Error(ErrorCode::input, "index " + std::to_string(v) + " is not one of the " +
@@ -87,12 +87,12 @@ void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& 
 }  // namespace
 
 RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
-  const std::vector<bool> marked = mark(mesh.vertex_count(), vertices);
+  const Flags marked = mark(mesh.vertex_count(), vertices);
   return split_edges(mesh, [&](Index a, Index b) { return marked[a] && marked[b]; }, context);
 }
 
 RefineResult split_edges_at(const Mesh& mesh, std::span<const Index> vertices, const Context& context) {
-  const std::vector<bool> marked = mark(mesh.vertex_count(), vertices);
+  const Flags marked = mark(mesh.vertex_count(), vertices);
   return split_edges(mesh, [&](Index a, Index b) { return marked[a] || marked[b]; }, context);
 }
 

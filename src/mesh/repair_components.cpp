@@ -33,11 +33,11 @@ ConnectedComponents components_of(const RepairSurface& surface) {
 
 namespace {
 
-bool remove_components(RepairSurface& surface, const ConnectedComponents& components, const std::vector<char>& doomed,
+bool remove_components(RepairSurface& surface, const ConnectedComponents& components, const Flags& doomed,
                   const std::string& name, const std::string& one, const std::string& many) {
   const auto count = static_cast<Index>(std::count(doomed.begin(), doomed.end(), 1));
   if (count == 0) return false;
-  std::vector<char> faces(components.of_face.size());
+  Flags faces(components.of_face.size());
   std::vector<Index> given;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     faces[f] = doomed[components.of_face[f]];
@@ -68,7 +68,7 @@ bool remove_duplicate_shells(RepairSurface& surface) {
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](Index a, Index b) { return components.faces[a] > components.faces[b]; });
-  std::vector<char> covered(groups.size(), 0), doomed(components.faces.size(), 0);
+  Flags covered(groups.size(), 0), doomed(components.faces.size(), 0);
   for (const Index component : order) {
     const auto& own = groups_of[component];
     const auto lying = std::count_if(own.begin(), own.end(), [&](Index g) { return covered[g] != 0; });
@@ -87,7 +87,7 @@ bool remove_debris(RepairSurface& surface, double debris_rel) {
   const ConnectedComponents components = components_of(surface);
   const double most_faces = *std::max_element(components.faces.begin(), components.faces.end());
   const double largest_area = *std::max_element(components.area.begin(), components.area.end());
-  std::vector<char> doomed(components.faces.size(), 0);
+  Flags doomed(components.faces.size(), 0);
   for (std::size_t component = 0; component < doomed.size(); ++component)
     doomed[component] = components.faces[component] < debris_rel * most_faces && components.area[component] < debris_rel * largest_area;
   return remove_components(surface, components, doomed, "removed-debris", "small loose part was removed",

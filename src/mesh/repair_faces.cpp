@@ -15,7 +15,7 @@ bool remove_invalid(RepairSurface& surface) {
   std::vector<Index> bad_vertices;
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (!mesh.positions.row(v).allFinite()) bad_vertices.push_back(v);
-  std::vector<char> out_of_range(mesh.face_count(), 0), non_finite(mesh.face_count(), 0);
+  Flags out_of_range(mesh.face_count(), 0), non_finite(mesh.face_count(), 0);
   bool any_out = false, any_non_finite = false;
   for (Index f = 0; f < mesh.face_count(); ++f) {
     out_of_range[f] = !in_range(mesh, f);
@@ -73,7 +73,7 @@ std::vector<Corners> simple_faces(std::span<const Index> face, std::span<const E
 
 bool clean_corners(RepairSurface& surface) {
   const Faces& faces = surface.faces();
-  std::vector<char> degenerate(faces.size(), 0);
+  Flags degenerate(faces.size(), 0);
   bool any = false;
   for (Index f = 0; f < faces.size(); ++f) any |= (degenerate[f] = is_degenerate(faces[f])) != 0;
   if (!any) return false;
@@ -97,7 +97,7 @@ bool clean_corners(RepairSurface& surface) {
 }
 
 bool remove_duplicate_faces(RepairSurface& surface) {
-  std::vector<char> repeated(surface.faces().size(), 0);
+  Flags repeated(surface.faces().size(), 0);
   const auto groups = same_faces(surface.faces(), surface.mesh().vertex_count());
   for (const auto& group : groups)
     for (std::size_t k = 1; k < group.size(); ++k) repeated[group[k]] = 1;
@@ -116,7 +116,7 @@ bool remove_zero_area(RepairSurface& surface, bool may_split_edges) {
   constexpr double needle = 1e-6;  // shortest side over longest
   const Mesh& mesh = surface.mesh();
   DisjointSets sets(mesh.vertex_count());
-  std::vector<char> needles(mesh.face_count(), 0), caps(mesh.face_count(), 0);
+  Flags needles(mesh.face_count(), 0), caps(mesh.face_count(), 0);
   bool any_needle = false, any_cap = false;
   for (Index f = 0; f < mesh.face_count(); ++f) {
     const auto face = mesh.faces[f];
@@ -140,7 +140,7 @@ bool remove_zero_area(RepairSurface& surface, bool may_split_edges) {
     }
   }
   if (!any_needle && !any_cap) return false;
-  std::vector<char> both(needles.size());
+  Flags both(needles.size());
   for (std::size_t f = 0; f < both.size(); ++f) both[f] = needles[f] || caps[f];
   surface.report_faces("removed-zero-area-face", both, "face without area was removed",
                        "faces without area were removed");

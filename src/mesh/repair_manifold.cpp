@@ -71,7 +71,7 @@ bool part_fans(RepairSurface& surface) {
 // Where the faces of a crowded edge hang together around both its ends nothing can be parted: all but two go.
 bool thin_crowded_edges(RepairSurface& surface) {
   const EdgeTable& table = surface.edges();
-  std::vector<char> doomed(surface.faces().size(), 0);
+  Flags doomed(surface.faces().size(), 0);
   bool any = false;
   for (Index e = 0; e < table.edge_count(); ++e) {
     if (table.half_edges[e].size() < 3) continue;
@@ -95,7 +95,7 @@ bool split_non_manifold(RepairSurface& surface) {
 
 namespace {
 
-void turn_faces(RepairSurface& surface, const std::vector<char>& turn) {
+void turn_faces(RepairSurface& surface, const Flags& turn) {
   const Faces& faces = surface.faces();
   const RepairFaces& traced = surface.traced();
   RepairFaces turned;
@@ -122,8 +122,8 @@ struct OrientedComponent {
   Index contradictions = 0;  // and after turning: there are none on a surface with two sides
 };
 
-OrientedComponent follow_winding(const RepairSurface& surface, Index seed, std::vector<char>& reached,
-                         std::vector<char>& turn) {
+OrientedComponent follow_winding(const RepairSurface& surface, Index seed, Flags& reached,
+                         Flags& turn) {
   const EdgeTable& table = surface.edges();
   const Faces& faces = surface.faces();
   OrientedComponent component{.faces = {seed}};
@@ -151,8 +151,8 @@ OrientedComponent follow_winding(const RepairSurface& surface, Index seed, std::
 }
 
 // Faces to turn so that neighbours run alike, the fewer ones of each part.
-std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& contradictions) {
-  std::vector<char> turn(surface.faces().size(), 0), reached(surface.faces().size(), 0);
+Flags faces_against_the_rest(const RepairSurface& surface, Index& contradictions) {
+  Flags turn(surface.faces().size(), 0), reached(surface.faces().size(), 0);
   contradictions = 0;
   for (Index seed = 0; seed < surface.faces().size(); ++seed) {
     if (reached[seed]) continue;
@@ -172,7 +172,7 @@ std::vector<char> faces_against_the_rest(const RepairSurface& surface, Index& co
 bool unify_winding(RepairSurface& surface) {
   bool changed = false;
   Index contradictions = 0;
-  const std::vector<char> against = faces_against_the_rest(surface, contradictions);
+  const Flags against = faces_against_the_rest(surface, contradictions);
   if (contradictions > 0)
     surface.note(std::to_string(contradictions) + (contradictions == 1 ? " edge keeps" : " edges keep") +
                  " faces that are wound against each other: a surface with one side, as a Möbius strip "
@@ -185,7 +185,7 @@ bool unify_winding(RepairSurface& surface) {
   }
   const InwardComponents inward = inward_components(surface.mesh(), surface.edges(), surface.context());
   if (inward.components.empty()) return changed;
-  std::vector<char> turn(surface.faces().size(), 0);
+  Flags turn(surface.faces().size(), 0);
   std::vector<Index> given;
   for (Index f = 0; f < surface.faces().size(); ++f) {
     const auto face = surface.faces()[f];

@@ -13,6 +13,7 @@
 
 #include <meshgraft/core/parallel.h>
 
+#include "box_diagonal.h"
 #include "coincident.h"
 #include "repair_surface.h"
 #include "vertex_tree.h"
@@ -63,7 +64,7 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
 
 double weld_reach(const RepairSurface& surface, std::optional<double> distance) {
   constexpr double default_rel = 1e-6;
-  return distance ? *distance : default_rel * surface.box_diagonal();
+  return distance ? *distance : default_rel * box_diagonal_of_faces(surface.mesh());
 }
 
 namespace {
@@ -132,7 +133,7 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& x, const Candidate& y) { return x.score < y.score; });
   std::vector<std::pair<Index, Index>> pairs;
-  std::vector<char> taken(half_edges.size(), 0);
+  Flags taken(half_edges.size(), 0);
   for (const Candidate& candidate : candidates) {
     if (taken[candidate.i] || taken[candidate.k]) continue;
     pairs.emplace_back(half_edges[candidate.i], half_edges[candidate.k]);

@@ -10,6 +10,7 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/join.h>
 
+#include "area_vector.h"
 #include "face_defects.h"
 #include "traced_faces.h"
 
@@ -63,38 +64,13 @@ Index RepairSurface::face_of(Index corner) const {
   return face_of_[corner];
 }
 
-namespace {
-
-// Newell's: twice the area long.
-Eigen::RowVector3d face_area_vector(const Mesh& mesh, Index f) {
-  const auto face = mesh.faces[f];
-  Eigen::RowVector3d area = Eigen::RowVector3d::Zero();
-  if (face.empty()) return area;
-  const Eigen::RowVector3d origin = mesh.positions.row(face[0]);
-  for (std::size_t c = 2; c < face.size(); ++c)
-    area += (mesh.positions.row(face[c - 1]) - origin).cross(mesh.positions.row(face[c]) - origin);
-  return area;
-}
-
-}  // namespace
-
 Eigen::RowVector3d RepairSurface::face_normal(Index face) const {
-  const Eigen::RowVector3d area = face_area_vector(mesh_, face);
+  const Eigen::RowVector3d area = area_vector(mesh_.faces[face], mesh_.positions).transpose();
   const double length = area.stableNorm();
   return length > 0 ? Eigen::RowVector3d(area / length) : Eigen::RowVector3d::Zero();
 }
 
-double RepairSurface::face_area(Index face) const { return face_area_vector(mesh_, face).norm() / 2; }
-
-double RepairSurface::box_diagonal() const {
-  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Index v : mesh_.faces.corners()) {
-    if (!is_vertex_of(mesh_, v) || !mesh_.positions.row(v).allFinite()) continue;
-    low = low.cwiseMin(mesh_.positions.row(v));
-    high = high.cwiseMax(mesh_.positions.row(v));
-  }
-  return (low.array() <= high.array()).all() ? (high - low).stableNorm() : 0;
-}
+double RepairSurface::face_area(Index face) const { return area_vector(mesh_.faces[face], mesh_.positions).norm() / 2; }
 
 void RepairSurface::replace_faces(RepairFaces faces) {
   traced_ = std::move(faces);
@@ -103,7 +79,7 @@ void RepairSurface::replace_faces(RepairFaces faces) {
   face_of_.clear();
 }
 
-void RepairSurface::remove_faces(const std::vector<char>& doomed) {
+void RepairSurface::remove_faces(const Flags& doomed) {
   RepairFaces kept;
   for (Index f = 0; f < mesh_.face_count(); ++f)
     if (!doomed[f]) kept.keep(traced_, f);
@@ -161,7 +137,7 @@ void RepairSurface::report(const std::string& name, Domain domain, std::vector<I
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
 }
 
-void RepairSurface::report_faces(const std::string& name, const std::vector<char>& chosen,
+void RepairSurface::report_faces(const std::string& name, const Flags& chosen,
                                  const std::string& one, const std::string& many) {
   std::vector<Index> given;
   Index count = 0;
@@ -178,7 +154,7 @@ void RepairSurface::note(const std::string& sentence) {
 }
 
 std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairResult& result) {
-  std::vector<char> used(mesh_.vertex_count(), 0), had_face(given_.vertex_count(), 0);
+  Flags used(mesh_.vertex_count(), 0), had_face(given_.vertex_count(), 0);
   for (const Index v : mesh_.faces.corners())
     if (is_vertex_of(mesh_, v)) used[v] = 1;
   for (const Index v : given_.faces.corners())
@@ -262,9 +238,9 @@ void RepairSurface::turn_normals(Attribute& attribute, const RepairResult& resul
     Eigen::Map<Eigen::RowVector3d> normal(attribute.values.data() + 3 * std::ptrdiff_t{element});
     if (normal.dot(outward) < 0) normal = -normal;
   };
-  std::vector<char> touched(result.mesh.vertex_count(), 0);
+  Flags touched(result.mesh.vertex_count(), 0);
   for (Index f = 0; f < faces.size(); ++f) {
-    const Eigen::RowVector3d area = face_area_vector(result.mesh, f);
+    const Eigen::RowVector3d area = area_vector(result.mesh.faces[f], result.mesh.positions).transpose();
     if (attribute.domain == Domain::vertex) {
       for (const Index v : faces[f]) {
         side.row(v) += area;

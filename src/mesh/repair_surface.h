@@ -21,8 +21,8 @@ struct RepairFaces {
   Faces faces;
   std::vector<Index> origin;  ///< per face, the given mesh's face that it is (a piece of), or that it continues
   std::vector<EdgePoint> corner;  ///< per corner, between corners of the given mesh
-  std::vector<char> is_new;     ///< per face, whether it fills a hole
-  std::vector<char> is_turned;  ///< per face, whether it runs against the given one
+  Flags is_new;     ///< per face, whether it fills a hole
+  Flags is_turned;  ///< per face, whether it runs against the given one
 
   void add(std::span<const Index> face, std::span<const EdgePoint> corners, Index origin, bool is_new = false,
            bool is_turned = false);
@@ -55,11 +55,10 @@ class RepairSurface {
   /// Unit length; zero for a face without area.
   Eigen::RowVector3d face_normal(Index face) const;
   double face_area(Index face) const;
-  double box_diagonal() const;  ///< over the vertices of faces
 
   // Changes of the surface.
   void replace_faces(RepairFaces faces);
-  void remove_faces(const std::vector<char>& doomed);
+  void remove_faces(const Flags& doomed);
   /// Renames the vertices of all corners: `number[v]` for v. A vertex that gets another's name is united with
   /// it.
   void unite_vertices(DisjointSets& sets);
@@ -71,7 +70,7 @@ class RepairSurface {
   // What is told of it. Indices are of the surface as it is before the change.
   void report(const std::string& name, Domain domain, std::vector<Index> given_indices, Index count,
               const std::string& one, const std::string& many);
-  void report_faces(const std::string& name, const std::vector<char>& chosen, const std::string& one,
+  void report_faces(const std::string& name, const Flags& chosen, const std::string& one,
                     const std::string& many);
   void note(const std::string& sentence);
 

@@ -68,7 +68,7 @@ std::string SoundMesh::note() const {
 
 void SoundMesh::require_beyond(std::span<const Index> reach) const {
   if (!usable_) return;
-  std::vector<char> within(given_.vertex_count(), 0);
+  Flags within(given_.vertex_count(), 0);
   for (const Index v : reach)
     if (is_vertex_of(given_, v)) within[v] = 1;  // what does not exist is said where it is used
   // A finding may be of the one vertex that a face has beyond reach.

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include "area_vector.h"
+#include "face_defects.h"
 
 namespace meshgraft {
 
@@ -68,14 +69,14 @@ const double* normal_at(const Mesh& mesh, Index corner) {
 
 class TangentUpdate {
  public:
-  TangentUpdate(const Mesh& mesh, const Points& rest, const std::vector<bool>& moved)
+  TangentUpdate(const Mesh& mesh, const Points& rest, const Flags& moved)
       : mesh_(mesh), rest_(rest), moved_(moved) {}
 
   void update(Attribute& tangents) {
     const Attribute old = tangents;
     const bool of_corners = tangents.domain == Domain::corner;
     std::map<Key, Sum> sums;
-    const std::vector<bool> near = near_moved_vertices();
+    const Flags near = near_moved_vertices();
     for (Index f = 0; f < mesh_.face_count(); ++f) {
       const std::span<const Index> face = mesh_.faces[f];
       if (!near[static_cast<std::size_t>(f)]) continue;
@@ -116,33 +117,27 @@ class TangentUpdate {
   };
 
   /// Faces with a vertex that some moved face has: all that count for a tangent that changes.
-  std::vector<bool> near_moved_vertices() const {
-    std::vector<bool> touched(static_cast<std::size_t>(mesh_.vertex_count()), false);
+  Flags near_moved_vertices() const {
+    Flags touched(static_cast<std::size_t>(mesh_.vertex_count()), false);
     for (Index f = 0; f < mesh_.face_count(); ++f)
       if (moved_[static_cast<std::size_t>(f)])
         for (const Index v : mesh_.faces[f]) touched[static_cast<std::size_t>(v)] = true;
-    std::vector<bool> near(static_cast<std::size_t>(mesh_.face_count()), false);
+    Flags near(static_cast<std::size_t>(mesh_.face_count()), false);
     for (Index f = 0; f < mesh_.face_count(); ++f)
       near[static_cast<std::size_t>(f)] =
-          in_range(mesh_.faces[f]) &&
+          in_range(mesh_, f) &&
           std::ranges::any_of(mesh_.faces[f], [&](Index v) { return touched[static_cast<std::size_t>(v)]; });
     return near;
   }
 
-  bool in_range(std::span<const Index> face) const {
-    for (const Index v : face)
-      if (v < 0 || v >= mesh_.vertex_count()) return false;
-    return true;
-  }
-
   const Mesh& mesh_;
   const Points& rest_;
-  const std::vector<bool>& moved_;
+  const Flags& moved_;
 };
 
 }  // namespace
 
-void update_tangents(Mesh& mesh, const Points& rest, const std::vector<bool>& moved) {
+void update_tangents(Mesh& mesh, const Points& rest, const Flags& moved) {
   for (std::size_t a = 0; a < mesh.attributes.size(); ++a) {
     Attribute& attribute = mesh.attributes[a];
     if (attribute.name != "tangent" || attribute.components != 4 || attribute.domain == Domain::face) continue;

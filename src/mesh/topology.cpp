@@ -128,7 +128,7 @@ class BoundaryWalk {
   const EdgeTable& table_;
   std::vector<Index> boundary_;  // half-edges with one face, ascending
   std::vector<Index> by_tail_;   // the same by the vertex they leave
-  std::vector<bool> used_;
+  Flags used_;
 };
 
 // Rotates a loop to begin with its smallest vertex; one that passes there twice takes the smaller second one.
@@ -232,7 +232,7 @@ std::vector<std::vector<Index>> loops_of(const Mesh& mesh, const EdgeTable& tabl
 
 std::vector<Index> components_of(Index vertex_count, const EdgeTable& table, Index& components) {
   DisjointSets sets(vertex_count);
-  std::vector<bool> used(vertex_count, false);
+  Flags used(vertex_count, false);
   for (const auto& ends : table.ends) {
     sets.unite(ends[0], ends[1]);
     used[ends[0]] = used[ends[1]] = true;
@@ -301,7 +301,7 @@ TopologySummary summarise_topology(const Mesh& mesh) {
 
 std::vector<Index> grow_rings(std::span<const Index> seeds, int rings, const IndexLists& vertex_rings) {
   check_seeds(seeds, vertex_rings.size());
-  std::vector<bool> reached(vertex_rings.size(), false);
+  Flags reached(vertex_rings.size(), false);
   std::vector<Index> all;
   const auto reach = [&](Index v) {
     if (reached[v]) return;

@@ -20,8 +20,8 @@ Eigen::RowVector3d normal_between(const Eigen::RowVector3d& a, const Eigen::RowV
   return (a.dot(b) < opposite ? Eigen::RowVector3d(a - b) : Eigen::RowVector3d(a + b)).normalized();
 }
 
-std::vector<std::uint8_t> flags_or_all(const std::vector<std::uint8_t>& flags, Index count) {
-  return flags.empty() ? std::vector<std::uint8_t>(static_cast<std::size_t>(count), 1) : flags;
+Flags flags_or_all(const Flags& flags, Index count) {
+  return flags.empty() ? Flags(static_cast<std::size_t>(count), 1) : flags;
 }
 
 /// ℓ̄/ℓ, bounded: extreme ratios would drown all other rows in rounding.
@@ -106,7 +106,7 @@ AffineOperator::AffineOperator(const Points& points, const Triangles& triangles,
 
 /// FT05 equation 9: (D x)_i − M_i δ_i, with D applied `laplacian_order` times on both sides.
 void AffineOperator::build_laplacian_rows(const Points& points, const Triangles& triangles,
-                                          const OperatorOptions& options, const std::vector<std::uint8_t>& rows,
+                                          const OperatorOptions& options, const Flags& rows,
                                           const Context& context) {
   const auto n = static_cast<Index>(points.rows());
   const Eigen::Index node_count = nodes_.positions.rows();

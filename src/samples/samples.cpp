@@ -60,9 +60,9 @@ const Entry& find_entry(std::string_view name) {
 }
 
 // The triangles to keep: on the right side of the cut, and of the largest connected parts.
-std::vector<char> kept_triangles(const Surface& surface, const SculptedModel& model) {
+Flags kept_triangles(const Surface& surface, const SculptedModel& model) {
   const auto& triangles = surface.triangles;
-  std::vector<char> keep(triangles.size(), 0);
+  Flags keep(triangles.size(), 0);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (triangles[t][0] < 0) continue;
     keep[t] = !model.cut;
@@ -104,7 +104,7 @@ std::vector<char> kept_triangles(const Surface& surface, const SculptedModel& mo
   return keep;
 }
 
-Mesh to_mesh(const Surface& surface, const std::vector<char>& keep) {
+Mesh to_mesh(const Surface& surface, const Flags& keep) {
   std::vector<Index> number(surface.points.size(), -1);
   Index vertices = 0, faces = 0;
   for (std::size_t t = 0; t < keep.size(); ++t) {

@@ -39,7 +39,7 @@ struct MergeSide {
   /// The vertices that the merge removed, or that faces of the seam have.
   std::vector<Index> reached(const IndexMap& map, const Mesh& result,
                              const std::vector<Index>& new_faces) const {
-    std::vector<char> at_seam(result.vertex_count(), 0);
+    Flags at_seam(result.vertex_count(), 0);
     for (const Index face : new_faces)
       for (const Index v : result.faces[face]) at_seam[v] = 1;
     std::vector<Index> vertices;

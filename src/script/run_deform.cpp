@@ -73,7 +73,7 @@ struct Solution {
 // What a published method solves for: as `Deformer::free_vertices`.
 std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const VertexConstraint> constraints) {
   const Region& region = problem.deform.region;
-  std::vector<std::uint8_t> is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
+  Flags is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
   for (const Index v : region.vertices) is_free[v] = 1;
   for (const VertexConstraint& constraint : constraints)
     if (constraint.position) is_free[constraint.vertex] = 0;
@@ -162,7 +162,7 @@ Solution solve_by(const Options& deformer_options, const DeformProblem& problem,
 Index count_free_vertices(const DeformProblem& problem) {
   const Region& region = problem.deform.region;
   const bool whole = region.whole || region.vertices.empty();
-  std::vector<std::uint8_t> free(static_cast<std::size_t>(problem.rest.rows()), whole);
+  Flags free(static_cast<std::size_t>(problem.rest.rows()), whole);
   if (!whole)
     for (const Index v : region.vertices) free[v] = 1;
   for (const Index v : region.fixed) free[v] = 0;

@@ -26,7 +26,7 @@ struct Scene {
   Points rest;        ///< before the first deform step since the faces are what they are
   std::string label;  ///< the file or sample it came from
   Diagnostics diagnostics;
-  std::vector<std::uint8_t> was_free;  ///< per vertex, in any deform step
+  Flags was_free;  ///< per vertex, in any deform step
   bool is_cut = false;                 ///< by the edit: what lies at one place there was taken apart on purpose
   ProducedSets produced;
 };

@@ -12,6 +12,7 @@
 #include <meshgraft/core/parallel.h>
 #include <meshgraft/merge/pose_source.h>
 
+#include "mesh/box_diagonal.h"
 #include "mesh/vertex_tree.h"
 
 namespace meshgraft {
@@ -28,14 +29,6 @@ std::vector<Index> candidates_of(const SelectionContext& context) {
   for (Index v = 0; v < context.mesh.vertex_count(); ++v)
     if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
   return candidates;
-}
-
-// As that of the selection `mirror`.
-double box_diagonal(const Points& positions) {
-  Eigen::AlignedBox<double, 3> box;
-  for (const auto& point : positions.rowwise())
-    if (point.allFinite()) box.extend(point.transpose());
-  return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
 Eigen::RowVector3d image_of(const Eigen::Affine3d& reflection, const Points& points, Eigen::Index row) {
@@ -216,7 +209,7 @@ bool is_symmetric(const HandlePose& pose, const Handle& handle, const Points& re
     row_of[handle.vertices[k]] = static_cast<Eigen::Index>(k);
   const VertexTree tree(rest, handle.vertices);
   const Points& course = *pose.curve;
-  const double size = (course.colwise().maxCoeff() - course.colwise().minCoeff()).norm();
+  const double size = box_diagonal(course);
   return std::all_of(row_of.begin(), row_of.end(), [&](const auto& entry) {
     const auto partner = tree.nearest(image_of(reflection, rest, entry.first));
     const double off =

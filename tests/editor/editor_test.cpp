@@ -342,7 +342,7 @@ TEST(Editor, SettingsChangeTheOutcome) {
     outcomes.push_back(page.exact(page.ask({{"do", "settings"}, {"settings", settings}})["pose"]));
   for (std::size_t a = 0; a < outcomes.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) EXPECT_NE(outcomes[a], outcomes[b]) << a << " " << b;
-  EXPECT_EQ(page.refusal({{"do", "settings"}, {"settings", {{"stiffness", -1}}}})["place"],
+  EXPECT_EQ(page.refusal({{"do", "settings"}, {"settings", {{"stiffness", -1}}}})["location"],
             "edit: steps[0].settings.stiffness");
   EXPECT_EQ(page.ask({{"do", "state"}})["settings"]["density"], "ft05");
 }

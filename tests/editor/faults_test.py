@@ -121,7 +121,7 @@ def a_full_disk_is_told_and_leaves_the_earlier_file(folder):
         paint_top(page)
         page.ask(lift(1))
         error = page.refusal({"do": "save", "mesh": str(folder / "out.ply"), "overwrite": True})
-        assert error["code"] == "io" and "out.ply" in error["place"], error
+        assert error["code"] == "io" and "out.ply" in error["location"], error
         assert (folder / "out.ply").read_bytes() == b"the earlier file"
         assert page.ask({"do": "state"})["dirty"], "nothing was saved"
         assert height_of(page) == 1, "the work goes on"
@@ -144,7 +144,7 @@ def a_full_disk_for_the_journal_is_told_and_work_goes_on(folder):
         page.ask({"do": "open", "path": str(folder / "bar.ply")})
         paint_top(page)
         notice = page.event("notice")["error"]
-        assert notice["code"] == "io" and "meshgraft-session" in notice["place"], notice
+        assert notice["code"] == "io" and "meshgraft-session" in notice["location"], notice
         page.ask(lift(1))
         assert height_of(page) == 1
     return "told"

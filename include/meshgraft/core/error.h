@@ -24,7 +24,7 @@ int exit_status(ErrorCode code) noexcept;
 /// The code's name in reports, e.g. "unsolvable".
 std::string_view to_string(ErrorCode code) noexcept;
 
-/// The one exception type. A message has up to three parts, joined as "place: problem. remedy.".
+/// The one exception type. A message has up to three parts, joined as "location: problem. remedy.".
 class Error : public std::runtime_error {
  public:
   /// `problem` is a clause without a final full stop; `location` (a file, line, field or element) and `remedy`
@@ -36,7 +36,7 @@ class Error : public std::runtime_error {
   const std::string& location() const noexcept { return location_; }
   const std::string& remedy() const noexcept { return remedy_; }
 
-  /// The same error seen from further out: "outer: inner place".
+  /// The same error seen from further out: "outer: inner location".
   Error within(std::string_view outer) const;
 
  private:
@@ -45,5 +45,9 @@ class Error : public std::runtime_error {
   std::string location_;
   std::string remedy_;
 };
+
+/// Returns the exception that is being handled as an Error: lack of memory has the code memory, an error of the
+/// file system io, all others internal. Must be called in a catch block.
+Error current_error();
 
 }  // namespace meshgraft

@@ -19,6 +19,8 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// m×3, vertex indices, counter-clockwise seen from outside.
 using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
+/// One flag per element, 0 or 1. Bytes, so that threads may write neighbours.
+using Flags = std::vector<std::uint8_t>;
 
 /// Faces of any number of corners, stored one after another. Corner c of face f is element
 /// `offsets[f] + c` of `corners`; corner attributes use the same numbering.

@@ -38,10 +38,10 @@ class AffineOperator {
  public:
   /// Which rows and maps are wanted, as flags per vertex; empty = all.
   struct Extent {
-    std::vector<std::uint8_t> fitted;   ///< M_i is fitted to positions (else row i of H is empty)
-    std::vector<std::uint8_t> unknown;  ///< M_i is fitted or shared: its pairs have rows of E_R
-    std::vector<std::uint8_t> movable;  ///< may be moved off its plane by `ft05_noise`
-    std::vector<std::uint8_t> rows;     ///< has a row of E_L
+    Flags fitted;   ///< M_i is fitted to positions (else row i of H is empty)
+    Flags unknown;  ///< M_i is fitted or shared: its pairs have rows of E_R
+    Flags movable;  ///< may be moved off its plane by `ft05_noise`
+    Flags rows;     ///< has a row of E_L
     std::vector<Index> numbers;         ///< of the vertices in a larger mesh; the noise's sides follow them
   };
 
@@ -69,7 +69,7 @@ class AffineOperator {
 
  private:
   void build_laplacian_rows(const Points& points, const Triangles& triangles, const OperatorOptions& options,
-                            const std::vector<std::uint8_t>& rows, const Context& context);
+                            const Flags& rows, const Context& context);
   void build_smoothness_rows(const Points& normals, const OperatorOptions& options, const Context& context);
 
   IndexLists rings_;

@@ -311,12 +311,12 @@ export class Editor {
   tell(kind: Message["kind"], told: EngineError, more: Pick<Message, "of" | "offer"> = {}): void {
     const error = inPanelWords(told);
     const same = this.messages.value.some(
-      (told) => told.error.problem === error.problem && told.error.place === error.place,
+      (told) => told.error.problem === error.problem && told.error.location === error.location,
     );
     if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error, ...more }];
   }
-  note(problem: string, place = "", remedy = ""): void {
-    this.tell("note", { code: "usage", problem, place, remedy });
+  note(problem: string, location = "", remedy = ""): void {
+    this.tell("note", { code: "usage", problem, location, remedy });
   }
   dismiss(key: number): void {
     this.messages.value = this.messages.value.filter((message) => message.key !== key);

@@ -19,7 +19,7 @@ export function inSymmetryWords(error: EngineError): EngineError {
     return {
       ...error,
       problem: lostBy(problem) ?? "a vertex lacks a mirror image",
-      place: "",
+      location: "",
       remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance} each finds a partner; or hold something else.`,
     };
   }
@@ -28,14 +28,14 @@ export function inSymmetryWords(error: EngineError): EngineError {
     return {
       ...error,
       problem: lost ?? problem,
-      place: "",
+      location: "",
       remedy: "The model is not the same on both sides of this plane. Move the plane or choose another axis, under Symmetry.",
     };
   }
   if (problem.includes("overlaps its mirror image"))
-    return { ...error, place: "", remedy: "Keep it on one side of the plane, or move the plane under Symmetry." };
+    return { ...error, location: "", remedy: "Keep it on one side of the plane, or move the plane under Symmetry." };
   if (remedy.includes("symmetry.tolerance_rel"))
-    return { ...error, place: "", remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere." };
+    return { ...error, location: "", remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere." };
   return error;
 }
 

@@ -13,22 +13,22 @@ export function refusalOf(file: { name: string; size: number }): EngineError | u
     return {
       code: "usage",
       problem: `The file has ${formatBytes(file.size)}; more than ${formatBytes(uploadLimit)} are not sent through the browser`,
-      place: file.name,
+      location: file.name,
       remedy: "Open it from its folder: start `meshgraft edit` with the file, or with --folder and its folder.",
     };
-  if (file.size === 0) return { code: "input", problem: "The file is empty", place: file.name, remedy: "" };
+  if (file.size === 0) return { code: "input", problem: "The file is empty", location: file.name, remedy: "" };
   if (/\.json$/i.test(file.name))
     return {
       code: "usage",
       problem: "An edit file refers to models beside it, which the browser does not see",
-      place: file.name,
+      location: file.name,
       remedy: "Open it from its folder: start `meshgraft edit` with it, or browse the folders.",
     };
   if (!formats.some((format) => file.name.toLowerCase().endsWith(format)))
     return {
       code: "input",
       problem: "This kind of file cannot be opened",
-      place: file.name,
+      location: file.name,
       remedy: `Models are ${formats.join(", ")}.`,
     };
   return undefined;
@@ -54,7 +54,7 @@ export class Upload {
         reject({
           code: "io",
           problem: "The file could not be sent",
-          place: file.name,
+          location: file.name,
           remedy: "Look whether `meshgraft edit` still runs, and try again.",
         });
       request.onabort = () => resolve(undefined);
@@ -73,7 +73,7 @@ export class Upload {
     return {
       code: "io",
       problem: text === "" ? `The engine refused the file (${this.request.status})` : text,
-      place: this.file.name,
+      location: this.file.name,
       remedy: "",
     };
   }

@@ -99,7 +99,7 @@ function lost(): Refusal {
   return new Refusal({
     code: "io",
     problem: "the engine does not answer",
-    place: "",
+    location: "",
     remedy: "Look whether `meshgraft edit` still runs; this page connects again by itself.",
   });
 }

@@ -114,7 +114,7 @@ function TargetDialog(props: TargetProps) {
       {fault !== undefined && <p class="hint">{fault}</p>}
       {failure !== undefined && (
         <p class="failure" role="alert">
-          {sentence(failure.problem)}. {failure.remedy} {failure.place !== "" && <code>{failure.place}</code>}
+          {sentence(failure.problem)}. {failure.remedy} {failure.location !== "" && <code>{failure.location}</code>}
         </p>
       )}
     </Dialog>

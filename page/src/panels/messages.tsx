@@ -38,7 +38,7 @@ function Toast({ message: { kind, error, offer }, onClose }: { message: Message;
     return () => clearTimeout(timer);
   }, [isPassing]);
   const copy = async () => {
-    const lines = [error.problem, error.place, error.remedy].filter((line) => line !== "");
+    const lines = [error.problem, error.location, error.remedy].filter((line) => line !== "");
     await navigator.clipboard.writeText(lines.join("\n")).then(
       () => setCopied(true),
       () => setCopied(false),
@@ -54,7 +54,7 @@ function Toast({ message: { kind, error, offer }, onClose }: { message: Message;
       <Icon name={kind === "problem" ? "warning" : "note"} />
       <div class="toast-text">
         <strong>{sentence(error.problem)}</strong>
-        {error.place !== "" && <code>{error.place}</code>}
+        {error.location !== "" && <code>{error.location}</code>}
         {error.remedy !== "" && <p>{error.remedy}</p>}
         {offer !== undefined && (
           <Button

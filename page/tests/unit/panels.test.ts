@@ -8,7 +8,7 @@ import { applicable, backToUsual, fitting, settingsTable, type NumberSetting } f
 import { axisOfPlane, placeOf, planeAcross } from "../../src/app/mirror_plane";
 import { asPeopleSort, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
 import { refusalOf, uploadLimit } from "../../src/app/upload";
-import { inPanelWords, placeWords } from "../../src/app/error_words";
+import { inPanelWords, locationWords } from "../../src/app/error_words";
 import { sufficientTolerance, withTolerance } from "../../src/app/symmetry";
 import { asTyped } from "../../src/app/units";
 import { rangeWords, takes, Track } from "../../src/panels/ui/fields";
@@ -62,14 +62,14 @@ describe("what the engine says of symmetry", () => {
   const refused = {
     code: "input",
     problem: "3 of the 40 vertices of the handle 'left arm' have no vertex at their mirror image, the first is 17",
-    place: "steps[0].handles[0]",
+    location: "steps[0].handles[0]",
     remedy: "A 'symmetry.tolerance_rel' of 0.033 finds one for each; or leave them out.",
   } as EngineError;
   test("is told in the panels' words, with the tolerance that would do", () => {
     expect(sufficientTolerance(refused)).toBe(0.033);
     expect(inPanelWords(refused)).toMatchObject({
       problem: "3 of the 40 vertices of “left arm” lack a mirror image",
-      place: "",
+      location: "",
       remedy: expect.stringContaining("a tolerance of 0.033"),
     });
     const all = { ...refused, problem: refused.problem.replace("3 of the 40", "40 of the 40") };
@@ -88,10 +88,10 @@ describe("what the engine says of symmetry", () => {
     expect(sufficientTolerance({ ...refused, remedy: refused.remedy.replace("0.033", "1e-05") })).toBe(1e-5);
   });
   test("and of places, counted as the panel counts", () => {
-    expect(placeWords("edit: steps[1]")).toBe("Step 2");
-    expect(placeWords("edit: steps[0].handles[2].pose")).toBe("Step 1, handles[2].pose");
-    expect(placeWords("nose.json: steps[1]")).toBe("nose.json: steps[1]");
-    expect(placeWords("/models/bust.ply")).toBe("/models/bust.ply");
+    expect(locationWords("edit: steps[1]")).toBe("Step 2");
+    expect(locationWords("edit: steps[0].handles[2].pose")).toBe("Step 1, handles[2].pose");
+    expect(locationWords("nose.json: steps[1]")).toBe("nose.json: steps[1]");
+    expect(locationWords("/models/bust.ply")).toBe("/models/bust.ply");
   });
   test("is asked again with it", () => {
     expect(withTolerance({ do: "symmetry" }, 0.1, undefined)).toEqual([{ do: "symmetry", tolerance_rel: 0.1 }]);
@@ -149,7 +149,7 @@ describe("the status line", () => {
     expect(liveWords(set, { event: "live", stage: "ready", quality: "exact" }).text).toBe("Exact");
     expect(liveWords(set, { event: "live", stage: "ready", quality: "reduced" }).text).toBe("Quick preview");
     expect(liveWords(set, { event: "live", stage: "proxy-only" }).tone).toBe("warning");
-    const error = { code: "unsolvable" as const, problem: "nothing holds it", place: "", remedy: "Fix some." };
+    const error = { code: "unsolvable" as const, problem: "nothing holds it", location: "", remedy: "Fix some." };
     expect(liveWords(set, { event: "live", stage: "failed", error })).toEqual({ tone: "problem", text: "nothing holds it", explained: "Fix some." });
   });
   test("stages in common words, or their own", () => {

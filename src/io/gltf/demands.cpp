@@ -66,7 +66,7 @@ class DemandCollector {
 
  private:
   GltfDemand of_positions(const GltfElementMap& map) const {
-    GltfDemand demand{*channel_of("POSITION"), map.accessor, std::vector<bool>(map.vertex.size(), false), {}};
+    GltfDemand demand{*channel_of("POSITION"), map.accessor, Flags(map.vertex.size(), false), {}};
     const GltfAccessor accessor = resolve_accessor(root_, map.accessor, bytes_);
     for (std::size_t e = 0; e < map.vertex.size(); ++e) {
       if (map.vertex[e] < 0) continue;
@@ -136,7 +136,7 @@ class DemandCollector {
       return demand.accessor == accessor && demand.channel.semantic == channel.semantic;
     });
     if (known != demands.end()) return *known;
-    demands.push_back({channel, accessor, std::vector<bool>(count, false), {}});
+    demands.push_back({channel, accessor, Flags(count, false), {}});
     return demands.back();
   }
 

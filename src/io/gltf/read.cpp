@@ -325,7 +325,7 @@ class GltfReader {
     const auto components = static_cast<std::size_t>(of_corners.components);
     const std::vector<Index>& corners = mesh_.faces.corners();
     std::vector<double> values(static_cast<std::size_t>(mesh_.vertex_count()) * components, none);
-    std::vector<bool> seen(static_cast<std::size_t>(mesh_.vertex_count()), false);
+    Flags seen(static_cast<std::size_t>(mesh_.vertex_count()), false);
     for (std::size_t c = 0; c < corners.size(); ++c) {
       if (corners[c] >= mesh_.vertex_count()) continue;
       const auto v = static_cast<std::size_t>(corners[c]);

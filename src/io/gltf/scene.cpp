@@ -53,7 +53,7 @@ std::vector<std::size_t> children_of(const JsonView& owner, const char* key, std
 }
 
 std::vector<std::size_t> nodes_without_parent(const JsonView& root, std::size_t node_count) {
-  std::vector<bool> has_parent(node_count, false);
+  Flags has_parent(node_count, false);
   for (std::size_t n = 0; n < node_count; ++n)
     for (const std::size_t child : children_of(root.at("nodes").at(n), "children", node_count))
       has_parent[child] = true;
@@ -91,7 +91,7 @@ std::vector<GltfInstance> instances_of(const JsonView& root) {
     Eigen::Affine3d parent;
   };
   std::vector<Visit> open;  // a stack of our own: nodes may be nested deeper than the program's
-  std::vector<bool> seen(node_count, false);
+  Flags seen(node_count, false);
   const auto push = [&](const std::vector<std::size_t>& nodes, const Eigen::Affine3d& parent) {
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) open.push_back({*node, parent});
   };

@@ -114,7 +114,7 @@ SplitMesh split_mesh(const Mesh& mesh) {
     primitive.triangles.push_back(corners_of(mesh, face, {triangulation.triangles.row(t).data(), 3}));
   }
   VertexSplitter splitter(mesh);
-  std::vector<bool> used(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags used(static_cast<std::size_t>(mesh.vertex_count()), false);
   for (SplitObject& owner : split.objects) {
     for (SplitPrimitive& primitive : owner.primitives) {
       splitter.split(primitive);

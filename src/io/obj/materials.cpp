@@ -75,7 +75,7 @@ bool is_file(const fs::path& a, const fs::path& b) {
 std::vector<std::string> used_materials(const Mesh& mesh) {
   const Attribute* material = mesh.find_attribute(Domain::face, "material");
   if (material == nullptr) return {};
-  std::vector<bool> used(material->labels.size(), false);
+  Flags used(material->labels.size(), false);
   for (const double value : material->values)
     if (value >= 0 && value < static_cast<double>(used.size())) used[static_cast<std::size_t>(value)] = true;
   std::vector<std::string> names;

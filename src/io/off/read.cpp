@@ -98,7 +98,7 @@ class FaceColours {
 
  private:
   std::vector<double> colours_;  // red, green, blue, alpha
-  std::vector<bool> whole_;
+  Flags whole_;
   bool has_alpha_ = false;
   bool has_fractions_ = false;
 };

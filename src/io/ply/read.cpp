@@ -211,7 +211,7 @@ class PlyReader {
   /// Gives every scalar property that the mesh can carry an attribute: known groups first, then each of the
   /// others alone. Duplicates stay in the file only.
   void bind_scalars(const PlyElement& element, Domain domain, PlyTable& table) {
-    std::vector<bool> bound(element.properties.size(), false);
+    Flags bound(element.properties.size(), false);
     for (const PlyBinding& binding : table.bindings) bound[binding.property] = true;
 
     for (const NameGroup& group : name_groups) {

@@ -183,10 +183,10 @@ class StlComposer {
   void note_losses(std::vector<std::string>& notes) const {
     notes = left_out_notes(mesh_);
     note_unwritten(mesh_, "STL", {attribute_}, notes);
-    std::vector<char> used(static_cast<std::size_t>(mesh_.vertex_count()), 0);
+    Flags used(static_cast<std::size_t>(mesh_.vertex_count()), 0);
     for (const Index vertex : parts_.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = 1;
     const auto isolated = std::ranges::count(used, 0);
-    std::vector<char> covered(static_cast<std::size_t>(mesh_.face_count()), 0);
+    Flags covered(static_cast<std::size_t>(mesh_.face_count()), 0);
     for (const Index face : parts_.face) covered[static_cast<std::size_t>(face)] = 1;
     const auto dropped = std::ranges::count(covered, 0);
     Index polygons = 0;

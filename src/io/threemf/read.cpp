@@ -40,7 +40,7 @@ std::vector<ThreemfDocument::Source> match(const std::vector<ThreemfPart>& parts
   std::vector<std::size_t> order(parts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_partition(order, [&](std::size_t p) { return parts[p].items.empty(); });
-  std::vector<std::vector<bool>> taken;
+  std::vector<Flags> taken;
   for (const ThreemfPart& part : parts) taken.emplace_back(part.meshes.size(), false);
 
   const auto find_in = [&](std::size_t p, const ThreemfModel::Object& object) -> std::optional<std::size_t> {
@@ -237,7 +237,7 @@ Mesh read_threemf(std::string content, const std::string& name, const Context& c
     document->sources = match(document->scanned, model.objects);
   document->length_unit = model.unit;
   document->placements = model.placements;
-  std::vector<bool> used(model.objects.size(), false);
+  Flags used(model.objects.size(), false);
   for (const ThreemfModel::Placement& placement : model.placements) used[placement.object] = true;
   document->unplaced = static_cast<std::size_t>(std::ranges::count(used, false));
 

@@ -36,7 +36,7 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
   const double size = mesh.positions.size() == 0 ? 0 : mesh.positions.cwiseAbs().maxCoeff();
   std::vector<Points> positions;
   for (std::size_t k = 0; k < document.sources.size(); ++k) positions.push_back(document.vertices(k).positions);
-  std::vector<bool> decided(positions.size(), false);
+  Flags decided(positions.size(), false);
   Eigen::Index first = 0;
   for (const ThreemfModel::Placement& placement : document.placements) {
     const Points& old = document.vertices(placement.object).positions;
@@ -232,7 +232,7 @@ class ThreemfComposer {
     if (material_ != nullptr && colour_ != nullptr)
       notes.emplace_back(
           "a triangle of a 3MF file has a material or colours: those with a material lose their colours");
-    std::vector<bool> used(static_cast<std::size_t>(mesh_.vertex_count()), false);
+    Flags used(static_cast<std::size_t>(mesh_.vertex_count()), false);
     for (const Index v : mesh_.faces.corners()) used[static_cast<std::size_t>(v)] = true;
     const auto lonely = std::ranges::count(used, false);
     if (lonely > 0)

@@ -24,14 +24,14 @@ export function GraftReportView({ page }: { page: Page }) {
       </p>
     );
   if (report.error !== undefined) {
-    const { problem, place, remedy } = inPanelWords(report.error);
+    const { problem, location, remedy } = inPanelWords(report.error);
     const { value: proposed } = graft.proposed;
     return (
       <div class="graft-state failed" role="alert">
         <strong>
           <Icon name="warning" size={15} /> {sentence(problem)}
         </strong>
-        {place !== "" && <small>{place}</small>}
+        {location !== "" && <small>{location}</small>}
         {proposed === undefined && remedy !== "" && <span>{remedy}</span>}
         {proposed !== undefined && (
           <>
