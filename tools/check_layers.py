@@ -42,13 +42,13 @@ SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 # The only folder whose sources may use what not every operating system has, and what counts as that: headers,
-# functions that hide in standard headers, and paths.
+# functions and constants that hide in standard headers, and paths.
 PLATFORM = Path("src/core/platform")
 PLATFORM_HEADERS = re.compile(
     r"(arpa|bits|linux|mach|mach-o|net|netinet|sys)/|"
     r"(dirent|dlfcn|fcntl|io|poll|pthread|pwd|sched|semaphore|signal|spawn|syslog|termios|unistd|windows)\.h$")
 PLATFORM_FUNCTIONS = re.compile(
-    r"\b(fileno|fdopen|mkdtemp|mkstemp|popen|putenv|realpath|setenv|sigaction|unsetenv)\s*\(")
+    r"\b(fileno|fdopen|mkdtemp|mkstemp|popen|putenv|realpath|setenv|sigaction|unsetenv)\s*\(|\bM_PI\b")
 PLATFORM_PATHS = re.compile(r'"(/(?:dev|proc|sys)/[^"]*)"')
 STRING_OR_COMMENT = re.compile(r'("(?:\\.|[^"\\])*")|//.*')
 

@@ -3,22 +3,24 @@
 
     tools/check_licences.py [--root ROOT] BINARY…
 
-Every library that a binary is linked to, directly or through another one, and every header of another project that
-src, include or cli includes has to stand in the table's last column. No row of the library, the program or the page
-may be under the GPL or the LGPL; the rows of the system are the compiler's runtime and the C library. Prints each
-violation and exits with 1 if there are any.
+Every shared library that a binary is linked to, directly or through another one, and every header of another project
+that src, include or cli includes has to stand in the table's last column. No row of what is passed on may be under the
+GPL, but for the compiler's runtime with its exception, and none under the LGPL that is not linked dynamically. The
+packages of the page have the licences that its lock file names. Prints each violation and exits with 1 if there are any.
 """
 
 import argparse
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 INCLUDE = re.compile(r"^\s*#\s*include\s*<([^>]+)>")
-COPYLEFT = re.compile(r"\bA?L?GPL\b")
+GPL = re.compile(r"\bA?GPL")
+LGPL = re.compile(r"\bLGPL")
 RUNTIME_EXCEPTION = "with the runtime library exception"
-C_LIBRARY = "GNU C library"
+DYNAMICALLY = "linked dynamically"
 OURS = "meshgraft/"
 # Headers of C++ have no ending; those of C and POSIX have no folder, or one of these.
 SYSTEM_FOLDERS = ("sys/",)
@@ -49,11 +51,20 @@ def read_table(page):
 
 def check_rows(rows):
     for row in rows:
-        if not row.is_passed_on() or not COPYLEFT.search(row.licence):
-            continue
-        of_system = row.where == "system" and (RUNTIME_EXCEPTION in row.licence or row.project == C_LIBRARY)
-        if not of_system:
+        gpl = GPL.search(row.licence) and not (row.where == "system" and RUNTIME_EXCEPTION in row.licence)
+        lgpl = LGPL.search(row.licence) and DYNAMICALLY not in row.licence
+        if row.is_passed_on() and (gpl or lgpl):
             yield f"THIRD_PARTY.md: {row.project} is under {row.licence} and would be passed on ({row.where})"
+
+
+def check_page(root):
+    lock = root / "page" / "package-lock.json"
+    if not lock.exists():
+        return
+    for name, package in json.loads(lock.read_text(encoding="utf-8"))["packages"].items():
+        licence = package.get("license", "no licence")
+        if name and not package.get("dev") and (GPL.search(licence) or LGPL.search(licence) or "license" not in package):
+            yield f"page/package-lock.json: {name} is under {licence} and would be passed on"
 
 
 def is_of_system(header):
@@ -76,16 +87,22 @@ def check_includes(root, rows):
 
 def linked_libraries(binary):
     """Names as in the table, without their versions."""
-    output = subprocess.run(["ldd", str(binary)], capture_output=True, text=True, check=True).stdout
-    for line in output.splitlines():
-        if "not found" in line or "statically linked" in line:
-            continue
-        yield re.sub(r"\.so\b.*$", "", Path(line.split()[0]).name)
+    ldd = subprocess.run(["ldd", str(binary)], capture_output=True, text=True)
+    if ldd.returncode != 0:
+        raise ValueError(f"{binary}: ldd cannot read it: {(ldd.stderr or ldd.stdout).strip()}")
+    for line in ldd.stdout.splitlines():
+        if "statically linked" not in line:
+            yield re.sub(r"\.so\b.*$", "", Path(line.split()[0]).name)
 
 
 def check_binary(binary, rows):
     allowed = {name for row in rows if row.is_passed_on() for name in row.libraries}
-    for library in sorted(set(linked_libraries(binary)) - allowed):
+    try:
+        linked = set(linked_libraries(binary))
+    except ValueError as problem:
+        yield str(problem)
+        return
+    for library in sorted(linked - allowed):
         yield f"{binary}: THIRD_PARTY.md has no row for {library}, to which it is linked"
 
 
@@ -93,7 +110,7 @@ def check(root, binaries):
     rows = read_table((root / "THIRD_PARTY.md").read_text(encoding="utf-8"))
     if not rows:
         return ["THIRD_PARTY.md: no table"]
-    problems = [*check_rows(rows), *check_includes(root, rows)]
+    problems = [*check_rows(rows), *check_page(root), *check_includes(root, rows)]
     for binary in binaries:
         problems += check_binary(binary, rows)
     return problems

@@ -57,12 +57,12 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
                                           const Context& context) const {
   const AffineOperator& op = operators_->rows();
   const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
-  const auto bar_count = static_cast<Eigen::Index>(bars_.size());
+  const auto bar_count = static_cast<Eigen::Index>(edge_rows_.size());
   Columns rows(A_L_.rows(), m.cols());
   rows.topRows(laplacian.rows()) = laplacian;
   if (bar_count > 0) {
     auto bars = rows.middleRows(laplacian.rows(), bar_count);
-    bars = -multiply(bar_rows_, values.x, context);
+    bars = -multiply(stiffness_rows_, values.x, context);
     if (field.stretch.rows() > 0) add_stretch(field.stretch, bars);
   }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
@@ -76,9 +76,9 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
 
 void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const {
   const Points& points = operators_->rows().nodes().positions;
-  for (std::size_t b = 0; b < bars_.size(); ++b) {
-    const auto [i, j] = bars_[b].ends;
-    const Eigen::RowVector3d d = bars_[b].weight * (points.row(i) - points.row(j));
+  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
+    const auto [i, j] = edge_rows_[b].ends;
+    const Eigen::RowVector3d d = edge_rows_[b].weight * (points.row(i) - points.row(j));
     bars.row(static_cast<Eigen::Index>(b)) +=
         d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
   }
@@ -158,17 +158,17 @@ SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, c
   for (Index v = 0; v < n; ++v) of_maps.emplace_back(3 * v + axis, v, 1.0);
   along.setFromTriplets(of_maps.begin(), of_maps.end());
   const SparseRows smoothness = multiply(G_transposed_, multiply(coupling, along, context), context);
-  if (bars_.empty()) return smoothness;
+  if (edge_rows_.empty()) return smoothness;
   const Points& points = operators_->rows().nodes().positions;
-  for (std::size_t b = 0; b < bars_.size(); ++b) {
-    const auto [i, j] = bars_[b].ends;
-    const double half = bars_[b].weight * (points(i, axis) - points(j, axis)) / 2;
+  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
+    const auto [i, j] = edge_rows_[b].ends;
+    const double half = edge_rows_[b].weight * (points(i, axis) - points(j, axis)) / 2;
     of_bars.emplace_back(static_cast<int>(b), i, half);
     of_bars.emplace_back(static_cast<int>(b), j, half);
   }
-  SparseRows stretch(static_cast<Eigen::Index>(bars_.size()), n);
+  SparseRows stretch(static_cast<Eigen::Index>(edge_rows_.size()), n);
   stretch.setFromTriplets(of_bars.begin(), of_bars.end());
-  const SparseRows bars_transposed = transpose(multiply(bar_rows_, E_, context), context);
+  const SparseRows bars_transposed = transpose(multiply(stiffness_rows_, E_, context), context);
   return smoothness + multiply(bars_transposed, stretch, context);
 }
 

@@ -36,7 +36,7 @@ void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVe
     const PairReport& pair = report.pairs[p];
     sources.insert(sources.end(), pair.met.begin(), pair.met.end());
     pairs.resize(sources.size(), static_cast<Index>(p));
-    const std::vector<float> there = relative_to(offset, pair.line_points);
+    const std::vector<float> there = relative_to(offset, pair.target_points);
     line_points.insert(line_points.end(), there.begin(), there.end());
   }
   frame.add("line_sources", sources);

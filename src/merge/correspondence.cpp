@@ -45,7 +45,7 @@ std::vector<double> parameters_between(std::span<const Knot> knots, const LoopCu
     do {
       const double ahead = i == from.source ? 0 : source.length_between(from.source, i);
       parameters[i] = ahead == 0 ? from.target
-                            : target.place_at(target.arc(from.target) - ahead / source_length * target_length);
+                            : target.parameter_at(target.arc(from.target) - ahead / source_length * target_length);
       i = (i + 1) % source.size();
     } while (i != to.source);
   }

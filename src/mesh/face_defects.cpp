@@ -25,26 +25,51 @@ bool is_degenerate(std::span<const Index> face) {
   return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
 }
 
+namespace {
+
+constexpr double area_rel = 1e-12;
+constexpr double precision_rel = 4 * std::numeric_limits<double>::epsilon();  // of coordinates
+
+bool is_lost(double double_area, double longest, double precision) {
+  return double_area <= std::max(area_rel * longest, precision) * longest;
+}
+
+// A power of two that brings a length near 1, so that products of four lengths neither overflow nor underflow.
+double unit_scale(double length) {
+  constexpr int most = 1000;
+  return length > 0 && std::isfinite(length) ? std::ldexp(1, std::clamp(-std::ilogb(length), -most, most)) : 1;
+}
+
+}  // namespace
+
 bool has_no_area(std::span<const Index> face, const Points& positions) {
-  constexpr double area_rel = 1e-12;
-  constexpr double ulps = 4;
   const std::size_t n = face.size();
   const Eigen::RowVector3d origin = positions.row(face[0]);
+  double largest = 0, extent = 0;
+  for (const Index v : face) {
+    largest = std::max(largest, positions.row(v).cwiseAbs().maxCoeff());
+    extent = std::max(extent, (positions.row(v) - origin).cwiseAbs().maxCoeff());
+  }
+  const double scale = unit_scale(extent);
   Eigen::RowVector3d area = Eigen::RowVector3d::Zero();  // Newell's normal: twice the area
   double longest_squared = 0;
-  double largest = 0;
   Eigen::RowVector3d a = Eigen::RowVector3d::Zero();
   for (std::size_t c = 0; c < n; ++c) {
-    const Eigen::RowVector3d point = positions.row(face[c + 1 < n ? c + 1 : 0]);
-    const Eigen::RowVector3d b = point - origin;
+    const Eigen::RowVector3d b = scale * (positions.row(face[c + 1 < n ? c + 1 : 0]) - origin);
     area += a.cross(b);
     longest_squared = std::max(longest_squared, (b - a).squaredNorm());
-    largest = std::max(largest, point.cwiseAbs().maxCoeff());
     a = b;
   }
-  const double longest = std::sqrt(longest_squared);
-  const double precision = ulps * std::numeric_limits<double>::epsilon() * largest;
-  return area.norm() <= std::max(area_rel * longest, precision) * longest;
+  return is_lost(area.norm(), std::sqrt(longest_squared), precision_rel * largest * scale);
+}
+
+bool has_no_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double largest) {
+  Eigen::Vector3d u = b - a, v = c - a;
+  const double scale = unit_scale(std::max(u.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()));
+  u *= scale;
+  v *= scale;
+  const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()}));
+  return is_lost(u.cross(v).norm(), longest, precision_rel * largest * scale);
 }
 
 }  // namespace meshgraft

@@ -19,4 +19,7 @@ bool is_degenerate(std::span<const Index> face);
 /// lost in the precision of its coordinates (4 ulp of the largest one).
 bool has_no_area(std::span<const Index> face, const Points& positions);
 
+/// The same of a triangle, where `largest` is the largest absolute value of the coordinates.
+bool has_no_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double largest);
+
 }  // namespace meshgraft

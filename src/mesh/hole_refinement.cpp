@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -120,7 +121,7 @@ class Refinement {
         }
       std::sort(corners.begin(), corners.end());
       Flags touched(faces_.size(), 0);
-      std::vector<HoleChord> made;
+      std::set<HoleChord> made;
       for (std::size_t k = 0; k + 1 < corners.size(); ++k)
         if (corners[k].edge == corners[k + 1].edge && !touched[corners[k].face] &&
             !touched[corners[k + 1].face])
@@ -130,12 +131,12 @@ class Refinement {
   }
 
   void flip(const Corner& one, const Corner& other, const std::vector<Corner>& corners,
-            Flags& touched, std::vector<HoleChord>& made) {
+            Flags& touched, std::set<HoleChord>& made) {
     const Index a = faces_[one.face][one.corner], b = faces_[one.face][(one.corner + 1) % 3];
     const Index c = faces_[one.face][(one.corner + 2) % 3], d = faces_[other.face][(other.corner + 2) % 3];
     const auto [low, high] = std::minmax(c, d);
     const HoleChord edge{low, high};
-    if (c == d || is_there(edge, corners) || std::find(made.begin(), made.end(), edge) != made.end()) return;
+    if (c == d || is_there(edge, corners) || made.contains(edge)) return;
     const double before = std::min(smallest_angle(points_[a], points_[b], points_[c]),
                                    smallest_angle(points_[b], points_[a], points_[d]));
     const double after = std::min(smallest_angle(points_[a], points_[d], points_[c]),
@@ -144,7 +145,7 @@ class Refinement {
     faces_[one.face] = {a, d, c};
     faces_[other.face] = {d, b, c};
     touched[one.face] = touched[other.face] = 1;
-    made.push_back(edge);
+    made.insert(edge);
   }
 
   // Whether the two new triangles would look away from the old ones.

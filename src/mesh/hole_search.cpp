@@ -4,11 +4,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/parallel.h>
+
+#include "face_defects.h"
 
 namespace meshgraft {
 
@@ -17,7 +20,7 @@ namespace {
 using Direction = Eigen::Vector2d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double full_fold = 5;         // above the largest bend, which is 4
+constexpr double no_cap = 5;            // above the largest bend, which is 4
 constexpr double bend_floor = 2.5e-19;  // (5e-10 rad)²: bends below it are none
 constexpr double bend_rel = 1e-10;      // how far bends may differ and be equal
 constexpr double length_weight = 1e-13;  // of squared chords beside areas: settles what is equal
@@ -95,24 +98,22 @@ class Search {
   void measure_loop() {
     const Eigen::RowVector3d extent = loop_.points.colwise().maxCoeff() - loop_.points.colwise().minCoeff();
     size_squared_ = extent.squaredNorm();
-    precision_ = 4 * std::numeric_limits<double>::epsilon() * loop_.points.cwiseAbs().maxCoeff();
+    largest_ = loop_.points.cwiseAbs().maxCoeff();
     beyond_.assign(n_, Direction::Zero());
     if (loop_.beyond.rows() == 0) return;
     for (Index k = 0; k < n_; ++k) {
       const Eigen::Vector3d corner = loop_.beyond.row(k).transpose();
       const Eigen::Vector3d a = point(k), b = point((k + 1) % n_);
-      if (corner.allFinite() && !has_no_area(a, b, corner)) beyond_[k] = direction_to(sides_[k], corner);
+      if (corner.allFinite() && !is_flat(a, b, corner)) beyond_[k] = direction_to(sides_[k], corner);
     }
   }
 
   Eigen::Vector3d point(Index k) const { return loop_.points.row(k).transpose(); }
   bool is_loop_edge(Index side) const { return side < n_ - 1; }  // but the last, which has all inside
 
-  // As has_no_area of face_defects.h judges, so that a repair does not take the triangle out again.
-  bool has_no_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) const {
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    return (b - a).cross(c - a).norm() <= std::max(1e-12 * longest, precision_) * longest;
+  // A repair would take such a triangle out again.
+  bool is_flat(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) const {
+    return has_no_area(a, b, c, largest_);
   }
 
   Direction direction_to(const Side& side, const Eigen::Vector3d& corner) const {
@@ -142,7 +143,7 @@ class Search {
                                   neighbours[side.to].begin(), neighbours[side.to].end(),
                                   std::back_inserter(apexes));
             for (const Index apex : apexes) {
-              const bool flat = has_no_area(point(side.from), point(side.to), point(apex));
+              const bool flat = is_flat(point(side.from), point(side.to), point(apex));
               if (flat && !may_be_flat_) continue;
               const double here = flat ? 0 : bend(direction_to(side, point(apex)), beyond_[k]);
               least[k] = std::min(least[k], here);
@@ -159,8 +160,8 @@ class Search {
     if (least == infinity) return {};
     const double angle = 2 * std::asin(std::min(1.0, std::sqrt(least) / 2));
     for (double more = 0.05;; more *= 3) {
-      const bool last = angle + more >= M_PI;
-      const double cap = last ? full_fold : 4 * std::pow(std::sin((angle + more) / 2), 2);
+      const bool last = angle + more >= std::numbers::pi;
+      const double cap = last ? no_cap : 4 * std::pow(std::sin((angle + more) / 2), 2);
       const double largest = smallest_bend(least, cap);
       if (largest < infinity) return smallest_area(largest);
       if (last) return {};
@@ -168,7 +169,7 @@ class Search {
   }
 
   std::vector<HoleTriangle> least_area() {
-    return smallest_bend(full_fold, full_fold) < infinity ? smallest_area(full_fold)
+    return smallest_bend(no_cap, no_cap) < infinity ? smallest_area(no_cap)
                                                           : std::vector<HoleTriangle>{};
   }
 
@@ -261,7 +262,7 @@ class Search {
   template <class Below, class Join>
   void add_tip(Side& side, Tip tip, double cap, const Below& below, const Join& join) const {
     const Eigen::Vector3d from = point(side.from), to = point(side.to), apex = point(tip.apex);
-    const bool flat = has_no_area(from, to, apex);
+    const bool flat = is_flat(from, to, apex);
     if (flat && !may_be_flat_) return;
     const Direction none = Direction::Zero();
     const double left = below(tip.left, flat ? none : direction_to(sides_[tip.left], to));
@@ -347,7 +348,7 @@ class Search {
   const HoleLoop& loop_;
   const Context& context_;
   Index n_;
-  double size_squared_ = 0, precision_ = 0;
+  double size_squared_ = 0, largest_ = 0;
   double limit_ = 0;
   bool may_be_flat_ = false;
   std::vector<Side> sides_;  // the loop's edges first; the last of these, from 0 to n − 1, has all of the hole

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -282,6 +283,14 @@ std::vector<HoleTriangle> search_near(const HoleLoop& loop, const std::vector<Ho
   return {};
 }
 
+// The loop times a power of two, so that no product of lengths overflows or underflows.
+HoleLoop near_unit_size(const HoleLoop& loop) {
+  const double extent = (loop.points.rowwise() - loop.points.row(0)).cwiseAbs().maxCoeff();
+  if (!(extent > 0) || !std::isfinite(extent)) return loop;
+  const double scale = std::ldexp(1, std::clamp(-std::ilogb(extent), -1000, 1000));
+  return {scale * loop.points, scale * loop.beyond};
+}
+
 double largest_bend(const HoleLoop& loop, std::vector<HoleTriangle>& triangles) {
   return Folds(loop, {}, triangles).worst().second;
 }
@@ -309,11 +318,12 @@ std::vector<HoleTriangle> better(const HoleLoop& loop, std::vector<HoleTriangle>
 
 }  // namespace
 
-std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTriangulationOptions& options,
+std::vector<HoleTriangle> triangulate_hole(const HoleLoop& given, const HoleTriangulationOptions& options,
                                            const Context& context) {
-  const Index n = loop.size();
-  if (n < 3 || !loop.points.allFinite()) return {};
+  const Index n = given.size();
+  if (n < 3 || !given.points.allFinite()) return {};
   if (n == 3) return {{0, 1, 2}};
+  const HoleLoop loop = near_unit_size(given);
   std::vector<HoleChord> forbidden = options.forbidden;
   std::sort(forbidden.begin(), forbidden.end());
   if (n <= options.full_search)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -24,7 +26,19 @@ constexpr double default_area_rel = 0.005;  // of the part: a larger opening is 
 struct Hole {
   std::vector<Index> vertices;
   std::vector<Index> outside;  // the half-edge of the surface from vertices[k+1] to vertices[k]
+  /// Copies of vertices of the hole, with the index of those: where another hole touches it.
+  std::vector<std::pair<Index, Index>> copies;
+
+  std::map<Index, Index> index_of_vertices() const {
+    std::map<Index, Index> index;
+    for (Index k = 0; k < static_cast<Index>(vertices.size()); ++k) index[vertices[k]] = k;
+    for (const auto& [copy, k] : copies) index[copy] = k;
+    return index;
+  }
 };
+
+// Holes that are filled together or not at all: one, or several that touch each other in vertices.
+using TouchingHoles = std::vector<Hole>;
 
 double fan_area(const Points& positions, const std::vector<Index>& loop) {
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
@@ -36,45 +50,140 @@ double fan_area(const Points& positions, const std::vector<Index>& loop) {
   return area;
 }
 
-std::vector<Hole> find_holes(const RepairSurface& surface, std::optional<Index> most_edges) {
+// Where holes touch, a vertex was given a copy, which made one loop of them. Parts it there again: into loops
+// that pass each vertex, or copies of it, once. Loops are lists of half-edges along the boundary.
+std::vector<std::vector<Index>> parted_at_copies(const RepairSurface& surface, const std::vector<Index>& loop) {
+  const std::vector<Index>& corners = surface.faces().corners();
+  std::vector<std::vector<Index>> parts;
+  std::vector<Index> rest;
+  for (const Index half_edge : loop) {
+    const auto origin_of = [&](Index c) { return surface.vertex_origin(corners[c]); };
+    const Index origin = origin_of(half_edge);
+    const auto before = std::find_if(rest.begin(), rest.end(),
+                                     [&](Index c) { return origin >= 0 && origin_of(c) == origin; });
+    if (rest.end() - before > 2) {
+      parts.emplace_back(before, rest.end());
+      rest.erase(before, rest.end());
+    }
+    rest.push_back(half_edge);
+  }
+  if (rest.size() > 2) parts.push_back(std::move(rest));
+  return parts;
+}
+
+// A hole from the half-edges along it.
+Hole hole_along(const RepairSurface& surface, const std::vector<Index>& loop) {
+  const EdgeTable& table = surface.edges();
+  const std::vector<Index>& corners = surface.faces().corners();
+  const std::size_t n = loop.size();
+  Hole hole;
+  for (std::size_t k = 0; k < n; ++k) hole.vertices.push_back(corners[loop[n - 1 - k]]);
+  for (std::size_t k = 0; k < n; ++k) hole.outside.push_back(loop[(2 * n - 2 - k) % n]);
+  for (std::size_t k = 0; k < n; ++k)
+    if (const Index end = corners[table.next[loop[n - 1 - k]]]; end != hole.vertices[(k + n - 1) % n])
+      hole.copies.emplace_back(end, static_cast<Index>((k + n - 1) % n));
+  return hole;
+}
+
+// The holes to be filled. Counts loops within the limit whose border is no simple one in `unsound`.
+std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optional<Index> most_edges,
+                                      Index& unsound) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
   const auto limit = static_cast<std::size_t>(most_edges.value_or(default_edges));
-  std::vector<std::vector<Index>> loops = boundary_loops(surface.mesh());
-  std::erase_if(loops, [&](const auto& loop) { return loop.size() > limit; });
-  std::vector<Hole> holes;
+  const std::vector<std::vector<Index>> loops = boundary_loops(surface.mesh());
+  std::vector<TouchingHoles> holes;
   if (loops.empty()) return holes;
 
   std::vector<Index> leaving(surface.mesh().vertex_count(), -1);  // the boundary half-edge from each vertex
   for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
     if (table.next[c] >= 0 && table.is_boundary(c)) leaving[corners[c]] = c;
   const ConnectedComponents components = components_of(surface);
-  for (const auto& loop : loops) {
-    Hole hole;
-    const std::size_t n = loop.size();
+  const auto is_small = [&](const std::vector<Index>& loop) {
+    if (loop.size() > limit) return false;
+    const Index component = components.of_face[surface.face_of(loop.front())];
+    if (components.faces[component] < 2) return false;
+    std::vector<Index> vertices;
+    for (const Index c : loop) vertices.push_back(corners[c]);
+    return most_edges || fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
+  };
+  for (const std::vector<Index>& vertices : loops) {
+    std::vector<Index> loop;
+    for (const Index v : vertices) loop.push_back(leaving[v]);
     bool sound = true;
-    for (std::size_t k = 0; k < n && sound; ++k) {
-      const Index c = leaving[loop[k]];
-      sound = c >= 0 && corners[table.next[c]] == loop[(k + 1) % n];
-      hole.vertices.push_back(loop[n - 1 - k]);
+    for (std::size_t k = 0; k < loop.size() && sound; ++k)
+      sound = loop[k] >= 0 && corners[table.next[loop[k]]] == vertices[(k + 1) % vertices.size()];
+    if (!sound) {
+      unsound += loop.size() <= limit;
+      continue;
     }
-    if (!sound) continue;
-    for (std::size_t k = 0; k < n; ++k) hole.outside.push_back(leaving[hole.vertices[(k + 1) % n]]);
-    const Index component = components.of_face[surface.face_of(hole.outside[0])];
-    if (static_cast<std::size_t>(components.faces[component]) < n / 2 + 1 && components.faces[component] < 2)
-      continue;  // a lone face
-    if (!most_edges && fan_area(surface.positions(), loop) > default_area_rel * components.area[component]) continue;
-    holes.push_back(std::move(hole));
+    std::vector<std::vector<Index>> parts = parted_at_copies(surface, loop);
+    if (!std::all_of(parts.begin(), parts.end(), is_small)) parts = {loop};
+    if (!is_small(parts.front())) continue;
+    TouchingHoles touching;
+    for (const std::vector<Index>& part : parts) touching.push_back(hole_along(surface, part));
+    holes.push_back(std::move(touching));
   }
   return holes;
 }
+
+// The neighbours of vertices, from the faces that have them.
+class Surroundings {
+ public:
+  explicit Surroundings(const RepairSurface& surface)
+      : surface_(surface), first_(static_cast<std::size_t>(surface.mesh().vertex_count()) + 1, 0) {
+    const std::vector<Index>& corners = surface.faces().corners();
+    const auto is_vertex = [&](Index v) { return is_vertex_of(surface.mesh(), v); };
+    for (const Index v : corners)
+      if (is_vertex(v)) ++first_[static_cast<std::size_t>(v) + 1];
+    for (std::size_t v = 0; v + 1 < first_.size(); ++v) first_[v + 1] += first_[v];
+    corners_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
+      if (is_vertex(corners[c])) corners_[next[static_cast<std::size_t>(corners[c])]++] = c;
+  }
+
+  // The faces that have one of the vertices, ascending.
+  std::vector<Index> faces_at(const std::map<Index, Index>& vertices) const {
+    std::vector<Index> faces;
+    for (const auto& [v, k] : vertices)
+      for (const Index c : corners_at(v)) faces.push_back(surface_.face_of(c));
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    return faces;
+  }
+
+  // The mean length of the edges at a vertex.
+  double edge_length(Index vertex) const {
+    const EdgeTable& table = surface_.edges();
+    const std::vector<Index>& corners = surface_.faces().corners();
+    std::vector<Index> others;
+    for (const Index c : corners_at(vertex))
+      for (const Index neighbour : {table.next[c], table.previous[c]})
+        if (neighbour >= 0) others.push_back(corners[neighbour]);
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    double sum = 0;
+    for (const Index other : others) sum += (surface_.positions().row(vertex) - surface_.positions().row(other)).norm();
+    return sum / static_cast<double>(others.size());
+  }
+
+ private:
+  std::span<const Index> corners_at(Index v) const {
+    const auto k = static_cast<std::size_t>(v);
+    return std::span(corners_).subspan(first_[k], first_[k + 1] - first_[k]);
+  }
+
+  const RepairSurface& surface_;
+  std::vector<std::size_t> first_;
+  std::vector<Index> corners_;
+};
 
 // Chords of a hole that are edges of the surface, the smaller index first.
 std::vector<HoleChord> edges_across(const RepairSurface& surface, const Hole& hole) {
   const auto n = static_cast<Index>(hole.vertices.size());
   const auto& ends = surface.edges().ends;
-  std::map<Index, Index> index_in_hole;
-  for (Index k = 0; k < n; ++k) index_in_hole[hole.vertices[k]] = k;
+  const std::map<Index, Index> index_in_hole = hole.index_of_vertices();
   std::vector<HoleChord> chords;
   for (const auto& [vertex, k] : index_in_hole)
     for (auto edge = std::lower_bound(ends.begin(), ends.end(), std::array{vertex, Index{-1}});
@@ -113,34 +222,14 @@ HolePatch fan_over(const HoleLoop& loop) {
   return patch;
 }
 
-// Per vertex of the hole the mean length of its edges.
-std::vector<double> edge_lengths(const RepairSurface& surface, const Hole& hole) {
-  std::map<Index, std::pair<double, Index>> sums;
-  for (const Index v : hole.vertices) sums[v] = {0, 0};
-  for (const auto& [a, b] : surface.edges().ends) {
-    const auto first = sums.find(a), second = sums.find(b);
-    if (first == sums.end() && second == sums.end()) continue;
-    const double length = (surface.positions().row(a) - surface.positions().row(b)).norm();
-    for (const auto& end : {first, second})
-      if (end != sums.end()) end->second = {end->second.first + length, end->second.second + 1};
-  }
-  std::vector<double> lengths;
-  for (const Index v : hole.vertices) lengths.push_back(sums[v].first / static_cast<double>(sums[v].second));
-  return lengths;
-}
-
 // Moves the new vertices so that the surface around the hole goes on in it.
-void fair(const RepairSurface& surface, const Hole& hole, HolePatch& patch) {
-  std::map<Index, Index> row_of;
-  for (Index k = 0; k < static_cast<Index>(hole.vertices.size()); ++k) row_of[hole.vertices[k]] = k;
-  const std::map<Index, Index> of_loop = row_of;
+void fair(const RepairSurface& surface, const Surroundings& surroundings, const Hole& hole, HolePatch& patch) {
+  std::map<Index, Index> row_of = hole.index_of_vertices();
   std::vector<HoleTriangle> around;
   std::vector<Index> outside;
-  for (Index f = 0; f < surface.faces().size(); ++f) {
-    const auto face = surface.faces()[f];
-    if (std::none_of(face.begin(), face.end(), [&](Index v) { return of_loop.contains(v); })) continue;
+  for (const Index f : surroundings.faces_at(row_of)) {
     std::vector<Index> rows;
-    for (const Index v : face) {
+    for (const Index v : surface.faces()[f]) {
       const auto [entry, is_new] =
           row_of.try_emplace(v, static_cast<Index>(patch.points.rows()) + static_cast<Index>(outside.size()));
       if (is_new) outside.push_back(v);
@@ -155,7 +244,7 @@ void fair(const RepairSurface& surface, const Hole& hole, HolePatch& patch) {
 }
 
 // No faces where nothing can fill the hole.
-HolePatch fill(const RepairSurface& surface, const Hole& hole, HoleFill how) {
+HolePatch fill(const RepairSurface& surface, const Surroundings& surroundings, const Hole& hole, HoleFill how) {
   const auto beside = [&](Index k) { return surface.face_of(hole.outside[k]); };
   if (hole.vertices.size() == 3 && beside(0) == beside(1) && beside(1) == beside(2))
     return {};  // the other side of a lone face
@@ -168,9 +257,10 @@ HolePatch fill(const RepairSurface& surface, const Hole& hole, HoleFill how) {
   }
   if (how == HoleFill::plain) return patch;
   const HolePatch plain = patch;
-  patch = refine_hole(loop.points, plain.faces, {.scale = edge_lengths(surface, hole), .forbidden = forbidden},
-                      surface.context());
-  if (how == HoleFill::faired) fair(surface, hole, patch);
+  HoleRefinementOptions refinement{.forbidden = forbidden};
+  for (const Index v : hole.vertices) refinement.scale.push_back(surroundings.edge_length(v));
+  patch = refine_hole(loop.points, plain.faces, refinement, surface.context());
+  if (how == HoleFill::faired) fair(surface, surroundings, hole, patch);
   return have_area(patch) ? patch : plain;
 }
 
@@ -194,34 +284,62 @@ void add_patch(const RepairSurface& surface, const Hole& hole, const HolePatch& 
                origin, true);
 }
 
+// Makes one vertex of copies again, where the holes that touched there are closed.
+void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& copies) {
+  DisjointSets sets(surface.mesh().vertex_count());
+  std::vector<Index> given;
+  for (const auto& [copy, vertex] : copies) {
+    if (sets.root(copy) == sets.root(vertex)) continue;
+    sets.unite(copy, vertex);
+    given.push_back(surface.vertex_origin(copy));
+  }
+  const auto count = static_cast<Index>(given.size());
+  surface.report("rejoined-vertex", Domain::vertex, std::move(given), count,
+                 "copy of a vertex was joined with it again, between closed holes that touched there",
+                 "copies of vertices were joined with them again, between closed holes that touched there");
+  surface.unite_vertices(sets);
+}
+
 }  // namespace
 
 bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
   RepairFaces filled = surface.traced();
   std::vector<NewVertex> added;
   std::vector<Index> given;
-  Index count = 0, left = 0;
-  for (const Hole& hole : find_holes(surface, options.hole_edges)) {
+  std::vector<std::pair<Index, Index>> rejoined;  // copies with what they are copies of
+  Index count = 0, left = 0, unsound = 0;
+  const std::vector<TouchingHoles> holes = find_holes(surface, options.hole_edges, unsound);
+  const Surroundings surroundings(surface);
+  for (const TouchingHoles& touching : holes) {
     surface.context().throw_if_stopped();
-    const HolePatch patch = fill(surface, hole, options.hole_fill);
-    if (patch.faces.empty()) {
-      ++left;
+    std::vector<HolePatch> patches;
+    for (const Hole& hole : touching) patches.push_back(fill(surface, surroundings, hole, options.hole_fill));
+    if (std::any_of(patches.begin(), patches.end(), [](const HolePatch& patch) { return patch.faces.empty(); })) {
+      left += static_cast<Index>(touching.size());
       continue;
     }
-    add_patch(surface, hole, patch, filled, added);
-    ++count;
-    for (const Index v : hole.vertices)
-      if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
+    for (std::size_t k = 0; k < touching.size(); ++k) {
+      const Hole& hole = touching[k];
+      add_patch(surface, hole, patches[k], filled, added);
+      ++count;
+      for (const Index v : hole.vertices)
+        if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
+      for (const auto& [copy, index] : hole.copies) rejoined.emplace_back(copy, hole.vertices[index]);
+    }
   }
-  if (left > 0)
-    surface.note(std::to_string(left) + (left == 1 ? " hole was" : " holes were") +
-                 " not closed: no triangles fit.");
+  const auto note_left = [&](Index number, const std::string& why) {
+    if (number > 0)
+      surface.note(std::to_string(number) + (number == 1 ? " hole was" : " holes were") + " not closed: " + why);
+  };
+  note_left(left, "no triangles fit.");
+  note_left(unsound, "the faces around are not consistently oriented, or more than two meet in an edge.");
   if (count == 0) return false;
   surface.report("filled-hole", Domain::vertex, std::move(given), count,
                  "hole was closed (the vertices around it are named)",
                  "holes were closed (the vertices around them are named)");
   surface.add_vertices(added);
   surface.replace_faces(std::move(filled));
+  if (!rejoined.empty()) rejoin(surface, rejoined);
   return true;
 }
 

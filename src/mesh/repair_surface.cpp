@@ -12,6 +12,7 @@
 
 #include "area_vector.h"
 #include "face_defects.h"
+#include "fill_attributes.h"
 #include "traced_faces.h"
 
 namespace meshgraft {
@@ -289,6 +290,7 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
     }
     if (turned && is_normal(attribute)) turn_normals(result.mesh.attributes.back(), result);
   }
+  interpolate_in_fills(result.mesh, traced_.is_new, context_);
 }
 
 RepairResult RepairSurface::finish(bool remove_isolated) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
 
 #include "sculpture.h"
 

@@ -27,6 +27,14 @@ void require_distinct(std::span<const Method> methods) {
       throw Error(ErrorCode::usage, fmt::format("the method '{}' is given twice", to_string(*method)));
 }
 
+void require_deform_step(const EditFile& edit) {
+  if (std::none_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
+        return std::holds_alternative<DeformStep>(step.action);
+      }))
+    throw Error(ErrorCode::input, "no step deforms anything, so that methods have nothing to differ in",
+                edit.location);
+}
+
 // Progress that names the method, too.
 Context context_of(const Method& method, std::size_t number, std::size_t count, const Context& context) {
   Context own = context;
@@ -152,6 +160,7 @@ Json outcome_json(const MethodOutcome& outcome) {
 
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context) {
   require_distinct(methods);
+  require_deform_step(edit);
   Comparison comparison;
   comparison.edit = edit.location;
   const LoadedInputs inputs = load_inputs(edit, context);

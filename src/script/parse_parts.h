@@ -45,7 +45,7 @@ inline constexpr std::array<std::string_view, 15> deformer_fields = {
     "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
 DeformerOptions parse_deformer(const json::Object& fields);
 
-/// Edit files before version 0.2 call the backend `multifrontal` so. It is still read, and a note says so.
+/// The backend `multifrontal` has this name in older edit files, which are still read, with a note.
 inline constexpr std::string_view former_multifrontal = "cholmod";
 
 /// Refuses an element whose name an earlier one of its list has.

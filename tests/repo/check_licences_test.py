@@ -1,5 +1,6 @@
 """tools/check_licences.py on made-up tables and trees: it finds what it should, and nothing else."""
 
+import json
 import shutil
 import sys
 import tempfile
@@ -14,7 +15,7 @@ HEAD = "| project | licence | used for | where | libraries and headers |\n|---|-
 FMT = "| [fmt](https://fmt.dev) | MIT | text | library | `libfmt` `fmt/` |\n"
 SYSTEM = (
     "| GCC's runtime libraries | GPL-3.0+ with the runtime library exception | the runtime | system | `libgcc_s` |\n"
-    "| GNU C library | LGPL-2.1+ | the C library | system | `libc` `libm` `ld-linux-x86-64` `linux-vdso` |\n"
+    "| GNU C library | LGPL-2.1+, linked dynamically | the C library | system | `libc` `libm` `ld-linux-x86-64` `linux-vdso` |\n"
 )
 
 
@@ -48,11 +49,25 @@ class CheckLicences(unittest.TestCase):
         self.assertEqual(self.violations(HEAD + row), [])
 
     def test_gpl_is_refused_in_what_is_passed_on(self):
-        for licence in ("GPL-2.0+", "LGPL-3.0+", "AGPL-3.0", "MIT, GPL-2.0"):
+        for licence in ("GPL-2.0+", "GPLv2+", "LGPL-3.0+", "LGPL2.1", "AGPL-3.0", "MIT, GPL-2.0"):
             for where in ("library", "program, optional", "system"):
                 row = f"| x | {licence} | y | {where} | `libx` |\n"
                 self.assertEqual(len(self.violations(HEAD + row)), 1, (licence, where))
         self.assertEqual(self.violations(HEAD + SYSTEM), [])
+        self.assertEqual(self.violations(HEAD + "| x | MIT; a file LGPL-2.1+, linked dynamically | y | library | |\n"), [])
+
+    def test_packages_of_the_page_are_read_from_its_lock_file(self):
+        def lock(licence, **more):
+            return {"page/package-lock.json": json.dumps(
+                {"packages": {"": {}, "node_modules/x": {"license": licence, **more}}})}
+        self.assertEqual(self.violations(HEAD + FMT, lock("MIT")), [])
+        self.assertEqual(self.violations(HEAD + FMT, lock("GPL-3.0", dev=True)), [])
+        self.assertEqual(len(self.violations(HEAD + FMT, lock("GPL-3.0"))), 1)
+
+    def test_a_file_that_is_no_binary_is_named(self):
+        found = self.violations(HEAD + FMT, {"text": "text"}, binaries=[__file__])
+        self.assertEqual(len(found), 1)
+        self.assertIn("ldd cannot read it", found[0])
 
     def test_a_page_without_a_table_is_refused(self):
         self.assertEqual(self.violations("no table"), ["THIRD_PARTY.md: no table"])

@@ -41,7 +41,7 @@ struct RepairOptions {
   /// Boundary loops of at most this many edges are closed. Absent: 24, and only where the hole's area is at
   /// most 0.5 % of its part's: an opening that is meant stays. 0: none.
   std::optional<Index> hole_edges{};
-  /// How holes of more than three edges are filled.
+  /// How holes are filled.
   HoleFill hole_fill = HoleFill::plain;
   /// Vertices that no face has.
   bool remove_isolated = true;
