@@ -16,10 +16,11 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-double cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  constexpr double least = 1e-3, most = 1e3;  // so that the values stay between those around the hole
+// The clamped cotangent at a corner, for the edge opposite of it.
+double edge_weight(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  constexpr double most = 1e3;  // of slivers
   const double area = (a - apex).cross(b - apex).norm(), dot = (a - apex).dot(b - apex);
-  return std::clamp(area > 0 ? dot / area : most, least, most);
+  return std::clamp(area > 0 ? dot / area : most, -most, most);
 }
 
 // The new faces, with the vertices within and around them numbered apart.
@@ -59,7 +60,7 @@ class HarmonicFills {
     for (const Index first : fills.corners)
       for (Index k = 0; k < 3; ++k) {
         const Index a = mesh.faces.corners()[first + k], b = mesh.faces.corners()[first + (k + 1) % 3];
-        const double weight = cotangent(point(mesh.faces.corners()[first + (k + 2) % 3]), point(a), point(b));
+        const double weight = edge_weight(point(mesh.faces.corners()[first + (k + 2) % 3]), point(a), point(b));
         for (const auto& [v, w] : {std::pair{a, b}, std::pair{b, a}}) {
           const Index row = fills.row[static_cast<std::size_t>(v)];
           if (row < 0) continue;

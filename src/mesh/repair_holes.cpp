@@ -85,7 +85,7 @@ Hole hole_along(const RepairSurface& surface, const std::vector<Index>& loop) {
   return hole;
 }
 
-// The holes to be filled. Counts loops within the limit whose border is no simple one in `unsound`.
+// The holes to be filled. Counts loops within a given limit whose border is no simple one in `unsound`.
 std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optional<Index> most_edges,
                                       Index& unsound) {
   const EdgeTable& table = surface.edges();
@@ -114,7 +114,7 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
     for (std::size_t k = 0; k < loop.size() && sound; ++k)
       sound = loop[k] >= 0 && corners[table.next[loop[k]]] == vertices[(k + 1) % vertices.size()];
     if (!sound) {
-      unsound += loop.size() <= limit;
+      unsound += most_edges && loop.size() <= limit;
       continue;
     }
     std::vector<std::vector<Index>> parts = parted_at_copies(surface, loop);

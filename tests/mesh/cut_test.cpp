@@ -524,7 +524,7 @@ TEST(CutAlongLoop, RefusesWhatIsNoLoop) {
   EXPECT_NE(message(sphere, {0, 1, 0}).find("twice"), std::string::npos);
   EXPECT_NE(message(sphere, {0, 1, 5000}).find("5000"), std::string::npos);
   const Mesh two = shapes::together({sphere, sphere});
-  EXPECT_NE(message(two, {0, 1, sphere.vertex_count()}).find("no way"), std::string::npos);
+  EXPECT_NE(message(two, {0, 1, sphere.vertex_count()}).find("no path"), std::string::npos);
   const Mesh sheet = shapes::grid(10, 10, true);
   const auto at = [](int x, int y) { return static_cast<Index>(11 * y + x); };
   EXPECT_NE(message(sheet, {at(0, 5), at(5, 2), at(5, 8)}).find("boundary"), std::string::npos);

@@ -1,9 +1,11 @@
 #include <meshgraft/mesh/repair.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -298,6 +300,88 @@ TEST(Repair, EndsForAnyFaces) {
       EXPECT_EQ(finding.severity, Severity::note) << finding.name << ": " << finding.description;
     EXPECT_FALSE(repair(result.mesh).changed());
     if (HasFailure()) break;
+  }
+}
+
+// A flat grid of triangles, n×n cells of side 1/n, without the faces at some of its vertices.
+Mesh grid_without(Index n, const std::set<std::array<Index, 2>>& holes) {
+  Mesh mesh;
+  mesh.positions.resize((n + 1) * (n + 1), 3);
+  Attribute uv{.name = "uv", .domain = Domain::vertex, .components = 2};
+  for (Index j = 0; j <= n; ++j)
+    for (Index i = 0; i <= n; ++i) {
+      mesh.positions.row(j * (n + 1) + i) << double(i) / n, double(j) / n, 0;
+      uv.values.insert(uv.values.end(), {double(i) / n, double(j) / n});
+    }
+  mesh.attributes.push_back(uv);
+  const auto add = [&](std::array<std::array<Index, 2>, 3> face) {
+    if (std::any_of(face.begin(), face.end(), [&](const auto& at) { return holes.contains(at); })) return;
+    std::array<Index, 3> corners;
+    for (std::size_t c = 0; c < 3; ++c) corners[c] = face[c][1] * (n + 1) + face[c][0];
+    mesh.faces.push_back(corners);
+  };
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      add({{{i, j}, {i + 1, j}, {i + 1, j + 1}}});
+      add({{{i, j}, {i + 1, j + 1}, {i, j + 1}}});
+    }
+  return mesh;
+}
+
+double total_area(const Mesh& mesh) {
+  const Triangles triangles = triangulate(mesh).triangles;
+  double area = 0;
+  for (const auto& t : triangles.rowwise()) {
+    const Eigen::RowVector3d a = mesh.positions.row(t[0]);
+    area += (mesh.positions.row(t[1]) - a).cross(mesh.positions.row(t[2]) - a).norm() / 2;
+  }
+  return area;
+}
+
+// Filled as one loop, triangles would cross the faces at the common vertex.
+TEST(RepairHoles, ThatTouchInAVertexAreClosedOneByOne) {
+  using Vertices = std::set<std::array<Index, 2>>;
+  const Vertices two{{4, 4}, {6, 6}}, three{{4, 4}, {6, 6}, {8, 8}};
+  for (const HoleFill fill : {HoleFill::plain, HoleFill::refined, HoleFill::faired})
+    for (const Vertices& holes : {two, three}) {
+      const Mesh mesh = grid_without(12, holes);
+      const RepairResult result = repair(mesh, {.hole_edges = 20, .hole_fill = fill});
+      const TopologySummary topology = summarise_topology(result.mesh);
+      EXPECT_TRUE(topology.manifold && topology.oriented);
+      EXPECT_EQ(topology.boundary_loops, 1);
+      EXPECT_NEAR(total_area(result.mesh), 1, 1e-9);
+      EXPECT_EQ(check_mesh(result.mesh).find("duplicate-vertex"), nullptr);
+      ASSERT_NE(result.find("rejoined-vertex"), nullptr);
+      EXPECT_EQ(result.find("rejoined-vertex")->count, static_cast<Index>(holes.size()) - 1);
+      EXPECT_FALSE(repair(result.mesh, {.hole_edges = 20, .hole_fill = fill}).changed());
+    }
+}
+
+// A harmonic function of linear values around a flat hole is that linear function.
+TEST(RepairHoles, TakeLinearAttributesAsTheyRunAround) {
+  std::set<std::array<Index, 2>> hole;
+  for (Index j = 8; j <= 16; ++j)
+    for (Index i = 8; i <= 16; ++i) hole.insert({i, j});
+  for (const HoleFill fill : {HoleFill::refined, HoleFill::faired}) {
+    const RepairResult result = repair(grid_without(24, hole), {.hole_edges = 60, .hole_fill = fill});
+    const Attribute* uv = result.mesh.find_attribute(Domain::vertex, "uv");
+    ASSERT_NE(uv, nullptr);
+    EXPECT_GT(result.mesh.vertex_count(), 25 * 25 - 81 + 20);
+    for (Index v = 0; v < result.mesh.vertex_count(); ++v)
+      for (Index k = 0; k < 2; ++k)
+        EXPECT_NEAR(uv->values[static_cast<std::size_t>(2 * v + k)], result.mesh.positions(v, k), 1e-6) << v;
+  }
+}
+
+TEST(RepairHoles, AreClosedInAnyUnit) {
+  const Mesh sheet = grid_without(12, {{4, 4}, {8, 7}});
+  const RepairResult expected = repair(sheet, {.hole_edges = 20});
+  for (const double unit : {1e-140, 1e-80, 1e80, 1e140}) {
+    Mesh scaled = sheet;
+    scaled.positions *= unit;
+    const RepairResult result = repair(scaled, {.hole_edges = 20});
+    EXPECT_EQ(result.mesh.face_count(), expected.mesh.face_count()) << unit;
+    EXPECT_EQ(result.changes.size(), expected.changes.size()) << unit;
   }
 }
 
