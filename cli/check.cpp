@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/script/report.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/script/report.h>
 
 #include "commands.h"
 #include "findings.h"
@@ -50,9 +50,9 @@ bool is_sound(const Mesh& mesh, const Diagnostics& diagnostics, const std::vecto
 
 Uses uses_of(const Mesh& mesh, const Diagnostics& diagnostics) {
   Uses uses;
-  const bool refused = std::any_of(diagnostics.findings.begin(), diagnostics.findings.end(), [](const Finding& finding) {
-    return finding.severity == Severity::refused;
-  });
+  const bool refused =
+      std::any_of(diagnostics.findings.begin(), diagnostics.findings.end(),
+                  [](const Finding& finding) { return finding.severity == Severity::refused; });
   const bool has_faces = mesh.face_count() > 0;
   uses.deform = has_faces && !refused;
   uses.deform_beyond = has_faces && refused;

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/script/compare.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/compare.h>
 
 #include "choices.h"
 #include "commands.h"

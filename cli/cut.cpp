@@ -12,9 +12,9 @@
 #include <meshgraft/core/version.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/diagnostics.h>
 
 #include "choices.h"
 #include "commands.h"

@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/script/edit_file.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/edit_file.h>
 
 #include "choices.h"
 #include "outputs.h"

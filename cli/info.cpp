@@ -11,10 +11,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include <meshgraft/script/report.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/script/report.h>
 
 #include "commands.h"
 #include "findings.h"

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/run_edit.h>
-#include <meshgraft/io/mesh_io.h>
 
 #include "choices.h"
 #include "commands.h"
@@ -227,7 +227,7 @@ Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
     const std::size_t inner = location.find(": ", inputs.size());
     const bool of_source = location.substr(inputs.size()).starts_with("source");
     location = inner != std::string::npos ? location.substr(inner + 2)
-                                       : (of_source ? arguments.source : arguments.target).string();
+                                          : (of_source ? arguments.source : arguments.target).string();
   } else if (location.starts_with(steps)) {
     location.erase(0, steps.size());
     std::string field = location.substr(0, location.find(": "));

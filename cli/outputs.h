@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/run_edit.h>
 
 namespace meshgraft::cli {
 

@@ -10,10 +10,10 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/version.h>
-#include <meshgraft/script/report.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/repair.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/repair.h>
+#include <meshgraft/script/report.h>
 
 #include "choices.h"
 #include "commands.h"

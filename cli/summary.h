@@ -1,7 +1,7 @@
 #pragma once
 
-#include <meshgraft/script/report.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/script/report.h>
 
 namespace meshgraft::cli {
 

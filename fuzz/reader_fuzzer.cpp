@@ -7,8 +7,8 @@
 #include <string>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/topology.h>
 
 #include "io/format.h"
 

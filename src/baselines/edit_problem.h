@@ -23,8 +23,8 @@ namespace meshgraft::baselines {
 struct EditProblem {
   Patch patch;  ///< empty where nothing is free
   IndexLists faces_around, rings;
-  Flags known;          ///< position is known
-  Flags oriented;       ///< local transform is known
+  Flags known;                              ///< position is known
+  Flags oriented;                           ///< local transform is known
   std::vector<Eigen::Matrix3d> transforms;  ///< where it is, else I
   Points start;  ///< known vertices in place; free ones at rest, moved by the known ones' mean displacement
 

@@ -62,7 +62,8 @@ Error current_error() {
   } catch (const Error& error) {
     return error;
   } catch (const std::bad_alloc&) {
-    return {ErrorCode::memory, "there is not enough memory", {}, "Close other programs, or take a smaller mesh"};
+    return {
+        ErrorCode::memory, "there is not enough memory", {}, "Close other programs, or take a smaller mesh"};
   } catch (const std::filesystem::filesystem_error& error) {
     return {ErrorCode::io, error.code().message(), error.path1().string()};
   } catch (const std::exception& error) {

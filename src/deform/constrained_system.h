@@ -169,7 +169,7 @@ class ConstrainedSystem {
     double weight;
   };
   std::vector<EdgeRow> edge_rows_;
-  SparseRows stiffness_rows_;                 ///< rows × nodes
+  SparseRows stiffness_rows_;           ///< rows × nodes
   std::vector<Anchor> anchors_;         ///< on vertices whose position is unknown
   std::vector<double> anchor_weights_;  ///< of their rows
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;

@@ -69,8 +69,8 @@ bool any_wound_against(Index vertex_count, const Triangles& triangles, const Con
   return found;
 }
 
-/// Turns faces over until any two that meet in an edge of their own are consistently oriented: normals are sums over
-/// faces and would cancel. Each component keeps its first face; where there is no consistent winding (a
+/// Turns faces over until any two that meet in an edge of their own are consistently oriented: normals are sums
+/// over faces and would cancel. Each component keeps its first face; where there is no consistent winding (a
 /// Möbius strip) some edges stay as they are. A consistently wound patch is not touched.
 void wind_alike(Triangles& triangles) {
   std::vector<HalfEdge> edges;

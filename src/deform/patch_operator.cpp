@@ -28,9 +28,8 @@ Flags flag_active(const KnownParts& known) {
   return active;
 }
 
-AffineOperator::Extent extent_of(const CutPatch& cut, const KnownParts& known,
-                                 const Flags& active, const IndexLists& rings,
-                                 int laplacian_order) {
+AffineOperator::Extent extent_of(const CutPatch& cut, const KnownParts& known, const Flags& active,
+                                 const IndexLists& rings, int laplacian_order) {
   const Index n = cut.patch.size();
   AffineOperator::Extent extent;
   extent.fitted.resize(static_cast<std::size_t>(n));
@@ -89,8 +88,8 @@ KnownParts CutPatch::known_parts(const VertexStates& states) const {
   return known;
 }
 
-std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active,
-                                     const IndexLists& rings, const Context& context) {
+std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, const IndexLists& rings,
+                                     const Context& context) {
   const Patch& patch = cut.patch;
   std::vector<Index> centres;
   for (Index v = 0; v < patch.size(); ++v)

@@ -55,8 +55,8 @@ struct PatchPart {
 };
 
 /// Nothing where the part is all of the patch.
-std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active,
-                                     const IndexLists& rings, const Context& context);
+std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, const IndexLists& rings,
+                                     const Context& context);
 
 /// The rows of the energy over a patch.
 class PatchOperator {

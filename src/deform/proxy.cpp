@@ -13,10 +13,10 @@
 #include <meshgraft/operators/laplacian.h>
 
 #include "../core/stopwatch.h"
-#include "tangential_relaxation.h"
 #include "proxy_domain.h"
 #include "region_states.h"
 #include "skin.h"
+#include "tangential_relaxation.h"
 
 namespace meshgraft {
 
@@ -130,7 +130,7 @@ void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& 
   Stopwatch watch;
   context.step("decimate", 0);
   const ProxyDomain domain = make_proxy_domain(rest, triangles, states, holders.of_vertex,
-                                         options.deformer.operators.laplacian_order, wanted, context);
+                                               options.deformer.operators.laplacian_order, wanted, context);
   summary.spacing = domain.spacing;
   summary.decimate_seconds = watch.seconds();
   if (domain.unknown_vertices == 0) return;
@@ -274,8 +274,8 @@ std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> a
   Points proxy_points(static_cast<Eigen::Index>(proxy.vertices.size()), 3);
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
     proxy_points.row(static_cast<Eigen::Index>(k)) = domain.points.row(proxy.vertices[k]);
-  const std::vector<double> proxy_lengths =
-      mean_edge_lengths(proxy_points, vertex_rings(static_cast<Index>(proxy_points.rows()), proxy.triangles, context));
+  const std::vector<double> proxy_lengths = mean_edge_lengths(
+      proxy_points, vertex_rings(static_cast<Index>(proxy_points.rows()), proxy.triangles, context));
   struct Pull {
     double squared_weight = 0;
     Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
@@ -333,8 +333,8 @@ void ProxyDeformer::Impl::make_deformer(const VertexStates& states, const Holder
       constraint.position = rest.row(constrained.vertex[need.constraint]).transpose();
     if (constrained.gives_transform[need.constraint]) constraint.transform = Eigen::Matrix3d::Identity();
   }
-  deformer = Deformer::with_constraints(proxy_points, proxy_triangles, region, constraints, anchors, proxy_features,
-                                        options, context);
+  deformer = Deformer::with_constraints(proxy_points, proxy_triangles, region, constraints, anchors,
+                                        proxy_features, options, context);
   summary.deformer = deformer->summary();
 }
 

@@ -134,8 +134,8 @@ std::vector<std::vector<Index>> held_pieces(const ProxyDomain& domain) {
 }  // namespace
 
 ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
-                        std::span<const Index> holder, int laplacian_order, Index wanted,
-                        const Context& context) {
+                              std::span<const Index> holder, int laplacian_order, Index wanted,
+                              const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
   ProxyDomain domain;
   std::vector<Index> local_index(static_cast<std::size_t>(n), -1);

@@ -34,8 +34,8 @@ struct ProxyDomain {
 /// Empty where nothing is unknown. `holder` is over the mesh. Throws Error(input) for a coordinate that is not
 /// finite.
 ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
-                        std::span<const Index> holder, int laplacian_order, Index wanted,
-                        const Context& context);
+                              std::span<const Index> holder, int laplacian_order, Index wanted,
+                              const Context& context);
 
 /// The vertices that a proxy has to keep: of what is held, some beside what is not, no farther apart than the
 /// spacing (or all with `all`), and those that span its extent.

@@ -315,8 +315,9 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
 }
 
 /// The steps of `RotationField::local_steps`, on the samples.
-void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
-                          Result& result, const Context& context) const {
+void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres,
+                               const std::vector<BlendedMap>& at_cells, Result& result,
+                               const Context& context) const {
   Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), previous;
   Columns raw(static_cast<Eigen::Index>(samples_.size()), 3);
   double pace = 1;

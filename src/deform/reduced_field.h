@@ -66,7 +66,7 @@ class ReducedField {
   BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
   Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
   void local_steps(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
-              Result& result, const Context& context) const;
+                   Result& result, const Context& context) const;
   void set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
                  Columns& coefficients) const;
 
@@ -84,7 +84,7 @@ class ReducedField {
   // What frames need.
   std::size_t handle_count_ = 0;
   int iterations_ = 0;
-  Flags gives_maps_;  ///< per handle: it constrains transforms of the patch
+  Flags gives_maps_;                      ///< per handle: it constrains transforms of the patch
   std::vector<double> given_areas_;       ///< per handle, of the vertices where it does
   bool from_rest_ = false;                ///< something stays at rest, from which turns count
   std::vector<Index> centres_, samples_;  ///< vertices of the patch; the centres are the first samples

@@ -161,7 +161,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 
 /// Writes the features' logarithms into `logs`, beside those of the constraints.
 bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
-                                     Blend& blended) const {
+                                       Blend& blended) const {
   const std::vector<Index>& feature = system_.known().feature;
   const std::size_t count = system_.features().size();
   std::vector<Logarithm> feature_logs(count, Logarithm::Zero());
@@ -277,7 +277,7 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
 /// those of features into the blend; smooth the deviations; solve again. Not a descent: steps that oscillate
 /// are damped. False where a feature turns inside out.
 bool RotationField::local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
-                           const Context& context) const {
+                                const Context& context) const {
   const ConstrainedSystem::Known values = system_.known_values(constraints);
   Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;
   double pace = 1;

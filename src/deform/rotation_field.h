@@ -44,14 +44,14 @@ class RotationField {
   using FeatureMaps = std::vector<Eigen::Matrix3d>;
   std::vector<Eigen::Matrix<double, 1, 9>> mean_logs_around_features(const Columns& logs) const;
   bool impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
-                        Blend& blended) const;
+                          Blend& blended) const;
   bool blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features, Blend& blended,
              const Context& context) const;
   std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
   MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
   bool local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
-              const Context& context) const;
+                   const Context& context) const;
   Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                             const Context& context) const;
   double root_mean_square(const Columns& deviation) const;

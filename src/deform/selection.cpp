@@ -21,7 +21,8 @@ namespace meshgraft {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& location, const std::string& problem, const std::string& remedy = {}) {
+[[noreturn]] void fail(const std::string& location, const std::string& problem,
+                       const std::string& remedy = {}) {
   throw Error(ErrorCode::input, problem, location, remedy);
 }
 
@@ -265,7 +266,8 @@ class Resolver {
       const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
       if ((!stations.empty() && v == stations.back()) || comes_home) continue;
       if (seen[v]) {
-        fail(at(location, "points", k), "comes back to vertex " + std::to_string(v) + ", where the path has been",
+        fail(at(location, "points", k),
+             "comes back to vertex " + std::to_string(v) + ", where the path has been",
              "Give points that lie apart, in order along the path.");
       }
       seen[v] = true;
@@ -274,8 +276,8 @@ class Resolver {
     const std::size_t needed = path.closed ? 3 : 2;
     if (stations.size() < needed) {
       fail(location + ".points", std::string(path.closed ? "a closed path needs three" : "a path needs two") +
-                                  " points near different vertices, here are " +
-                                  std::to_string(stations.size()));
+                                     " points near different vertices, here are " +
+                                     std::to_string(stations.size()));
     }
     return stations;
   }

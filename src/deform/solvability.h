@@ -14,8 +14,8 @@ namespace meshgraft {
 struct KnownParts {
   Flags position;
   Flags transform;
-  std::vector<Index> feature;          ///< number of its feature, or -1
-  Flags anchored;  ///< drawn to a place by a soft row
+  std::vector<Index> feature;  ///< number of its feature, or -1
+  Flags anchored;              ///< drawn to a place by a soft row
 };
 
 /// Marks the transforms of components without a free position as known: nothing depends on them.

@@ -20,8 +20,7 @@ Points places(const FineSurface& surface, const std::vector<Index>& vertices) {
 }
 
 /// Coarse vertices that hold the outline: on a border, where the surface is no manifold, and along sharp edges.
-Flags flag_outline(const FineSurface& surface, const Decimated& coarse,
-                                       const IndexLists& rings) {
+Flags flag_outline(const FineSurface& surface, const Decimated& coarse, const IndexLists& rings) {
   constexpr double sharp_cosine = 0.7;  // about 45° away from the mean normal
   const Points points = places(surface, coarse.vertices);
   std::vector<Index> faces(coarse.vertices.size(), 0);

@@ -8,9 +8,9 @@
 
 #include <meshgraft/core/error.h>
 
-#include "script/parse_parts.h"
 #include "graft_actions.h"
 #include "mesh_frames.h"
+#include "script/parse_parts.h"
 #include "selecting.h"
 #include "worker.h"
 

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/run_edit.h>
 
-#include "script/sha256.h"
 #include "graft_actions.h"
 #include "journal.h"
+#include "script/sha256.h"
 #include "worker.h"
 
 namespace meshgraft::editor {

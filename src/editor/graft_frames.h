@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <meshgraft/script/report.h>
 #include <meshgraft/merge/correspondence.h>
+#include <meshgraft/script/report.h>
 
 #include "objects.h"
 

@@ -184,7 +184,8 @@ Json Worker::graft_drag(const json::Value& message, const Context& context) {
 Json Worker::shown_graft() {
   Json result = {{"graft", open_one().graft_number()}};
   try {
-    if (const auto placement = open_one().placement_of_last_drop()) result["transform"] = matrix_json(*placement);
+    if (const auto placement = open_one().placement_of_last_drop())
+      result["transform"] = matrix_json(*placement);
   } catch (const Error&) {  // what is wrong with the place, the event `graft` tells
   }
   return result;

@@ -10,8 +10,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
-#include "script/sha256.h"
 #include "folders.h"
+#include "script/sha256.h"
 #include "server/utf8.h"
 
 namespace meshgraft::editor {

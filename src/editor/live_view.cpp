@@ -14,8 +14,8 @@
 #include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
-#include "script/symmetry.h"
 #include "mesh_frames.h"
+#include "script/symmetry.h"
 
 namespace meshgraft::editor {
 

@@ -9,8 +9,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "script/sha256.h"
 #include "graft_frames.h"
+#include "script/sha256.h"
 
 namespace meshgraft::editor {
 

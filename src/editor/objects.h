@@ -15,8 +15,8 @@
 #include <meshgraft/mesh/mesh.h>
 
 #include "document.h"
-#include "script/run_steps.h"
 #include "numbers.h"
+#include "script/run_steps.h"
 
 namespace meshgraft::editor {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "script/json_value.h"
 #include "folders.h"
 #include "objects.h"
+#include "script/json_value.h"
 
 namespace meshgraft::editor {
 

@@ -10,11 +10,11 @@
 #include <thread>
 #include <vector>
 
-#include "script/json_value.h"
 #include "folders.h"
 #include "numbers.h"
 #include "protocol.h"
 #include "request_queue.h"
+#include "script/json_value.h"
 #include "thumbnails.h"
 #include "workspace.h"
 

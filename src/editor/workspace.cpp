@@ -186,7 +186,8 @@ std::optional<Eigen::Affine3d> Workspace::placement_of_last_drop() {
   for (const char* field : {"size", "normal_angle_deg", "settings", "shape"}) step.erase(field);
   const Json key = {target->id, source->id, step, selections_used(document.json, step)};
   if (!placement_ || placement_key_ != key) {
-    const std::string location = fmt::format("{}: steps[{}]", document.edit.location, document.edit.steps.size() - 1);
+    const std::string location =
+        fmt::format("{}: steps[{}]", document.edit.location, document.edit.steps.size() - 1);
     placement_.emplace(document.edit, *merge, location, target->scene(), source->scene());
     placement_key_ = key;
   }

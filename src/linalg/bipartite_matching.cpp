@@ -93,8 +93,7 @@ Matching maximum_matching(const BipartiteGraph& graph) { return HopcroftKarp(gra
 // Kőnig's theorem: left vertices that no alternating path from an unmatched left vertex reaches, and right ones
 // that one does. Every maximum matching gives the same cover (Dulmage & Mendelsohn 1958).
 VertexCover minimum_vertex_cover(const BipartiteGraph& graph, const Matching& matching) {
-  VertexCover cover{Flags(matching.of_left.size(), 1),
-                    Flags(matching.of_right.size(), 0)};
+  VertexCover cover{Flags(matching.of_left.size(), 1), Flags(matching.of_right.size(), 0)};
   std::vector<int> reached;
   const auto reach = [&](int left) {
     if (cover.left[left] == 0) return;

@@ -228,7 +228,8 @@ class BlockMatrixOf final : public BlockMatrix {
   /// Writes the entries of one column: each into the coupling of its two nodes, transposed where need be.
   class ColumnWriter {
    public:
-    ColumnWriter(BlockMatrixOf& matrix, int column) : matrix_(matrix), node_(column / width), at_(column % width) {}
+    ColumnWriter(BlockMatrixOf& matrix, int column)
+        : matrix_(matrix), node_(column / width), at_(column % width) {}
 
     void set(int row, double value) {
       const int at = row % width;

@@ -15,7 +15,8 @@ namespace {
 /// Positions of some nodes, all taken back at once.
 class NodePositions {
  public:
-  explicit NodePositions(Index count) : set_in_(static_cast<std::size_t>(count), 0), position_(set_in_.size(), 0) {}
+  explicit NodePositions(Index count)
+      : set_in_(static_cast<std::size_t>(count), 0), position_(set_in_.size(), 0) {}
   void clear() { ++round_; }
   std::size_t find_or_set(Index node, std::size_t position) {
     if (std::exchange(set_in_[node], round_) != round_) position_[node] = position;

@@ -13,11 +13,11 @@ namespace meshgraft {
 /// has no group is a node by itself. A row without an unknown pads its node.
 struct BlockRows {
   Index count = 0;
-  int width = 1;                     ///< 1 or 2
-  std::vector<int> row;              ///< of each unknown: width · node + its index in the node
-  std::vector<int> unknown;          ///< of each row, or -1
-  Flags shared;  ///< of each node: it has no group, or is coupled with nearly all
-  Points positions;                  ///< of each row; of padding the node's first one's
+  int width = 1;             ///< 1 or 2
+  std::vector<int> row;      ///< of each unknown: width · node + its index in the node
+  std::vector<int> unknown;  ///< of each row, or -1
+  Flags shared;              ///< of each node: it has no group, or is coupled with nearly all
+  Points positions;          ///< of each row; of padding the node's first one's
 };
 
 /// The order in which sweeps go through the nodes, as parallel as it can be with a result that does not depend

@@ -110,8 +110,9 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
           auto vertices = static_cast<idx_t>(input->order.size());
           auto options = seeded_options();
           const std::lock_guard lock(metis_mutex());
-          const int status = METIS_NodeND(&vertices, input->offsets.data(), input->neighbours.data(), nullptr,
-                                          options.data(), input->order.data(), input->inverse_permutation.data());
+          const int status =
+              METIS_NodeND(&vertices, input->offsets.data(), input->neighbours.data(), nullptr, options.data(),
+                           input->order.data(), input->inverse_permutation.data());
           if (status != METIS_OK) throw std::bad_alloc();
         },
         context);

@@ -12,8 +12,8 @@
 #include "backends.h"
 #include "blas_threads.h"
 #include "block_matrix.h"
-#include "coarse_space.h"
 #include "block_rows.h"
+#include "coarse_space.h"
 
 namespace meshgraft {
 

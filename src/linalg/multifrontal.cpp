@@ -23,8 +23,8 @@ namespace {
 std::vector<int> parents(const SupernodalPattern& pattern) {
   std::vector<int> node_at(pattern.order.size()), parent;
   for (int node = 0; node < pattern.supernodes(); ++node)
-    std::fill(node_at.begin() + pattern.first_position[node], node_at.begin() + pattern.first_position[node + 1],
-              node);
+    std::fill(node_at.begin() + pattern.first_position[node],
+              node_at.begin() + pattern.first_position[node + 1], node);
   for (int node = 0; node < pattern.supernodes(); ++node) {
     const std::int64_t below =
         pattern.rows_begin[node] + pattern.first_position[node + 1] - pattern.first_position[node];
@@ -92,7 +92,7 @@ class UpdateStore {
 struct MultifrontalFactor::Front {
   int first = 0, columns = 0, rows = 0;
   const int* positions = nullptr;  ///< of its rows
-  double* panel = nullptr;      ///< rows×columns, column by column
+  double* panel = nullptr;         ///< rows×columns, column by column
 
   int below() const { return rows - columns; }
   std::int64_t update_size() const { return static_cast<std::int64_t>(below()) * below(); }
@@ -112,7 +112,8 @@ MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
       panel_begin_(1, 0),
       children_(parent_.size()),
       forest_(parent_, work(pattern_)) {
-  for (std::size_t p = 0; p < inverse_permutation_.size(); ++p) inverse_permutation_[pattern_.order[p]] = static_cast<int>(p);
+  for (std::size_t p = 0; p < inverse_permutation_.size(); ++p)
+    inverse_permutation_[pattern_.order[p]] = static_cast<int>(p);
   for (int node = 0; node < pattern_.supernodes(); ++node) {
     const Front f = front(node);
     panel_begin_.push_back(panel_begin_.back() + static_cast<std::int64_t>(f.rows) * f.columns);
@@ -183,7 +184,8 @@ void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Eliminati
 
 void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
   const SingleThreadedBlas single_threaded(context);
-  Elimination elimination{.entries = permute(lower, inverse_permutation_, true, context), .store = {}, .updates = {}};
+  Elimination elimination{
+      .entries = permute(lower, inverse_permutation_, true, context), .store = {}, .updates = {}};
   elimination.updates.resize(parent_.size());
   values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
   const auto unknowns = static_cast<double>(pattern_.order.size());

@@ -40,7 +40,7 @@ class MultifrontalFactor {
   void substitute(Eigen::MatrixXd& x, const Context& context) const;
 
   SupernodalPattern pattern_;
-  std::vector<int> inverse_permutation_;                 ///< of each unknown
+  std::vector<int> inverse_permutation_;   ///< of each unknown
   std::vector<int> parent_;                ///< of each supernode, -1 at roots
   std::vector<std::int64_t> panel_begin_;  ///< of each supernode's columns in `values_`; one more at the end
   std::vector<std::vector<int>> children_;

@@ -142,17 +142,19 @@ class PlaceSet {
   int now_ = 0;
 };
 
-/// Supernodes of the positions first … last−1, eliminated one by one (fundamental supernodes). A position joins the
-/// supernode before it if it is that one's parent and has no row that is new.
+/// Supernodes of the positions first … last−1, eliminated one by one (fundamental supernodes). A position joins
+/// the supernode before it if it is that one's parent and has no row that is new.
 std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, PlaceSet& seen) {
   std::vector<Supernode> nodes;
   std::vector<std::vector<int>> children(static_cast<std::size_t>(last - first));
   for (int position = first; position < last; ++position) {
-    const bool follows = !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_position() == position;
+    const bool follows =
+        !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_position() == position;
     if (!follows) seen.clear();  // else these are the rows of the supernode before it
     seen.add(position);
     const std::size_t known = seen.positions().size();
-    for (std::int64_t e = entries.begin[position]; e < entries.begin[position + 1]; ++e) seen.add(entries.row[e]);
+    for (std::int64_t e = entries.begin[position]; e < entries.begin[position + 1]; ++e)
+      seen.add(entries.row[e]);
     for (const int child : children[position - first])
       for (int r = nodes[child].columns; r < static_cast<int>(nodes[child].rows.size()); ++r)
         seen.add(nodes[child].rows[r]);
@@ -277,7 +279,7 @@ SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const
 }  // namespace
 
 SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissection& dissection,
-                                  const Context& context) {
+                                         const Context& context) {
   const auto count = static_cast<std::size_t>(lower.cols());
   std::vector<std::vector<int>> ordered = dissection.unknowns;
   {
@@ -359,8 +361,9 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissec
 }
 
 SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const std::vector<int>& order,
-                                  const Context& context) {
-  std::vector<int> in_tree_order = postorder(elimination_tree(lower, order, context)), inverse_permutation(order.size());
+                                         const Context& context) {
+  std::vector<int> in_tree_order = postorder(elimination_tree(lower, order, context)),
+                   inverse_permutation(order.size());
   for (int& at : in_tree_order) at = order[at];
   for (std::size_t p = 0; p < order.size(); ++p) inverse_permutation[in_tree_order[p]] = static_cast<int>(p);
   const LowerEntries entries = permute(lower, inverse_permutation, false, context);

@@ -15,7 +15,7 @@ namespace meshgraft {
 /// have. Positions count in the order of elimination.
 struct SupernodalPattern {
   std::vector<int> order;                ///< the unknown at each position
-  std::vector<int> first_position;          ///< of each supernode; one more at the end
+  std::vector<int> first_position;       ///< of each supernode; one more at the end
   std::vector<std::int64_t> rows_begin;  ///< of each supernode in `rows`; one more at the end
   std::vector<int> rows;                 ///< positions, ascending; a supernode's own come first
 
@@ -37,12 +37,12 @@ LowerEntries permute(const NormalMatrix& lower, std::span<const int> inverse_per
 /// view, and finds the supernodes: a separator is one, leaves have those of their elimination, merged where few
 /// zeros are stored for it.
 SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissection& dissection,
-                                  const Context& context);
+                                         const Context& context);
 
 /// Finds the supernodes of an elimination in a given order, merged in the same way. The pattern's order is
 /// another one with the same factor: a postorder of the elimination tree, which leaves columns of like rows
 /// side by side.
 SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const std::vector<int>& order,
-                                  const Context& context);
+                                         const Context& context);
 
 }  // namespace meshgraft

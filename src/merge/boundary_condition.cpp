@@ -81,7 +81,8 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
     const double scale = options.scale.value_or(ratio);
     Eigen::Matrix3d transform = scale * Eigen::Matrix3d::Identity();
     if (options.pose == MergePose::find) {
-      const Eigen::RowVector3d listed = at(target_tangents, parameter);  // the matched direction is the other one
+      const Eigen::RowVector3d listed =
+          at(target_tangents, parameter);  // the matched direction is the other one
       Eigen::RowVector3d normal = at(target.normals, parameter);
       if (options.normal_angle_deg != 0)
         normal = normal * Eigen::AngleAxisd(options.normal_angle_deg * std::numbers::pi / 180,

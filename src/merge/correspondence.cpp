@@ -34,7 +34,7 @@ struct Knot {
 
 /// Between matched vertices both loops are measured by length (FT05 5.1); the target is run along backwards.
 std::vector<double> parameters_between(std::span<const Knot> knots, const LoopCurve& source,
-                                   const LoopCurve& target) {
+                                       const LoopCurve& target) {
   std::vector<double> parameters(static_cast<std::size_t>(source.size()));
   for (std::size_t m = 0; m < knots.size(); ++m) {
     const Knot& from = knots[m];
@@ -44,8 +44,9 @@ std::vector<double> parameters_between(std::span<const Knot> knots, const LoopCu
     Index i = from.source;
     do {
       const double ahead = i == from.source ? 0 : source.length_between(from.source, i);
-      parameters[i] = ahead == 0 ? from.target
-                            : target.parameter_at(target.arc(from.target) - ahead / source_length * target_length);
+      parameters[i] =
+          ahead == 0 ? from.target
+                     : target.parameter_at(target.arc(from.target) - ahead / source_length * target_length);
       i = (i + 1) % source.size();
     } while (i != to.source);
   }
@@ -304,7 +305,8 @@ int least_turn(const Samples& source, const Samples& target) {
 
 OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence,
                      const Correspondence& least_turned) {
-  const auto there = static_cast<std::size_t>(std::lround(least_turned.loop_parameter.front())) % pair.target.size();
+  const auto there =
+      static_cast<std::size_t>(std::lround(least_turned.loop_parameter.front())) % pair.target.size();
   return {number, {pair.source.front(), pair.target[there]}, confidence};
 }
 

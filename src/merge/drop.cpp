@@ -78,7 +78,7 @@ MergeIntersections count_intersections(const Mesh& source, const MergeResult& me
 
 DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const MergeOptions& options, const Context& context) {
-    constexpr int most_tries = 3;
+  constexpr int most_tries = 3;
   if (options.pose != MergePose::find)
     throw Error(ErrorCode::input, "a part that is dropped has no pose to keep", "pose",
                 "Let the pose be found");

@@ -66,9 +66,7 @@ class Spreading {
   }
 
  private:
-  Frame frame_at(Index v) const {
-    return {positions_.row(v), normals_.row(v), first_axis_.row(v), uv_.row(v)};
-  }
+  Frame frame_at(Index v) const { return {positions_.row(v), normals_.row(v), first_axis_.row(v), uv_.row(v)}; }
 
   void settle(Index v, const std::vector<Frame>& from) {
     const Vector point = positions_.row(v);

@@ -21,8 +21,8 @@ struct FlatLoop {
 };
 
 /// Projects a source's loop along its area vector. Reverses it first where the source is to be turned over, so
-/// that both are consistently oriented. Throws Error(input) for a loop that is no simple boundary loop, spans no area, or
-/// cannot be rounded off to one that does not cross itself.
+/// that both are consistently oriented. Throws Error(input) for a loop that is no simple boundary loop, spans
+/// no area, or cannot be rounded off to one that does not cross itself.
 FlatLoop flatten_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop);
 
 }  // namespace meshgraft

@@ -48,7 +48,8 @@ Footprint cover(const Outline& outline, double scale, const PlanePoints& uv, con
 }
 
 /// Covers with the outline as wide as it is, by widening it where the surface curves away under it.
-Footprint cover_as_wide(const PreparedTarget& target, const Outline& outline, double size, const PlanePoints& uv) {
+Footprint cover_as_wide(const PreparedTarget& target, const Outline& outline, double size,
+                        const PlanePoints& uv) {
   constexpr int steps = 4;
   double widened = 1;
   for (int step = 0;; ++step) {
@@ -77,7 +78,7 @@ std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const 
   SurfacePoint point = find_surface_point(target, drop);
   const Vector normal = mean_normal(target, point, 0), axis = normal.transpose().unitOrthogonal().transpose();
   PlanePoints uv = exponential_map(target.mesh.positions, target.normals, target.rings,
-                                       {point.point, normal, axis, point.corners}, reach, context);
+                                   {point.point, normal, axis, point.corners}, reach, context);
   return std::make_shared<Chart>(Chart{std::move(target), std::move(point), normal, axis, std::move(uv)});
 }
 
@@ -131,13 +132,14 @@ std::optional<Misfit> find_obstacle(const PreparedTarget& target, const Footprin
   }
   for (const std::vector<Index>& loop : boundary_loops(patch))
     for (const Index v : loop)
-      if (footprint.is_inside(v)) return Misfit{fmt::format("the hole would reach the boundary at vertex {}", v)};
+      if (footprint.is_inside(v))
+        return Misfit{fmt::format("the hole would reach the boundary at vertex {}", v)};
   if (inner_euler_characteristic(target, footprint) != 1) return Misfit{no_disc};
   return std::nullopt;
 }
 
 std::shared_ptr<const Mesh> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,
-                                           const Context& context) {
+                                          const Context& context) {
   const auto is_long = [&](Index a, Index b) {
     if (!footprint.uv.row(a).allFinite() || !footprint.uv.row(b).allFinite()) return false;
     const double length = (mesh.positions.row(a) - mesh.positions.row(b)).norm();

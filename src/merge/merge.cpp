@@ -49,7 +49,8 @@ void validate_options(const MergeOptions& options, const Mesh& source, const Mes
   };
   if (options.size) {
     constexpr double extreme = 1e6;
-    const double same = box_diagonal(target.positions) / box_diagonal(source.positions);  // makes both equally large
+    const double same =
+        box_diagonal(target.positions) / box_diagonal(source.positions);  // makes both equally large
     require(*options.size > 0, fmt::format("{} is not a positive number", *options.size), "size");
     require(!(*options.size < same / extreme) && !(*options.size > same * extreme),
             fmt::format("{:.3g} makes the part over a million times {} than the target", *options.size,
@@ -172,8 +173,8 @@ std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::sp
     if (pairs[p].matches.empty()) {
       open[component[loops[p].source.front()]].push_back(p);
     } else {
-      found[p] =
-          match_by_arc_length(loops[p], pairs[p].matches, sources[p], targets[p], pair_location(p, loops.size()));
+      found[p] = match_by_arc_length(loops[p], pairs[p].matches, sources[p], targets[p],
+                                     pair_location(p, loops.size()));
     }
   }
   for (const auto& [number, members] : open) {
@@ -290,7 +291,8 @@ void report_meetings(const LoopPair& pair, const Correspondence& correspondence,
   report.target_points.resize(static_cast<Eigen::Index>(pair.source.size()), 3);
   for (std::size_t i = 0; i < pair.source.size(); ++i) {
     if (pair.source[i] >= given) continue;
-    const double whole = std::floor(correspondence.loop_parameter[i]), t = correspondence.loop_parameter[i] - whole;
+    const double whole = std::floor(correspondence.loop_parameter[i]),
+                 t = correspondence.loop_parameter[i] - whole;
     const Eigen::Index k = (static_cast<Eigen::Index>(whole) % target.rows() + target.rows()) % target.rows();
     report.target_points.row(static_cast<Eigen::Index>(report.met.size())) =
         (1 - t) * target.row(k) + t * target.row((k + 1) % target.rows());

@@ -76,8 +76,7 @@ Vector rim_centre(const FitResult& fit) {
   for (const Index v : fit.footprint.inside)
     for (const Index u : target.rings[v]) {
       if (fit.footprint.is_inside(u)) continue;
-      const double s =
-          fit.footprint.values[v] / (fit.footprint.values[v] - fit.footprint.values[u]);
+      const double s = fit.footprint.values[v] / (fit.footprint.values[v] - fit.footprint.values[u]);
       const Vector crossing = (1 - s) * target.mesh.positions.row(v) + s * target.mesh.positions.row(u);
       height += (crossing - centre).dot(fit.placement.normal);
       ++count;
@@ -122,14 +121,13 @@ std::variant<OpenedHole, Misfit> cut_open(const FitResult& fit, const FlatLoop& 
                                           const Context& context) {
   constexpr double snap = 0.25;  // the ring around the hole goes anyway
   const PlanePoints& uv = fit.footprint.uv;
-  CutResult cut =
-      cut_at_zero(fit.chart->target.mesh, fit.footprint.values, {.keep = CutKeep::above, .snap = snap}, context);
+  CutResult cut = cut_at_zero(fit.chart->target.mesh, fit.footprint.values,
+                              {.keep = CutKeep::above, .snap = snap}, context);
   if (cut.loops.size() != 1) return Misfit{no_disc};
   std::vector<double> arcs;
   for (const Index v : cut.loops.front()) {
     const EdgePoint& origin = cut.origin[static_cast<std::size_t>(v)];
-    const Eigen::RowVector2d at =
-        (1 - origin.t) * uv.row(origin.from) + origin.t * uv.row(origin.to);
+    const Eigen::RowVector2d at = (1 - origin.t) * uv.row(origin.from) + origin.t * uv.row(origin.to);
     arcs.push_back(loop.outline.arc_of_nearest(at / fit.footprint.scale));
   }
   OpenedHole hole;
@@ -244,7 +242,8 @@ void require_inner_point(const Mesh& target, const Drop& drop) {
   if (vertex == nullptr) return;
   for (const auto& loop : boundary_loops(target))
     if (std::find(loop.begin(), loop.end(), *vertex) != loop.end())
-      throw Error(ErrorCode::input, fmt::format("target vertex {} is on the boundary", *vertex), "surface_point",
+      throw Error(ErrorCode::input, fmt::format("target vertex {} is on the boundary", *vertex),
+                  "surface_point",
                   "Name a vertex farther inside, or fill the hole there by a merge without --at");
 }
 

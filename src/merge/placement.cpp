@@ -20,13 +20,14 @@ Vector turned(const Vector& vector, const Vector& from, const Vector& to) {
   return Eigen::Quaterniond::FromTwoVectors(from.transpose(), to.transpose()) * vector.transpose();
 }
 
-Placement place_outline(const PreparedTarget& target, const SurfacePoint& point, const FlatLoop& loop, double size,
-               double spin_deg) {
+Placement place_outline(const PreparedTarget& target, const SurfacePoint& point, const FlatLoop& loop,
+                        double size, double spin_deg) {
   const Vector normal = mean_normal(target, point, size * loop.outline.reach());
   return {normal, laid_axis(loop, normal, spin_deg)};
 }
 
-Eigen::Affine3d placement_map(const FlatLoop& loop, const Placement& placement, double size, const Vector& centre) {
+Eigen::Affine3d placement_map(const FlatLoop& loop, const Placement& placement, double size,
+                              const Vector& centre) {
   Eigen::Matrix3d from, to;
   from << loop.first_axis.transpose(), loop.axis.cross(loop.first_axis).transpose(), loop.axis.transpose();
   to << placement.first_axis.transpose(), placement.normal.cross(placement.first_axis).transpose(),

@@ -25,7 +25,8 @@ void transform_normals(Attribute& normals, const Eigen::Matrix3d& linear) {
   }
 }
 
-Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side, const std::string& location) {
+Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side,
+                const std::string& location) {
   Points points(static_cast<Eigen::Index>(pairs.size()), 3);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Index v = pairs[i].*side;

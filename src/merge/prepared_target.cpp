@@ -68,7 +68,8 @@ void validate(const Drop& drop, const Mesh& target) {
   if (drop.size && !(*drop.size > 0 && *drop.size < 1e100))
     throw Error(ErrorCode::input, fmt::format("{} is not a positive number", *drop.size), "size");
   if (!std::isfinite(drop.spin_deg)) throw Error(ErrorCode::input, "the angle is not finite", "spin_deg");
-  if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point); point != nullptr && !point->allFinite())
+  if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point);
+      point != nullptr && !point->allFinite())
     throw Error(ErrorCode::input, "the point is not finite", "surface_point");
   const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex != nullptr && (*vertex < 0 || *vertex >= target.vertex_count()))
@@ -81,8 +82,8 @@ SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) 
   constexpr double near_surface = 0.05;  // × the target's diagonal
   if (const auto* vertex = std::get_if<Index>(&drop.surface_point)) {
     if (target.rings[*vertex].empty())
-      throw Error(ErrorCode::input, fmt::format("target vertex {} belongs to no face", *vertex), "surface_point",
-                  "Name another vertex, or a point");
+      throw Error(ErrorCode::input, fmt::format("target vertex {} belongs to no face", *vertex),
+                  "surface_point", "Name another vertex, or a point");
     return {target.mesh.positions.row(*vertex), {*vertex}};
   }
   const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();

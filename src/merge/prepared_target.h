@@ -32,8 +32,8 @@ struct SurfacePoint {
 /// Throws Error(input) for numbers of a drop that are not finite or out of range.
 void validate(const Drop& drop, const Mesh& target);
 
-/// The point that a drop names. Throws Error(input), naming `surface_point`, for a vertex without a face and for
-/// a point farther from the surface than a twentieth of the target's diagonal.
+/// The point that a drop names. Throws Error(input), naming `surface_point`, for a vertex without a face and
+/// for a point farther from the surface than a twentieth of the target's diagonal.
 SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop);
 
 /// The unit normal around a point, averaged over a distance along the surface; that of the point itself where

@@ -152,7 +152,7 @@ bool descend(Points& points, const Cost& cost, Index v) {
 }  // namespace
 
 void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const Flags& may_move,
-            const Context& context) {
+                  const Context& context) {
   constexpr int most_sweeps = 50;
   const Cost cost(points, patch, largest_deg);
   bool moved = true;

@@ -15,6 +15,6 @@ namespace meshgraft {
 /// the strips may stay so, but gets no worse. A crease may go on: an edge between two vertices may be bent as
 /// much as the sharpest edges off the strips at both of them. `may_move`: per vertex.
 void reduce_folds(Points& points, const SeamPatch& patch, double largest_deg, const Flags& may_move,
-            const Context& context);
+                  const Context& context);
 
 }  // namespace meshgraft

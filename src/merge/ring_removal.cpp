@@ -131,11 +131,11 @@ class Rings {
   const Mesh& mesh_;
   EdgeTable table_;
   std::vector<std::size_t> loop_sizes_;
-  std::vector<Index> loop_of_;   // per vertex
-  Flags on_border_;  // per vertex
-  std::vector<Index> ring_of_;   // per face
-  std::vector<Index> face_of_;   // per corner
-  Loops corners_;                // per ring, those of its faces that take part
+  std::vector<Index> loop_of_;  // per vertex
+  Flags on_border_;             // per vertex
+  std::vector<Index> ring_of_;  // per face
+  std::vector<Index> face_of_;  // per corner
+  Loops corners_;               // per ring, those of its faces that take part
 };
 
 // The loops after their edges were halved: each middle between its ends.
@@ -197,9 +197,10 @@ RingRemoval without(const Mesh& mesh, const Rings& rings, const Loops& loops) {
       corners.push_back({c, c, 0});
   }
   for (const Attribute& attribute : mesh.attributes) {
-    result.mesh.attributes.push_back(interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertices
-                                                      : attribute.domain == Domain::face ? faces
-                                                                                         : corners));
+    result.mesh.attributes.push_back(
+        interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertices
+                                         : attribute.domain == Domain::face ? faces
+                                                                            : corners));
   }
   return result;
 }

@@ -14,7 +14,7 @@ namespace meshgraft {
 struct RingRequest {
   std::vector<Index> loop;  ///< in the direction of the mesh's half-edges
   double longest_edge = 0;  ///< the mean edge length that the edges at the loop should not exceed
-  std::string location;        ///< names the pair in messages
+  std::string location;     ///< names the pair in messages
 };
 
 /// A mesh without the rings of its loops.

@@ -14,12 +14,12 @@
 
 #include "../mesh/area_vector.h"
 #include "../mesh/edge_table.h"
-#include "seam_fairing.h"
+#include "gap_fill.h"
 #include "ring_removal.h"
+#include "seam_attributes.h"
+#include "seam_fairing.h"
 #include "seam_patch.h"
 #include "seam_report.h"
-#include "gap_fill.h"
-#include "seam_attributes.h"
 
 namespace meshgraft {
 
@@ -199,7 +199,8 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   std::vector<RingRequest> requests;
   for (const std::size_t k : order) {
     requests.push_back({beginning_with_smallest(pairs[k].target),
-                        options.edge_ratio * mean_edge_length(source.positions, pairs[k].source), location_of(k)});
+                        options.edge_ratio * mean_edge_length(source.positions, pairs[k].source),
+                        location_of(k)});
   }
   const RingRemoval opened = remove_rings(target, requests, context);
 

@@ -11,8 +11,8 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/laplacian.h>
 
-#include "tangential_relaxation.h"
 #include "reduce_folds.h"
+#include "tangential_relaxation.h"
 
 namespace meshgraft {
 
@@ -22,9 +22,9 @@ namespace {
 struct Band {
   SeamPatch patch;
   IndexLists rings;
-  IndexLists triangles;        // per vertex
-  Flags is_sharp;  // on a sharp edge of the target or of the source
-  std::vector<Index> column;   // per vertex its unknown, or -1 where it stays
+  IndexLists triangles;       // per vertex
+  Flags is_sharp;             // on a sharp edge of the target or of the source
+  std::vector<Index> column;  // per vertex its unknown, or -1 where it stays
   Index unknowns = 0;
 };
 

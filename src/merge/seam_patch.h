@@ -26,13 +26,13 @@ struct SeamLayout {
 /// The surroundings of the strips, as triangles with numbers of their own, so that work on a seam does not grow
 /// with the meshes that it joins.
 struct SeamPatch {
-  std::vector<Index> vertex;    ///< in the whole mesh, ascending
-  Points points;                ///< n×3
-  Triangles triangles;          ///< m×3, of local indices
-  std::vector<SeamSide> side;   ///< per triangle
-  std::vector<SeamSide> of;     ///< per vertex: the mesh that it comes from
-  std::vector<int> ring;        ///< per vertex: 1 on a strip, then one more per ring of faces
-  Flags on_border;  ///< per vertex: on a boundary edge of the whole mesh
+  std::vector<Index> vertex;   ///< in the whole mesh, ascending
+  Points points;               ///< n×3
+  Triangles triangles;         ///< m×3, of local indices
+  std::vector<SeamSide> side;  ///< per triangle
+  std::vector<SeamSide> of;    ///< per vertex: the mesh that it comes from
+  std::vector<int> ring;       ///< per vertex: 1 on a strip, then one more per ring of faces
+  Flags on_border;             ///< per vertex: on a boundary edge of the whole mesh
 };
 
 /// The faces within `rings` rings of the strips.

@@ -129,7 +129,7 @@ std::vector<Goal> goals_of(const Points& points, const SeamPatch& patch, const P
 }  // namespace
 
 void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
-           const Flags& may_slide, const Context& context) {
+                        const Flags& may_slide, const Context& context) {
   constexpr int most_sweeps = 50;
   const Points normals = smooth_normals(points, patch.triangles, vertex_triangles, context);
   const std::vector<Goal> goals = goals_of(points, patch, normals);

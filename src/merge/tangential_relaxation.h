@@ -15,6 +15,6 @@ namespace meshgraft {
 /// have: a bound, or off the strips what it came with. Where all is well, nothing moves. `vertex_triangles`: of
 /// the patch's triangles; `may_slide`: per vertex.
 void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
-           const Flags& may_slide, const Context& context);
+                        const Flags& may_slide, const Context& context);
 
 }  // namespace meshgraft

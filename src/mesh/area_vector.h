@@ -25,6 +25,8 @@ inline Eigen::Vector3d area_vector(const Triangles& triangles, Eigen::Index t, c
 }
 
 /// Twice the signed area of the triangle 0, a, b in the plane.
-inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 }  // namespace meshgraft

@@ -22,7 +22,8 @@ double box_diagonal(const Points& points) {
 double box_diagonal_of_faces(const Mesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Index v : mesh.faces.corners())
-    if (is_vertex_of(mesh, v) && mesh.positions.row(v).allFinite()) box.extend(mesh.positions.row(v).transpose());
+    if (is_vertex_of(mesh, v) && mesh.positions.row(v).allFinite())
+      box.extend(mesh.positions.row(v).transpose());
   return diagonal(box);
 }
 

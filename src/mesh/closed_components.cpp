@@ -41,7 +41,8 @@ Components measure(const Mesh& mesh, const EdgeTable& table) {
   for (Index v = 0; v < vertices; ++v) components.component[v] = sets.root(v);
   components.closed.assign(vertices, 1);
   for (Index e = 0; e < table.edge_count(); ++e)
-    if (consistently_oriented(mesh, table, e) != true) components.closed[components.component[table.ends[e][0]]] = 0;
+    if (consistently_oriented(mesh, table, e) != true)
+      components.closed[components.component[table.ends[e][0]]] = 0;
   components.volume.assign(vertices, 0);
   components.area.assign(vertices, 0);
   for (Index f = 0; f < mesh.face_count(); ++f) {

@@ -76,9 +76,12 @@ std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table)
 
 IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> representative) {
   // Buckets by the smaller place, each then sorted by (larger place, half-edge).
-  const auto positions_of = [&](Index e) { return std::minmax(representative[table.ends[e][0]], representative[table.ends[e][1]]); };
+  const auto positions_of = [&](Index e) {
+    return std::minmax(representative[table.ends[e][0]], representative[table.ends[e][1]]);
+  };
   const auto counts = [&](Index e) {
-    return table.half_edges[e].size() == 1 && positions_of(e).first >= 0 && positions_of(e).first != positions_of(e).second;
+    return table.half_edges[e].size() == 1 && positions_of(e).first >= 0 &&
+           positions_of(e).first != positions_of(e).second;
   };
   std::vector<Index> start(representative.size() + 1, 0);
   for (Index e = 0; e < table.edge_count(); ++e)

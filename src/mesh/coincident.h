@@ -17,7 +17,8 @@ std::vector<Index> coincident_classes(const Points& positions, std::span<const I
 std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table);
 
 /// Half-edges on the boundary that run between the same two places, two or more a row, each row ascending.
-/// `representative` has for each vertex of the mesh the smallest vertex at its place, -1 where it is of no interest.
+/// `representative` has for each vertex of the mesh the smallest vertex at its place, -1 where it is of no
+/// interest.
 IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> representative);
 
 /// Boundary vertices, ascending, that would have to be one with others for boundary edges to meet: those at

@@ -154,7 +154,8 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   context.step("check", 0.6);
   const std::vector<Index> fans = fan_counts(mesh, table);
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
-  const auto against = where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
+  const auto against =
+      where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
   add({.name = "isolated-vertex",
        .severity = Severity::repaired,
        .domain = Domain::vertex,

@@ -162,8 +162,12 @@ class Separation {
     for (const Index f : result_.face_parent) face_origin.push_back(same(f));
     for (const Attribute& attribute : mesh_.attributes) {
       switch (attribute.domain) {
-        case Domain::vertex: result_.mesh.attributes.push_back(interpolate_attribute(attribute, result_.origin)); break;
-        case Domain::face: result_.mesh.attributes.push_back(interpolate_attribute(attribute, face_origin)); break;
+        case Domain::vertex:
+          result_.mesh.attributes.push_back(interpolate_attribute(attribute, result_.origin));
+          break;
+        case Domain::face:
+          result_.mesh.attributes.push_back(interpolate_attribute(attribute, face_origin));
+          break;
         case Domain::corner: result_.mesh.attributes.push_back(carry_corners(attribute)); break;
       }
     }
@@ -253,11 +257,11 @@ class Separation {
   const CutKeep keep_;
   const EdgeTable table_;
   DisjointSets fan_of_;                          // over the corners
-  Flags on_cut_;                     // per vertex
+  Flags on_cut_;                                 // per vertex
   std::vector<Index> new_index_;                 // per vertex: its first copy, or -1
   std::vector<Index> copy_of_fan_;               // per corner, at the fan's root
   std::vector<Index> source_;                    // per new vertex
-  std::vector<EdgePoint> corner_origin_;           // per new corner
+  std::vector<EdgePoint> corner_origin_;         // per new corner
   std::set<std::pair<Index, Index>> cut_edges_;  // new half-edges
   CutResult result_;
 };

@@ -15,7 +15,7 @@ using Side = std::int8_t;  // 1 above, -1 below, 0 neither
 /// them moved along an edge, then inserted ones.
 struct DrawnCut {
   TracedFaces faces;
-  std::vector<EdgePoint> origin;    ///< per vertex
+  std::vector<EdgePoint> origin;  ///< per vertex
   Points positions;               ///< per vertex
   Points normals;                 ///< per vertex: the whole surface's unit normals, zero where it has none
   std::vector<Side> side;         ///< per corner: where its half-edge borders on the cut, from which side

@@ -54,7 +54,8 @@ struct Fills {
 class HarmonicFills {
  public:
   HarmonicFills(const Mesh& mesh, const Fills& fills, const Context& context)
-      : to_around_(static_cast<Eigen::Index>(fills.inner.size()), static_cast<Eigen::Index>(fills.around.size())) {
+      : to_around_(static_cast<Eigen::Index>(fills.inner.size()),
+                   static_cast<Eigen::Index>(fills.around.size())) {
     std::vector<Eigen::Triplet<double>> own, across;
     const auto point = [&](Index v) -> Eigen::Vector3d { return mesh.positions.row(v).transpose(); };
     for (const Index first : fills.corners)
@@ -93,7 +94,8 @@ void write_value(Attribute& attribute, Index element, Eigen::VectorXd value) {
   }
   const bool is_real = attribute.type == ScalarType::float32 || attribute.type == ScalarType::float64;
   for (Eigen::Index k = 0; k < value.size(); ++k)
-    attribute.values[static_cast<std::size_t>(element * value.size() + k)] = is_real ? value[k] : std::round(value[k]);
+    attribute.values[static_cast<std::size_t>(element * value.size() + k)] =
+        is_real ? value[k] : std::round(value[k]);
 }
 
 }  // namespace

@@ -130,8 +130,8 @@ class Refinement {
     }
   }
 
-  void flip(const Corner& one, const Corner& other, const std::vector<Corner>& corners,
-            Flags& touched, std::set<HoleChord>& made) {
+  void flip(const Corner& one, const Corner& other, const std::vector<Corner>& corners, Flags& touched,
+            std::set<HoleChord>& made) {
     const Index a = faces_[one.face][one.corner], b = faces_[one.face][(one.corner + 1) % 3];
     const Index c = faces_[one.face][(one.corner + 2) % 3], d = faces_[other.face][(other.corner + 2) % 3];
     const auto [low, high] = std::minmax(c, d);

@@ -20,11 +20,11 @@ namespace {
 using Direction = Eigen::Vector2d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double no_cap = 5;            // above the largest bend, which is 4
-constexpr double bend_floor = 2.5e-19;  // (5e-10 rad)²: bends below it are none
-constexpr double bend_rel = 1e-10;      // how far bends may differ and be equal
+constexpr double no_cap = 5;             // above the largest bend, which is 4
+constexpr double bend_floor = 2.5e-19;   // (5e-10 rad)²: bends below it are none
+constexpr double bend_rel = 1e-10;       // how far bends may differ and be equal
 constexpr double length_weight = 1e-13;  // of squared chords beside areas: settles what is equal
-constexpr double flat_penalty = 1e6;    // × the loop's size squared, for a triangle without area
+constexpr double flat_penalty = 1e6;     // × the loop's size squared, for a triangle without area
 
 // The triangle on the inner side of a side, and what the best triangulation below it costs.
 struct Tip {
@@ -169,8 +169,7 @@ class Search {
   }
 
   std::vector<HoleTriangle> least_area() {
-    return smallest_bend(no_cap, no_cap) < infinity ? smallest_area(no_cap)
-                                                          : std::vector<HoleTriangle>{};
+    return smallest_bend(no_cap, no_cap) < infinity ? smallest_area(no_cap) : std::vector<HoleTriangle>{};
   }
 
   std::vector<HoleTriangle> smooth() {

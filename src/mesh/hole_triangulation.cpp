@@ -276,8 +276,8 @@ std::vector<HoleTriangle> search_near(const HoleLoop& loop, const std::vector<Ho
                                       const std::vector<HoleChord>& forbidden, const Context& context) {
   const Index n = loop.size();
   for (Index width = corridor_width; width < n; width *= 2) {
-    std::vector<HoleTriangle> triangles = search_triangulation(
-        loop, allowed(corridor(n, guide, width), forbidden), HoleAim::angle, context);
+    std::vector<HoleTriangle> triangles =
+        search_triangulation(loop, allowed(corridor(n, guide, width), forbidden), HoleAim::angle, context);
     if (!triangles.empty()) return triangles;
   }
   return {};

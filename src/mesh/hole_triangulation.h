@@ -13,8 +13,8 @@ struct HoleTriangulationOptions {
   /// Edges that the surface has already between vertices of the loop, the smaller index of each first: they are
   /// not made again. Edges of the loop do not count.
   std::vector<HoleChord> forbidden{};
-  /// Loops of at most this many edges are searched in full; larger ones from coarse to fine. A full search takes
-  /// O(n³): 0.1 s for 200 edges, up to 50 s for 500.
+  /// Loops of at most this many edges are searched in full; larger ones from coarse to fine. A full search
+  /// takes O(n³): 0.1 s for 200 edges, up to 50 s for 500.
   Index full_search = 200;
 };
 

@@ -74,8 +74,7 @@ Points sum_area_vectors(const Faces& faces, const Points& positions) {
 
 // A vertex normal is turned as the faces around it turn, weighted by their area: so a file keeps its own
 // weighting and its own side, and a small move changes it little.
-void update_vertex_normals(const Mesh& mesh, const Points& rest, const Flags& moved,
-                           Attribute& normals) {
+void update_vertex_normals(const Mesh& mesh, const Points& rest, const Flags& moved, Attribute& normals) {
   Points sums = Points::Zero(mesh.vertex_count(), 3);
   Flags touched(mesh.vertex_count(), false);
   for (Index f = 0; f < mesh.face_count(); ++f) {
@@ -95,8 +94,7 @@ void update_vertex_normals(const Mesh& mesh, const Points& rest, const Flags& mo
   }
 }
 
-void update_face_normals(const Mesh& mesh, const Points& rest, const Flags& moved,
-                         Attribute& normals) {
+void update_face_normals(const Mesh& mesh, const Points& rest, const Flags& moved, Attribute& normals) {
   for (Index f = 0; f < mesh.face_count(); ++f) {
     auto value = value_of(normals, f);
     if (!moved[f] || !value.allFinite()) continue;
@@ -109,8 +107,7 @@ void update_face_normals(const Mesh& mesh, const Points& rest, const Flags& move
 
 // Corners of a vertex that share one normal form a smooth group. It keeps sharing: its new normal is the
 // area-weighted mean of the old one as each of its faces turns it.
-void update_corner_normals(const Mesh& mesh, const Points& rest, const Flags& moved,
-                           Attribute& normals) {
+void update_corner_normals(const Mesh& mesh, const Points& rest, const Flags& moved, Attribute& normals) {
   std::vector<Index> face_of(mesh.faces.corner_count());
   IndexLists corners;  // per vertex
   corners.offsets.assign(static_cast<std::size_t>(mesh.vertex_count()) + 1, 0);

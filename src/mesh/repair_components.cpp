@@ -34,7 +34,7 @@ ConnectedComponents components_of(const RepairSurface& surface) {
 namespace {
 
 bool remove_components(RepairSurface& surface, const ConnectedComponents& components, const Flags& doomed,
-                  const std::string& name, const std::string& one, const std::string& many) {
+                       const std::string& name, const std::string& one, const std::string& many) {
   const auto count = static_cast<Index>(std::count(doomed.begin(), doomed.end(), 1));
   if (count == 0) return false;
   Flags faces(components.of_face.size());
@@ -78,8 +78,8 @@ bool remove_duplicate_shells(RepairSurface& surface) {
       for (const Index g : own) covered[g] = 1;
   }
   return remove_components(surface, components, doomed, "removed-duplicate-shell",
-                      "part that lies on another one, face by face, was removed",
-                      "parts that lie on another one, face by face, were removed");
+                           "part that lies on another one, face by face, was removed",
+                           "parts that lie on another one, face by face, were removed");
 }
 
 bool remove_debris(RepairSurface& surface, double debris_rel) {
@@ -89,9 +89,10 @@ bool remove_debris(RepairSurface& surface, double debris_rel) {
   const double largest_area = *std::max_element(components.area.begin(), components.area.end());
   Flags doomed(components.faces.size(), 0);
   for (std::size_t component = 0; component < doomed.size(); ++component)
-    doomed[component] = components.faces[component] < debris_rel * most_faces && components.area[component] < debris_rel * largest_area;
+    doomed[component] = components.faces[component] < debris_rel * most_faces &&
+                        components.area[component] < debris_rel * largest_area;
   return remove_components(surface, components, doomed, "removed-debris", "small loose part was removed",
-                      "small loose parts were removed");
+                           "small loose parts were removed");
 }
 
 }  // namespace meshgraft

@@ -59,8 +59,8 @@ std::vector<std::vector<Index>> parted_at_copies(const RepairSurface& surface, c
   for (const Index half_edge : loop) {
     const auto origin_of = [&](Index c) { return surface.vertex_origin(corners[c]); };
     const Index origin = origin_of(half_edge);
-    const auto before = std::find_if(rest.begin(), rest.end(),
-                                     [&](Index c) { return origin >= 0 && origin_of(c) == origin; });
+    const auto before =
+        std::find_if(rest.begin(), rest.end(), [&](Index c) { return origin >= 0 && origin_of(c) == origin; });
     if (rest.end() - before > 2) {
       parts.emplace_back(before, rest.end());
       rest.erase(before, rest.end());
@@ -105,7 +105,8 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
     if (components.faces[component] < 2) return false;
     std::vector<Index> vertices;
     for (const Index c : loop) vertices.push_back(corners[c]);
-    return most_edges || fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
+    return most_edges ||
+           fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
   };
   for (const std::vector<Index>& vertices : loops) {
     std::vector<Index> loop;
@@ -164,7 +165,8 @@ class Surroundings {
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
     double sum = 0;
-    for (const Index other : others) sum += (surface_.positions().row(vertex) - surface_.positions().row(other)).norm();
+    for (const Index other : others)
+      sum += (surface_.positions().row(vertex) - surface_.positions().row(other)).norm();
     return sum / static_cast<double>(others.size());
   }
 
@@ -314,7 +316,8 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
     surface.context().throw_if_stopped();
     std::vector<HolePatch> patches;
     for (const Hole& hole : touching) patches.push_back(fill(surface, surroundings, hole, options.hole_fill));
-    if (std::any_of(patches.begin(), patches.end(), [](const HolePatch& patch) { return patch.faces.empty(); })) {
+    if (std::any_of(patches.begin(), patches.end(),
+                    [](const HolePatch& patch) { return patch.faces.empty(); })) {
       left += static_cast<Index>(touching.size());
       continue;
     }
@@ -329,7 +332,8 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
   }
   const auto note_left = [&](Index number, const std::string& why) {
     if (number > 0)
-      surface.note(std::to_string(number) + (number == 1 ? " hole was" : " holes were") + " not closed: " + why);
+      surface.note(std::to_string(number) + (number == 1 ? " hole was" : " holes were") +
+                   " not closed: " + why);
   };
   note_left(left, "no triangles fit.");
   note_left(unsound, "the faces around are not consistently oriented, or more than two meet in an edge.");

@@ -122,8 +122,7 @@ struct OrientedComponent {
   Index contradictions = 0;  // and after turning: there are none on a surface with two sides
 };
 
-OrientedComponent follow_winding(const RepairSurface& surface, Index seed, Flags& reached,
-                         Flags& turn) {
+OrientedComponent follow_winding(const RepairSurface& surface, Index seed, Flags& reached, Flags& turn) {
   const EdgeTable& table = surface.edges();
   const Faces& faces = surface.faces();
   OrientedComponent component{.faces = {seed}};
@@ -160,7 +159,8 @@ Flags faces_against_the_rest(const RepairSurface& surface, Index& contradictions
     const auto turned =
         std::count_if(component.faces.begin(), component.faces.end(), [&](Index f) { return turn[f] != 0; });
     const bool helps = component.contradictions < component.against;
-    contradictions += (helps ? component.contradictions : component.against) / 2;  // each was seen from both sides
+    contradictions +=
+        (helps ? component.contradictions : component.against) / 2;  // each was seen from both sides
     const bool most = 2 * turned > static_cast<std::ptrdiff_t>(component.faces.size());
     for (const Index f : component.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
   }

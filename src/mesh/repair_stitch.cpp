@@ -240,7 +240,8 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
     const Index a = corners[c], b = corners[table.next[c]];
     const auto face = surface.faces()[surface.face_of(c)];
     for (const Index first_vertex_there : tree.near_segment(positions.row(a), positions.row(b), widest)) {
-      const bool at_end = positions.row(first_vertex_there) == positions.row(a) || positions.row(first_vertex_there) == positions.row(b);
+      const bool at_end = positions.row(first_vertex_there) == positions.row(a) ||
+                          positions.row(first_vertex_there) == positions.row(b);
       if (at_end || !place_on(positions, a, b, positions.row(first_vertex_there), 0, widest)) continue;
       for (const Index v : boundary.vertices_at(first_vertex_there)) {
         if (std::find(face.begin(), face.end(), v) != face.end()) continue;

@@ -17,8 +17,8 @@
 
 namespace meshgraft {
 
-void RepairFaces::add(std::span<const Index> face, std::span<const EdgePoint> corners, Index from, bool is_fresh,
-                      bool turned) {
+void RepairFaces::add(std::span<const Index> face, std::span<const EdgePoint> corners, Index from,
+                      bool is_fresh, bool turned) {
   faces.push_back(face);
   origin.push_back(from);
   corner.insert(corner.end(), corners.begin(), corners.end());
@@ -71,7 +71,9 @@ Eigen::RowVector3d RepairSurface::face_normal(Index face) const {
   return length > 0 ? Eigen::RowVector3d(area / length) : Eigen::RowVector3d::Zero();
 }
 
-double RepairSurface::face_area(Index face) const { return area_vector(mesh_.faces[face], mesh_.positions).norm() / 2; }
+double RepairSurface::face_area(Index face) const {
+  return area_vector(mesh_.faces[face], mesh_.positions).norm() / 2;
+}
 
 void RepairSurface::replace_faces(RepairFaces faces) {
   traced_ = std::move(faces);
@@ -138,8 +140,8 @@ void RepairSurface::report(const std::string& name, Domain domain, std::vector<I
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
 }
 
-void RepairSurface::report_faces(const std::string& name, const Flags& chosen,
-                                 const std::string& one, const std::string& many) {
+void RepairSurface::report_faces(const std::string& name, const Flags& chosen, const std::string& one,
+                                 const std::string& many) {
   std::vector<Index> given;
   Index count = 0;
   for (Index f = 0; f < mesh_.face_count(); ++f) {
@@ -220,8 +222,9 @@ std::vector<EdgePoint> vertices_of(const std::vector<EdgePoint>& corners, const 
   std::vector<EdgePoint> vertices;
   vertices.reserve(corners.size());
   for (const EdgePoint& corner : corners)
-    vertices.push_back(
-        corner.from < 0 ? corner : EdgePoint{given.corners()[corner.from], given.corners()[corner.to], corner.t});
+    vertices.push_back(corner.from < 0
+                           ? corner
+                           : EdgePoint{given.corners()[corner.from], given.corners()[corner.to], corner.t});
   return vertices;
 }
 
@@ -276,7 +279,8 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
                  !same_values(attribute, own.from, common.from);
       }
     }
-    const bool may_separate = attribute.name != "colour" && !given_.find_attribute(Domain::corner, attribute.name);
+    const bool may_separate =
+        attribute.name != "colour" && !given_.find_attribute(Domain::corner, attribute.name);
     if (parted && !may_separate)
       note("Vertices that were welded differ in their " + attribute.name + ": the first one's was kept.");
     if (parted && may_separate) {
@@ -284,9 +288,10 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
       result.mesh.attributes.back().domain = Domain::corner;
       note("Vertices that were welded differ in their " + attribute.name + ": it is kept per corner now.");
     } else {
-      result.mesh.attributes.push_back(interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertex_value
-                                                        : attribute.domain == Domain::face ? face_value
-                                                                                           : traced_.corner));
+      result.mesh.attributes.push_back(
+          interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertex_value
+                                           : attribute.domain == Domain::face ? face_value
+                                                                              : traced_.corner));
     }
     if (turned && is_normal(attribute)) turn_normals(result.mesh.attributes.back(), result);
   }

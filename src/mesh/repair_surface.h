@@ -21,8 +21,8 @@ struct RepairFaces {
   Faces faces;
   std::vector<Index> origin;  ///< per face, the given mesh's face that it is (a piece of), or that it continues
   std::vector<EdgePoint> corner;  ///< per corner, between corners of the given mesh
-  Flags is_new;     ///< per face, whether it fills a hole
-  Flags is_turned;  ///< per face, whether it runs against the given one
+  Flags is_new;                   ///< per face, whether it fills a hole
+  Flags is_turned;                ///< per face, whether it runs against the given one
 
   void add(std::span<const Index> face, std::span<const EdgePoint> corners, Index origin, bool is_new = false,
            bool is_turned = false);
@@ -94,7 +94,7 @@ class RepairSurface {
   RepairFaces traced_;  // its faces are in mesh_
   std::vector<Index> vertex_origin_;
   std::vector<EdgePoint> vertex_value_;  // of the given mesh's vertices
-  std::vector<Index> stands_for_;      // per vertex, that it was united with (or itself)
+  std::vector<Index> stands_for_;        // per vertex, that it was united with (or itself)
   std::vector<Telling> tellings_;
   std::vector<std::string> notes_;
   mutable std::optional<EdgeTable> edges_;

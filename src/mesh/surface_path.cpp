@@ -45,7 +45,8 @@ SurfacePaths::SurfacePaths(const Points& positions, const Faces& triangles, cons
     if (table.next[c] >= 0) next_at_[c] = std::exchange(corner_at_[vertex(c)], c);
 }
 
-// The half-edge along the same edge in the neighbouring face, or -1 where there is not one that is consistently oriented.
+// The half-edge along the same edge in the neighbouring face, or -1 where there is not one that is consistently
+// oriented.
 Index SurfacePaths::twin(Index half_edge) const {
   const auto along = table_.half_edges[table_.edge[half_edge]];
   if (along.size() != 2) return -1;
@@ -108,7 +109,8 @@ SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Contex
 // around the end vertices.
 void SurfacePaths::remove_detours(Strip& strip, Index from, Index to) const {
   Strip kept;
-  std::unordered_map<Index, std::size_t> crossed_before;  // per face: how many half-edges were crossed before it
+  std::unordered_map<Index, std::size_t>
+      crossed_before;  // per face: how many half-edges were crossed before it
   const auto enter = [&](Index face) {
     if (const auto seen = crossed_before.find(face); seen != crossed_before.end()) {
       for (std::size_t k = seen->second; k < kept.size(); ++k) crossed_before.erase(face_[twin(kept[k])]);
@@ -209,7 +211,7 @@ SurfacePaths::Path SurfacePaths::shortest_within(const Strip& strip, Index from,
         path.points.push_back({q.vertex, q.vertex, 0});
       } else {
         path.points.push_back(p.vertex < q.vertex ? EdgePoint{p.vertex, q.vertex, t}
-                                                 : EdgePoint{q.vertex, p.vertex, 1 - t});
+                                                  : EdgePoint{q.vertex, p.vertex, 1 - t});
       }
     }
     path.length += (end.at - apex.at).norm();

@@ -13,8 +13,8 @@ namespace meshgraft {
 /// Shortest paths between vertices of a surface of triangles (faces that are none take no part).
 ///
 /// A strip of triangles from one vertex to the other is unfolded into the plane, where a funnel finds the
-/// shortest path within it. Where that turns at a vertex, the strip is led around the vertex's other side if the
-/// path becomes shorter, until no turn can be undone (Xin and Wang 2007, "Efficiently determining a locally
+/// shortest path within it. Where that turns at a vertex, the strip is led around the vertex's other side if
+/// the path becomes shorter, until no turn can be undone (Xin and Wang 2007, "Efficiently determining a locally
 /// exact shortest path on polyhedral surfaces"). The result is a geodesic: no small change makes it shorter.
 class SurfacePaths {
  public:

@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/topology.h>
 
 namespace meshgraft {
@@ -32,8 +32,8 @@ Mesh turned_over(const Mesh& mesh) {
     }
   }
   for (const Attribute& attribute : mesh.attributes) {
-    result.attributes.push_back(attribute.domain == Domain::corner ? interpolate_attribute(attribute, corner_origin)
-                                                                   : attribute);
+    result.attributes.push_back(
+        attribute.domain == Domain::corner ? interpolate_attribute(attribute, corner_origin) : attribute);
     if (attribute.name == "normal" || attribute.name == cut_normal_name)
       for (double& value : result.attributes.back().values) value = -value;
   }

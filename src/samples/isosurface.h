@@ -19,7 +19,7 @@ class Surface {
   std::vector<std::array<int, 3>> triangles;  ///< removed ones begin with -1
   std::vector<int> twin;                      ///< per half-edge
   std::vector<int> outgoing;                  ///< per vertex, one half-edge; -1 for a removed vertex
-  Flags on_cut;                   ///< per vertex: lies on the loop where the surface is to be cut
+  Flags on_cut;                               ///< per vertex: lies on the loop where the surface is to be cut
 
   static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }

@@ -28,9 +28,8 @@ void require_distinct(std::span<const Method> methods) {
 }
 
 void require_deform_step(const EditFile& edit) {
-  if (std::none_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
-        return std::holds_alternative<DeformStep>(step.action);
-      }))
+  if (std::none_of(edit.steps.begin(), edit.steps.end(),
+                   [](const EditStep& step) { return std::holds_alternative<DeformStep>(step.action); }))
     throw Error(ErrorCode::input, "no step deforms anything, so that methods have nothing to differ in",
                 edit.location);
 }

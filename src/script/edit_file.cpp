@@ -294,7 +294,8 @@ std::vector<std::string> mesh_names(const EditFile& edit) {
   return names;
 }
 
-EditFile parse_edit(std::string_view text, const std::string& location, const std::filesystem::path& base_folder) {
+EditFile parse_edit(std::string_view text, const std::string& location,
+                    const std::filesystem::path& base_folder) {
   require_size(text.size(), location);
   const json::Json document = json::parse(text, location, edit_file_depth_limit);
   const Value root(document, location);

@@ -31,7 +31,8 @@ void require_loops(const MergeSide& side, const std::string& location) {
                 fmt::format("{} has no closed boundary loop: {}, first at vertex {}", name, edges->description,
                             edges->indices.front()),
                 location, edges->remedy);
-  throw Error(ErrorCode::input, name + " has no boundary loop", location, "Cut it open first: 'meshgraft cut'.");
+  throw Error(ErrorCode::input, name + " has no boundary loop", location,
+              "Cut it open first: 'meshgraft cut'.");
 }
 
 // Refuses a loop along which the surface is no oriented manifold: nothing can be welded there.
@@ -62,8 +63,8 @@ std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::strin
   if (const auto* loop = std::get_if<Selection::Loop>(&spec.kind)) {
     if (loop->number >= 0 && static_cast<std::size_t>(loop->number) < loops.size())
       return static_cast<std::size_t>(loop->number);
-    throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop {}", side.name, loop->number), location,
-                fmt::format("Its loops are {}.", loop_list(side)));
+    throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop {}", side.name, loop->number),
+                location, fmt::format("Its loops are {}.", loop_list(side)));
   }
   const std::vector<Index> wanted = side.selections.vertices(spec, location);
   for (std::size_t k = 0; k < loops.size(); ++k) {

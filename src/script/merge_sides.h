@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/script/edit_file.h>
 #include <meshgraft/mesh/sound_mesh.h>
+#include <meshgraft/script/edit_file.h>
 
 #include "run_steps.h"
 #include "selection_resolver.h"

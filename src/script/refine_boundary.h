@@ -1,8 +1,8 @@
 #pragma once
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/script/resolve_deform.h>
 
 namespace meshgraft {
 

@@ -22,7 +22,7 @@ Json optional_json(const std::optional<T>& value) {
 }
 
 Json seconds_json(const StageSeconds& seconds) {
-  return {{"read", seconds.read},           {"check", seconds.check},     {"select", seconds.select},
+  return {{"read", seconds.read},           {"check", seconds.check},       {"select", seconds.select},
           {"match", seconds.match},         {"assemble", seconds.assemble}, {"analyse", seconds.analyse},
           {"factorise", seconds.factorise}, {"basis", seconds.basis},       {"solve", seconds.solve},
           {"seam", seconds.seam},           {"measure", seconds.measure},   {"write", seconds.write},

@@ -42,7 +42,8 @@ class Roles {
                   fmt::format("{} of the handle's {} vertices lie outside the region", beyond, vertices.size()),
                   location, "Enlarge the region, or 'intersect' the handle with it.");
     for (const Index v : vertices) {
-      if (owner_[v] == handle) throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), location);
+      if (owner_[v] == handle)
+        throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), location);
       if (owner_[v] != nobody)
         throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder_of(v)), location,
                     "Take it out of one of the two with 'minus'.");
@@ -274,7 +275,9 @@ class DeformResolver {
     return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, location_ + ".region");
   }
 
-  std::string handle_location(std::size_t handle) const { return fmt::format("{}.handles[{}]", location_, handle); }
+  std::string handle_location(std::size_t handle) const {
+    return fmt::format("{}.handles[{}]", location_, handle);
+  }
 
   void hold(Handle handle, HandlePose pose, Roles& roles, const std::string& where) {
     roles.take_all(handle.vertices, handle.name, where + ".select");

@@ -13,11 +13,11 @@
 #include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/quality.h>
-#include <meshgraft/script/resolve_deform.h>
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/weld.h>
+#include <meshgraft/script/resolve_deform.h>
+#include <meshgraft/script/run_edit.h>
 
 #include "../core/stopwatch.h"
 #include "refine_boundary.h"

@@ -116,8 +116,8 @@ StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::
   if (std::holds_alternative<MergeStep>(edit_step.action))
     return run_merge(edit, edit_step, location, scenes, options, context);
   if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, scenes, context);
-  return run_deform(edit, std::get<DeformStep>(edit_step.action), location, scene_for_outcome(edit_step, scenes),
-                    options, context);
+  return run_deform(edit, std::get<DeformStep>(edit_step.action), location,
+                    scene_for_outcome(edit_step, scenes), options, context);
 }
 
 Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes) {

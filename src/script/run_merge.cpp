@@ -58,9 +58,9 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
                   "Name some, or leave it out: then the part beyond reach stays");
   }
   for (std::size_t i = 0; i < step.features.size(); ++i)
-    options.features.push_back(
-        {source.selections.vertices(step.features[i].select, fmt::format("{}.features[{}].select", location, i)),
-         step.features[i].similarity});
+    options.features.push_back({source.selections.vertices(step.features[i].select,
+                                                           fmt::format("{}.features[{}].select", location, i)),
+                                step.features[i].similarity});
   options.size = step.size;
   options.normal_angle_deg = step.normal_angle_deg;
   options.smooth_boundary = step.smooth_boundary;
@@ -166,7 +166,7 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 }  // namespace
 
 DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
-                     const Scene& target_scene, const Scene& source_scene)
+                             const Scene& target_scene, const Scene& source_scene)
     : location_(location) {
   MergeSide source("source", edit, source_scene), target("target", edit, target_scene);
   const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location + ".at")];
@@ -207,11 +207,14 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   outcome.options = resolve_options(step, source, options.overrides, location);
   require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), location);
   for (const MatchSpec& pair : step.align) {
-    if (const auto* number = std::get_if<Index>(&pair.source)) source.require_usable(*number, location + ".align");
-    if (const auto* number = std::get_if<Index>(&pair.target)) target.require_usable(*number, location + ".align");
+    if (const auto* number = std::get_if<Index>(&pair.source))
+      source.require_usable(*number, location + ".align");
+    if (const auto* number = std::get_if<Index>(&pair.target))
+      target.require_usable(*number, location + ".align");
   }
   if (step.at)
-    if (const auto* number = std::get_if<Index>(&step.at->surface_point)) target.require_usable(*number, location + ".at");
+    if (const auto* number = std::get_if<Index>(&step.at->surface_point))
+      target.require_usable(*number, location + ".at");
   for (const MergePair& pair : pairs) {
     source.usable.require_beyond(pair.loops.source);
     target.usable.require_beyond(pair.loops.target);

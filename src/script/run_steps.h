@@ -7,14 +7,14 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/merge/open_hole.h>
+#include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/weld.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>
 #include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/script/run_edit.h>
-#include <meshgraft/merge/open_hole.h>
-#include <meshgraft/mesh/mesh.h>
-#include <meshgraft/mesh/diagnostics.h>
-#include <meshgraft/mesh/weld.h>
 
 #include "refine_boundary.h"
 
@@ -26,8 +26,8 @@ struct Scene {
   Points rest;        ///< before the first deform step since the faces are what they are
   std::string label;  ///< the file or sample it came from
   Diagnostics diagnostics;
-  Flags was_free;  ///< per vertex, in any deform step
-  bool is_cut = false;                 ///< by the edit: what lies at one place there was taken apart on purpose
+  Flags was_free;       ///< per vertex, in any deform step
+  bool is_cut = false;  ///< by the edit: what lies at one place there was taken apart on purpose
   ProducedSets produced;
 };
 
@@ -75,7 +75,7 @@ class DropPlacement {
  public:
   /// Throws Error(input) as the step does for a loop that is none.
   DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location, const Scene& target,
-            const Scene& source);
+                const Scene& source);
 
   /// A map of the source's own coordinates, with `at` and `size` of a step that is else the same. Where no size
   /// is given the part has its own, though the merge may make it smaller. Throws Error(input) for a place that

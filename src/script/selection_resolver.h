@@ -11,9 +11,9 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/selection.h>
+#include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/resolve_deform.h>
-#include <meshgraft/io/mesh_io.h>
 
 namespace meshgraft {
 
@@ -103,7 +103,8 @@ class SelectionResolver {
   }
   Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& location) {
     const std::string text = read(indices.file, location);
-    return Selection(Selection::Indices{parse_indices(text, vertex_count(), file_location(indices.file, location))});
+    return Selection(
+        Selection::Indices{parse_indices(text, vertex_count(), file_location(indices.file, location))});
   }
   Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& location) {
     const std::string text = read(sel.file, location);
@@ -123,8 +124,8 @@ class SelectionResolver {
     if (step != produced_.end())
       throw Error(
           ErrorCode::input,
-          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what), location,
-          fmt::format("It produces {}.", names_of(step->second)));
+          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what),
+          location, fmt::format("It produces {}.", names_of(step->second)));
     const bool exists = std::any_of(edit_.steps.begin(), edit_.steps.end(),
                                     [&](const EditStep& other) { return other.name == wanted.step; });
     if (exists)

@@ -10,8 +10,8 @@
 
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/selection.h>
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/run_edit.h>
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"

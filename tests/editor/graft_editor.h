@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/run_edit.h>
 
 #include "io/temporary_folder.h"
 #include "page_client.h"

@@ -17,8 +17,8 @@ namespace {
 
 using test::expect_damage_is_survived;
 using test::expect_error;
-using test::with_line_ends;
 using test::TemporaryFolder;
+using test::with_line_ends;
 
 const std::string off_square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 const std::string plain = "OFF\n4 2 0\n" + off_square + "3 0 1 2\n3 0 2 3\n";

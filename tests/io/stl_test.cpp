@@ -21,8 +21,8 @@ namespace {
 
 using test::expect_damage_is_survived;
 using test::expect_error;
-using test::with_line_ends;
 using test::TemporaryFolder;
+using test::with_line_ends;
 
 using Facet = std::array<float, 12>;
 

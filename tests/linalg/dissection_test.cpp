@@ -165,7 +165,8 @@ TEST(Dissection, IsTheSameEveryTime) {
 TEST(Dissection, IsOfAFactorThatFillsLittleAndSolves) {
   std::minstd_rand generator(7);
   for (const System& system : systems()) {
-    const SupernodalPattern pattern = symbolic_factorisation(system.lower, dissect(system.lower, system.graph()), {});
+    const SupernodalPattern pattern =
+        symbolic_factorisation(system.lower, dissect(system.lower, system.graph()), {});
     std::vector<int> random(system.group.size());
     std::iota(random.begin(), random.end(), 0);
     std::shuffle(random.begin(), random.end(), generator);

@@ -79,7 +79,8 @@ TEST(Correspondence, IsFoundWhateverTheSamplingAndThePose) {
     const auto found = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, false, {&place, 1});
     EXPECT_GT(found[0].confidence, 0.3);
     for (int i = 0; i < 64; ++i)
-      EXPECT_LT((at(unposed, found[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1) << count << ", " << i;
+      EXPECT_LT((at(unposed, found[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1)
+          << count << ", " << i;
   }
 }
 
@@ -125,7 +126,8 @@ TEST(Correspondence, OfCirclesIsPlacedByTheOthers) {
   const auto found = match_automatically(pairs, sources, targets, false, places);
   for (int p = 0; p < 3; ++p) {
     for (int i = 0; i < 40; ++i)
-      EXPECT_LT((at(targets[p].points, found[p].loop_parameter[i]) - sources[p].points.row(i)).norm(), 0.15) << p;
+      EXPECT_LT((at(targets[p].points, found[p].loop_parameter[i]) - sources[p].points.row(i)).norm(), 0.15)
+          << p;
   }
 }
 

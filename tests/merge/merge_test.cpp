@@ -107,7 +107,8 @@ TEST(Merge, GraftsBackWhatWasCut) {
         EXPECT_EQ(pair.met.size(), graft.pairs[p].loops.source.size());
         for (std::size_t i = 0; i < pair.met.size(); ++i)
           EXPECT_LT(
-              (pair.target_points.row(static_cast<Eigen::Index>(i)) - graft.source.positions.row(pair.met[i])).norm(),
+              (pair.target_points.row(static_cast<Eigen::Index>(i)) - graft.source.positions.row(pair.met[i]))
+                  .norm(),
               1e-9 * size)
               << graft.name;
       }

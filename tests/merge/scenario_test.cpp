@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/script/run_edit.h>
 
 namespace meshgraft {
 namespace {

@@ -18,7 +18,8 @@ using test::HoleCase;
 using test::HoleCost;
 using HoleTriangles = std::vector<HoleTriangle>;
 
-HoleTriangles fill(const HoleCase& hole, const HoleTriangulationOptions& options = {}, const Context& context = {}) {
+HoleTriangles fill(const HoleCase& hole, const HoleTriangulationOptions& options = {},
+                   const Context& context = {}) {
   return triangulate_hole({hole.points, hole.beyond}, options, context);
 }
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/mesh/repair.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/repair.h>
 #include <meshgraft/samples/samples.h>
 
 #include "support/defects.h"

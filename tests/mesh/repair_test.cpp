@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/topology.h>
 
 #include "mesh/shapes.h"
 #include "support/defects.h"

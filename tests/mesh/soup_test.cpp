@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/diagnostics.h>
 
 #include "mesh/shapes.h"
 

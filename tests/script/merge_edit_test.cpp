@@ -6,10 +6,10 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/script/run_edit.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/script/run_edit.h>
 
 #include "support/mesh_families.h"
 

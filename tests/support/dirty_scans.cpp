@@ -6,8 +6,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/winding.h>
 #include <meshgraft/samples/samples.h>
 

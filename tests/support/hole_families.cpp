@@ -165,7 +165,7 @@ HoleCase make_hole(const std::string& family, Index edges, bool with_beyond) {
 std::vector<HoleCase> hole_cases(Index most_edges) {
   std::vector<HoleCase> cases;
   for (const std::string& family : hole_family_names())
-    for (const Index edges : {3, 4, 5, 7, 10, 20, 40, 80, 150, 300, 600, 1200, 5000})
+    for (const Index edges : {3, 4, 5, 7, 10, 20, 40, 80, 150, 300, 600, 1200, 2500, 5000})
       for (const bool with_beyond : {false, true}) {
         if (edges > most_edges || (family == "scan" && (edges > 1200 || edges < 10))) continue;
         HoleCase hole = make_hole(family, edges, with_beyond);

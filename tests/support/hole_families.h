@@ -24,7 +24,7 @@ const std::vector<std::string>& hole_family_names();
 /// A loop of `edges` edges; a scan's, cut out of a built-in model, has only about as many.
 HoleCase make_hole(const std::string& family, Index edges, bool with_beyond);
 
-/// All families with and without the faces around them, of 3 to `most_edges` edges: 200 up to 5,000 edges.
+/// All families with and without the faces around them, of 3 to `most_edges` edges: 212 up to 5,000 edges.
 std::vector<HoleCase> hole_cases(Index most_edges);
 
 /// What a triangulation of a loop costs.

@@ -155,7 +155,8 @@ OpenModel connected_part(const OpenModel& model, const std::vector<Index>& loop)
     part.mesh.faces.push_back(face);
   }
   for (const Attribute& attribute : model.mesh.attributes)
-    if (attribute.domain == Domain::vertex) part.mesh.attributes.push_back(interpolate_attribute(attribute, vertices));
+    if (attribute.domain == Domain::vertex)
+      part.mesh.attributes.push_back(interpolate_attribute(attribute, vertices));
   for (const auto& of_model : model.loops) {
     if (component[of_model.front()] != kept) continue;
     part.loops.emplace_back();
@@ -297,7 +298,8 @@ bool follow_remedy(RandomGraft& graft, const Error& refusal) {
   if (named == std::string::npos ||
       std::sscanf(refusal.remedy().c_str() + named, "--start %d:%d", &start.target, &start.source) != 2)
     return false;
-  if (std::sscanf(refusal.location().c_str(), "pair %zu", &pair) == 1 && pair >= graft.pairs.size()) return false;
+  if (std::sscanf(refusal.location().c_str(), "pair %zu", &pair) == 1 && pair >= graft.pairs.size())
+    return false;
   graft.pairs[pair].matches = {start};
   return true;
 }

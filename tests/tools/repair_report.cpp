@@ -7,8 +7,8 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/repair.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/repair.h>
 
 #include "support/defects.h"
 

@@ -108,9 +108,9 @@ class Selection {
   Kind kind;
 };
 
-/// The vertices that `selection` means; may be none. Throws Error(input), naming `location` (a field of the edit
-/// file) and the part of it, for an index, component or loop that does not exist, a malformed shape, or points
-/// of a path that are not connected.
+/// The vertices that `selection` means; may be none. Throws Error(input), naming `location` (a field of the
+/// edit file) and the part of it, for an index, component or loop that does not exist, a malformed shape, or
+/// points of a path that are not connected.
 std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
                            const std::string& location);
 
@@ -119,8 +119,8 @@ struct SelFile {
   std::vector<Index> fixed, free, handle;
 };
 
-/// Text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line for anything but
-/// 0, 1 or 2 and for a count that differs from the mesh's.
+/// Text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line for anything
+/// but 0, 1 or 2 and for a count that differs from the mesh's.
 SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location);
 
 /// Text of vertex indices (from 0), separated by white space, in their order; `#` starts a comment, an index
@@ -129,8 +129,8 @@ SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& 
 std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& location);
 
 /// A `.def` file: an affine 4×4 matrix as 16 numbers, row by row; `#` starts a comment. Throws Error(input)
-/// with `location` and the line for anything else, for a number that is not finite, and for a last row other than
-/// 0 0 0 1.
+/// with `location` and the line for anything else, for a number that is not finite, and for a last row other
+/// than 0 0 0 1.
 Eigen::Matrix4d parse_def(std::string_view text, const std::string& location);
 
 }  // namespace meshgraft

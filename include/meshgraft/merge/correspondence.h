@@ -29,8 +29,8 @@ struct Match {
 
 /// Where each vertex of a source loop comes to lie on the target loop.
 struct Correspondence {
-  /// Per vertex of `LoopPair::source`, in its order: the parameter k + t on the target loop is (1 − t)·target[k] +
-  /// t·target[k + 1], cyclically. Goes once round the target loop, backwards.
+  /// Per vertex of `LoopPair::source`, in its order: the parameter k + t on the target loop is (1 −
+  /// t)·target[k] + t·target[k + 1], cyclically. Goes once round the target loop, backwards.
   std::vector<double> loop_parameter;
   /// 0 … 1: how much better the best start is than the best one elsewhere; 1 where it was given.
   double confidence = 1;

@@ -34,8 +34,8 @@ struct DropResult {
 /// the surface; where that turns it inside out and no normal angle is given, it bends half as far, or not at
 /// all.
 ///
-/// Throws what open_hole and merge_meshes throw, and Error(input) naming `surface_point` if the part turns inside out
-/// even so (shape `similar`).
+/// Throws what open_hole and merge_meshes throw, and Error(input) naming `surface_point` if the part turns
+/// inside out even so (shape `similar`).
 DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const MergeOptions& options = {}, const Context& context = {});
 

@@ -16,7 +16,8 @@ namespace meshgraft {
 
 /// Where and how a part is put onto a surface without a hole.
 struct Drop {
-  std::variant<Index, Eigen::Vector3d> surface_point;  ///< a vertex of the target, or the surface nearest to a point
+  std::variant<Index, Eigen::Vector3d>
+      surface_point;  ///< a vertex of the target, or the surface nearest to a point
   /// Scale of the source, about. Absent: 1 if its loop has room there and the source stands clear of the
   /// target, else the largest of 0.7, 0.5, 0.35, … that does.
   std::optional<double> size{};
@@ -44,11 +45,11 @@ struct OpenedHole {
 /// is as wide there as the loop. Edges that are too long to draw it are halved. All vertices outside the hole
 /// keep their positions; only those on its edge may have moved, along edges.
 ///
-/// Throws Error(input), naming `surface_point`, `size` or the loop: a vertex that does not exist or is on the boundary,
-/// a point farther from the surface than a twentieth of the target's diagonal, a `source_loop` that is none or
-/// spans no area, a size below a millionth of the target's; and a given size whose hole would reach a boundary,
-/// an edge of three faces, or all round the surface, or where the surface is too narrow to be as wide (0.85) as
-/// the loop: the message names the largest size that fits.
+/// Throws Error(input), naming `surface_point`, `size` or the loop: a vertex that does not exist or is on the
+/// boundary, a point farther from the surface than a twentieth of the target's diagonal, a `source_loop` that
+/// is none or spans no area, a size below a millionth of the target's; and a given size whose hole would reach
+/// a boundary, an edge of three faces, or all round the surface, or where the surface is too narrow to be as
+/// wide (0.85) as the loop: the message names the largest size that fits.
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context = {});
 

@@ -28,7 +28,7 @@ struct CutOptions {
 struct CutResult {
   Mesh mesh;        ///< the kept vertices in their order, then those on the cut; with `both`, the cut's twice
   IndexMap vertex;  ///< from the uncut mesh; a vertex on the cut maps to its first copy
-  std::vector<EdgePoint> origin;         ///< per vertex of `mesh`, where it lies on the uncut one
+  std::vector<EdgePoint> origin;       ///< per vertex of `mesh`, where it lies on the uncut one
   std::vector<Index> face_parent;      ///< per face of `mesh`, the uncut face that it is a part of
   std::vector<std::int8_t> face_side;  ///< per face of `mesh`: 1 above, -1 below, 0 where the cut parts nothing
   std::vector<std::vector<Index>>

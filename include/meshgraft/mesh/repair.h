@@ -36,7 +36,8 @@ struct RepairOptions {
   /// Parts with fewer faces and less area than `debris_rel` × the largest part's.
   bool remove_debris = true;
   double debris_rel = 0.01;
-  /// Neighbouring faces are consistently oriented, closed parts outward (but not what lies inside another closed part).
+  /// Neighbouring faces are consistently oriented, closed parts outward (but not what lies inside another
+  /// closed part).
   bool unify_winding = true;
   /// Boundary loops of at most this many edges are closed. Absent: 24, and only where the hole's area is at
   /// most 0.5 % of its part's: an opening that is meant stays. 0: none.
@@ -70,11 +71,11 @@ struct RepairResult {
 };
 
 /// Makes a mesh that every command takes of one that may carry any defect (docs/repair.md): cleaned, welded,
-/// edges and vertices manifold, consistently oriented, small holes closed. Positions are kept, vertices and faces stay in
-/// their order; what is new comes last. Attributes go along; one per vertex that differs between welded
-/// vertices becomes one per corner (but colours, which keep the first one's). A mesh without defects comes back
-/// as it is, and repairing the result once more changes nothing. The result does not depend on the number of
-/// threads.
+/// edges and vertices manifold, consistently oriented, small holes closed. Positions are kept, vertices and
+/// faces stay in their order; what is new comes last. Attributes go along; one per vertex that differs between
+/// welded vertices becomes one per corner (but colours, which keep the first one's). A mesh without defects
+/// comes back as it is, and repairing the result once more changes nothing. The result does not depend on the
+/// number of threads.
 ///
 /// Throws Error(input) for options out of range, Error(cancelled).
 RepairResult repair(const Mesh& mesh, const RepairOptions& options = {}, const Context& context = {});

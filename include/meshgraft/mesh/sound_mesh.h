@@ -6,15 +6,15 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 
-/// A mesh with what the check refuses out of the way, so that a step that does not reach it can go on: faces that
-/// name a vertex which does not exist or has a non-finite coordinate are left out. Vertices keep their numbers;
-/// those without finite coordinates are in no face and stand, until they are put back, at the place of another.
-/// Where the check refuses nothing it is the given mesh, and costs nothing.
+/// A mesh with what the check refuses out of the way, so that a step that does not reach it can go on: faces
+/// that name a vertex which does not exist or has a non-finite coordinate are left out. Vertices keep their
+/// numbers; those without finite coordinates are in no face and stand, until they are put back, at the place of
+/// another. Where the check refuses nothing it is the given mesh, and costs nothing.
 class SoundMesh {
  public:
   /// Refers to both. Throws Error(input), as `require_usable` does, where no face would be left; `name` is the

@@ -18,9 +18,9 @@ struct Weld {
   Index of(Index vertex) const { return empty() ? vertex : representative[static_cast<std::size_t>(vertex)]; }
 };
 
-/// The coincident vertices at the ends of boundary edges that lie on each other ("duplicate-vertex" in the diagnostics).
-/// Parts that touch in points, or along edges that are no boundary, stay apart, and so do vertices that are not
-/// finite. Linear time.
+/// The coincident vertices at the ends of boundary edges that lie on each other ("duplicate-vertex" in the
+/// diagnostics). Parts that touch in points, or along edges that are no boundary, stay apart, and so do
+/// vertices that are not finite. Linear time.
 Weld coincident_boundary(const Mesh& mesh, const Context& context = {});
 
 /// The same where it is known which vertices coincide with others: `vertices`, ascending.

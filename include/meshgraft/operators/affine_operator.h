@@ -38,11 +38,11 @@ class AffineOperator {
  public:
   /// Which rows and maps are wanted, as flags per vertex; empty = all.
   struct Extent {
-    Flags fitted;   ///< M_i is fitted to positions (else row i of H is empty)
-    Flags unknown;  ///< M_i is fitted or shared: its pairs have rows of E_R
-    Flags movable;  ///< may be moved off its plane by `ft05_noise`
-    Flags rows;     ///< has a row of E_L
-    std::vector<Index> numbers;         ///< of the vertices in a larger mesh; the noise's sides follow them
+    Flags fitted;                ///< M_i is fitted to positions (else row i of H is empty)
+    Flags unknown;               ///< M_i is fitted or shared: its pairs have rows of E_R
+    Flags movable;               ///< may be moved off its plane by `ft05_noise`
+    Flags rows;                  ///< has a row of E_L
+    std::vector<Index> numbers;  ///< of the vertices in a larger mesh; the noise's sides follow them
   };
 
   AffineOperator(const Points& points, const Triangles& triangles, const OperatorOptions& options = {},

@@ -20,7 +20,7 @@ struct StencilNodes {
                                       ///< under `ft05_noise`
   std::vector<Index> apex;            ///< n, the node of vertex i's apex, or -1
   std::vector<Index> moved;           ///< vertices that `ft05_noise` moved, ascending
-  Flags flat;     ///< n, 1 where the ring's P Pᵀ is (nearly) singular
+  Flags flat;                         ///< n, 1 where the ring's P Pᵀ is (nearly) singular
   std::vector<Index> without_normal;  ///< fitted vertices whose faces give no direction, ascending
 };
 

@@ -28,7 +28,8 @@ struct Comparison {
 /// Runs an edit once by each of `methods`, all its steps by that method; the inputs are read once. Published
 /// methods run by their own defaults; of the settings they take `backend` and `refine_boundary`. A method that
 /// fails becomes an outcome with its message. Throws what `run_edit` throws for inputs, where all methods fail
-/// (the first one's error) and if cancelled; Error(usage) if no method is given or one is given twice, Error(input) for an edit without a deform step.
+/// (the first one's error) and if cancelled; Error(usage) if no method is given or one is given twice,
+/// Error(input) for an edit without a deform step.
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context = {});
 
 /// Each method's name, quality and seconds as a Markdown table, with notes below it.

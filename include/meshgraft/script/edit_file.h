@@ -189,7 +189,7 @@ struct MergeFeatureSpec {
 
 /// Where a part is dropped on a surface without a hole: as `Drop`.
 struct DropSpec {
-  VertexSpec surface_point;///< a vertex of the target, or the surface nearest to a point
+  VertexSpec surface_point;                    ///< a vertex of the target, or the surface nearest to a point
   double spin_deg = 0;                         ///< turn about the target's normal
   std::optional<SelectionSpec> source_loop{};  ///< absent: the source's only loop
 };
@@ -259,7 +259,7 @@ struct EditFile {
   std::string output;              ///< name of the mesh that is the result; empty = that of the last step
   std::vector<std::string> notes;  ///< sentences for people about words that are read as others
 
-  std::string location;                  ///< what messages call the file
+  std::string location;               ///< what messages call the file
   std::filesystem::path base_folder;  ///< what its relative paths start from
 };
 
@@ -280,8 +280,8 @@ inline constexpr int edit_file_depth_limit = 64;
 /// `parse_edit` throws.
 EditFile read_edit_file(const std::filesystem::path& path);
 
-/// The edit that `text` (JSON, UTF-8) describes. Throws Error(input) whose place is `location` and the path of the
-/// field, e.g. "edit.json: steps[0].handles[1].pose.rotate.axis", for anything that is not as
+/// The edit that `text` (JSON, UTF-8) describes. Throws Error(input) whose place is `location` and the path of
+/// the field, e.g. "edit.json: steps[0].handles[1].pose.rotate.axis", for anything that is not as
 /// docs/edit-file.md says: unknown, missing or repeated fields, wrong types and ranges, names that nothing
 /// has. A version 1 file becomes one step by the method or shape `ft05`, for which the format was made.
 EditFile parse_edit(std::string_view text, const std::string& location,

@@ -9,21 +9,21 @@
 
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
-#include <meshgraft/script/edit_file.h>
-#include <meshgraft/script/method.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/topology.h>
+#include <meshgraft/script/edit_file.h>
+#include <meshgraft/script/method.h>
+#include <meshgraft/script/resolve_deform.h>
 
 namespace meshgraft {
 
 /// Wall-clock seconds per stage.
 struct StageSeconds {
   double read = 0;
-  double check = 0;    ///< with triangulation, of merges and cuts
+  double check = 0;     ///< with triangulation, of merges and cuts
   double select = 0;    ///< resolving selections and poses, triangulation, boundary refinement
   double match = 0;     ///< of loops
   double assemble = 0;  ///< all of the set-up but the next two

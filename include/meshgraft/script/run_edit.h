@@ -6,10 +6,10 @@
 #include <string>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/method.h>
 #include <meshgraft/script/report.h>
-#include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 

@@ -183,7 +183,7 @@ bool has_scheme(std::string_view uri) {
 fs::path path_of_uri(const std::string& uri, const JsonView& location) {
   if (has_scheme(uri) || uri.starts_with("//"))
     location.fail("'" + uri.substr(0, 80) + "' is no file of this computer",
-               "Put the file beside the glTF file and name it by a relative path");
+                  "Put the file beside the glTF file and name it by a relative path");
   std::string path;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     if (uri[i] == '%' && i + 2 < uri.size() && hex_digit(uri[i + 1]) >= 0 && hex_digit(uri[i + 2]) >= 0) {

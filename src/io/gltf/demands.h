@@ -16,8 +16,8 @@ namespace meshgraft::io {
 struct GltfDemand {
   GltfChannel channel;
   std::size_t accessor = 0;
-  Flags is_used;  ///< elements that some corner of the instance has
-  GltfChanges changes;        ///< in the file's space: of the elements whose values differ from the file's
+  Flags is_used;        ///< elements that some corner of the instance has
+  GltfChanges changes;  ///< in the file's space: of the elements whose values differ from the file's
 
   bool is_met() const { return changes.empty(); }
 };

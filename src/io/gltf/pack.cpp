@@ -114,7 +114,9 @@ class GltfPacker {
 
   /// Data that is somewhere else, or referred to by what only an extension knows, stays where it is.
   bool can_merge() const {
-    const auto is_there = [](const GltfBuffer& buffer) { return buffer.storage != GltfBuffer::Storage::absent; };
+    const auto is_there = [](const GltfBuffer& buffer) {
+      return buffer.storage != GltfBuffer::Storage::absent;
+    };
     if (document_.buffers.empty() || !std::ranges::all_of(document_.buffers, is_there)) return false;
     const auto views = json_.find("bufferViews");
     return views == json_.end() ||

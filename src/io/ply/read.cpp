@@ -323,8 +323,9 @@ class PlyReader {
     const std::string_view content = document_->content;
     const std::size_t rest = content.find_first_not_of(" \t\r\n\v\f", offset);
     if (rest == std::string_view::npos) return;
-    const std::string location = document_->header.encoding == PlyEncoding::ascii ? line_name(content, rest)
-                                                                               : "byte " + std::to_string(rest);
+    const std::string location = document_->header.encoding == PlyEncoding::ascii
+                                     ? line_name(content, rest)
+                                     : "byte " + std::to_string(rest);
     throw Error(ErrorCode::input, "the file goes on after the last record that its header announces",
                 name_ + ", " + location, "Correct the counts in the header, or export the file again");
   }

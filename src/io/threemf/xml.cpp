@@ -163,7 +163,9 @@ std::string_view value_in(std::string_view tag, std::string_view attribute) {
 
 }  // namespace
 
-ThreemfPart scan_part(std::string_view xml, const std::string& location) { return PartScanner(xml, location).scan(); }
+ThreemfPart scan_part(std::string_view xml, const std::string& location) {
+  return PartScanner(xml, location).scan();
+}
 
 bool is_utf8(std::string_view xml) { return !xml.starts_with("\xFF\xFE") && !xml.starts_with("\xFE\xFF"); }
 

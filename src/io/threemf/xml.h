@@ -30,8 +30,8 @@ struct ThreemfPart {
   std::vector<ThreemfReference> items;                              ///< of the build
 };
 
-/// `location` names the part in messages. Throws Error(input) with the line for text that is no well-formed XML,
-/// has a document type (which 3MF forbids) or a malformed coordinate.
+/// `location` names the part in messages. Throws Error(input) with the line for text that is no well-formed
+/// XML, has a document type (which 3MF forbids) or a malformed coordinate.
 ThreemfPart scan_part(std::string_view xml, const std::string& location);
 
 /// True where bytes and characters of the part are the same thing, so that its tags can be rewritten.
