@@ -50,5 +50,5 @@ listenForKeys(
 );
 editor.start();
 
-// For the tests, which look at what the page holds.
+// For the tests, which inspect the state of the page.
 Object.assign(window, { meshgraft: { editor, graftView, viewport } });

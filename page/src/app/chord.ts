@@ -1,4 +1,4 @@
-/** What of a keyboard event says which keys are down. */
+/** The fields of a keyboard event that say which keys are down. */
 export interface KeyPress {
   key: string;
   code: string;
@@ -9,7 +9,7 @@ export interface KeyPress {
   getModifierState?(name: string): boolean;
 }
 
-/** Keys pressed together. `key` is a capital letter, what is printed on the key, or "Num0" … "Num9". */
+/** Keys pressed together. `key` is a capital letter, the character printed on the key, or "Num0" … "Num9". */
 export interface Chord {
   readonly ctrl: boolean;
   readonly shift: boolean;
@@ -17,7 +17,7 @@ export interface Chord {
   readonly key: string;
 }
 
-/** Reads "ctrl+shift+Z". A plus by itself is the key: "ctrl++". Throws where it names no key. */
+/** Parses text such as "ctrl+shift+Z". A trailing plus is the key itself: "ctrl++". Throws if the text names no key. */
 export function parseChord(text: string): Chord {
   const key = text.endsWith("+") ? "+" : text.slice(text.lastIndexOf("+") + 1);
   const before = text.slice(0, text.length - key.length).split("+").filter((part) => part !== "");
@@ -26,10 +26,11 @@ export function parseChord(text: string): Chord {
   return { ctrl: before.includes("ctrl"), shift: before.includes("shift"), alt: before.includes("alt"), key };
 }
 
-/** The chord of a press, the same on every keyboard: the command key of a Mac counts as ctrl. */
+/** Returns the chord of a key press, the same on every keyboard. The command key of a Mac counts as ctrl. */
 export function chordOf(press: KeyPress): Chord {
   const key = keyOf(press);
-  // AltGr reports ctrl and alt, and belongs to the character, as shift does where it is no letter: "?", "+".
+  // AltGr reports ctrl and alt, but only selects a character. So does shift if the key is not a letter ("?", "+").
+  // Neither counts as a modifier of the chord.
   const altGraph = press.getModifierState?.("AltGraph") === true;
   const ownShift = key.length === 1 && key.toLowerCase() === key.toUpperCase();
   return {
@@ -50,7 +51,7 @@ export function matches(chord: Chord, press: KeyPress): boolean {
   );
 }
 
-/** As people read it on buttons: "Ctrl+Shift+Z", "Num 1". */
+/** Formats a chord for buttons: "Ctrl+Shift+Z", "Num 1". */
 export function chordLabel(text: string): string {
   const { ctrl, shift, alt, key } = parseChord(text);
   const names: Record<string, string> = { Escape: "Esc", Delete: "Del", " ": "Space" };
@@ -61,7 +62,7 @@ export function chordLabel(text: string): string {
 function keyOf({ key, code, altKey, metaKey, ctrlKey }: KeyPress): string {
   const digit = /^Numpad(\d)$/.exec(code)?.[1];
   if (digit !== undefined) return `Num${digit}`;
-  // Modifiers change what a letter's key types on some systems.
+  // On some systems modifiers change the character that a letter's key types.
   const letter = /^Key([A-Z])$/.exec(code)?.[1];
   const isLetter = key.length === 1 && key.toLowerCase() !== key.toUpperCase();
   if (letter !== undefined && (altKey || metaKey || ctrlKey) && !/^[a-z]$/i.test(key)) return letter;

@@ -4,7 +4,7 @@ import type { Command } from "./keys";
 import type { ToolName, ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";
 
-/** What commands ask of the panels: dialogs. */
+/** The dialogs that commands can open. */
 export interface PageActions {
   open(): void;
   save(): void;
@@ -13,34 +13,34 @@ export interface PageActions {
   help(): void;
 }
 
-/** What commands ask of the tools. */
+/** The actions of the tools that commands can call. */
 export interface ToolActions {
-  /** One step back: out of a gesture, a stroke, a curve; then no handle; then no tool. */
+  /** Goes back by one step: first ends a gesture, stroke or curve, then deactivates the handle, then the tool. */
   escape(): void;
-  /** Puts back what is being dragged or typed. Returns whether there was anything. */
+  /** Reverts the drag or the typed number in progress. Returns whether there was one. */
   giveUpGesture(): boolean;
-  /** Ends what is being done, as it is. */
+  /** Ends the operation in progress and keeps its result. */
   confirm(): void;
-  /** Whether there is something to confirm. Reads signals. */
+  /** Returns whether an operation can be confirmed. Reads signals. */
   canConfirm(): boolean;
-  /** Moves, turns or scales the active handle with the pointer, without a button held. */
+  /** Begins to move, turn or scale the active handle with the pointer, without a button held. */
   beginGesture(kind: "move" | "turn" | "scale"): void;
   togglePivot(): void;
   resetPivot(): void;
   resetPose(): void;
   removeHandle(): void;
   handleFromSelection(): void;
-  /** The next handle (1) or the one before (-1) becomes the active one. */
+  /** Makes the next handle (1) or the previous one (-1) active. */
   stepHandle(by: 1 | -1): void;
   resizeBrush(factor: number): void;
 }
 
 export type AxisView = "front" | "back" | "right" | "left" | "top" | "bottom";
 
-/** What commands ask of the view. */
+/** The actions of the view that commands can call. */
 export interface ViewActions {
   fit(what?: "all" | Uint32Array): void;
-  /** The vertices that F frames: of the active handle, the selection, or nothing. */
+  /** Returns the vertices that the key F frames: those of the active handle, else the selection, else undefined. */
   inFocus(): Uint32Array | undefined;
   lookFrom(side: AxisView): void;
   toggleProjection(): void;
@@ -55,7 +55,7 @@ export interface CommandContext {
   readonly page: PageActions;
 }
 
-/** All commands. Panels make buttons and menus of them, the keyboard runs them, the help sheet lists them. */
+/** Makes the table of all commands. Buttons, menus, the keyboard and the help sheet all use this table. */
 export function makeCommands(context: CommandContext): Command[] {
   return [
     ...fileCommands(context),
@@ -174,7 +174,7 @@ function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
 
 function selectCommands({ editor, tools }: CommandContext): Command[] {
   const { graft } = editor;
-  // While grafting, the selection is what of the part stays, and is there only while that is painted.
+  // In graft mode the selection is the fixed part of the source. It exists only while the fixed part is painted.
   const isOpen = () => editor.isOpen.value && (graft.mode.value !== "graft" || graft.paintsFixed.value);
   const some = () => isOpen() && editor.selected.value > 0;
   const onModel = () => some() && !graft.paintsFixed.value;

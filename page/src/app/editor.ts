@@ -18,18 +18,18 @@ import type { ViewSettings } from "./view_settings";
 export type Event<Name> = Extract<EngineEvent, { event: Name }>;
 export type OpenRequest = Extract<PageRequest, { do: "open" }>;
 
-/** Something to tell the person; it stays until it is read. */
+/** A message to the user. It stays until the user closes it or it is outdated. */
 export interface Message {
   key: number;
   kind: "problem" | "note";
   error: EngineError;
-  /** What was refused: it is no longer told once such a thing succeeds. */
+  /** The request that was refused. The message is removed once a request of this kind succeeds. */
   of?: PageRequest["do"] | "live" | undefined;
-  /** What helps, as a button. */
+  /** A remedy, offered as a button. */
   offer?: { label: string; run: () => void } | undefined;
 }
 
-/** Something that takes the place of what is open. */
+/** A document that will replace the open one. */
 export interface Leaving {
   name: string;
   open: () => unknown;
@@ -37,7 +37,7 @@ export interface Leaving {
 
 const ofFiles: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
 
-/** A request that the engine works on. */
+/** A request that the engine is working on. */
 export interface Work {
   id: Id;
   label: string;
@@ -52,32 +52,32 @@ export interface Box {
 export type DialogName = "open" | "save" | "export" | "help";
 
 /**
- * What the page knows: the engine's state as signals that panels read, and what can be asked of the engine.
- * Frames go straight to the viewport.
+ * Holds the engine's state as signals that panels read, and sends requests to the engine. Binary frames go straight to
+ * the viewport.
  */
 export class Editor {
   readonly tools = new ToolSettings();
   readonly graft: Graft;
   readonly library: Library;
   readonly link = signal<Link>("connecting");
-  /** The engine was started again: it does not take this page's token any more. */
+  /** Whether the engine was restarted and no longer accepts this page's token. */
   readonly expired = signal(false);
   readonly welcome = signal<Event<"welcome"> | null>(null);
   readonly state = signal<DocumentState | null>(null);
   readonly offer = signal<Event<"offer-restore"> | null>(null);
   readonly live = signal<Event<"live">>({ event: "live" });
-  /** What the set-up of the live deformation took until it was exact; absent before. */
+  /** Seconds that the set-up of the live deformation took until it was exact; undefined before. */
   readonly setupSeconds = signal<number | undefined>(undefined);
   readonly progress = signal<ReadonlyMap<string, Event<"progress">>>(new Map());
   readonly working = signal<ReadonlyMap<Id, Work>>(new Map());
   readonly messages = signal<readonly Message[]>([]);
   readonly selected = signal(0);
-  /** The model's box at rest, in its units. */
+  /** The bounding box of the model at rest, in model units. */
   readonly box = signal<Box | null>(null);
   readonly dialog = signal<DialogName | null>(null);
-  /** The edit file that saving would replace, though something else wrote it since it was opened. */
+  /** The edit file that a save would overwrite although another program or tab has changed it since it was opened. */
   readonly replacing = signal<string | null>(null);
-  /** What is to be opened, while it is asked what happens to unsaved work. */
+  /** The document to open once the user has decided about unsaved work. */
   readonly leaving = signal<Leaving | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
 
@@ -85,7 +85,7 @@ export class Editor {
   private lastMessage = 0;
   private setupBegan: number | undefined;
   private opened: OpenRequest | undefined;
-  /** What is opened again, with all its changes, as soon as the engine answers. */
+  /** The document to reopen, with all its changes, as soon as the engine answers. */
   private returning: { to: OpenRequest | undefined; since: string } | undefined;
 
   constructor(
@@ -114,7 +114,7 @@ export class Editor {
     this.connection.open();
   }
 
-  /** Asks the engine; a refusal becomes a message to the person, and undefined. */
+  /** Sends a request to the engine. If the engine refuses it, tells the user and resolves with undefined. */
   async ask(request: PageRequest): Promise<Outcome | undefined> {
     const answer = await this.attempt(request);
     if (!("code" in answer)) {
@@ -126,7 +126,7 @@ export class Editor {
     return undefined;
   }
 
-  /** A wider tolerance, where a mirror image was not found within the one that is set. */
+  /** Offers a wider tolerance if a vertex lacks a mirror image within the current one. */
   private offerFor(error: EngineError, refused: PageRequest): Message["offer"] {
     const tolerance = sufficientTolerance(error);
     if (tolerance === undefined) return undefined;
@@ -137,22 +137,22 @@ export class Editor {
     };
     return { label: `Use ${tolerance}`, run: () => void run() };
   }
-  /** Turns symmetry on, across the middle, or off. */
+  /** Turns symmetry on, across the middle of the model, or off. */
   async mirror(on: boolean): Promise<void> {
     const tolerance_rel = mirrorTolerance.value;
     await this.ask(on ? { do: "symmetry", tolerance_rel } : { do: "symmetry", plane: null });
   }
 
   /**
-   * Takes back the last change, or does it again. Where that takes the active handle away, the last one left becomes
-   * active; where it brings a handle back, that one.
+   * Undoes or redoes one change. If that removes the active handle, the last remaining one becomes active. If it brings
+   * a handle back, that handle becomes active.
    */
   async goBack(way: "undo" | "redo"): Promise<void> {
     const handles = () => (this.state.value?.handles ?? []).map(({ name }) => name);
     const before = handles();
     const active = this.tools.activeHandle.value;
     const answer = await this.attempt({ do: way });
-    if ("code" in answer && answer.code !== "usage") this.tell("problem", answer); // usage: there is nothing more
+    if ("code" in answer && answer.code !== "usage") this.tell("problem", answer); // usage: nothing is left
     if ("code" in answer || this.graft.mode.value === "graft") return;
     const after = handles();
     const back = after.filter((name) => !before.includes(name));
@@ -161,7 +161,7 @@ export class Editor {
     if (next !== undefined) this.tools.activeHandle.value = next;
   }
 
-  /** Asks the engine; the answer, or why it refuses. */
+  /** Sends a request to the engine. Resolves with its answer or with the error. */
   async attempt(request: PageRequest): Promise<Outcome | EngineError> {
     const { id, answer } = this.connection.send(request);
     this.setWork(id, { id, label: labelOf(request), since: performance.now() });
@@ -177,21 +177,21 @@ export class Editor {
     }
   }
 
-  /** Whether everything that was asked has been answered. */
+  /** Returns whether every request has been answered. */
   isIdle(): boolean {
     return this.working.value.size === 0;
   }
 
-  /** Where the file lies that was opened; undefined: it was no file of the engine's machine. */
+  /** The folder of the open file, or undefined if the file is not on the engine's machine. */
   get openedFolder(): string | undefined {
     const { opened } = this;
     return opened !== undefined && "path" in opened && opened.path !== undefined ? folderOf(opened.path) : undefined;
   }
 
-  /** Opens a model, and remembers it for when the connection is lost. */
+  /** Opens a model, and remembers it in case the connection is lost. */
   async open(request: OpenRequest): Promise<boolean> {
     const before = this.opened;
-    this.opened = undefined; // states that come until then are of the one or the other
+    this.opened = undefined; // states that arrive before the answer may belong to either document
     const asked = this.ask(request);
     this.library.pauseFor(asked.then(() => this.viewport.arrival));
     const done = await asked;
@@ -204,7 +204,7 @@ export class Editor {
     return true;
   }
 
-  /** The same, once it is said what happens to work that is not saved. */
+  /** Opens a model like `open`, but asks first what to do with unsaved work. */
   openInstead(request: OpenRequest): void {
     const name = baseName(request.path ?? request.sample ?? "it");
     this.leave({ name, open: () => this.open(request) });
@@ -213,19 +213,20 @@ export class Editor {
     if (this.state.value?.dirty === true) this.leaving.value = leaving;
     else void leaving.open();
   }
-  /** Opens what waited for the answer. */
+  /** Opens the document that waited for the user's decision. */
   goOn(): void {
     const { value: leaving } = this.leaving;
     this.leaving.value = null;
     void leaving?.open();
   }
-  /** Saves first; asks where, the first time. */
+  /** Saves first. Asks for the location if there is none yet. */
   async saveAndGoOn(): Promise<void> {
     if (await this.save()) this.goOn();
-    else if (this.dialog.value !== "save" && this.replacing.value === null) this.leaving.value = null; // the reason is told
+    // A message gives the reason.
+    else if (this.dialog.value !== "save" && this.replacing.value === null) this.leaving.value = null;
   }
 
-  /** The first model of the command line, with the others beside it as parts; an edit file alone. */
+  /** Opens the first model of the command line, with the other ones as parts. An edit file is opened without parts. */
   async openGiven([path, ...others]: readonly string[]): Promise<void> {
     if (path === undefined) return;
     const isEdit = (file: string) => file.endsWith(".json");
@@ -236,7 +237,10 @@ export class Editor {
     this.graft.arrangement.value = "apart";
   }
 
-  /** Where handles are for now. `isShown`, by the shader: then the engine need not stream but the exact frame. */
+  /**
+   * Sends handle poses during a drag. `isShown`: the vertex shader shows them already. Then the engine need only stream
+   * the exact frame, unless a heat map is shown.
+   */
   drag(poses: Poses, isShown = false): void {
     const answered = this.viewport.posesAsked();
     const frames = isShown && this.view.heatMap.value === "none" ? "exact" : "all";
@@ -246,7 +250,7 @@ export class Editor {
     );
   }
 
-  /** Where handles are from now on. */
+  /** Sends the final poses of handles. */
   async pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
     const answered = this.viewport.posesAsked();
     const outcome = await this.ask({ do: "pose", poses });
@@ -254,7 +258,7 @@ export class Editor {
     return outcome;
   }
 
-  /** Writes the edit file; asks where, the first time. Resolves with whether it is written. */
+  /** Writes the edit file. Asks for the location if there is none yet. Resolves with whether it was written. */
   async save(): Promise<boolean> {
     if (this.state.value === null) return false;
     if (this.state.value.edit === "") {
@@ -270,7 +274,7 @@ export class Editor {
     else this.tell("problem", done);
     return false;
   }
-  /** Writes the edit file over what something else has written there. */
+  /** Overwrites the edit file that another program or tab has changed. */
   async replace(): Promise<void> {
     const { value: edit } = this.replacing;
     this.replacing.value = null;
@@ -281,7 +285,7 @@ export class Editor {
     this.goOn();
   }
 
-  /** Another colour for a group, and nothing else about it. */
+  /** Changes the colour of a group and nothing else. */
   recolour(name: string, colour: string): Promise<Outcome | undefined> {
     return this.ask({ do: "group", name, colour, keep: true });
   }
@@ -290,18 +294,18 @@ export class Editor {
     void this.connection.request(id === undefined ? { do: "cancel" } : { do: "cancel", of: id }).catch(() => undefined);
   }
 
-  /** Takes back the change whose set-up goes on behind what is shown. */
+  /** Undoes the change whose set-up is still running in the background. */
   async cancelSetUp(): Promise<void> {
-    await this.attempt({ do: "cancel", of: null }); // refused where it has just been done
+    await this.attempt({ do: "cancel", of: null }); // refused if the set-up has just finished
   }
 
-  /** Returns whether there were any. */
+  /** Removes all messages. Returns whether there were any. */
   dismissMessages(): boolean {
     const had = this.messages.value.length > 0;
     this.messages.value = [];
     return had;
   }
-  /** What was refused before, and is done now, or taken back. */
+  /** Removes messages about refusals that a later success, an undo, a redo or a reset has made obsolete. */
   private dismissOutdated(done: Message["of"]): void {
     const goesBack = done === "undo" || done === "redo" || done === "reset";
     const isOutdated = ({ of }: Message) => of !== undefined && (of === done || (goesBack && !ofFiles.has(of)));
@@ -322,13 +326,13 @@ export class Editor {
     this.messages.value = this.messages.value.filter((message) => message.key !== key);
   }
 
-  /** What was written, and what the engine says of it. */
+  /** Reports the files that were written and the engine's notes on them. */
   tellFiles(done: string, outcome: Outcome): void {
     const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
     this.note(done, files.join("\n"), (outcome.notes ?? []).join("\n"));
   }
 
-  // Of files that are opened or added; it stays until it is read.
+  // Reports defects of files that were opened or added as parts. The message stays until the user closes it.
   private tellDefects({ notes = [] }: Outcome): void {
     for (const note of notes) this.note("The mesh has defects that editing may come upon", "", note);
   }
@@ -419,36 +423,36 @@ export class Editor {
       this.progress.value = new Map();
       void this.askForToken();
     }
-    // It stays lost for the person until it is there again.
+    // For the user the connection stays lost until it is open again.
     if (link === "connecting" && this.welcome.value !== null) return;
     if (link === "open") this.expired.value = false;
     this.link.value = link;
     if (link === "lost") void this.askForToken();
   }
 
-  /** A socket does not tell why it is refused; the front page does. */
+  /** Checks whether the token is still valid. A WebSocket gives no reason for a refusal, but the front page does. */
   private async askForToken(): Promise<void> {
     try {
       const answer = await fetch(`/?token=${encodeURIComponent(this.token)}`, { cache: "no-store" });
       this.expired.value = answer.status === 403;
     } catch {
-      this.expired.value = false; // nobody answers
+      this.expired.value = false; // no server answers
     }
   }
 
-  /** What was open before the page was loaded again, or else what the command line names. */
+  /** Reopens the document that was open before a reload, or else opens the files of the command line. */
   private begin(models: readonly string[]): void {
     const before = openBeforeReload();
     if (before === undefined) void this.openGiven(models);
     else this.returning = { to: before, since: "The page was loaded again." };
   }
 
-  // What is saved is in its edit file; else the journal of what was opened has the changes.
+  // If all changes are saved, the edit file contains them. Otherwise the journal of the opened file does.
   private toReturnTo({ dirty, edit }: DocumentState, opened: OpenRequest): OpenRequest {
     return !dirty && edit !== "" ? { do: "open", path: edit } : opened;
   }
 
-  /** After a lost connection, or a reload. */
+  /** Reopens the document after a lost connection or a reload. */
   private async takeUp(to: OpenRequest | undefined): Promise<void> {
     if (to !== undefined && (await this.ask(to)) !== undefined) this.opened = to;
     this.returning = undefined;

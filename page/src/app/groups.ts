@@ -2,7 +2,9 @@ import type { DocumentState } from "../protocol";
 
 type Group = DocumentState["groups"][number];
 
-/** The named selections that a person made: not those that handles, of any step, have by their own names. */
+/**
+ * Returns the named selections that the user made, without those that handles of any step keep under their own names.
+ */
 export function groupsOf(state: DocumentState | null): Group[] {
   if (state === null) return [];
   const taken = new Set(state.handles.map(({ name }) => name));

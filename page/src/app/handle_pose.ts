@@ -1,6 +1,6 @@
 import type { Pose, Vector } from "../protocol";
 
-/** A pose in numbers to type: what a pose that is absent, or a part of one, means. */
+/** A pose as numbers to type, with defaults for the missing fields. */
 export interface PoseNumbers {
   translate: Vector;
   axis: Vector;
@@ -9,7 +9,7 @@ export interface PoseNumbers {
   pivot: Vector;
 }
 
-/** Undefined for a matrix or a redrawn curve, which have no such numbers. */
+/** Returns the numbers of a pose; undefined for a matrix or a redrawn curve, which have none. */
 export function numbersOf(pose: Pose, pivot: Vector): PoseNumbers | undefined {
   if (pose.matrix !== undefined || pose.curve !== undefined || pose.def !== undefined) return undefined;
   const { scale = 1 } = pose;
@@ -22,7 +22,9 @@ export function numbersOf(pose: Pose, pivot: Vector): PoseNumbers | undefined {
   };
 }
 
-/** `pose` with other numbers; what has no effect is left out, and the pivot only kept where it was given. */
+/**
+ * Returns `pose` with other numbers. Fields without effect are left out, and the pivot is kept only if it was given.
+ */
 export function withNumbers(pose: Pose, changes: Partial<PoseNumbers>): Pose {
   const next: Pose = { ...pose };
   if (changes.translate !== undefined) next.translate = changes.translate;
@@ -50,7 +52,7 @@ export function isAtRest(pose: Pose): boolean {
 
 export type AxisName = "x" | "y" | "z" | "free";
 
-/** Which of the axes this is, whatever its length; -x is `free`. */
+/** Returns the name of the axis that a vector of any length points along; -x is `free`. */
 export function nameOfAxis(axis: Vector): AxisName {
   const names: AxisName[] = ["x", "y", "z"];
   const only = axis.filter((a) => a !== 0).length === 1 ? axis.findIndex((a) => a > 0) : -1;

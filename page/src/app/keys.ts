@@ -1,34 +1,34 @@
 import { chordOf, matches, parseChord, type KeyPress } from "./chord";
 
-/** Where a command stands in menus and on the help sheet. */
+/** The group of a command in menus and on the help sheet. */
 export type CommandGroup = "file" | "edit" | "tool" | "select" | "handle" | "view" | "help";
 
-/** Something that the person can do: by its keys, from a menu or by a button. All of them stand in one table. */
+/** An action of the user, by keys, from a menu or by a button. All commands are in one table. */
 export interface Command {
   readonly id: string;
   readonly label: string;
   /** One line for tooltips and the help sheet. */
   readonly help: string;
   readonly group: CommandGroup;
-  /** As `parseChord` reads them: "ctrl+shift+Z", "?", "Num1". The first one is shown. Empty: no keys. */
+  /** Chords as `parseChord` reads them: "ctrl+shift+Z", "?", "Num1". The first one is shown. Empty: no keys. */
   readonly keys: readonly string[];
   run(): void;
-  /** Of a command that is held: its key goes up. */
+  /** For a command that acts while its key is held: called when the key goes up. */
   release?(): void;
-  /** Reads signals, so that buttons follow. */
+  /** Returns whether the command can run. Reads signals, so that buttons update. */
   enabled(): boolean;
-  /** Of a tool or a switch: whether it is on. Reads signals. */
+  /** For a tool or a switch: returns whether it is on. Reads signals. */
   active?(): boolean;
-  /** Goes on while the key is down (undo, brush size). */
+  /** Whether the command repeats while its key is down (undo, brush size). */
   readonly repeats?: boolean;
 }
 
-/** A command that a press asks for, if it can be done now. */
+/** Returns the command of a key press; undefined if there is none. */
 export function commandFor(commands: readonly Command[], press: KeyPress): Command | undefined {
   return commands.find((command) => command.keys.some((keys) => matches(parseChord(keys), press)));
 }
 
-/** Whether typing belongs to `target`: keys are no commands there, but for those of `isForAll`. */
+/** Returns whether `target` takes typed text. There keys are no commands, except those that `isForAll` accepts. */
 export function takesTyping(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
@@ -38,8 +38,8 @@ export function takesTyping(target: EventTarget | null): boolean {
 }
 
 /**
- * Files are saved and opened from a field, too. Where nothing has been typed since it was confirmed (`data-confirmed`),
- * and in lists, all commands with ctrl go on, but those of the text itself.
+ * Returns whether a command also works in a text field. File commands always do. Other commands with ctrl, except those
+ * for editing text, work in lists and in a field without changes since it was confirmed (`data-confirmed`).
  */
 function isForAll(command: Command, press: KeyPress, target: EventTarget | null): boolean {
   const { ctrl, key } = chordOf(press);
@@ -49,8 +49,8 @@ function isForAll(command: Command, press: KeyPress, target: EventTarget | null)
 }
 
 /**
- * Gives keys to commands. `first` sees each press before (a gesture that takes numbers and axes) and returns
- * whether it took it. Returns what takes the listeners away.
+ * Listens for keys and runs their commands. `first` sees each press before (for gestures that take numbers and axes)
+ * and returns whether it used it. Returns a function that removes the listeners.
  */
 export function listenForKeys(
   commands: () => readonly Command[],
@@ -64,8 +64,8 @@ export function listenForKeys(
     if (!types && first(event)) return event.preventDefault();
     const command = commandFor(commands(), event);
     if (command === undefined || ownsKey(event) || (types && !isForAll(command, event, target))) return;
-    event.preventDefault(); // even where it cannot be done now: ctrl+S must not save the page
-    if (types && target instanceof HTMLInputElement) target.blur(); // what is typed counts
+    event.preventDefault(); // also for disabled commands, so that ctrl+S does not save the page
+    if (types && target instanceof HTMLInputElement) target.blur(); // commits the typed text
     if (!command.enabled() || (event.repeat && command.repeats !== true)) return;
     if (command.release !== undefined) held.set(event.code, command);
     command.run();
@@ -88,7 +88,7 @@ export function listenForKeys(
   };
 }
 
-/** Enter and space work a focused button, arrows a slider: these stay with what has the focus. */
+/** Returns whether the focused element handles the key itself: enter and space on a button, arrows on a slider. */
 function ownsKey(event: KeyboardEvent): boolean {
   if (!(event.target instanceof HTMLElement) || event.target === document.body) return false;
   const plain = !event.ctrlKey && !event.metaKey && !event.altKey;

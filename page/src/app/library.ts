@@ -3,10 +3,10 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { Outcome } from "../engine/connection";
 import type { Id, PageRequest } from "../protocol";
 
-/** What a picture is of. */
+/** The object that a picture shows. */
 export type Pictured = { path: string } | { sample: string } | { upload: string } | { mesh: string };
 
-/** A picture: its address; null while it is made; "none" where there is none. */
+/** The address of a picture; null while it is made, "none" if there is none. */
 export type Picture = string | null;
 
 interface Wanted {
@@ -16,19 +16,19 @@ interface Wanted {
 
 const pictureSize = 128;
 
-/** Pictures of parts, made by the engine one after the other, each once. */
+/** Pictures of parts. The engine makes them one after another, each once. */
 export class Library {
   private readonly pictures = new Map<string, Signal<Picture>>();
-  private readonly wanted: Wanted[][] = []; // what was asked for together; the last is looked at
+  private readonly wanted: Wanted[][] = []; // lists of pictures requested together; the last list is made first
   private together: Wanted[] | undefined;
-  private readonly coming = new Map<Id, string>(); // the keys of pictures by their requests
+  private readonly coming = new Map<Id, string>(); // keys of pictures by request
   private busy = false;
   private paused: Promise<unknown> | undefined;
   private running: Id | undefined;
 
   constructor(private readonly send: (request: PageRequest) => { id: Id; answer: Promise<Outcome> }) {}
 
-  /** The picture; it is asked for the first time that this is called. `version`: a new one makes a new picture. */
+  /** Returns the picture, and requests it on the first call. A new `version` makes a new picture. */
   picture(of: Pictured, version = 0): Signal<Picture> {
     const key = `${JSON.stringify(of)} ${version}`;
     const known = this.pictures.get(key);
@@ -36,13 +36,13 @@ export class Library {
     const made = signal<Picture>(null);
     this.pictures.set(key, made);
     const together = this.openList();
-    if ("mesh" in of) together.unshift({ key, of }); // what is open comes first
+    if ("mesh" in of) together.unshift({ key, of }); // open objects come first
     else together.push({ key, of });
     if (!this.busy) void this.work();
     return made;
   }
 
-  /** Leaves the machine to other work: what is made now is begun anew when that has ended. */
+  /** Pauses until `work` has ended. The picture in progress is cancelled and made again afterwards. */
   pauseFor(work: Promise<unknown>): void {
     const paused = work.finally(() => {
       if (this.paused === paused) this.paused = undefined;
@@ -94,7 +94,7 @@ export class Library {
       await answer;
     } catch {
       if (this.paused !== undefined) this.wanted.push([wanted]);
-      else this.set(wanted.key, "none"); // no renderer in this build, or a file that cannot be read: an icon is shown
+      else this.set(wanted.key, "none"); // no renderer in this build, or an unreadable file: an icon is shown
     }
     this.running = undefined;
   }

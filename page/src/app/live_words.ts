@@ -28,7 +28,7 @@ const stages: Record<Stage, [LiveWords["tone"], string, string]> = {
   closed: ["idle", "", ""],
 };
 
-/** What the live deformation is doing, for people. */
+/** Describes for the user what the live deformation is doing. */
 export function liveWords(state: DocumentState | null, live: Event<"live">): LiveWords {
   if (state === null) return { tone: "idle", text: "Nothing open", explained: "" };
   if (state.handles.length === 0)
@@ -54,7 +54,7 @@ const setupWords: readonly [RegExp, string][] = [
   [/solve/i, "solving"],
 ];
 
-/** A stage of the engine's progress in common words; its own where there are none. */
+/** Returns common words for a stage of the engine's progress, or the engine's own name if there are none. */
 export function stageWords(stage: string): string {
   return setupWords.find(([pattern]) => pattern.test(stage))?.[1] ?? stage;
 }

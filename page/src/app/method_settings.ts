@@ -1,4 +1,4 @@
-/** What a step may be told about its solve: docs/edit-file.md, "Settings". */
+/** The settings of a step's solve: docs/edit-file.md, "Settings". */
 export type SettingValue = number | string | boolean;
 export type Settings = Readonly<Record<string, SettingValue | undefined>>;
 export type MethodName = "corotational" | "rotation-aware" | "ft05";
@@ -11,12 +11,12 @@ interface Choice<Value extends string> {
 interface Common {
   key: string;
   label: string;
-  /** One line for people. */
+  /** One line for the user. */
   help: string;
   group: "shape" | "surface" | "flat" | "solver";
-  /** Seldom needed. */
+  /** Whether the setting is rarely needed. */
   more?: boolean;
-  /** Whether it changes anything with these settings; absent: always. */
+  /** Returns whether the setting has an effect with these settings; absent: always. */
   applies?: (settings: Settings) => boolean;
 }
 export interface NumberSetting extends Common {
@@ -177,12 +177,12 @@ export function methodOf(settings: Settings): MethodName {
   return methods.find(({ value }) => value === settings["method"])?.value ?? "corotational";
 }
 
-/** Those that change something with the method that is chosen. */
+/** Returns the settings that have an effect with the chosen method. */
 export function applicable(settings: Settings): Setting[] {
   return settingsTable.filter((setting) => setting.applies?.(settings) !== false);
 }
 
-/** Changes of `settings` that bring all that applies back to what is usual; the method stays. */
+/** Returns the changes that reset all applicable settings to their defaults. The method stays. */
 export function backToUsual(settings: Settings): Record<string, SettingValue> {
   const changes: Record<string, SettingValue> = {};
   for (const { key, otherwise } of settingsTable)
@@ -190,7 +190,7 @@ export function backToUsual(settings: Settings): Record<string, SettingValue> {
   return changes;
 }
 
-/** A proxy that is asked for has 50 vertices at least. */
+/** Raises the size of a requested proxy to the minimum of 50 vertices. */
 export function fitting(setting: NumberSetting, value: number): number {
   return setting.key === "proxy" && value > 0 ? Math.max(50, value) : value;
 }

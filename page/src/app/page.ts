@@ -3,34 +3,37 @@ import type { Editor } from "./editor";
 import type { Rows4, Vector3Tuple } from "./graft/graft_step";
 import type { Command } from "./keys";
 
-/** What the graft panel asks of the tools. */
+/** The functions of the tools that the graft panel uses. */
 export interface GraftActions {
-  /** A part is pressed in the panel: dragged out of it, it follows the pointer over the surface. `add` opens it. */
+  /**
+   * Handles a press on a part in the panel. If it is dragged out, it follows the pointer over the surface. `add` opens
+   * it.
+   */
   dragPart(add: () => Promise<string | undefined>, press: PointerEvent): void;
-  /** The next click on the surface drops it there. */
+  /** Drops the part at the next click on the surface. */
   dropByClick(add: () => Promise<string | undefined>): Promise<void>;
-  /** Lays the cutting plane through the middle of a mesh, across an axis. */
+  /** Places the cutting plane through the centre of a mesh, normal to an axis. */
   layPlane(mesh: number, axis: 0 | 1 | 2): void;
-  /** How far the cutting plane is from the middle, and how far it goes at most. */
+  /** Returns the distance of the cutting plane from the centre, and the largest such distance. */
   planePlace(): { offset: number; reach: number } | undefined;
   movePlane(offset: number): void;
-  /** Of a mesh's box, in its own coordinates. */
+  /** Returns the centre of a mesh's box, in the mesh's own coordinates. */
   middleOf(mesh: number): Vector3Tuple;
-  /** Where the graft in work has found the part to go; null: it has not. */
+  /** Returns the pose that the current graft found for the part; null if it found none. */
   foundPose(): Rows4 | null;
 }
 
-/** What every panel gets. */
+/** The objects that every panel gets. */
 export interface Page {
   readonly editor: Editor;
   readonly viewport: Viewport;
   readonly commands: readonly Command[];
   readonly graft: GraftActions;
-  /** Puts the view, and the tools on it, into an element. */
+  /** Adds the view and its tools to an element. */
   attach(host: HTMLElement): void;
 }
 
-/** The command of this name. Throws where the table has none. */
+/** Returns the command with this id. Throws if there is none. */
 export function commandOf(page: Page, id: string): Command {
   const found = page.commands.find((command) => command.id === id);
   if (found === undefined) throw new Error(`there is no command ${id}`);

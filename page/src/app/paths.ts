@@ -1,7 +1,7 @@
-// Names of files, as the engine's machine writes them.
+// File names as the engine's machine writes them.
 const collator = new Intl.Collator(undefined, { numeric: true, sensitivity: "base" });
 
-/** Order of names: part 2 before part 10, capitals like all others. */
+/** Compares names as people sort them: part 2 before part 10, ignoring case. */
 export function asPeopleSort(a: string, b: string): number {
   return collator.compare(a, b) || (a < b ? -1 : 1);
 }
@@ -20,7 +20,7 @@ export function stemOf(name: string): string {
   const dot = base.lastIndexOf(".");
   return dot > 0 ? base.slice(0, dot) : base;
 }
-/** `name` with this extension (".ply") in place of another of a mesh or an edit file, or behind it. */
+/** Returns `name` with this extension (".ply"). It replaces an extension of a mesh or an edit file, or is appended. */
 export function withExtension(name: string, extension: string): string {
   return name.replace(/\.(json|ply|obj|off|stl|glb|gltf|3mf)$/i, "") + extension;
 }
@@ -32,7 +32,7 @@ export interface MeshFormat {
   morphTargets?: boolean;
 }
 
-/** What meshes can be written as, and what that keeps (docs/files.md). */
+/** The formats in which meshes can be written, and the data that each keeps (docs/files.md). */
 export const meshFormats: readonly MeshFormat[] = [
   { extension: ".ply", label: "PLY", keeps: "Vertex order, colours and whatever else the vertices have." },
   { extension: ".obj", label: "OBJ", keeps: "Vertex order, UVs with their seams, groups and materials." },
@@ -43,7 +43,7 @@ export const meshFormats: readonly MeshFormat[] = [
   { extension: ".off", label: "OFF", keeps: "Vertices and faces alone." },
 ];
 
-/** Why a file cannot be called so; undefined where it can. */
+/** Returns why a name cannot be used for a file; undefined if it can. */
 export function faultOfName(name: string): string | undefined {
   if (name.trim() === "") return "Give it a name.";
   if (name.includes("/") || name.includes("\\")) return "A name has no slashes. Choose the folder above.";

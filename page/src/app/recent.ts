@@ -1,7 +1,7 @@
 import type { OpenRequest } from "./editor";
 import { remembered } from "./remembered";
 
-/** Paths of models and edit files that were opened, the last one first. */
+/** Paths of models and edit files that were opened, latest first. */
 export const recentPaths = remembered<string[]>("recent", []);
 
 const most = 6;
@@ -11,12 +11,12 @@ export function rememberOpened({ path }: OpenRequest): void {
   recentPaths.value = [path, ...recentPaths.value.filter((one) => one !== path)].slice(0, most);
 }
 
-/** What was left with changes that are not saved: paths and samples. */
+/** Paths and samples that were left with unsaved changes. */
 const unsaved = remembered<string[]>("unsaved", []);
 
 const nameOf = ({ path, sample }: OpenRequest): string | undefined => path ?? (sample && `sample ${sample}`);
 
-/** Remembers of what is open whether it has changes that are not saved. */
+/** Records whether the open document has unsaved changes. */
 export function rememberUnsaved(open: OpenRequest | undefined, isDirty: boolean): void {
   const name = open && nameOf(open);
   if (name === undefined || unsaved.value.includes(name) === isDirty) return;
@@ -28,15 +28,15 @@ export function wasLeftUnsaved(request: OpenRequest): boolean {
 
 const openKey = "meshgraft open";
 
-/** What this tab has open: it is taken up again when the page is loaded again. */
+/** Records the open document of this tab, so that it is reopened after a reload. */
 export function rememberOpen(open: OpenRequest): void {
   try {
     sessionStorage.setItem(openKey, JSON.stringify(open));
   } catch {
-    // Then it has to be opened by hand.
+    // The document then has to be opened by hand.
   }
 }
-/** What was open before the page was loaded again. */
+/** Returns the document that was open before a reload; undefined if the page was not reloaded. */
 export function openBeforeReload(): OpenRequest | undefined {
   const [loaded] = performance.getEntriesByType("navigation") as PerformanceNavigationTiming[];
   if (loaded?.type !== "reload") return undefined;
@@ -47,7 +47,7 @@ export function openBeforeReload(): OpenRequest | undefined {
   }
 }
 
-/** Those that may be opened now, and are not offered anyway. */
+/** Returns the recent paths that may be opened now and are not offered elsewhere. */
 export function recentIn(folders: readonly string[], offered: readonly string[]): string[] {
   return recentPaths.value.filter(
     (path) => !offered.includes(path) && folders.some((folder) => path.startsWith(folder.endsWith("/") ? folder : `${folder}/`)),

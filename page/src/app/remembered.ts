@@ -2,7 +2,7 @@ import { effect, signal, type Signal } from "@preact/signals";
 
 const known = new Map<string, Signal<unknown>>();
 
-/** A signal that the browser remembers, as far as it is allowed to; one for each name. */
+/** Returns a signal that the browser stores if it is allowed to. There is one signal for each name. */
 export function remembered<Value>(name: string, otherwise: Value): Signal<Value> {
   const before = known.get(name);
   if (before !== undefined) return before as Signal<Value>;
@@ -30,11 +30,11 @@ function write(name: string, value: unknown): void {
   try {
     localStorage.setItem(key(name), JSON.stringify(value));
   } catch {
-    // A browser that keeps nothing starts with the usual settings each time.
+    // A browser that stores nothing starts with the default settings each time.
   }
 }
 
-/** Lets the browser remember signals by their names; only for what a person sets. */
+/** Lets the browser store signals by their names. Used only for settings of the user. */
 export function rememberSettings(settings: Readonly<Record<string, Signal<string> | Signal<boolean>>>): void {
   for (const [name, setting] of Object.entries(settings)) {
     const kept = setting as Signal<string | boolean>;

@@ -28,12 +28,12 @@ const labels: Partial<Record<string, string>> = {
   symmetry: "Setting the symmetry",
 };
 
-/** What the engine does for a request, for the person who waits. */
+/** Returns a label for a request, for the user who waits. */
 export function labelOf(request: PageRequest): string {
   return labels[request.do] ?? "Working";
 }
 
-/** The engine's names of changes (`undo`, `redo` of the state) in the words of the panels. */
+/** Rewrites the engine's names of changes (`undo`, `redo` of the state) in the words of the panels. */
 export function changeLabel(label: string | null): string {
   const words: Partial<Record<string, string>> = {
     pose: "move",

@@ -1,17 +1,20 @@
 import { signal } from "@preact/signals";
 import type { EngineError, PageRequest } from "../protocol";
 
-/** How far a vertex may be from the mirror image of another one, × the model's diagonal: for when symmetry is turned on. */
+/**
+ * Largest distance between a vertex and another one's mirror image, × the model's diagonal. Used when symmetry is
+ * turned on.
+ */
 export const mirrorTolerance = signal(1e-3);
 
-/** The tolerance that would do, where a refusal names one. */
+/** Returns the tolerance that would suffice, if a refusal names one. */
 export function sufficientTolerance({ remedy }: EngineError): number | undefined {
   const found = /'symmetry\.tolerance_rel' of ([\d.]+(?:e[+-]?\d+)?)/.exec(remedy)?.[1];
   const tolerance = Number(found);
   return found !== undefined && tolerance > 0 ? tolerance : undefined;
 }
 
-/** What the engine says of symmetry in the words of the panels; all else as it is. */
+/** Rewrites the engine's errors about symmetry in the words of the panels. Other errors stay as they are. */
 export function inSymmetryWords(error: EngineError): EngineError {
   const tolerance = sufficientTolerance(error);
   const { problem, remedy } = error;
@@ -49,7 +52,7 @@ function lackWords(lost: number, all: number, handle: string): string {
   return `${who} of “${handle}” ${lost === 1 ? "lacks" : "lack"} a mirror image`;
 }
 
-/** What is asked so that a refused request finds its partners: the tolerance, then the request again. */
+/** Returns the requests that make a refused one succeed: a wider tolerance, then the request again. */
 export function withTolerance(
   refused: PageRequest,
   tolerance_rel: number,

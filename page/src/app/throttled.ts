@@ -1,4 +1,4 @@
-/** Sends one value at a time: while one is on its way, the newest waits, and the others are dropped. */
+/** Sends one value at a time. While one is on its way, only the newest value waits; older ones are dropped. */
 export class Throttled<Value> {
   private waiting: { value: Value } | undefined;
   private busy = false;
@@ -10,7 +10,7 @@ export class Throttled<Value> {
     if (!this.busy) void this.run();
   }
 
-  /** What waits is not sent. */
+  /** Drops the waiting value. */
   forget(): void {
     this.waiting = undefined;
   }

@@ -1,10 +1,13 @@
 import { signal } from "@preact/signals";
 import type { Pose } from "../protocol";
 
-/** What a drag on the surface does. A drag beside it turns the view, but with lasso and box. */
+/**
+ * The active tool, which decides what a drag on the surface does. A drag beside the surface turns the view, except with
+ * lasso and box.
+ */
 export type ToolName =
   | "navigate"
-  | "handle" // paint a handle; a region of a reach appears around it
+  | "handle" // paints a handle; a region within its reach appears around it
   | "brush"
   | "lasso"
   | "box"
@@ -14,19 +17,19 @@ export type ToolName =
   | "vertex" // a handle of one vertex
   | "curve"; // a handle along shortest paths between clicked points
 
-/** The tools' settings: panels change them, tools read them. Lengths in pixels are of the page's. */
+/** The settings of the tools, changed by panels and read by tools. Lengths in pixels are CSS pixels. */
 export class ToolSettings {
   readonly tool = signal<ToolName>("navigate");
   readonly brushRadiusPx = signal(24);
-  readonly through = signal(false); // selects what lies behind, too
+  readonly through = signal(false); // also selects hidden vertices
   readonly combine = signal<"set" | "add" | "remove">("add");
   readonly floodAngleDeg = signal(30);
   readonly activeHandle = signal<string | null>(null);
-  /** Where a gesture has a handle, while it goes on. */
+  /** The pose that a gesture gives a handle while it goes on. */
   readonly dragged = signal<{ handle: string; pose: Pose } | null>(null);
-  /** A reach that is being chosen: what it comes to lights up. */
+  /** A reach being chosen; its region lights up. */
   readonly reachFor = signal<{ handle: string; reach: number } | null>(null);
-  readonly movesPivot = signal(false); // a drag of the gizmo moves the pivot, and nothing else
+  readonly movesPivot = signal(false); // a drag of the gizmo moves only the pivot
   readonly gizmoSpace = signal<"local" | "world">("local");
   readonly snap = signal(false);
   readonly snapMove = signal(0); // model units; 0: a hundredth of the diagonal

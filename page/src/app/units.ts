@@ -21,7 +21,7 @@ const anglesDeg: Record<string, number> = {
   turns: 360,
 };
 
-/** `value` with some significant digits, no more than some behind the point, and no zeros at the end. */
+/** Formats `value` with at most `digits` significant digits and `decimals` decimals, without trailing zeros. */
 export function formatNumber(value: number, digits = 4, decimals = 12): string {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -32,18 +32,18 @@ export function formatNumber(value: number, digits = 4, decimals = 12): string {
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
-/** An angle as it was typed, where it is the same turn as `angleDeg`: 180 and not -180. */
+/** Returns an angle as typed if it is the same rotation as `angleDeg`: 180 and not -180. */
 export function asTyped(angleDeg: number, typed: number): number {
   const turns = (angleDeg - typed) / 360;
   return Math.abs(turns - Math.round(turns)) < 0.1 / 360 + 1e-9 ? typed : angleDeg;
 }
 
-/** A length of the model, with what its unit is called. */
+/** Formats a length in model units, with the unit's name. */
 export function formatLength(value: number, unit: Unit, digits = 4): string {
   return unit === "none" ? formatNumber(value, digits) : `${formatNumber(value, digits)} ${unit}`;
 }
 
-/** Sides of a box in millimetres where the unit says what that is; else in units of the model. */
+/** Formats the side lengths of a box, in millimetres if the unit is known, otherwise in model units. */
 export function formatSize(sides: readonly number[], unit: Unit): string {
   const factor = unit === "none" ? 1 : (lengthsMm[unit] ?? 1);
   const text = sides.map((side) => formatNumber(side * factor, 3)).join(" × ");
@@ -54,7 +54,7 @@ export function formatCount(count: number): string {
   return String(Math.round(count)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 }
 
-/** "1 vertex", "2 vertices". */
+/** Formats a count: "1 vertex", "2 vertices". */
 export function counted(count: number, one: string, many = `${one}s`): string {
   return `${formatCount(count)} ${count === 1 ? one : many}`;
 }
@@ -75,15 +75,15 @@ export function formatBytes(bytes: number): string {
   return `${formatNumber(size, 3)} ${steps[step]}`;
 }
 
-/** A relative error as a part of the movement. */
+/** Formats a relative error as a percentage of the movement. */
 export function formatPercent(part: number): string {
   if (part === 0) return "0 %";
   return part < 0.001 ? "< 0.1 %" : `${formatNumber(100 * part, 2)} %`;
 }
 
 /**
- * What a person typed: a number, or a small calculation (+ − × ÷ and brackets), each number with a unit if wanted
- * ("1 in + 2 mm", "2 turns", "150 %", "1,5"). In model units, degrees or a factor; undefined where it is none.
+ * Parses typed text: a number or a small calculation (+ − × ÷ and brackets). Each number may have a unit ("1 in + 2
+ * mm", "2 turns", "150 %", "1,5"). Returns model units, degrees or a factor; undefined if the text is invalid.
  */
 export function parseQuantity(text: string, quantity: Quantity, unit: Unit = "none"): number | undefined {
   const parser = new Parser(text, (name) => factorOf(name, quantity, unit));
@@ -110,7 +110,7 @@ class Parser {
     private readonly factorOf: (unit: string) => number | undefined,
   ) {
     this.rest = text.trim().replace(/[−–]/g, "-").replace(/·/g, "*").replace(/÷/g, "/");
-    this.rest = this.rest.replace(/(?<=\d)[ \u00a0\u202f](?=\d{3}(?!\d))/g, ""); // thousands
+    this.rest = this.rest.replace(/(?<=\d)[ \u00a0\u202f](?=\d{3}(?!\d))/g, ""); // thousands separators
   }
 
   parse(): number | undefined {

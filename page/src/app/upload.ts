@@ -2,12 +2,12 @@ import { signal, type Signal } from "@preact/signals";
 import type { EngineError } from "../protocol";
 import { formatBytes } from "./units";
 
-/** What the server takes at most (`ServerOptions::upload_limit`). */
+/** The largest upload that the server accepts, in bytes (`ServerOptions::upload_limit`). */
 export const uploadLimit = 2 ** 30;
 
 const formats = [".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".3mf"];
 
-/** Why a file cannot be uploaded; found before a byte is sent. */
+/** Returns why a file cannot be uploaded, checked before any byte is sent; undefined if it can. */
 export function refusalOf(file: { name: string; size: number }): EngineError | undefined {
   if (file.size > uploadLimit)
     return {
@@ -34,7 +34,7 @@ export function refusalOf(file: { name: string; size: number }): EngineError | u
   return undefined;
 }
 
-/** A file on its way to the engine. */
+/** The upload of one file to the engine. */
 export class Upload {
   readonly fraction: Signal<number> = signal(0);
   private readonly request = new XMLHttpRequest();
@@ -44,7 +44,9 @@ export class Upload {
     private readonly token: string,
   ) {}
 
-  /** The engine's name for it; undefined where it was cancelled. Throws an EngineError. */
+  /**
+   * Sends the file. Resolves with the engine's name for it, or undefined if it was cancelled. Throws an EngineError.
+   */
   send(): Promise<string | undefined> {
     const { request, file } = this;
     return new Promise((resolve, reject: (why: EngineError) => void) => {

@@ -3,7 +3,7 @@ import type { Viewport } from "../view/viewport";
 import type { AxisView, ViewActions } from "./commands";
 import type { Editor } from "./editor";
 
-/** What commands ask of the view. */
+/** Makes the actions of the view that commands can call. */
 export function viewActions(editor: Editor, viewport: Viewport): ViewActions {
   return {
     fit: (what) => viewport.fit(what),
@@ -23,7 +23,7 @@ function isZUp(viewport: Viewport): boolean {
   return viewport.navigation.up === "z";
 }
 
-/** Into the model from one of its sides; the front faces -y where z is up, and z where y is. */
+/** Returns the viewing direction from one side of the model. The front faces -y if z is up, and z if y is up. */
 export function directionFrom(side: AxisView, zUp: boolean): Vector3 {
   const ahead = zUp ? new Vector3(0, 1, 0) : new Vector3(0, 0, -1);
   const up = zUp ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);

@@ -1,6 +1,6 @@
 import type { FrameHeader } from "../protocol";
 
-/** What a binary message is about. */
+/** The kinds of binary messages. */
 export enum FrameKind {
   mesh = 1,
   frame = 2,
@@ -16,11 +16,14 @@ const types = { float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array } 
 
 const headLength = 24;
 
-/** Puts frames together that come in parts, one after another. */
+/** Assembles frames that arrive in several messages, one after another. */
 export class PartedFrames {
   private whole = new Uint8Array();
 
-  /** The frame that a message is, or completes; undefined: parts of it are still to come. Throws where one is missing. */
+  /**
+   * Returns the frame that this message is or completes; undefined while parts are still to come. Throws if a part is
+   * missing.
+   */
   take(message: ArrayBuffer): ArrayBuffer | undefined {
     const head = new DataView(message);
     if (message.byteLength < headLength || head.getUint32(0, true) !== 0x5046474d) return message;
@@ -37,7 +40,7 @@ export class PartedFrames {
   }
 }
 
-/** A binary message of the engine: its header, and its arrays, which lie in the message's own bytes. */
+/** A binary message of the engine: its header and its arrays, which are views into the message's bytes. */
 export class BinaryFrame {
   private readonly arrays = new Map<string, Float32Array | Uint32Array | Uint8Array>();
 
@@ -46,7 +49,7 @@ export class BinaryFrame {
     readonly header: FrameHeader,
   ) {}
 
-  /** Throws where `bytes` are not such a message. */
+  /** Parses a message. Throws if `bytes` are not a valid one. */
   static parse(bytes: ArrayBuffer): BinaryFrame {
     const start = new DataView(bytes);
     if (bytes.byteLength < 12 || start.getUint32(0, true) !== 0x3146474d) throw new Error("not a frame of meshgraft");

@@ -1,7 +1,7 @@
 import type { EngineError, EngineEvent, Id, PageRequest, Reply, Result } from "../protocol";
 import { BinaryFrame, PartedFrames } from "./binary_frame";
 
-/** A request that the engine refused: what is wrong, where, and what helps. */
+/** A request that the engine refused: the problem, its location and the remedy. */
 export class Refusal extends Error {
   constructor(readonly error: EngineError) {
     super(error.problem);
@@ -20,8 +20,8 @@ interface Listeners {
 export type Outcome = Exclude<Result, { model: unknown }>;
 
 /**
- * The page's WebSocket: requests and their replies, events and binary frames. When it is lost it is tried again
- * until the engine answers; what was open there is gone then, and `link` says so.
+ * The WebSocket of the page: requests and their replies, events and binary frames. A lost connection is retried until
+ * the engine answers. The document is then no longer open there, and `link` says so.
  */
 export class Connection {
   private socket: WebSocket | undefined;
@@ -49,12 +49,15 @@ export class Connection {
     this.socket = socket;
   }
 
-  /** The engine's answer. Rejects with `Refusal` where it refuses, or where the connection is lost. */
+  /**
+   * Sends a request and resolves with the answer. Rejects with `Refusal` if the engine refuses or the connection is
+   * lost.
+   */
   request(request: PageRequest): Promise<Outcome> {
     return this.send(request).answer;
   }
 
-  /** The same, with the number to cancel it by. */
+  /** Like `request`, but also returns the id by which the request can be cancelled. */
   send(request: PageRequest): { id: Id; answer: Promise<Outcome> } {
     const id = ++this.last;
     const answer = new Promise<Outcome>((resolve, reject) => {

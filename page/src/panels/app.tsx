@@ -14,7 +14,7 @@ import { ToolOptions } from "./tool_options";
 import { Toolbar } from "./toolbar";
 import { Tooltips } from "./ui/tooltip";
 
-/** The whole page: the view, and the panels around it. */
+/** The whole page: the view and the panels around it. */
 export function App({ page }: { page: Page }) {
   const { editor } = page;
   const host = useRef<HTMLDivElement>(null);

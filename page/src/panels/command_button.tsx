@@ -8,7 +8,7 @@ interface CommandProps {
   page: Page;
   id: string;
   icon: IconName;
-  /** In place of the command's own. */
+  /** Replaces the command's own label. */
   label?: string;
   tip?: string;
   class?: string;
@@ -20,7 +20,7 @@ export function keysOf(keys: readonly string[]): string | undefined {
   return first === undefined ? undefined : chordLabel(first);
 }
 
-/** A button for a command of the table. */
+/** A button with an icon for a command of the table. */
 export function CommandButton({ page, id, icon, label, tip, class: name, tabIndex }: CommandProps) {
   const command = commandOf(page, id);
   const common = {
@@ -39,7 +39,7 @@ export function CommandButton({ page, id, icon, label, tip, class: name, tabInde
   return <IconButton {...common} onClick={() => command.run()} />;
 }
 
-/** The same with its label to read. */
+/** A button with the label of a command of the table. */
 export function CommandLabelButton({
   page,
   id,

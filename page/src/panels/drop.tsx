@@ -10,12 +10,12 @@ import { Icon } from "./ui/icon";
 
 const going = signal<Upload | null>(null);
 
-/** Sends a file of this machine to the engine and opens it; refused ones are explained. */
+/** Sends a file of the user's machine to the engine and opens it. Tells the user why a file was refused. */
 export async function takeFile(page: Page, file: File): Promise<void> {
   await sendFile(page, file, (upload) => page.editor.open({ do: "open", upload }));
 }
 
-/** The same, as a part beside the model. */
+/** Sends a file of the user's machine to the engine and adds it as a part beside the model. */
 export async function takePartFile(page: Page, file: File): Promise<void> {
   const { graft } = page.editor;
   await sendFile(page, file, async (upload) => {
@@ -24,7 +24,7 @@ export async function takePartFile(page: Page, file: File): Promise<void> {
   });
 }
 
-/** The first is opened, or, where grafting goes on, is a part as all others are. */
+/** Opens the first file and adds the others as parts. In graft mode all of them become parts. */
 async function takeFiles(page: Page, files: readonly File[]): Promise<void> {
   const { editor } = page;
   const asPart = editor.isOpen.value && editor.graft.mode.value === "graft";
@@ -51,7 +51,10 @@ async function sendFile(page: Page, file: File, then: (upload: string) => Promis
   }
 }
 
-/** A file may be dropped anywhere: shows so, and asks before it takes the place of unsaved work. */
+/**
+ * Accepts files dropped anywhere on the page. Shows where they can be dropped, and asks before they replace unsaved
+ * work.
+ */
 export function DropZone({ page }: { page: Page }) {
   const [over, setOver] = useState(false);
   const [asked, setAsked] = useState<readonly File[] | null>(null);

@@ -32,7 +32,7 @@ interface TargetProps {
   children?: preact.ComponentChildren;
 }
 
-/** Where a file goes: a folder, a name, and a question before it replaces another one. */
+/** Asks for the folder and name of a file, and confirms before another file is overwritten. */
 function TargetDialog(props: TargetProps) {
   const { page, extension, start, onClose } = props;
   const [folder, setFolder] = useState(start.folder);
@@ -127,7 +127,7 @@ function firstFolder(page: Page): string | null {
   return edit !== "" ? folderOf(edit) : (openedFolder ?? welcome.value?.folders[0] ?? null);
 }
 
-/** The edit file: what was done, without the mesh. */
+/** Saves the edit file, which holds the steps but not the mesh. */
 export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void }) {
   const { editor } = page;
   const state = editor.state.value;
@@ -159,7 +159,7 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
   );
 }
 
-/** The deformed mesh in a file of its own. */
+/** Writes the deformed mesh to a file of its own. */
 export function ExportDialog({ page, onClose }: { page: Page; onClose: () => void }) {
   const state = page.editor.state.value;
   const extension = remembered("export format", ".ply");
@@ -215,7 +215,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
   );
 }
 
-/** Another model in place of the one that is open. */
+/** Opens another model in place of the current one. */
 export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void }) {
   const { editor } = page;
   const welcome = editor.welcome.value;

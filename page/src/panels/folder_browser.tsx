@@ -8,7 +8,7 @@ export interface Entry {
   name: string;
   kind: "model" | "edit";
   bytes: number;
-  /** Whether a session left changes, or has it open. */
+  /** Whether a session left unsaved changes or has the file open. */
   unsaved: boolean;
 }
 
@@ -18,7 +18,7 @@ export interface Listing {
   files: Entry[];
 }
 
-/** A folder's content by the engine; undefined until it is there, or where it cannot be had. */
+/** Returns the content of a folder; undefined until the engine answers or if it cannot be read. */
 export function useListing(page: Page, folder: string | null): Listing | undefined {
   const [listing, setListing] = useState<Listing | undefined>(undefined);
   useEffect(() => {
@@ -44,12 +44,12 @@ interface BrowserProps {
   folder: string | null;
   onFolder: (folder: string | null) => void;
   listing: Listing | undefined;
-  /** Absent: files are only shown. */
+  /** Absent: files are shown but cannot be chosen. */
   onFile?: (path: string, entry: Entry) => void;
   shows?: (entry: Entry) => boolean;
 }
 
-/** Folders that may be used, and what is in them. */
+/** Shows the folders that may be used, and their content. */
 export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }: BrowserProps) {
   const roots = page.editor.welcome.value?.folders ?? [];
   const isRoot = folder === null || roots.includes(folder);
@@ -110,7 +110,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
   );
 }
 
-/** The end of a path says most. */
+/** Shortens a long path at the start, because its end is more telling. */
 function shortened(path: string): string {
   return path.length <= 44 ? path : `…${path.slice(path.indexOf("/", path.length - 44))}`;
 }

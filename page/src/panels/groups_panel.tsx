@@ -7,7 +7,7 @@ import { Button } from "./ui/button";
 import { Menu } from "./ui/menu";
 import { Section } from "./ui/section";
 
-/** Selections that the document keeps by name. */
+/** The named selections of the document. */
 export function GroupsPanel({ page }: { page: Page }) {
   const { editor } = page;
   const groups = groupsOf(editor.state.value);
@@ -105,7 +105,7 @@ function NewGroup({
     const done = await editor.ask({ do: "group", name: chosen, colour: groupColour(colours) });
     if (done === undefined) return;
     setName("");
-    if (document.activeElement instanceof HTMLInputElement) document.activeElement.blur(); // keys are commands again
+    if (document.activeElement instanceof HTMLInputElement) document.activeElement.blur(); // keys run commands again
   };
   const replaces = taken.includes(name.trim());
   return (

@@ -13,7 +13,7 @@ import { Section } from "./ui/section";
 
 const shapeIcons: Record<Handle["shape"], IconName> = { region: "handle", curve: "curve", vertex: "vertex" };
 
-/** The handles: pick one, name it, say how far it reaches and where it goes. */
+/** The list of handles. A handle can be chosen, named, given a reach and posed. */
 export function HandlesPanel({ page }: { page: Page }) {
   const { editor } = page;
   const handles = editor.state.value?.handles ?? [];

@@ -12,7 +12,7 @@ const themeIcons: Record<(typeof themes)[number], IconName> = {
   dark: "dark",
 };
 
-/** The line at the top: files, name, undo and redo, before and after, accept, save, help, theme. */
+/** The bar at the top: files, name, undo and redo, before and after, accept, save, help, theme. */
 export function Header({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;

@@ -49,7 +49,7 @@ const tour: readonly [string, string][] = [
   ],
 ];
 
-/** All keys, and a short tour. */
+/** All keys and a short tour. */
 export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }) {
   return (
     <Dialog title="Help" onClose={onClose} wide>

@@ -4,7 +4,10 @@ import type { Page } from "../app/page";
 import { Button, IconButton } from "./ui/button";
 import { Icon } from "./ui/icon";
 
-/** What the person is told: problem, place and remedy, until it is read; success goes by itself. The newest is at the bottom. */
+/**
+ * The messages to the user: problem, location and remedy, until the user closes them. Messages of success disappear by
+ * themselves. The newest is at the bottom.
+ */
 export function Messages({ page }: { page: Page }) {
   const { editor } = page;
   const messages = editor.messages.value;
@@ -26,7 +29,7 @@ export function Messages({ page }: { page: Page }) {
   );
 }
 
-const passingMs = 10_000; // of what went as it should; all else stays
+const passingMs = 10_000; // for messages of success; all others stay
 
 function Toast({ message: { kind, error, offer }, onClose }: { message: Message; onClose: () => void }) {
   const [copied, setCopied] = useState(false);

@@ -18,7 +18,7 @@ import { Button } from "./ui/button";
 import { Segments, Select, Slider, Toggle } from "./ui/fields";
 import { More, Section } from "./ui/section";
 
-/** How the surface follows: the method and what it may be told. */
+/** The deformation method and its settings. */
 export function MethodPanel({ page }: { page: Page }) {
   const { editor } = page;
   const settings = settingsOf(page);
@@ -142,7 +142,7 @@ interface Anchor {
   weight?: number;
 }
 
-/** Groups that are drawn to where they are: softer than a fixed part. */
+/** Groups that are softly attracted to their positions, in contrast to a fixed part. */
 function Anchors({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;

@@ -7,7 +7,7 @@ import { Button } from "./ui/button";
 import { Dialog } from "./ui/dialog";
 import { Icon } from "./ui/icon";
 
-/** After a session that ended without saving: what it left can be taken up. */
+/** Offers to restore the changes of a session that ended without saving. */
 export function RestoreOffer({ page }: { page: Page }) {
   const { editor } = page;
   const offer = editor.offer.value;
@@ -41,7 +41,7 @@ export function RestoreOffer({ page }: { page: Page }) {
   );
 }
 
-/** Before something else takes the place of unsaved work. */
+/** Asks what to do with unsaved work before another document replaces it. */
 export function LeaveQuestion({ page }: { page: Page }) {
   const { editor } = page;
   const leaving = editor.leaving.value;
@@ -71,7 +71,7 @@ export function LeaveQuestion({ page }: { page: Page }) {
   );
 }
 
-/** Before an edit file is replaced that something else wrote: another tab, another program. */
+/** Asks before an edit file is overwritten that another tab or program has changed. */
 export function ReplaceQuestion({ page }: { page: Page }) {
   const { editor } = page;
   const file = editor.replacing.value;
@@ -101,7 +101,7 @@ export function ReplaceQuestion({ page }: { page: Page }) {
   );
 }
 
-/** While the engine does not answer. */
+/** Shown while the engine does not answer. */
 export function LostConnection({ page }: { page: Page }) {
   const { editor } = page;
   const lost = editor.link.value === "lost";
@@ -142,7 +142,7 @@ export function LostConnection({ page }: { page: Page }) {
   );
 }
 
-/** Title of the page, its theme, and the question before it is left with unsaved work. */
+/** Sets the title and theme of the page, and asks before the page is left with unsaved work. */
 export function PageEffects({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;

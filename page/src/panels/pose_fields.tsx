@@ -17,7 +17,7 @@ import { remembered } from "../app/remembered";
 
 const axes = ["X", "Y", "Z"] as const;
 
-/** Where a handle goes, in numbers. */
+/** The pose of a handle, in numbers. */
 export function PoseFields({ page, handle }: { page: Page; handle: Handle }) {
   const { editor } = page;
   const { value: dragged } = editor.tools.dragged;
@@ -49,7 +49,7 @@ interface NumberFieldsProps extends PartProps {
   withPivot: boolean;
 }
 
-/** Move, turn, scale and pivot. */
+/** The fields for translation, rotation, scale and pivot. */
 export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFieldsProps) {
   const { editor } = page;
   const unit = editor.view.unit.value;
@@ -122,7 +122,7 @@ interface TripleProps {
   tip?: string;
 }
 
-/** Three numbers along the axes. */
+/** Three numbers, one for each axis. */
 export function Triple({ label, value, onChange, quantity, unit, suffix, step, above, tip }: TripleProps) {
   return (
     <div class="triple" role="group" aria-label={label} data-tip={tip}>

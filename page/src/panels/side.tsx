@@ -62,7 +62,7 @@ export function Side({ page }: { page: Page }) {
   );
 }
 
-/** Arrows choose the next tab, or the one before. */
+/** Moves to the next or previous tab by the arrow keys. */
 function stepTabs(event: TargetedKeyboardEvent<HTMLElement>, mode: Signal<Mode>): void {
   const by = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
   if (by === 0) return;
@@ -73,7 +73,7 @@ function stepTabs(event: TargetedKeyboardEvent<HTMLElement>, mode: Signal<Mode>)
   event.currentTarget.querySelectorAll<HTMLElement>('[role="tab"]')[next]?.focus();
 }
 
-/** What of the step goes another way than asked. */
+/** Shows the notes of the step, which tell where the result differs from the request. */
 function Notes({ page }: { page: Page }) {
   const notes = page.editor.state.value?.notes ?? [];
   if (notes.length === 0) return null;

@@ -9,7 +9,7 @@ import { Thumbnail } from "./graft/graft_library";
 import { Button } from "./ui/button";
 import { Icon, Mark } from "./ui/icon";
 
-/** What is there while nothing is open: models, samples, folders, and a place to drop a file. */
+/** Shown while nothing is open: models, samples, folders, and an area to drop a file on. */
 export function StartScreen({ page }: { page: Page }) {
   const { editor } = page;
   const welcome = editor.welcome.value;
@@ -69,7 +69,7 @@ function Models({ page, title, models }: { page: Page; title: string; models: re
   );
 }
 
-/** Of a model; an edit file's is an icon. */
+/** The picture of a model, or an icon for an edit file. */
 function CardPicture({ page, request }: { page: Page; request: OpenRequest }) {
   if ("sample" in request && request.sample !== undefined) return <Thumbnail page={page} of={{ sample: request.sample }} size={48} />;
   if ("path" in request && request.path !== undefined && !request.path.endsWith(".json"))

@@ -7,7 +7,7 @@ import { changeLabel } from "../app/request_labels";
 import { counted, formatCount, formatPercent, formatSeconds, formatSize } from "../app/units";
 import { Icon } from "./ui/icon";
 
-/** The line at the bottom: what the engine does, how good what is shown is, and how large all is. */
+/** The bar at the bottom: the engine's activity, the quality of what is shown, and the size of the model. */
 export function StatusBar({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
@@ -79,7 +79,7 @@ function ModelFigures({ page }: { page: Page }) {
   );
 }
 
-/** While grafting: of what is shown, result and parts. */
+/** In graft mode: the size of everything shown, result and parts. */
 function ShownFigures({ page }: { page: Page }) {
   const { editor, viewport } = page;
   const [size] = useState(() =>
@@ -107,9 +107,12 @@ function sidesOf({ low, high }: Box): number[] {
   return high.map((most, k) => most - (low[k] ?? 0));
 }
 
-const patienceMs = 300; // work that is done sooner is not worth a word
+const patienceMs = 300; // shorter work is not shown
 
-/** What the longest request does, with a bar and a way out; else the set-up behind what is shown. */
+/**
+ * The progress of the longest-running request, with a bar and a button to cancel. Without one, the progress of the
+ * set-up in the background.
+ */
 function Progress({ page }: { page: Page }) {
   const { editor } = page;
   const oldest = [...editor.working.value.values()].reduce<Work | undefined>(
@@ -143,7 +146,7 @@ function Progress({ page }: { page: Page }) {
   );
 }
 
-/** Takes back the change that the set-up was begun for. Nothing does where the model was just opened. */
+/** A button that undoes the change that started the set-up. It is absent if the model was just opened. */
 function SetUpCancel({ page }: { page: Page }) {
   const { editor } = page;
   const label = editor.state.value?.set_up_for ?? null;
@@ -177,7 +180,7 @@ function Bar({ fraction, label }: { fraction: number; label: string }) {
   );
 }
 
-/** Whether work goes on for longer than nobody notices. */
+/** Returns whether work has gone on for longer than `patienceMs`. */
 function useLate(work: Work | undefined): boolean {
   const [late, setLate] = useState<unknown>(undefined);
   useEffect(() => {

@@ -17,7 +17,7 @@ export interface DetailsProps {
   index: number;
 }
 
-/** Of a deform step: its method, what that has most use for, and its poses. */
+/** The fields of a deform step: its method, the method's main settings, and its poses. */
 export function DeformDetails({ page, step, index }: DetailsProps) {
   const { editor } = page;
   const fields = step.fields as { settings?: Settings; handles?: unknown };
@@ -111,7 +111,7 @@ function StepPose({ page, name, pose, onChange }: StepPoseProps) {
   );
 }
 
-/** Of a graft: all that its own panel has in numbers and choices. Loops are paired there alone. */
+/** The fields of a graft: all numbers and choices of the graft panel. Loops can be paired only in that panel. */
 export function GraftDetails({ page, step: { fields, found }, index }: DetailsProps) {
   const step = readStep(fields);
   const keep = (changes: GraftFields) =>
@@ -164,7 +164,7 @@ function Twists({ page, count, index }: TwistsProps) {
 
 type Keep = "above" | "below" | "both";
 
-/** Of a cut: its plane, where it has one, and what stays. */
+/** The fields of a cut: its plane, if it has one, and the side that is kept. */
 export function CutDetails({ page, step, index }: DetailsProps) {
   const fields = step.fields as { mesh?: string; plane?: Plane; keep?: Keep; snap?: number };
   const change = (changes: { plane?: Plane; keep?: Keep; snap?: number }) =>

@@ -15,7 +15,10 @@ const kinds: Record<Step["kind"], { name: string; icon: IconName }> = {
   cut: { name: "Cut", icon: "minus" },
 };
 
-/** What is done to the model, in order. The last one is in work; earlier ones can be changed, and the rest follows. */
+/**
+ * The steps applied to the model, in order. The last one is being edited. Earlier ones can be changed, and the later
+ * ones are then recomputed.
+ */
 export function StepsPanel({ page }: { page: Page }) {
   const state = page.editor.state.value;
   const steps = state?.steps ?? [];
@@ -104,7 +107,7 @@ function StepRow({ page, step, index, inWork, open, onOpen }: RowProps) {
   );
 }
 
-/** What of an earlier step can be changed here. */
+/** The fields of an earlier step that can be changed. */
 function StepDetails(props: DetailsProps) {
   if (props.step.kind === "merge") return <GraftDetails {...props} />;
   if (props.step.kind === "cut") return <CutDetails {...props} />;

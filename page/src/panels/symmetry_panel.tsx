@@ -13,7 +13,7 @@ import { formatNumber } from "../app/units";
 import { Segments, Slider, Toggle } from "./ui/fields";
 import { Section } from "./ui/section";
 
-/** What is done on one side happens on the other one, too. */
+/** The settings of symmetry, which applies every edit on one side to the other side, too. */
 export function SymmetryPanel({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;

@@ -21,7 +21,7 @@ const painting: readonly ToolName[] = ["handle", "brush"];
 const selecting: readonly ToolName[] = ["brush", "lasso", "box", "connected", "loop", "flood"];
 const seesThrough: readonly ToolName[] = ["handle", "brush", "lasso", "box"];
 
-/** Radius of all tools that paint. */
+/** The radius of all painting tools. */
 export function BrushSize({ tools }: { tools: ToolSettings }) {
   return (
     <Slider
@@ -40,7 +40,7 @@ export function BrushSize({ tools }: { tools: ToolSettings }) {
   );
 }
 
-/** What the active tool may be told, above the view; and what can be made of the selection. */
+/** The options of the active tool, and actions on the selection, above the view. */
 export function ToolOptions({ page }: { page: Page }) {
   const { editor } = page;
   const { tools } = editor;
@@ -102,7 +102,7 @@ function SelectionLine({ page, selected }: { page: Page; selected: number }) {
   );
 }
 
-/** How the gizmo of the active handle works. */
+/** The options of the gizmo of the active handle. */
 function HandleLine({ page }: { page: Page }) {
   const { tools, view, state } = page.editor;
   const unit = view.unit.value;

@@ -9,7 +9,7 @@ const groups: readonly (readonly string[])[] = [
   ["brush", "lasso", "box", "connected", "loop", "flood"],
 ];
 
-/** The tools, at the left. Arrows go from one to the next; tab goes past all of them. */
+/** The tools, at the left. Arrow keys move between them; the tab key skips all of them. */
 export function Toolbar({ page }: { page: Page }) {
   const bar = useRef<HTMLDivElement>(null);
   const active = page.editor.tools.tool.value;

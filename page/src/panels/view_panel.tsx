@@ -25,7 +25,7 @@ const units: readonly Choice<"mm" | "cm" | "m" | "in" | "none">[] = [
   { value: "none", label: "None" },
 ];
 
-/** How the model is shown. Nothing of it changes the model. */
+/** The display settings. None of them changes the model. */
 export function ViewPanel({ page }: { page: Page }) {
   const { view } = page.editor;
   const wireframe = commandOf(page, "wireframe");

@@ -1,4 +1,4 @@
-// A move, a turn or a scale of a handle, from the pointer's way or from a number that was typed.
+// A translation, rotation or scaling of a handle, from the movement of the pointer or a typed number.
 import { Plane as ThreePlane, Quaternion, Vector3 } from "three";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { NumberEntry } from "./number_entry";
@@ -8,8 +8,8 @@ export type Axis = 0 | 1 | 2;
 export type Act = "move" | "turn" | "scale";
 
 /**
- * What a gesture does: along (or about) one of the gizmo's axes, across it (in the plane of the two others), or free:
- * a move in the plane of the page, a turn about the line of sight, the same scale in all directions.
+ * The motion of a gesture. It goes along (or about) one of the gizmo's axes, or across it (in the plane of the two
+ * others). A free gesture moves in the screen plane, turns about the line of sight, or scales uniformly.
  */
 export interface Grip {
   readonly act: Act;
@@ -17,20 +17,20 @@ export interface Grip {
   readonly across?: boolean;
 }
 
-/** Steps to snap to. */
+/** Step sizes to snap to. */
 export interface Steps {
   readonly move: number;
   readonly turnDeg: number;
   readonly scale: number;
 }
 
-const leastScale = 0.01; // what a drag scales to at least; smaller and mirrored ones are typed
-const leastRadiusPx = 40; // a scale that starts nearer to the centre would be jumpy
-const edgeOn = 0.2; // cosine below which a ring's plane says little about where the pointer is
+const leastScale = 0.01; // the least factor by a drag; smaller and negative ones can be typed
+const leastRadiusPx = 40; // keeps a scaling stable that starts near the centre
+const edgeOn = 0.2; // cosine below which a ring's plane is too oblique to locate the pointer in
 
 export class Gesture {
   readonly number = new NumberEntry();
-  /** Steps to snap to; undefined: as the pointer says. */
+  /** Step sizes to snap to; undefined: no snapping. */
   steps: Steps | undefined;
   private first: ScreenPoint;
   private last: ScreenPoint;
@@ -62,14 +62,14 @@ export class Gesture {
     this.last = screenPoint;
   }
 
-  /** Keeps to another axis, from where the gesture began. */
+  /** Restricts the gesture to another axis, starting again from where the gesture began. */
   constrain(grip: Grip, axes: Quaternion): void {
     this.grip = grip;
     this.axes = axes;
     this.turnDeg = grip.act === "turn" ? this.turnBetween(this.first, this.last) : 0;
   }
 
-  /** Where the handle is by this gesture. */
+  /** Returns the placement of the handle under this gesture. */
   placement(): Placement {
     switch (this.grip.act) {
       case "move":
@@ -81,7 +81,7 @@ export class Gesture {
     }
   }
 
-  /** What it does, in words: "Turn about X  30.0°". */
+  /** Describes the gesture in words: "Turn about X  30.0°". */
   label(unit: string): string {
     const typed = this.number.text === "" ? "" : `  [${this.number.text}]`;
     const name = this.grip.axis === "free" ? "" : "XYZ".charAt(this.grip.axis);
@@ -102,12 +102,12 @@ export class Gesture {
     return this.number.value ?? snapTo(this.turnDeg, this.steps?.turnDeg);
   }
 
-  /** In the world: what a turn goes about. */
+  /** Returns the axis of a rotation, in world coordinates. */
   turnAxis(): Vector3 {
     return this.grip.axis === "free" ? this.camera.towards(this.centre).negate() : this.axisOf(this.grip.axis);
   }
 
-  /** From the centre to where the pointer began, of length 1, in the plane of the turn. */
+  /** Returns the unit direction from the centre to the first pointer position, in the plane of rotation. */
   startDirection(): Vector3 {
     const axis = this.turnAxis();
     const isEdgeOn = Math.abs(axis.dot(this.camera.towards(this.centre))) < edgeOn;
@@ -134,7 +134,7 @@ export class Gesture {
     return this.steps === undefined ? shift : this.snapped(shift);
   }
 
-  // A number for a plane, or for the page's plane, is along the plane's first axis.
+  // A number typed for a plane or for the screen plane applies to the plane's first axis.
   private typedAxis(): Axis | "free" {
     return this.grip.across === true && this.grip.axis === 0 ? 1 : this.grip.across === true ? 0 : this.grip.axis;
   }
@@ -172,7 +172,7 @@ export class Gesture {
     return factors.setComponent(axis, across === true ? 1 : f);
   }
 
-  // The direction of an axis on the page, of length 1.
+  // Returns the unit direction of an axis on the screen.
   private onPage(axis: Vector3): ScreenPoint {
     const length = 50 * this.camera.worldPerPixel(this.centre);
     const a = this.camera.project(this.centre.clone().addScaledVector(axis, -length));
@@ -181,12 +181,12 @@ export class Gesture {
     return size < 1e-6 ? { x: 1, y: 0 } : { x: (b.x - a.x) / size, y: (b.y - a.y) / size };
   }
 
-  // How far along the axis through the centre a place on the page is.
+  // Returns the position along the axis through the centre that a screen point corresponds to.
   private placeAlong(axis: Vector3, screenPoint: ScreenPoint): number {
     const { origin, direction } = this.camera.rayAt(screenPoint);
     const cosine = axis.dot(direction);
     if (1 - cosine * cosine < 0.01) {
-      const c = this.camera.project(this.centre); // it points at the eye: up is along
+      const c = this.camera.project(this.centre); // the axis points at the camera: screen up counts as along
       return (c.y - screenPoint.y) * this.camera.worldPerPixel(this.centre);
     }
     const between = this.centre.clone().sub(origin);
@@ -199,7 +199,7 @@ export class Gesture {
     return at ?? this.centre.clone();
   }
 
-  // The turn from one place on the page to another, degrees, the short way round.
+  // Returns the angle of rotation between two screen points, in degrees, the short way round.
   private turnBetween(from: ScreenPoint, to: ScreenPoint): number {
     const axis = this.turnAxis();
     const facing = axis.dot(this.camera.towards(this.centre));
@@ -209,7 +209,7 @@ export class Gesture {
     return (Math.atan2(a.clone().cross(b).dot(axis), a.dot(b)) * 180) / Math.PI;
   }
 
-  // A ring that is seen from its edge is a line: along it, a ring's radius is a radian.
+  // A ring seen edge-on is a line on the screen. A movement along it by the ring's radius counts as one radian.
   private turnAlongEdge(axis: Vector3, from: ScreenPoint, to: ScreenPoint): number {
     const sight = this.camera.towards(this.centre);
     const line = this.onPage(sight.cross(axis).normalize());
@@ -218,7 +218,7 @@ export class Gesture {
   }
 }
 
-/** Of the gizmo's rings. */
+/** Radius of the gizmo's rings, in pixels. */
 export const ringRadiusPx = 66;
 
 function snapTo(value: number, step: number | undefined): number {

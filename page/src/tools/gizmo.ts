@@ -9,17 +9,20 @@ import type { Movable, Moved } from "./movable";
 import { axesOf, centreOf, poseOf, withPivot, withPivotAt, type Placement } from "./pose_math";
 import type { Status } from "./status";
 
-/** A gesture on the active handle. By a drag, or `modal`: begun by a key, ended by a click. */
+/**
+ * The gesture in progress on the active handle. A `modal` gesture begins by a key and ends by a click; others are
+ * drags.
+ */
 interface Going {
   readonly name: string;
   readonly start: Placement;
   readonly axes: Quaternion;
   readonly gesture: Gesture | undefined; // undefined: the pivot is dragged
   readonly modal: boolean;
-  spaces: number; // how often the axis' key was pressed
+  spaces: number; // how often the key of the axis was pressed
 }
 
-/** Moves, turns and scales the active handle: nine degrees of freedom, and a pivot, in one widget. */
+/** Moves, turns and scales the active handle in one widget: nine degrees of freedom and a pivot. */
 export class Gizmo {
   private readonly view: GizmoView;
   private layout: Layout | undefined;
@@ -50,7 +53,7 @@ export class Gizmo {
     return this.layout?.centre;
   }
 
-  /** Shows what a press would take; returns whether there is something. */
+  /** Highlights the part that a press would take. Returns whether there is one. */
   hover(screenPoint: ScreenPoint): boolean {
     const part = this.partUnder(screenPoint);
     const id = part?.id;
@@ -64,7 +67,7 @@ export class Gizmo {
     this.hovered = undefined;
   }
 
-  /** Begins a drag where a part is; returns whether there is one. */
+  /** Begins a drag if a part is under the pointer. Returns whether it did. */
   press(screenPoint: ScreenPoint, generosity: number): boolean {
     const handle = this.control.active;
     const part = this.partUnder(screenPoint, generosity);
@@ -92,7 +95,7 @@ export class Gizmo {
     this.showGesture(going.name, going.gesture);
   }
 
-  /** Ends the gesture where it is. */
+  /** Ends the gesture and keeps its result. */
   end(): void {
     const { going } = this;
     if (going === undefined) return;
@@ -105,7 +108,7 @@ export class Gizmo {
     else void this.control.commit(going.name, handle.placement);
   }
 
-  /** Puts the handle back to where the gesture found it. */
+  /** Reverts the handle to its placement before the gesture. */
   cancel(): void {
     const { going } = this;
     if (going === undefined) return;
@@ -114,7 +117,7 @@ export class Gizmo {
     this.control.revert(going.name, going.start);
   }
 
-  /** Takes a key while a gesture goes on: an axis, a number, another act. Returns whether it was one of these. */
+  /** Handles a key during a gesture: an axis, a number, another act. Returns whether the key was one of these. */
   takeKey({ key, shiftKey, ctrlKey, metaKey, altKey }: KeyboardEvent): boolean {
     const { going } = this;
     if (going?.gesture === undefined || metaKey || altKey) return false;
@@ -126,7 +129,7 @@ export class Gizmo {
     return true;
   }
 
-  /** The pivot goes back to the centre of the rim. */
+  /** Moves the pivot back to the centre of the handle boundary. */
   resetPivot(): void {
     const handle = this.control.active;
     if (handle !== undefined) void this.control.commit(handle.name, withPivot(handle.placement, handle.defaultPivot));
@@ -153,7 +156,7 @@ export class Gizmo {
     this.going = { name, start: placement, axes, gesture: undefined, modal: false, spaces: 0 };
   }
 
-  // On the surface where there is one under the pointer, else in the page's plane.
+  // Moves the pivot on the surface if it is under the pointer, otherwise in the screen plane.
   private dragPivot({ name, start }: Going, screenPoint: ScreenPoint): void {
     const centre = centreOf(start);
     const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.towards(centre), centre);
@@ -177,7 +180,7 @@ export class Gizmo {
     return { move: snapMove.value || diagonal / 100, turnDeg: snapTurnDeg.value, scale: snapScale.value };
   }
 
-  // An axis' key once: the gizmo's space; twice: the other space; three times: free again.
+  // Pressing an axis key once uses the gizmo's space, twice the other space, three times frees the gesture again.
   private constrain(going: Going, axis: Axis, across: boolean): void {
     const { gesture } = going;
     if (gesture === undefined) return;
@@ -227,7 +230,7 @@ export class Gizmo {
     if (going === undefined && this.layout !== undefined) this.findHidden(this.layout);
   }
 
-  // Which parts the model hides: looked up when the view rests.
+  // Finds the parts that the model hides, while the view is at rest.
   private findHidden(layout: Layout): void {
     const firsts = layout.parts.flatMap(({ outline }) => outline.slice(0, 1));
     const asOf = firsts.map(({ x, y }) => `${x.toFixed(0)},${y.toFixed(0)}`).join(" ");
@@ -246,7 +249,7 @@ export class Gizmo {
   }
 }
 
-// Not of their maps: a turn of 720° is not none.
+// Compares poses rather than maps, because a rotation of 720° is not the identity.
 function isSame(a: Placement, b: Placement, defaultPivot: Vector3): boolean {
   const told = (placement: Placement) => JSON.stringify(poseOf(placement, defaultPivot));
   return told(a) === told(b) && a.pivot.equals(b.pivot);

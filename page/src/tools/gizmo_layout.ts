@@ -1,11 +1,11 @@
-// Where the parts of the gizmo are on the page, and which of them is under the pointer. No state, no document.
+// Computes where the parts of the gizmo are on the screen, and which one is under the pointer. No state, no document.
 import { Quaternion, Vector3 } from "three";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { ringRadiusPx, type Axis, type Grip } from "./gesture";
 
 export type PartKind = "arrow" | "square" | "ring" | "box" | "ball" | "knob" | "view-ring";
 
-/** A part that can be dragged. `outline` is what is drawn and what is near the pointer. */
+/** A part that can be dragged. `outline` is drawn, and picked within a tolerance. */
 export interface Part {
   readonly id: string;
   readonly kind: PartKind;
@@ -13,7 +13,7 @@ export interface Part {
   readonly axis: Axis | "free";
   readonly outline: readonly ScreenPoint[];
   readonly closed: boolean;
-  /** The point that tells whether the part is hidden by the model. */
+  /** The point that is tested for being hidden by the model, in world coordinates. */
   readonly place: Vector3;
 }
 
@@ -27,11 +27,11 @@ const arrowPx = { from: 15, to: 92 };
 const squarePx = { from: 24, to: 42 };
 const boxPx = 112;
 export const viewRingPx = 136;
-const endOn = 0.97; // cosine above which an arrow points at the eye, and is a dot
-const edgeOn = 0.15; // cosine below which a square is a line
+const endOn = 0.97; // cosine above which an arrow points at the camera and is drawn as a dot
+const edgeOn = 0.15; // cosine below which a square is drawn as a line
 const around = 64; // points of a circle
 
-/** The gizmo at `centre` along the columns of `axes`, always of one size on the page. */
+/** Lays out the gizmo at `centre` along the columns of `axes`. Its size on the screen is constant. */
 export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera): Layout {
   const pixel = camera.worldPerPixel(centre);
   const sight = camera.towards(centre);
@@ -83,7 +83,7 @@ export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera):
   return { centre: c, parts };
 }
 
-/** A ring around `axis`; of the half that faces the eye where `span` is π, all of it where it is 2π. */
+/** Returns a ring around `axis`: the half that faces the camera if `span` is π, the whole ring if it is 2π. */
 export function circle(
   at: (...steps: [Vector3, number][]) => ScreenPoint,
   axis: Vector3,
@@ -97,7 +97,7 @@ export function circle(
   side.normalize();
   const near = side.clone().cross(axis);
   if (near.dot(sight) > 0) near.negate();
-  const facesUs = Math.abs(axis.dot(sight)) > 0.98; // all of it is to be seen
+  const facesUs = Math.abs(axis.dot(sight)) > 0.98; // all of the ring is visible
   const half = facesUs ? Math.PI : span / 2;
   const points = Math.round((around * half) / Math.PI);
   return Array.from({ length: points + 1 }, (_, i) => {
@@ -106,7 +106,7 @@ export function circle(
   });
 }
 
-// The first of these that is near enough is what a press takes.
+// A press takes the first of these kinds that is near enough.
 const order: readonly [PartKind, number][] = [
   ["ball", 9],
   ["knob", 12],
@@ -117,7 +117,7 @@ const order: readonly [PartKind, number][] = [
   ["view-ring", 7],
 ];
 
-/** The part under the pointer; `generosity` widens it, for fingers. */
+/** Returns the part under the pointer. `generosity` widens the tolerance, for touch. */
 export function partAt(layout: Layout, screenPoint: ScreenPoint, generosity = 1): Part | undefined {
   for (const [kind, tolerance] of order) {
     const near = layout.parts

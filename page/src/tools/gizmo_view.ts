@@ -4,21 +4,21 @@ import { ringRadiusPx, type Act, type Gesture } from "./gesture";
 import { circle, layOut, viewRingPx, type Layout, type Part } from "./gizmo_layout";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 
-/** What the gizmo looks like now. */
+/** The current appearance of the gizmo. */
 export interface Appearance {
   readonly centre: Vector3;
   readonly axes: Quaternion;
   /** The part under the pointer. */
   readonly hovered: string | undefined;
-  /** The gesture that goes on, and where it began. */
+  /** The gesture in progress, and where it began. */
   readonly gesture: { readonly gesture: Gesture; readonly from: Vector3; readonly axes: Quaternion } | undefined;
   readonly movesPivot: boolean;
-  /** What can be done; absent: all. */
+  /** The available acts; absent: all. */
   readonly acts: readonly Act[] | undefined;
   isHidden(part: Part): boolean;
 }
 
-/** Draws the gizmo on the overlay: lines with a halo, so that it can be read on any surface, light or dark. */
+/** Draws the gizmo on the overlay. Lines have a halo, so that they are legible on light and dark surfaces. */
 export class GizmoView {
   readonly element = svg("g", { class: "gizmo", display: "none" });
   private readonly guide = svg("path", { class: "guide" });
@@ -39,7 +39,7 @@ export class GizmoView {
     show(this.element, false);
   }
 
-  /** Draws it, and returns where its parts are on the page. */
+  /** Draws the gizmo and returns where its parts are on the screen. */
   draw(look: Appearance): Layout | undefined {
     const whole = layOut(look.centre, look.axes, this.camera);
     const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.acts?.includes(grip.act) !== false) };
@@ -84,7 +84,7 @@ export class GizmoView {
     set(this.pivot, { transform: `translate(${c.x} ${c.y})` });
   }
 
-  // The line or the ring along which a gesture goes, and how far a turn is.
+  // Draws the line or ring of a gesture, and the angle of a rotation.
   private drawGuides({ gesture, centre }: Appearance): void {
     show(this.guide, gesture !== undefined);
     show(this.sector, gesture?.gesture.doing.act === "turn");
@@ -128,7 +128,7 @@ export class GizmoView {
   }
 }
 
-/** The part whose gesture this is; free turns and scales by keys have theirs as well. */
+/** Returns the part that belongs to a gesture, also for free rotations and scalings by keys. */
 function partOf(gesture: Gesture): string {
   const { act, axis, across } = gesture.doing;
   const kinds = { move: across === true ? "square" : "arrow", turn: "ring", scale: "box" } as const;
@@ -165,7 +165,7 @@ function cornerPath({ x, y }: ScreenPoint): string {
   return `M${x - 7} ${y + 7}v-9M${x - 7} ${y + 7}h9`;
 }
 
-// The head of an arrow that comes from `from`: at `tip`, a triangle on the page.
+// Returns the path of an arrow head: a triangle on the screen at `tip`, pointing away from `from`.
 function headPath(from: ScreenPoint, tip: ScreenPoint): string {
   const size = Math.hypot(tip.x - from.x, tip.y - from.y) || 1;
   const [x, y] = [(tip.x - from.x) / size, (tip.y - from.y) / size];

@@ -3,15 +3,15 @@ import { Slices } from "../view/surface/slices";
 import type { Surface } from "../view/surface/surface";
 import { MeshGraph } from "./mesh_graph";
 
-/** The graphs of surfaces, made behind what the person does. */
+/** The graphs of surfaces, made in the background. */
 export class GraphStore {
-  /** Counts graphs that are ready, for those who wait for one. */
+  /** Counts finished graphs, for code that waits for one. */
   readonly made = signal(0);
   private readonly graphs = new WeakMap<Surface, MeshGraph>();
   private readonly begun = new WeakSet<Surface>();
   private readonly slices = new Slices(8);
 
-  /** The graph of a surface at rest; undefined while it is being made. */
+  /** Returns the graph of a surface at rest; undefined while it is being made. */
   of(surface: Surface): MeshGraph | undefined {
     if (!this.begun.has(surface)) {
       this.begun.add(surface);

@@ -7,32 +7,32 @@ import type { Viewport } from "../view/viewport";
 import type { GraphStore } from "./graph_store";
 import { atRest, isRedrawn, matrixOf, mirrored, placementOf, poseOf, type Placement, type Plane } from "./pose_math";
 
-/** The handle that the gizmo is at. */
+/** The handle that the gizmo is attached to. */
 export interface ActiveHandle {
   readonly name: string;
   readonly placement: Placement;
   readonly defaultPivot: Vector3;
-  /** How far the region around it goes, along edges; undefined: it has none of its own. */
+  /** Size of the region around it, as a length along edges; undefined: it has no region of its own. */
   readonly reach: number | undefined;
   readonly vertices: Uint32Array;
 }
 
-/** A handle that the engine has not told of yet: it can be dragged at once. */
+/** A handle that the engine has not confirmed yet. It can be dragged at once. */
 interface Painted {
   readonly pivot: Vector3;
   readonly vertices: Uint32Array;
 }
 
-/** Makes handles and moves them: what is shown at once, what the engine streams, and what the document has in the end. */
+/** Makes handles and moves them. Shows a pose at once, asks the engine to stream it, and commits it to the document. */
 export class HandleControl {
   private readonly painted = new Map<string, Painted>();
-  /** Where a gesture that goes on has a handle. */
+  /** The handle and placement of the gesture in progress. */
   private dragged: { name: string; placement: Placement } | undefined;
-  /** Where handles are by what the engine is asked for, until the document has it. */
+  /** Placements sent to the engine, until the document has them. */
   private readonly asked = new Map<string, Placement>();
-  /** Pivots of sheared handles, which the document has no place for. */
+  /** Pivots of sheared handles, which the document cannot store. */
   private readonly pivots = new Map<string, Vector3>();
-  private isScheduled = false; // what is dragged, for the next picture
+  private isScheduled = false; // whether `showDragged` is scheduled for the next animation frame
 
   constructor(
     private readonly editor: Editor,
@@ -52,13 +52,13 @@ export class HandleControl {
     return this.ofPainted(name, painted);
   }
 
-  /** All handles' names: of the document, and those to come. */
+  /** Returns the names of all handles, including those that the engine has not confirmed yet. */
   get names(): string[] {
     const known = this.editor.state.value?.handles.map(({ name }) => name) ?? [];
     return [...new Set([...known, ...this.painted.keys()])];
   }
 
-  /** The plane of symmetry, if there is one. */
+  /** Returns the plane of symmetry, if there is one. */
   get plane(): Plane | undefined {
     const plane = this.editor.state.value?.symmetry?.plane;
     if (plane === undefined) return undefined;
@@ -70,13 +70,13 @@ export class HandleControl {
     this.viewport.requestRender();
   }
 
-  /** The handle that holds a vertex. */
+  /** Returns the name of the handle that contains a vertex. */
   handleAt(surface: Surface, vertex: number): string | undefined {
     for (const [name, vertices] of surface.handles) if (vertices.includes(vertex)) return name;
     return undefined;
   }
 
-  /** Makes a handle of these vertices. Its gizmo is there at once, while the engine still sets up. */
+  /** Makes a handle of these vertices. Its gizmo appears at once, while the engine still sets up. */
   async paint(surface: Surface, vertices: Uint32Array): Promise<void> {
     const held = new Set<number>();
     for (const others of surface.handles.values()) for (const v of others) held.add(v);
@@ -96,7 +96,7 @@ export class HandleControl {
     );
   }
 
-  /** Makes a handle of what is selected. */
+  /** Makes a handle of the selected vertices. */
   async addSelected(): Promise<void> {
     const surface = this.viewport.main;
     if (surface === undefined) return;
@@ -107,15 +107,15 @@ export class HandleControl {
     void this.editor.ask({ do: "select", how: "set", what: { indices: [] } });
   }
 
-  /** Where a handle is for now: in the next picture, and by what the engine streams. */
+  /** Shows a temporary placement of a handle in the next picture, and asks the engine to stream it. */
   show(name: string, placement: Placement): void {
     this.dragged = { name, placement };
     if (!this.isScheduled) requestAnimationFrame(() => this.showDragged());
     this.isScheduled = true;
-    this.viewport.requestRender(); // after it, so that the picture has the surface where the handle is
+    this.viewport.requestRender(); // requested after `showDragged`, so that the picture has the surface at the handle
   }
 
-  // The gesture may have ended meanwhile: then this is not newer.
+  // Does nothing if the gesture has ended meanwhile, because the placement is then outdated.
   private showDragged(): void {
     const { dragged, active: handle } = this;
     this.isScheduled = false;
@@ -126,11 +126,11 @@ export class HandleControl {
     this.editor.drag({ [handle.name]: pose }, isShown);
   }
 
-  /** Where a handle is from now on. */
+  /** Commits the placement of a handle to the document. */
   async commit(name: string, placement: Placement): Promise<void> {
     const handle = this.active;
     if (handle === undefined || handle.name !== name) return;
-    this.dragged = undefined; // its numbers stay until the document has them
+    this.dragged = undefined; // `tools.dragged` stays until the document has the pose
     this.asked.set(name, placement);
     this.pivots.set(name, placement.pivot.clone());
     this.showAtOnce(name, placement);
@@ -141,8 +141,8 @@ export class HandleControl {
   }
 
   /**
-   * Puts a handle back to where the document has it. Asked for at once and without a pose: whatever is taken back just
-   * before or after it, the picture is the document's.
+   * Reverts a handle to its pose in the document. Sends a drag without poses at once, so that the document's state is
+   * shown even if an undo comes just before or after.
    */
   revert(name: string): void {
     this.forgetDragged();
@@ -179,12 +179,15 @@ export class HandleControl {
     this.viewport.requestRender();
   }
 
-  /** Whether the surface is shown there: a redrawn curve is where the engine streams it. */
+  /**
+   * Shows a placement by the vertex shader. Returns whether it is shown. A redrawn curve is shown only when the engine
+   * streams it.
+   */
   private showAtOnce(name: string, placement: Placement): boolean {
     return !isRedrawn(placement) && this.viewport.showPoses(this.mapsBy(name, placement));
   }
 
-  /** What moves with a handle: itself, and its twin beyond the plane of symmetry. */
+  /** Returns the maps of a handle and of its twin beyond the plane of symmetry. */
   private mapsBy(name: string, placement: Placement): Map<string, Matrix4> {
     const maps = new Map([[name, matrixOf(placement)]]);
     const { plane } = this;
@@ -193,7 +196,7 @@ export class HandleControl {
     return maps;
   }
 
-  /** Where a handle is while the document does not have it yet. */
+  /** Returns the placement of a handle that the document does not have yet. */
   private ahead(name: string): Placement | undefined {
     return this.dragged?.name === name ? this.dragged.placement : this.asked.get(name);
   }
@@ -223,7 +226,7 @@ export class HandleControl {
     };
   }
 
-  /** The centre of the rim, at rest: where the engine has it, too. */
+  /** Returns the centre of the handle boundary at rest, which is also the engine's default pivot. */
   private pivotOf(surface: Surface, vertices: Uint32Array): Vector3 {
     const rim = this.graphs.of(surface)?.rim(vertices) ?? vertices;
     const sum = new Vector3();

@@ -3,7 +3,10 @@ import type { HandleControl } from "./handle_control";
 import { isRedrawn, matrixOf } from "./pose_math";
 import type { Preview } from "./preview";
 
-/** The handle's own vertices where a gesture takes them: seen at once, also while the engine still sets up. */
+/**
+ * Shows a handle's own vertices at the placement of a gesture. They are visible at once, even while the engine still
+ * sets up.
+ */
 export class HandleGhost {
   private shown: string | undefined;
 

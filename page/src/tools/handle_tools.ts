@@ -5,14 +5,14 @@ import type { ToolContext, Pointer, Stroke, Tool } from "./tool";
 import type { Surface } from "../view/surface/surface";
 import type { ScreenPoint } from "./screen_camera";
 
-/** A click on a handle picks it up, whatever the tool. */
+/** Makes a click on a handle activate it, with every tool. */
 function pickUp(context: ToolContext, hit: Hit): Stroke | undefined {
   const name = context.control.handleAt(hit.surface, hit.vertex);
   if (name === undefined || name === context.editor.tools.activeHandle.value) return undefined;
   return { move: () => undefined, end: () => context.control.activate(name), cancel: () => undefined };
 }
 
-/** Says what a click on a handle would pick up. */
+/** Names the handle that a click would activate. */
 function sayHandle(context: ToolContext, { screenPoint }: Pointer, hit: Hit | undefined): boolean {
   const name = hit === undefined ? undefined : context.control.handleAt(hit.surface, hit.vertex);
   if (name === undefined || name === context.editor.tools.activeHandle.value) context.status.clear();
@@ -20,7 +20,7 @@ function sayHandle(context: ToolContext, { screenPoint }: Pointer, hit: Hit | un
   return name !== undefined;
 }
 
-/** No tool: a drag turns the view, a click on a handle picks it up. */
+/** The default tool: a drag turns the view, a click on a handle activates it. */
 export class NavigateTool implements Tool {
   readonly cursor = "grab";
   constructor(private readonly context: ToolContext) {}
@@ -36,7 +36,7 @@ export class NavigateTool implements Tool {
   }
 }
 
-/** Paints what is to be held; where the stroke ends there is a handle with its gizmo. */
+/** Paints the vertices of a handle. At the end of the stroke the handle and its gizmo appear. */
 export class PaintTool implements Tool {
   readonly cursor = "crosshair";
   private readonly ring: BrushRing;
@@ -77,7 +77,7 @@ export class PaintTool implements Tool {
   }
 }
 
-/** A handle of one vertex, by a click. */
+/** Makes a handle of one vertex, by a click. */
 export class VertexTool implements Tool {
   readonly cursor = "pointer";
   private readonly dot = svg("circle", { class: "vertex-dot", r: 5, display: "none" });
@@ -114,13 +114,13 @@ export class VertexTool implements Tool {
   }
 }
 
-/** A handle along edges: clicks give its points, the way between is the shortest. */
+/** Makes a handle along edges: clicks give its points, joined by shortest paths. */
 export class CurveTool implements Tool {
   readonly cursor = "crosshair";
   private surface: Surface | undefined;
   private clicked: number[] = [];
-  private path: number[] = []; // through what was clicked
-  private ahead: Uint32Array = new Uint32Array(); // to where the pointer is
+  private path: number[] = []; // through the clicked vertices
+  private ahead: Uint32Array = new Uint32Array(); // to the vertex under the pointer
   private closes = false;
   private readonly line = svg("path", { class: "curve", display: "none" });
   private readonly rest = svg("path", { class: "curve ahead", display: "none" });
@@ -157,13 +157,13 @@ export class CurveTool implements Tool {
     return { move: () => undefined, end: () => this.click(pointer, hit), cancel: () => undefined };
   }
 
-  /** Ends the curve. */
+  /** Ends the curve and makes the handle. */
   confirm(): boolean {
     if (this.path.length < 2) return false;
     this.finish(false);
     return true;
   }
-  /** Takes the last point back. */
+  /** Discards all clicked points. Returns whether there were any. */
   escape(): boolean {
     if (this.clicked.length === 0) return false;
     this.clear();
@@ -175,8 +175,8 @@ export class CurveTool implements Tool {
     if (this.closes) return this.finish(true);
     if (hit === undefined) return;
     const last = this.clicked[this.clicked.length - 1];
-    if (hit.vertex === last) return void this.confirm(); // the second click of two
-    if (last !== undefined && this.ahead[0] !== last) return; // no way there
+    if (hit.vertex === last) return void this.confirm(); // the second click of a double click
+    if (last !== undefined && this.ahead[0] !== last) return; // there is no path
     this.surface = hit.surface;
     this.clicked.push(hit.vertex);
     this.path.push(...(last === undefined ? [hit.vertex] : this.ahead.slice(1)));

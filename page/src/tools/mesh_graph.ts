@@ -1,28 +1,28 @@
-// Which triangles meet at a vertex, and what tools find out by going from one to the next: shortest paths, parts,
-// loops and patches. The engine has the last word on selections; this shows beforehand what they will be.
+// Vertex-to-triangle adjacency, and searches on it: shortest paths, connected components, boundary loops and patches.
+// The engine decides on selections; these searches preview them.
 
-/** A mesh as the view has it. */
+/** A mesh as held by the view. */
 export interface MeshArrays {
   readonly positions: Float32Array;
   readonly triangles: Uint32Array;
 }
 
-/** Vertices and how far they are along edges. */
+/** Vertices and their distances along edges. */
 export type Distances = Map<number, number>;
 
 export class MeshGraph {
-  /** Boundary loops, each in its order. */
+  /** Boundary loops, each in order. */
   loops: readonly Uint32Array[] = [];
 
   private constructor(
     private readonly mesh: MeshArrays,
-    private readonly corners: Uint32Array, // triangles, with the vertices that lie at one place as one
-    private readonly starts: Uint32Array, // where each vertex's triangles begin in `faces`
+    private readonly corners: Uint32Array, // triangles, with coincident boundary vertices merged
+    private readonly starts: Uint32Array, // per vertex: start of its triangles in `faces`
     private readonly faces: Uint32Array,
     private readonly joined: ReadonlyMap<number, number> = new Map(),
   ) {}
 
-  /** Makes the graph; yields now and then. Vertices of boundaries that lie at one place become one. */
+  /** Makes the graph, merging coincident boundary vertices. Yields now and then. */
   static *make(mesh: MeshArrays): Generator<void, MeshGraph> {
     const apart = yield* MeshGraph.of(mesh, mesh.triangles);
     const boundary = yield* apart.boundary();
@@ -63,12 +63,12 @@ export class MeshGraph {
     return this.starts.length - 1;
   }
 
-  /** The vertex that stands for all that lie where this one does. */
+  /** Returns the vertex that represents all vertices merged with this one. */
   first(vertex: number): number {
     return this.joined.get(vertex) ?? vertex;
   }
 
-  /** Triangles that have all their corners among these vertices. */
+  /** Returns the triangles whose corners are all among these vertices. */
   facesInside(vertices: Iterable<number>): number[] {
     const inside = new Set<number>();
     for (const v of vertices) inside.add(this.first(v));
@@ -83,7 +83,7 @@ export class MeshGraph {
     return this.faces.subarray(this.starts[vertex], this.starts[vertex + 1]);
   }
 
-  /** The vertices next to one; some twice. */
+  /** Returns the neighbours of a vertex. Some occur twice. */
   *neighbours(vertex: number): Generator<number> {
     for (const face of this.facesOf(vertex))
       for (let k = 0; k < 3; ++k) {
@@ -92,7 +92,10 @@ export class MeshGraph {
       }
   }
 
-  /** The shortest path along edges, with its ends; undefined where it is too far, or apart. */
+  /**
+   * Returns the shortest path along edges, including its ends; undefined if none is found within `mostVisited`
+   * vertices.
+   */
   path(from: number, to: number, mostVisited = 200_000): Uint32Array | undefined {
     const before = new Map<number, number>();
     const goal = (v: number) => this.distance(v, to);
@@ -105,23 +108,26 @@ export class MeshGraph {
     return Uint32Array.from(path.reverse());
   }
 
-  /** What lies within a length along the edges. At most some of it, where that is very much. */
+  /** Returns the vertices within a length along edges, at most `mostVisited` of them. */
   within(vertices: Iterable<number>, length: number, mostVisited = 200_000): Distances {
     return this.spread(vertices, length, mostVisited);
   }
 
-  /** All that hangs together with a vertex. */
+  /** Returns the connected component of a vertex. */
   component(vertex: number): Uint32Array {
     return this.walk(vertex, () => true);
   }
 
-  /** What is reached from a vertex over edges that bend by an angle at most. */
+  /**
+   * Returns the vertices reached from a vertex across edges where the normals of the two triangles differ by at most
+   * `angleDeg`.
+   */
   flood(vertex: number, angleDeg: number): Uint32Array {
     const least = Math.cos((angleDeg * Math.PI) / 180);
     return this.walk(vertex, (a, b) => this.cosine(a, b) >= least);
   }
 
-  /** Those of some vertices that have a neighbour outside; all of them where none has. */
+  /** Returns the vertices that have a neighbour outside the set; all of them if none has. */
   rim(vertices: Uint32Array): number[] {
     const all = [...new Set(Array.from(vertices, (v) => this.first(v)))];
     const inside = new Set(all);
@@ -132,7 +138,7 @@ export class MeshGraph {
     return rim.length > 0 ? rim : all;
   }
 
-  // Dijkstra's, or A* where the way ahead is estimated.
+  // Dijkstra's algorithm, or A* if `goal` estimates the remaining distance.
   private spread(
     from: Iterable<number>, length: number, mostVisited: number,
     before?: Map<number, number>, goal?: { until: number; ahead: (v: number) => number },
@@ -181,7 +187,7 @@ export class MeshGraph {
     return marked(reached);
   }
 
-  /** Each boundary vertex's next one. Yields now and then. */
+  /** Returns the next boundary vertex of each boundary vertex. Yields now and then. */
   private *boundary(): Generator<void, Map<number, number>> {
     const next = new Map<number, number>();
     for (let face = 0; 3 * face < this.corners.length; ++face) {
@@ -214,7 +220,7 @@ export class MeshGraph {
     return Math.hypot(at(a, 0) - at(b, 0), at(a, 1) - at(b, 1), at(a, 2) - at(b, 2));
   }
 
-  // Of the angle between the normals of two triangles.
+  // Returns the cosine of the angle between the normals of two triangles.
   private cosine(a: number, b: number): number {
     const m = this.normal(a);
     const n = this.normal(b);
@@ -240,7 +246,7 @@ function marked(flags: Uint8Array): Uint32Array {
   return Uint32Array.from(found);
 }
 
-// Vertices of a boundary at exactly the same place: the first of them stands for all. Undefined where there are none.
+// Merges boundary vertices at exactly the same position: the first represents all. Undefined if there are none.
 function joinPlaces({ positions }: MeshArrays, boundary: ReadonlyMap<number, number>): Map<number, number> | undefined {
   const first = new Map<string, number>();
   const joined = new Map<number, number>();
@@ -267,7 +273,7 @@ function loopsOf(next: ReadonlyMap<number, number>): Uint32Array[] {
   return loops;
 }
 
-/** A heap of numbers, the one with the smallest key on top. */
+/** A binary heap of numbers, with the smallest key on top. */
 class Queue {
   private readonly items: number[] = [];
   private readonly keys: number[] = [];

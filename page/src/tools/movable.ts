@@ -2,28 +2,28 @@ import type { Vector3 } from "three";
 import type { Act } from "./gesture";
 import type { Placement } from "./pose_math";
 
-/** What the gizmo is at. */
+/** The object that the gizmo is attached to. */
 export interface Moved {
   readonly name: string;
   readonly placement: Placement;
   readonly defaultPivot: Vector3;
 }
 
-/** Something that the gizmo moves: a handle, a part, a cutting plane. */
+/** An object that the gizmo can move: a handle, a part, a cutting plane. */
 export interface Movable {
-  /** Absent: the gizmo is not shown. */
+  /** Absent: the gizmo is hidden. */
   readonly active: Moved | undefined;
-  /** What can be done with it; absent: all. */
+  /** The available acts; absent: all. */
   readonly acts?: readonly Act[] | undefined;
-  /** While a gesture goes on. */
+  /** Shows a placement while a gesture goes on. */
   show(name: string, placement: Placement): void;
-  /** Its end. */
+  /** Commits the placement at the end of a gesture. */
   commit(name: string, placement: Placement): Promise<void>;
-  /** As it was before. */
+  /** Reverts to the placement before the gesture. */
   revert(name: string, placement: Placement): void;
 }
 
-/** The first of several that is active. */
+/** Forwards to the first of several movables that is active. */
 export class FirstActive implements Movable {
   constructor(private readonly all: readonly Movable[]) {}
 

@@ -3,19 +3,19 @@ export class NumberEntry {
   private typed = "";
   private negative = false;
 
-  /** What was typed, as it stands; empty: nothing. */
+  /** The typed text; empty if nothing was typed. */
   get text(): string {
     return this.typed === "" && !this.negative ? "" : (this.negative ? "-" : "") + this.typed;
   }
 
-  /** Undefined: nothing that is a number yet. */
+  /** The typed number; undefined while the text is not a number yet. */
   get value(): number | undefined {
     const number = Number.parseFloat(this.typed);
     if (Number.isNaN(number)) return undefined;
     return this.negative ? -number : number;
   }
 
-  /** Takes a key of a number, as `KeyboardEvent.key` has it; returns whether it was one. */
+  /** Handles a key, as `KeyboardEvent.key` names it. Returns whether it belongs to a number. */
   press(key: string): boolean {
     if (/^\d$/.test(key)) this.typed += key;
     else if (key === "." || key === ",") this.typed += this.typed.includes(".") ? "" : this.typed === "" ? "0." : ".";

@@ -1,14 +1,16 @@
-// Where a handle is, and what a gesture makes of it. No state, no screen.
+// The placement of a handle, and how gestures change it. No state, no screen.
 import { Matrix3, Matrix4, Quaternion, Vector3 } from "three";
 import type { Pose } from "../protocol";
 
-/** A turn by an angle of any number of turns; `axis` has length 1. */
+/** A rotation by any angle, also beyond a full turn. `axis` has length 1. */
 export interface Turn {
   readonly axis: Vector3;
   readonly angleDeg: number;
 }
 
-/** x' = c + t + R S (x - c): c the pivot, t the translation, R the turn, S the scale along the axes at rest. */
+/**
+ * x' = c + t + R S (x - c), with c the pivot, t the translation, R the rotation and S the scale along the axes at rest.
+ */
 export interface Motion {
   readonly kind: "motion";
   readonly translate: Vector3;
@@ -17,12 +19,12 @@ export interface Motion {
   readonly pivot: Vector3;
 }
 
-/** An affine map that is no motion: sheared, or from a file. The pivot, at rest, is the page's alone. */
+/** An affine map that is not a `Motion`: sheared, or from a file. Only the page knows its pivot, given at rest. */
 export interface Affine {
   readonly kind: "affine";
   readonly matrix: Matrix4;
   readonly pivot: Vector3;
-  /** Of a redrawn curve: its course, which the matrix maps, and where the pivot is, too. */
+  /** For a redrawn curve: its points. The matrix maps them and the pivot. */
   readonly course?: readonly Vector3[];
 }
 
@@ -35,13 +37,13 @@ export interface Plane {
 }
 
 const noTurn: Turn = { axis: new Vector3(0, 0, 1), angleDeg: 0 };
-const exact = 1e-9; // relative: what rounding makes of a right angle, or of equal scales
+const exact = 1e-9; // relative tolerance for rounding, of right angles and equal scales
 
 export function atRest(pivot: Vector3): Motion {
   return { kind: "motion", translate: new Vector3(), turn: noTurn, scale: new Vector3(1, 1, 1), pivot: pivot.clone() };
 }
 
-/** The placement of a pose; undefined for one from a file, whose matrix has to be given in its place. */
+/** Returns the placement of a pose; undefined for a pose from a file, whose matrix must be given instead. */
 export function placementOf(pose: Pose, defaultPivot: Vector3): Placement | undefined {
   if (pose.def !== undefined) return undefined;
   if (pose.curve !== undefined) return redrawn(pose.curve.map((point) => new Vector3(...point)));
@@ -65,7 +67,7 @@ function redrawn(course: readonly Vector3[]): Affine {
   return { kind: "affine", matrix: new Matrix4(), pivot: middle, course };
 }
 
-/** The pose of a placement, without what it need not say. */
+/** Returns the pose of a placement, without fields that have no effect. */
 export function poseOf(placement: Placement, defaultPivot: Vector3): Pose {
   if (placement.kind === "affine") {
     const { course, matrix } = placement;
@@ -82,7 +84,7 @@ export function poseOf(placement: Placement, defaultPivot: Vector3): Pose {
   return pose;
 }
 
-/** Whether it is a curve that was redrawn: no map of the handle as it was leads there. */
+/** Returns whether the placement is a redrawn curve. No map of the handle at rest gives its shape. */
 export function isRedrawn(placement: Placement): boolean {
   return placement.kind === "affine" && placement.course !== undefined;
 }
@@ -95,13 +97,13 @@ export function matrixOf(placement: Placement): Matrix4 {
   return linear.setPosition(at);
 }
 
-/** Where the pivot is now. */
+/** Returns the current position of the pivot. */
 export function centreOf(placement: Placement): Vector3 {
   if (placement.kind === "affine") return placement.pivot.clone().applyMatrix4(placement.matrix);
   return placement.pivot.clone().add(placement.translate);
 }
 
-/** Where the handle's own axes point now: the columns of a rotation. */
+/** Returns the current directions of the handle's own axes, as a rotation whose columns they are. */
 export function axesOf(placement: Placement): Quaternion {
   if (placement.kind === "motion") return quaternionOf(placement.turn);
   const x = new Vector3();
@@ -120,13 +122,13 @@ export function moved(placement: Placement, by: Vector3): Placement {
   return { ...placement, matrix: new Matrix4().setPosition(by).multiply(placement.matrix) };
 }
 
-/** Turned about where the pivot is now; `turn` is in the world. */
+/** Returns the placement rotated about the current pivot; `turn` is in world coordinates. */
 export function turned(placement: Placement, turn: Turn): Placement {
   if (placement.kind === "motion") return { ...placement, turn: composeTurns(placement.turn, turn) };
   return { ...placement, matrix: about(centreOf(placement), turnMatrix(turn)).multiply(placement.matrix) };
 }
 
-/** Scaled about where the pivot is now, along axes (columns of a rotation) in the world. */
+/** Returns the placement scaled about the current pivot, along world axes given as columns of a rotation. */
 export function scaled(placement: Placement, factors: Vector3, axes: Quaternion): Placement {
   const toWorld = new Matrix4().makeRotationFromQuaternion(axes);
   const stretch = toWorld.clone().scale(factors).multiply(toWorld.clone().transpose());
@@ -138,21 +140,23 @@ export function scaled(placement: Placement, factors: Vector3, axes: Quaternion)
   return { kind: "affine", matrix, pivot: placement.pivot };
 }
 
-/** The same map, with the pivot at what is shown at `point` now. */
+/** Returns the same map with the pivot at what is currently shown at `point`. */
 export function withPivotAt(placement: Placement, point: Vector3): Placement {
   const pivot = point.clone().applyMatrix4(matrixOf(placement).invert());
   if (placement.kind === "affine") return { ...placement, pivot };
   return { ...placement, pivot, translate: point.clone().sub(pivot) };
 }
 
-/** The same map with the pivot, at rest, at `pivot`. */
+/** Returns the same map with its pivot at `pivot`, a point at rest. */
 export function withPivot(placement: Placement, pivot: Vector3): Placement {
   if (placement.kind === "affine") return { ...placement, pivot: pivot.clone() };
   const translate = pivot.clone().applyMatrix4(matrixOf(placement)).sub(pivot);
   return { ...placement, pivot: pivot.clone(), translate };
 }
 
-/** What the twin beyond a mirror does: H A H for the reflection H. Turns keep their number. */
+/**
+ * Returns the placement of the twin beyond a mirror: H A H for the reflection H. Rotations keep their number of turns.
+ */
 export function mirrored(placement: Placement, plane: Plane): Placement {
   const reflection = reflectionIn(plane);
   const pivot = placement.pivot.clone().applyMatrix4(reflection);
@@ -162,7 +166,7 @@ export function mirrored(placement: Placement, plane: Plane): Placement {
     const twin: Motion = {
       kind: "motion",
       translate: flip(translate),
-      // A reflection turns the sense of turns round, so the axis is reflected and the angle negated.
+      // A reflection reverses the sense of rotation, so the axis is reflected and the angle negated.
       turn: { axis: flip(turn.axis), angleDeg: turn.angleDeg === 0 ? 0 : -turn.angleDeg },
       scale: scale.clone(),
       pivot,
@@ -174,8 +178,8 @@ export function mirrored(placement: Placement, plane: Plane): Placement {
 }
 
 /**
- * First one turn, then another, as one. About the same axis the angles add up. Else it is the product of the
- * rotations, and it has the whole turns that the first had: as the second goes on, the result changes smoothly.
+ * Composes two rotations into one. About the same axis the angles add up. Otherwise the result is the product of the
+ * rotations plus the full turns of the first, so that it changes smoothly as the second grows.
  */
 export function composeTurns(first: Turn, then: Turn): Turn {
   if (then.angleDeg === 0) return first;
@@ -185,7 +189,7 @@ export function composeTurns(first: Turn, then: Turn): Turn {
     return { axis: first.axis, angleDeg: first.angleDeg + Math.sign(along) * then.angleDeg };
   const whole = Math.floor(Math.abs(first.angleDeg) / 360);
   const rest = Math.sign(first.angleDeg) * (Math.abs(first.angleDeg) - 360 * whole);
-  // Quaternions of half the angles, whose sign is kept: they tell a turn of 350° from one of -10°.
+  // The signs of these half-angle quaternions matter: they distinguish a rotation of 350° from one of -10°.
   const product = quaternionOf(then).multiply(quaternionOf({ axis: first.axis, angleDeg: rest }));
   const sine = Math.hypot(product.x, product.y, product.z);
   if (sine < 1e-15) return { axis: first.axis, angleDeg: 360 * whole * Math.sign(first.angleDeg) };
@@ -193,7 +197,7 @@ export function composeTurns(first: Turn, then: Turn): Turn {
   return { axis, angleDeg: (2 * Math.atan2(sine, product.w) * 180) / Math.PI + 360 * whole };
 }
 
-/** Sine and cosine of half of `angleDeg`, with its turns, along the axis. */
+/** Returns the quaternion of a rotation from half of `angleDeg`, including full turns, which decide its sign. */
 function quaternionOf({ axis, angleDeg }: Turn): Quaternion {
   const half = (angleDeg * Math.PI) / 360;
   const sine = Math.sin(half);
@@ -208,7 +212,8 @@ function about(centre: Vector3, linear: Matrix4): Matrix4 {
   return linear.clone().setPosition(centre.clone().sub(centre.clone().applyMatrix4(linear)));
 }
 
-// The factors s with `stretch` R = R diag(s), if there are any: R's columns are its directions then.
+// Returns the factors s with `stretch` R = R diag(s), where R is the rotation `turn`. Undefined if its columns are not
+// the principal directions of `stretch`.
 function inOwnAxes(stretch: Matrix4, turn: Turn): Vector3 | undefined {
   const rotation = turnMatrix(turn);
   const own = new Matrix3().setFromMatrix4(rotation.clone().transpose().multiply(stretch).multiply(rotation));

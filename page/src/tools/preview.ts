@@ -3,7 +3,7 @@ import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import type { GraphStore } from "./graph_store";
 
-/** A part of a surface in a colour, over what is drawn there: what a click would take, or where a handle goes. */
+/** Highlights vertices of a surface in a colour, such as those that a click would take or a handle's new position. */
 export class Preview {
   private readonly geometry = new BufferGeometry();
   private readonly faces: Mesh<BufferGeometry, MeshBasicMaterial>;
@@ -29,7 +29,10 @@ export class Preview {
     }
   }
 
-  /** Shows vertices and the triangles between; at rest and then moved by `map`, else as they are shown. */
+  /**
+   * Shows vertices and the triangles between them. With `map`: at rest, moved by it. Otherwise at their shown
+   * positions.
+   */
   show(surface: Surface, vertices: Iterable<number>, map?: Matrix4): void {
     const list = [...vertices];
     const faces = this.graphs.of(surface)?.facesInside(list) ?? [];
@@ -43,7 +46,7 @@ export class Preview {
     this.viewport.requestRender();
   }
 
-  /** Moves what `show` shows, from the next picture on. */
+  /** Moves the shown vertices by another map, from the next picture on. */
   place(surface: Surface, map = new Matrix4()): void {
     const at = map.clone().multiply(new Matrix4().setPosition(...surface.offset));
     for (const object of [this.faces, this.dots]) {
@@ -61,7 +64,7 @@ export class Preview {
   }
 
   private use(geometry: BufferGeometry, places: BufferAttribute, index: Uint32Array): void {
-    geometry.dispose(); // what the GPU has of it
+    geometry.dispose(); // frees the GPU's copy
     geometry.setAttribute("position", places);
     geometry.setIndex(new BufferAttribute(index, 1));
   }

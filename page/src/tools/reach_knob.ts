@@ -8,13 +8,14 @@ import type { Preview } from "./preview";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 import type { ToolContext, Pointer, Stroke } from "./tool";
 
-const knobPx = 150; // from the gizmo's middle, beyond its rings
+const knobPx = 150; // from the gizmo's centre, beyond its rings
 const mostVertices = 300_000;
 const stemPx = 18;
 
 /**
- * How far the region around the active handle goes: a knob beside the gizmo, to drag away from it or towards it. What is
- * then reached, along edges as the engine measures it, lights up on the surface, also while the panel's slider moves.
+ * A knob beside the gizmo that sets the reach of the active handle, by dragging away from the gizmo or towards it. The
+ * region within the reach, measured along edges like the engine does, lights up meanwhile. It also lights up while the
+ * panel's slider moves.
  */
 export class ReachKnob {
   private readonly stem = svg("path", { class: "reach-stem" });
@@ -35,7 +36,7 @@ export class ReachKnob {
     effect(() => this.light(context.editor.tools.reachFor.value));
   }
 
-  /** Whether a press here takes the knob. */
+  /** Returns whether a press at this point takes the knob. */
   hover(screenPoint: ScreenPoint, generosity = 1): boolean {
     const isHot = this.at !== undefined && distanceToSegment(screenPoint, this.at, this.at) <= 12 * generosity;
     if (isHot !== this.isHot) this.context.viewport.requestRender();
@@ -90,7 +91,8 @@ export class ReachKnob {
     this.context.status.say(`Reach  ${reach.toPrecision(3)}${unit === "none" ? "" : ` ${unit}`}`, screenPoint);
   }
 
-  // What would be reached; nothing where that would take the page too long to find.
+  // Highlights the vertices within the reach. Shows nothing for meshes of more than `mostVertices` vertices, for which
+  // the search takes too long.
   private light(asked: { handle: string; reach: number } | null): void {
     this.context.viewport.requestRender();
     const surface = this.context.viewport.main;
@@ -101,7 +103,7 @@ export class ReachKnob {
     if (inside !== undefined) this.region.show(surface, inside.keys());
   }
 
-  // Where the handle is now.
+  // Returns the current centre of the handle.
   private centreOf({ placement, defaultPivot }: ActiveHandle): Vector3 {
     if (placement.kind === "affine" && placement.course !== undefined) return centreOf(placement);
     return defaultPivot.clone().applyMatrix4(matrixOf(placement));
@@ -126,7 +128,7 @@ export class ReachKnob {
     set(this.element, { class: `reach${this.isHot || this.dragged !== undefined ? " hot" : ""}` });
   }
 
-  // The knob stays on the page.
+  // Keeps the knob within the page.
   private inView({ x, y }: ScreenPoint): ScreenPoint {
     const box = this.context.viewport.canvas.getBoundingClientRect();
     const within = (value: number, from: number, to: number) => Math.min(Math.max(value, from), to);

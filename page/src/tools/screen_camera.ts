@@ -2,18 +2,18 @@ import type { Ray } from "three";
 import { Vector3 } from "three";
 import type { Viewport } from "../view/viewport";
 
-/** A point of the page, in its pixels. */
+/** A point of the page, in CSS pixels. */
 export interface ScreenPoint {
   readonly x: number;
   readonly y: number;
 }
 
-/** What gestures and the gizmo need of a camera. */
+/** The functions of a camera that gestures and the gizmo use. */
 export interface ScreenCamera {
   project(point: Vector3): { x: number; y: number; behind: boolean };
-  /** The ray through a point of the page. */
+  /** Returns the ray through a point of the page. */
   rayAt(screenPoint: ScreenPoint): Ray;
-  /** From the camera towards a point, of length 1. */
+  /** Returns the unit direction from the camera towards a point. */
   towards(point: Vector3): Vector3;
   worldPerPixel(point: Vector3): number;
 }

@@ -7,7 +7,7 @@ import { StrokePath } from "./stroke_path";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 import { combineOf, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
 
-/** A circle on the page: how large the brush is. */
+/** A circle on the page that shows the size of the brush. */
 export class BrushRing {
   private readonly circles = [svg("circle"), svg("circle")];
   private readonly element = svg("g", { class: "brush-ring", display: "none" }, ...this.circles);
@@ -27,7 +27,7 @@ export class BrushRing {
   }
 }
 
-/** Vertices under the brush along a stroke, each told once. */
+/** The vertices under the brush along a stroke, each reported once. */
 export class BrushStroke {
   readonly painted = new Set<number>();
   private readonly path: StrokePath;
@@ -40,7 +40,7 @@ export class BrushStroke {
     this.path = new StrokePath(start, 0.5 * context.editor.tools.brushRadiusPx.value);
   }
 
-  /** What comes under the brush on the way to a screenPoint, that was not before. */
+  /** Returns the vertices that newly come under the brush on the way to a screen point. */
   to(screenPoint: ScreenPoint): Uint32Array {
     const { tools } = this.context.editor;
     const fresh: number[] = [];
@@ -98,7 +98,7 @@ export class BrushTool implements Tool {
   }
 }
 
-/** Draws around what is to be selected: a lasso, or a rectangle. Begins beside the model, too. */
+/** Selects by an outline: a lasso or a rectangle. A stroke may begin beside the model. */
 export class OutlineTool implements Tool {
   readonly cursor = "crosshair";
   readonly beginsBeside = true;
@@ -151,14 +151,16 @@ export class OutlineTool implements Tool {
   }
 }
 
-/** Takes a whole part by a click, and shows it before. */
+/** Selects a set of vertices by a click, and highlights it beforehand. */
 export abstract class ClickTool implements Tool {
   readonly cursor = "pointer";
   private shownKey: string | undefined;
 
   constructor(protected readonly context: ToolContext) {}
 
-  /** What a click here would take: a key by which it is known, its vertices, and what to ask for. */
+  /**
+   * Returns the set that a click would select: a key that identifies it, its vertices, and the selection to request.
+   */
   protected abstract find(pointer: Pointer, hit: Hit | undefined): Found | undefined;
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
@@ -196,7 +198,7 @@ export abstract class ClickTool implements Tool {
 interface Found {
   readonly key: string;
   readonly surface: Surface;
-  readonly vertices: Uint32Array | undefined; // undefined: the page does not know yet
+  readonly vertices: Uint32Array | undefined; // undefined: not known to the page yet
   readonly words: string;
   readonly ask: AskedSelection;
 }
@@ -226,7 +228,7 @@ export class FloodTool extends ClickTool {
     if (hit === undefined) return undefined;
     const { surface, vertex } = hit;
     const angle = this.context.editor.tools.floodAngleDeg.value;
-    const isQuick = surface.vertexCount < 300_000; // else it is seen after the click
+    const isQuick = surface.vertexCount < 300_000; // in larger meshes the set is shown after the click
     const vertices = isQuick ? this.context.graphs.of(surface)?.flood(vertex, angle) : undefined;
     return {
       key: `flood ${surface.id} ${vertex} ${angle} ${vertices?.length}`, surface, vertices,
@@ -235,7 +237,7 @@ export class FloodTool extends ClickTool {
   }
 }
 
-/** The rim of the hole nearest to the pointer, also where the pointer is in the hole. */
+/** Selects the boundary loop nearest to the pointer, even if the pointer is in the hole. */
 export class LoopTool extends ClickTool {
   private readonly line = svg("path", { class: "loop", display: "none" });
 
@@ -287,7 +289,7 @@ export class LoopTool extends ClickTool {
   }
 }
 
-const nearPx = 120; // how far from a loop it is still meant
+const nearPx = 120; // largest distance from a loop at which it is chosen
 
 function selectedIn(flags: Uint8Array): Uint32Array {
   const found: number[] = [];
@@ -295,7 +297,7 @@ function selectedIn(flags: Uint8Array): Uint32Array {
   return Uint32Array.from(found);
 }
 
-/** Of a closed outline, square pixels. */
+/** Returns the area of a closed outline, in square pixels. */
 function areaOf(screenPoints: readonly ScreenPoint[]): number {
   let twice = 0;
   screenPoints.forEach((a, i) => {

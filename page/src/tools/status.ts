@@ -1,7 +1,7 @@
 import type { ScreenPoint } from "./screen_camera";
 import { onOverlay, set, show, svg } from "./svg";
 
-/** A line of text beside the pointer: what a gesture does, what a click would take. */
+/** A line of text beside the pointer that describes a gesture or what a click would take. */
 export class Status {
   private readonly text = svg("text", { x: 9, y: 17 });
   private readonly back = svg("rect", { rx: 6, height: 25 });

@@ -1,6 +1,6 @@
 import type { ScreenPoint } from "./screen_camera";
 
-/** Spots along the pointer's way, close enough that a brush leaves no gaps, however fast it goes. */
+/** Points along the pointer's path, spaced closely enough that a fast brush leaves no gaps. */
 export class StrokePath {
   private last: ScreenPoint | undefined;
 
@@ -9,7 +9,7 @@ export class StrokePath {
     private readonly spacing: number,
   ) {}
 
-  /** The screenPoints on the way to `screenPoint` since the last one; the start where there was none. */
+  /** Returns the points on the way to `screenPoint` since the last one, beginning with the start on the first call. */
   to(screenPoint: ScreenPoint): ScreenPoint[] {
     const screenPoints: ScreenPoint[] = this.last === undefined ? [this.start] : [];
     const from = this.last ?? this.start;

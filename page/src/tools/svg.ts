@@ -2,7 +2,7 @@ import type { ScreenPoint } from "./screen_camera";
 
 type Value = string | number | undefined;
 
-/** An element of the overlay. */
+/** Makes an SVG element for the overlay. */
 export function svg<Name extends keyof SVGElementTagNameMap>(
   name: Name,
   values: Record<string, Value> = {},
@@ -14,7 +14,7 @@ export function svg<Name extends keyof SVGElementTagNameMap>(
   return element;
 }
 
-/** Sets attributes; undefined takes one away. */
+/** Sets attributes; undefined removes one. */
 export function set(element: Element, values: Record<string, Value>): void {
   for (const [name, value] of Object.entries(values))
     if (value === undefined) element.removeAttribute(name);
@@ -25,13 +25,13 @@ export function show(element: SVGElement, isShown: boolean): void {
   set(element, { display: isShown ? undefined : "none" });
 }
 
-/** The `d` of lines from screenPoint to screenPoint. */
+/** Returns the `d` attribute of a polyline through screen points. */
 export function linesThrough(screenPoints: readonly ScreenPoint[], closed = false): string {
   const steps = screenPoints.map(({ x, y }, i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`);
   return steps.join("") + (closed && screenPoints.length > 0 ? "Z" : "");
 }
 
-/** Spots of the page as screenPoints of the overlay. */
+/** Converts points of the page to points of the overlay. */
 export function onOverlay(overlay: SVGSVGElement, screenPoints: readonly ScreenPoint[]): ScreenPoint[] {
   const { left, top } = overlay.getBoundingClientRect();
   return screenPoints.map(({ x, y }) => ({ x: x - left, y: y - top }));

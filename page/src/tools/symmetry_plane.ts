@@ -4,7 +4,7 @@ import { PlaneGeometry, Quaternion, Vector3 } from "three";
 import type { Viewport } from "../view/viewport";
 import type { HandleControl } from "./handle_control";
 
-/** The plane of symmetry, faintly: a square through the model. */
+/** Draws the plane of symmetry as a faint square through the model. */
 export class SymmetryPlane {
   private readonly group = new Group();
 

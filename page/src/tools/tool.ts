@@ -7,7 +7,7 @@ import type { HandleControl } from "./handle_control";
 import type { Preview } from "./preview";
 import type { Status } from "./status";
 
-/** Where the pointer is, and what is held with it. */
+/** The position of the pointer and the modifier keys held. */
 export interface Pointer {
   readonly screenPoint: ScreenPoint;
   readonly shift: boolean;
@@ -15,15 +15,15 @@ export interface Pointer {
   readonly alt: boolean;
 }
 
-/** A drag that a tool has taken. */
+/** A drag that a tool handles. */
 export interface Stroke {
   move(pointer: Pointer): void;
   end(pointer: Pointer): void;
-  /** As if it had not begun. */
+  /** Undoes the effect of the stroke. */
   cancel(): void;
 }
 
-/** What a tool works with. */
+/** The objects that a tool works with. */
 export interface ToolContext {
   readonly editor: Editor;
   readonly viewport: Viewport;
@@ -31,30 +31,30 @@ export interface ToolContext {
   readonly graphs: GraphStore;
   readonly control: HandleControl;
   readonly status: Status;
-  /** What a click would take. */
+  /** Highlights what a click would take. */
   readonly preview: Preview;
 }
 
 export interface Tool {
-  /** Of the pointer over the model. */
+  /** The cursor over the model. */
   readonly cursor: string;
-  /** Its strokes may begin beside the model, too. */
+  /** Whether strokes may begin beside the model. */
   readonly beginsBeside?: boolean;
-  /** The pointer is over the model, or beside it, without a button. */
+  /** Called while the pointer moves without a button held, over the model or beside it. */
   hover(pointer: Pointer, hit: Hit | undefined): void;
-  /** A press; undefined leaves it to the navigation. */
+  /** Handles a press; undefined leaves it to the navigation. */
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined;
-  /** The pointer has left, or another tool is taken: what was shown goes. */
+  /** Called when the pointer leaves or another tool is chosen. Hides what the tool shows. */
   leave(): void;
-  /** Ends what takes several clicks; returns whether there was something. */
+  /** Ends an operation of several clicks. Returns whether there was one. */
   confirm?(): boolean;
   escape?(): boolean;
-  /** Sees keys before commands do, and the wheel before the navigation; returns whether it took them. */
+  /** Handles keys before commands do, and the wheel before the navigation does. Returns whether the tool used them. */
   takeKey?(event: KeyboardEvent): boolean;
   wheel?(event: WheelEvent): boolean;
 }
 
-/** Whether what is taken is added to the selection, taken from it, or becomes it. */
+/** Returns whether a stroke adds to the selection, removes from it, or replaces it. */
 export function combineOf(context: ToolContext, { shift, ctrl, alt }: Pointer): "set" | "add" | "remove" {
   if (ctrl || alt) return "remove";
   return shift ? "add" : context.editor.tools.combine.value;

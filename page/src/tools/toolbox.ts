@@ -29,7 +29,7 @@ import { SymmetryPlane } from "./symmetry_plane";
 import type { ToolContext, Pointer, Stroke, Tool } from "./tool";
 import "./tools.css";
 
-/** Gives the pointer to the gizmo, to the active tool, or to the navigation. */
+/** Passes the pointer to the gizmo, to the active tool, or to the navigation. */
 export class ToolBox implements ToolActions {
   readonly control: HandleControl;
   private readonly context: ToolContext;
@@ -40,7 +40,7 @@ export class ToolBox implements ToolActions {
   readonly graft: GraftPanelActions;
   private tool: Tool;
   private stroke: Stroke | undefined;
-  private taken: number | undefined; // the pointer that drags
+  private taken: number | undefined; // id of the dragging pointer
   private pointer: Pointer = { screenPoint: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
   private waiting: PointerEvent | undefined; // the last move, until the next frame
 
@@ -75,7 +75,7 @@ export class ToolBox implements ToolActions {
     this.tool = this.tools.navigate;
   }
 
-  /** Takes the pointer's events of the canvas; the view must be attached. */
+  /** Listens to the pointer events of the canvas. The view must be attached. */
   attach(): void {
     const { canvas } = this.viewport;
     canvas.addEventListener("pointerdown", (event) => this.press(event));
@@ -102,7 +102,7 @@ export class ToolBox implements ToolActions {
     });
   }
 
-  /** Keys that a gesture takes before commands: axes, numbers. */
+  /** Handles keys that a gesture takes before commands do: axes, numbers. */
   takeKey(event: KeyboardEvent): boolean {
     return this.gizmo.takeKey(event) || this.tool.takeKey?.(event) === true;
   }
@@ -182,7 +182,7 @@ export class ToolBox implements ToolActions {
     this.viewport.canvas.style.cursor = this.tool.cursor;
   }
 
-  // Begins what tools look up later, as soon as there is a model.
+  // Begins to make the graph that tools need later, as soon as there is a model.
   private prepare(): void {
     void this.editor.state.value?.model.mesh;
     const { main } = this.viewport;
@@ -206,7 +206,7 @@ export class ToolBox implements ToolActions {
     if (event.button !== 0 || this.taken !== undefined || this.viewport.settings.before.value) return;
     const stroke = this.strokeFor(event);
     if (stroke === undefined) return;
-    event.preventDefault(); // the navigation leaves it alone
+    event.preventDefault(); // the navigation ignores the event
     document.activeElement instanceof HTMLElement && document.activeElement.blur();
     this.stroke = stroke;
     this.taken = event.pointerId;

@@ -39,7 +39,7 @@ export const themes: Record<"light" | "dark", Theme> = {
   },
 };
 
-/** A triangle that covers the picture. */
+/** Returns a triangle that covers the whole picture. */
 export function coveringTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
@@ -84,7 +84,7 @@ export class Background {
   }
 }
 
-/** 1, 2 or 5 times a power of ten, the largest that is not above `length`. */
+/** Returns 1, 2 or 5 times a power of ten: the largest such number that is at most `length`. */
 export function roundLength(length: number): number {
   if (!(length > 0) || !Number.isFinite(length)) return 1;
   const power = 10 ** Math.floor(Math.log10(length));
@@ -92,7 +92,7 @@ export function roundLength(length: number): number {
   return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * power;
 }
 
-/** A faint grid on the ground, which fades away from the model. */
+/** A faint grid on the ground that fades away from the model. */
 export class Ground {
   readonly mesh: Mesh<PlaneGeometry, ShaderMaterial>;
   constructor() {
@@ -128,7 +128,10 @@ export class Ground {
     this.mesh.renderOrder = 5;
     this.mesh.frustumCulled = false;
   }
-  /** Lays it below a model: `middle` on the ground, `up` its normal; `size` of the model, in its units. */
+  /**
+   * Places the grid below a model. `middle` is a point on the ground, `up` its normal, `size` the model's size in model
+   * units.
+   */
   lay(middle: Vector3, up: Vector3, size: number): void {
     const reach = Math.max(1e-30, 2.2 * size);
     this.mesh.position.copy(middle);

@@ -2,11 +2,14 @@ import type { WebGLRenderer } from "three";
 import type { Detail } from "./pipeline";
 
 const slowMs = 50; // a picture that takes longer is made with less detail while something moves
-const smoothMs = 6 * slowMs; // a picture with smooth edges may take this long at rest
-const refinedMs = 600; // a picture with rough edges that took no longer is drawn once more with smooth ones,
-const idleMs = 400; // when nothing was asked for since
+const smoothMs = 6 * slowMs; // an antialiased picture may take this long at rest
+const refinedMs = 600; // a picture without antialiasing that took no longer is redrawn with it
+const idleMs = 400; // time without a request before a picture is redrawn with antialiasing
 
-/** Times of performance.now(): when a picture was begun, all drawing of it was called for, and the GPU was done. */
+/**
+ * Times of performance.now(): when a picture was begun, when all its draw calls were issued, and when the GPU had
+ * finished.
+ */
 export interface Drawn {
   begin: number;
   drawn: number;
@@ -14,17 +17,17 @@ export interface Drawn {
 }
 
 /**
- * When pictures are made, and how finely: the next one when the last one is done, so that none wait in a row; less detail
- * while something moves, where full detail takes long.
+ * Decides when pictures are made, and in how much detail. A picture begins only when the last one is finished, so that
+ * none queue up. If full detail is slow, less is used while something moves.
  */
 export class FrameScheduler {
-  /** Of the last pictures at rest and in motion, from the call to the GPU's end. */
+  /** Duration of the last picture at rest and of recent ones in motion, in ms until the GPU has finished. */
   restMs = 0;
   movingMs = 0;
   private wanted = false;
   private busy = false;
-  private smooth = true; // whether edges are drawn smoothly at rest
-  private refining = false; // whether the next picture, or the one on its way, is the last one with smooth edges
+  private smooth = true; // whether edges are antialiased at rest
+  private refining = false; // whether the next or current picture is the redrawn one with antialiasing
   private refineTimer: ReturnType<typeof setTimeout> | undefined;
   private readonly recent: number[] = [];
 
@@ -41,23 +44,26 @@ export class FrameScheduler {
     if (!this.busy) requestAnimationFrame(() => this.begin());
   }
 
-  /** Something large comes: how long it takes, a picture with rough edges shall tell. */
+  /**
+   * Turns antialiasing off before a large surface appears. The duration of its first picture then decides whether
+   * antialiasing returns.
+   */
   expectMuch(): void {
     this.smooth = false;
   }
 
-  /** What full detail is, for a GPU as quick as this one. */
+  /** Returns the level of detail for the next picture, given the measured speed of the GPU. */
   detail(moving: boolean, mayReduce: boolean, occlusion: boolean): Detail {
     const full = { scale: 1, samples: this.smooth || this.refining ? 4 : 0, occlusion };
     if (!moving || !mayReduce || this.restMs <= slowMs) return full;
     return { scale: this.movingMs > slowMs ? 0.5 : 0.75, samples: 0, occlusion: false };
   }
-  /** Whether a coarse version of a large mesh is shown in its place. */
+  /** Returns whether large meshes are replaced by their coarse versions. */
   wantsCoarse(moving: boolean, mayReduce: boolean): boolean {
     return moving && mayReduce && this.restMs > slowMs;
   }
 
-  /** Tells when the GPU is done with what was drawn since `start`. */
+  /** Waits until the GPU has finished the picture begun at `start`, and records its duration. */
   finish(renderer: WebGLRenderer, start: number, moving: boolean): void {
     this.busy = true;
     const drawn = performance.now();
@@ -65,7 +71,7 @@ export class FrameScheduler {
   }
 
   private begin(): void {
-    if (this.busy || !this.wanted) return; // asked for while one was drawn: `end` takes it up
+    if (this.busy || !this.wanted) return; // requested during a picture: `end` schedules it
     this.wanted = false;
     this.draw();
   }
@@ -95,7 +101,7 @@ export class FrameScheduler {
   }
 }
 
-/** Resolves once the GPU has done all that it was told to; until then, telling it more may stop the page. */
+/** Resolves once the GPU has finished all its work. Further commands before that may block the page. */
 export function cardIsIdle(renderer: WebGLRenderer): Promise<void> {
   const gl = renderer.getContext() as WebGL2RenderingContext;
   const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);

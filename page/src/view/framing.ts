@@ -1,7 +1,7 @@
 import { Vector3, type Matrix4 } from "three";
 import type { Surface } from "./surface/surface";
 
-/** Some thousand places of each surface, in the world: 3 numbers each. */
+/** Returns some thousand points of each surface, in world coordinates, 3 numbers each. */
 export function placesOf(shown: readonly (readonly [Surface, Matrix4])[]): Float32Array {
   const samples = shown.map(([surface, stand]) => moved(surface.sample(), stand));
   const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
@@ -9,7 +9,7 @@ export function placesOf(shown: readonly (readonly [Surface, Matrix4])[]): Float
   return all;
 }
 
-/** Whether places lie in a box of the page, but for a little. */
+/** Returns whether points are inside a box of the page, except at most 1 % of them. */
 export function areWithin(places: Float32Array, box: DOMRect, project: (point: Vector3) => { x: number; y: number }): boolean {
   const most = 0.01 * (places.length / 3);
   const place = new Vector3();

@@ -11,7 +11,7 @@ import {
 
 const fieldOfViewDeg = 32;
 
-/** From where the scene is seen: a target, a distance, and two angles of a turntable. */
+/** A viewpoint: a target, a distance, and two angles of a turntable. */
 interface Stand {
   target: Vector3;
   distance: number;
@@ -19,18 +19,18 @@ interface Stand {
   pitch: number;
 }
 
-/** What navigation needs of the view. */
+/** The functions of the view that navigation uses. */
 export interface Scenery {
   requestRender(): void;
-  /** What lies there, to turn around and to come nearer to. */
+  /** Returns the point of the scene under a point of the page, as the centre of turning and zooming. */
   placeUnder(clientX: number, clientY: number): Vector3 | undefined;
   bounds(): Sphere;
   fitUnder(clientX: number, clientY: number): void;
 }
 
 /**
- * The camera on a turntable, moved by mouse, wheel, trackpad and fingers. Listens on the canvas's host, after tools:
- * a left drag whose event they prevented is theirs.
+ * Controls the turntable camera by mouse, wheel, trackpad and fingers. Its listeners on the canvas's host run after
+ * those of tools. A left drag belongs to a tool that prevented the event's default.
  */
 export class Navigation {
   enabled = true;
@@ -63,7 +63,7 @@ export class Navigation {
   get distance(): number {
     return this.stand.distance;
   }
-  /** Of what is seen at the target, in the world. */
+  /** Height of the visible region at the target, in world units. */
   get viewHeight(): number {
     return 2 * this.stand.distance * Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2));
   }
@@ -82,7 +82,7 @@ export class Navigation {
     });
   }
 
-  /** Before each picture: brings the cameras where they belong. */
+  /** Updates the cameras before each picture. */
   update(aspect: number): void {
     if (this.journey !== undefined) this.travel(performance.now());
     const { stand } = this;
@@ -111,7 +111,10 @@ export class Navigation {
     this.parallel.updateMatrixWorld();
   }
 
-  /** Frames places of the world (3 numbers each), and `margin` around them, from where the camera looks, in a moment. */
+  /**
+   * Frames world points (3 numbers each) with a margin around them, without turning the camera. The movement is
+   * animated.
+   */
   fit(places: Float32Array, margin: number, animated = true): void {
     const goal = this.goal();
     const turn = this.orientation(goal);
@@ -121,7 +124,7 @@ export class Navigation {
     for (let i = 0; i < places.length; i += 3) box.expandByPoint(seen.fromArray(places, i).applyQuaternion(back));
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
-    const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.78; // leaves a rim for what stands above the view
+    const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.78; // leaves a margin for what is above the view
     const aspect = this.perspective.aspect;
     let distance = 0;
     for (let i = 0; i < places.length; i += 3) {
@@ -132,7 +135,7 @@ export class Navigation {
     this.go({ ...goal, target: middle.applyQuaternion(turn), distance: Math.max(distance, 1e-30) }, animated);
   }
 
-  /** Looks along a direction of the world; `up` decides where that is straight up or down. */
+  /** Looks along a world direction. `up` fixes the orientation if the direction is vertical. */
   lookAlong(direction: Vector3, up?: Vector3, animated = true): void {
     const [front, right, above] = this.axes();
     const eye = direction.clone().normalize().negate();
@@ -166,7 +169,7 @@ export class Navigation {
     this.stir();
   }
 
-  /** Comes nearer (factor < 1) to a place, which stays where it is in the picture. */
+  /** Zooms towards a point (factor < 1: nearer), which stays where it is on the screen. */
   zoom(factor: number, place: Vector3): void {
     this.journey = undefined;
     const { stand } = this;
@@ -177,7 +180,7 @@ export class Navigation {
     this.stir();
   }
 
-  /** The turntable's axes in the world: towards who looks from the front, to the right, up. */
+  /** The turntable's axes in the world: towards a viewer at the front, to the right, and up. */
   axes(): [Vector3, Vector3, Vector3] {
     return this.up === "z"
       ? [new Vector3(0, -1, 0), new Vector3(1, 0, 0), new Vector3(0, 0, 1)]
@@ -192,7 +195,7 @@ export class Navigation {
     return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(x, y, this.eyeDirection(stand)));
   }
 
-  /** To the right in the picture, once the view has come to rest; of length 1. */
+  /** Returns the unit direction to the right on the screen, for the viewpoint that the camera is moving to. */
   rightward(): Vector3 {
     return new Vector3(1, 0, 0).applyQuaternion(this.orientation(this.goal()));
   }
@@ -234,7 +237,7 @@ export class Navigation {
     if (ms > 0) this.stir();
   }
 
-  /** Something moves; a moment after the last time nothing does. */
+  /** Notes a movement. A moment after the last one the view counts as being at rest. */
   private stir(): void {
     this.isMoving = true;
     clearTimeout(this.settle);
@@ -262,7 +265,7 @@ export class Navigation {
     const pans = event.button === 2 || (event.button === 1 && event.shiftKey) || (event.button === 0 && event.shiftKey);
     this.drag = pans ? "pan" : "orbit";
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    (event.target as Element).setPointerCapture(event.pointerId); // the canvas's, so that its clicks stay its own
+    (event.target as Element).setPointerCapture(event.pointerId); // the canvas itself, so that it gets its clicks
     if (event.button === 1) event.preventDefault();
   }
 
@@ -278,7 +281,7 @@ export class Navigation {
     last.y = event.clientY;
   }
 
-  /** Two fingers: their middle pans, their distance zooms. */
+  /** Handles two fingers: their midpoint pans, their distance zooms. */
   private pinch(event: PointerEvent, last: { x: number; y: number }): void {
     const other = [...this.pointers.values()].find((pointer) => pointer !== last);
     if (other === undefined) return;
@@ -314,7 +317,9 @@ export class Navigation {
     this.zoom(Math.exp(delta * (event.ctrlKey ? 0.01 : 0.0016)), this.wheelPlace.point);
   }
 
-  /** The place in the picture's plane through the target. */
+  /**
+   * Returns the world point under a point of the page, in the plane through the target that is parallel to the screen.
+   */
   private onTargetPlane(clientX: number, clientY: number): Vector3 {
     const box = this.host?.getBoundingClientRect();
     if (box === undefined) return this.stand.target.clone();

@@ -4,10 +4,10 @@ import { meetSurface, type Hit } from "./picking/picking";
 import type { PickTree } from "./picking/pick_tree";
 import type { Surface } from "./surface/surface";
 
-/** A part, and where it stands: its own coordinates are mapped by `stand`, for the view alone. */
+/** A part and where it is shown. `stand` maps its own coordinates to the world, in the view only. */
 export class Part {
   readonly group = new Group();
-  /** Lines along its loops, which may be shown where the part itself is not. */
+  /** Lines along its loops, which may be visible while the part is hidden. */
   readonly loops = new Group();
 
   constructor(readonly surface: Surface) {
@@ -29,7 +29,7 @@ export class Part {
     return this.surface.sphere().applyMatrix4(this.stand);
   }
 
-  /** What a ray of the world meets, in the world. */
+  /** Intersects a world ray with the part. The hit is in world coordinates. */
   meet(ray: Ray, tree: PickTree): (Hit & { distance: number }) | undefined {
     const inverse = this.stand.clone().invert();
     const own = new Ray(ray.origin.clone().applyMatrix4(inverse), ray.direction.clone().transformDirection(inverse));
@@ -40,9 +40,9 @@ export class Part {
   }
 }
 
-/** The meshes beside the model, by their numbers. */
+/** The meshes beside the model, by number. */
 export class Parts {
-  /** Counts parts that came. */
+  /** Counts added parts. */
   readonly changed = signal(0);
   private readonly byMesh = new Map<number, Part>();
 
@@ -65,7 +65,7 @@ export class Parts {
     return part?.surface === surface ? part : undefined;
   }
 
-  /** Hidden, until it is said where it stands. */
+  /** Adds a part. It is hidden until its `stand` is set. */
   add(surface: Surface): void {
     this.remove(surface.id);
     const part = new Part(surface);
@@ -75,7 +75,7 @@ export class Parts {
     ++this.changed.value;
   }
 
-  /** Forgets all others. */
+  /** Removes all parts except these. */
   keep(meshes: ReadonlySet<number>): void {
     for (const mesh of [...this.byMesh.keys()]) if (!meshes.has(mesh)) this.remove(mesh);
   }
@@ -90,7 +90,7 @@ export class Parts {
   }
 }
 
-/** The hit, a length and a place, as `part` has them in its own coordinates. */
+/** Converts a hit, a length and a camera position to the part's own coordinates. */
 export function inOwn(part: Part, hit: Hit, radius: number, eye: Vector3): { hit: Hit; radius: number; eye: Vector3 } {
   const inverse = part.stand.clone().invert();
   const scale = Math.cbrt(Math.abs(inverse.determinant()));

@@ -13,10 +13,10 @@ import {
 import type { Camera, WebGLRenderer } from "three";
 import { coveringTriangle } from "./backdrop";
 
-/** How finely a picture is made. */
+/** The level of detail of a picture. */
 export interface Detail {
-  scale: number; // of the pixels across and up
-  samples: number; // a pixel
+  scale: number; // of the resolution, in both directions
+  samples: number; // per pixel
   occlusion: boolean;
 }
 
@@ -28,7 +28,7 @@ void main() {
 }
 `;
 
-// Light that nearby surfaces keep away, from depths alone (after McGuire et al. 2011).
+// Ambient occlusion from depths alone (after McGuire et al. 2011).
 const occlusionShader = /* glsl */ `
 in vec2 at;
 uniform highp sampler2D depths;
@@ -102,7 +102,7 @@ void main() {
 }
 `;
 
-/** Draws a scene into a picture of its own, darkens what lies in folds, and puts that onto the canvas. */
+/** Draws a scene into a texture, darkens its folds by ambient occlusion, and puts the result onto the canvas. */
 export class Pipeline {
   private readonly cover = new Mesh(coveringTriangle());
   private readonly coverScene = new Scene();
@@ -124,7 +124,9 @@ export class Pipeline {
     this.coverScene.add(this.cover);
   }
 
-  /** `reach`: how far in the world what darkens may be; `worldPerHeight`: of a picture's height, at depth 1. */
+  /**
+   * `reach`: largest distance of an occluder, in world units; `worldPerHeight`: world height of the picture at depth 1.
+   */
   render(scene: Scene, camera: Camera, detail: Detail, reach: number, worldPerHeight: number): void {
     const size = this.renderer.getDrawingBufferSize(new Vector2());
     const target = this.targetFor(size.multiplyScalar(detail.scale).ceil(), detail.samples);

@@ -1,7 +1,10 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { Pose } from "../protocol";
 
-/** x' = c + t + R S (x − c), as an edit file has it; a pose by a matrix is that. A redrawn curve has none. */
+/**
+ * Returns the matrix of x' = c + t + R S (x − c), as defined for edit files, or the pose's own matrix. Undefined for a
+ * redrawn curve, which has no matrix.
+ */
 export function matrixOfPose(pose: Pose, pivot: readonly number[] = [0, 0, 0]): Matrix4 | undefined {
   if (pose.curve !== undefined || pose.def !== undefined) return undefined;
   if (pose.matrix !== undefined) {

@@ -3,7 +3,7 @@ import type { Navigation } from "./navigation";
 import type { Surface } from "./surface/surface";
 import type { Sight } from "./picking/visibility";
 
-/** Where places of the world are on the page, and the other way round. */
+/** Projects world points to the page, and points of the page to rays. */
 export class Projection {
   constructor(
     private readonly navigation: Navigation,
@@ -17,7 +17,7 @@ export class Projection {
     return this.canvas().getBoundingClientRect();
   }
 
-  /** Of the world, for a pixel of the page at the depth of `point`. */
+  /** Returns the world length of a CSS pixel at the depth of `point`. */
   worldPerPixel(point: Vector3): number {
     const height = Math.max(1, this.canvas().clientHeight);
     const { navigation } = this;
@@ -26,7 +26,7 @@ export class Projection {
     return (Math.abs(depth) * navigation.viewHeight) / (navigation.distance * height);
   }
 
-  /** Where a place of the world is on the page; `behind` the camera. */
+  /** Returns the point of the page of a world point, and whether it is `behind` the camera. */
   project(point: Vector3): { x: number; y: number; behind: boolean } {
     const box = this.box();
     const behind = point.clone().applyMatrix4(this.camera.matrixWorldInverse).z > 0 && !this.navigation.orthographic;
@@ -34,7 +34,7 @@ export class Projection {
     return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height, behind };
   }
 
-  /** The ray of the world through a place of the page. */
+  /** Returns the world ray through a point of the page. */
   rayAt(clientX: number, clientY: number): Ray {
     const box = this.box();
     const at = new Vector2((2 * (clientX - box.left)) / box.width - 1, 1 - (2 * (clientY - box.top)) / box.height);
@@ -47,14 +47,17 @@ export class Projection {
     return new Ray(new Vector3(at.x, at.y, -1).unproject(this.camera), along);
   }
 
-  /** Where a place is seen from; in a parallel view, far away for a scene of this radius. */
+  /**
+   * Returns the position from which a point is seen. In a parallel view this is far away, relative to a scene of this
+   * radius.
+   */
   from(point: Vector3, sceneRadius: number): Vector3 {
     if (!this.navigation.orthographic) return this.camera.position.clone();
     const back = new Vector3(0, 0, 1).applyQuaternion(this.camera.quaternion);
     return back.multiplyScalar(1e4 * sceneRadius).add(point);
   }
 
-  /** Functions of places that are asked for many, so they allocate nothing. */
+  /** Returns functions for many points, which therefore allocate little. */
   sight(): Sight {
     const { camera } = this;
     const box = this.box();
@@ -73,7 +76,7 @@ export class Projection {
     };
   }
 
-  /** From a surface's own places to the clip box, and the canvas on the page. */
+  /** Returns the matrix from a surface's own coordinates to clip coordinates, and the canvas's box on the page. */
   toClip(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
     const { camera } = this;
     const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);

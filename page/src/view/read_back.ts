@@ -35,8 +35,8 @@ void main() { place = vec4(shownPlace, 1.0); }
 `;
 
 /**
- * Where the vertex shader puts the vertices of a surface (3 numbers each, relative to its offset), read from the
- * GPU. Rejects where that draws no numbers with a fraction (EXT_color_buffer_float).
+ * Reads from the GPU the positions that the vertex shader gives a surface's vertices (3 numbers each, relative to its
+ * offset). Rejects if the GPU cannot render to floating-point textures (EXT_color_buffer_float).
  */
 export async function readPositions(renderer: WebGLRenderer, surface: Surface): Promise<Float32Array> {
   if (!renderer.getContext().getExtension("EXT_color_buffer_float"))

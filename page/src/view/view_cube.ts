@@ -1,10 +1,12 @@
 import { Matrix4, Vector3 } from "three";
 import type { Navigation } from "./navigation";
 
-/** From which side something is seen. */
+/** The side from which the model is seen. */
 export type Side = "front" | "back" | "left" | "right" | "top" | "bottom";
 
-/** What a side's view looks along, and what is up in it, on a turntable with these axes (front, right, up). */
+/**
+ * Returns the direction and the up vector of the view from a side, for a turntable with these axes (front, right, up).
+ */
 export function viewFrom(side: Side, [front, right, above]: readonly Vector3[]): { direction: Vector3; up: Vector3 } {
   const to = {
     front,
@@ -22,7 +24,7 @@ export function viewFrom(side: Side, [front, right, above]: readonly Vector3[]):
 const sides: readonly Side[] = ["front", "back", "right", "left", "top", "bottom"];
 const half = 29; // pixels
 
-/** A cube in a corner that turns with the view: its faces, edges and corners are directions to look from. */
+/** A cube in a corner that turns with the view. Its faces, edges and corners select viewing directions. */
 export class ViewCube {
   readonly element = document.createElement("div");
   private readonly turning = document.createElement("div");
@@ -46,7 +48,7 @@ export class ViewCube {
     this.element.addEventListener("click", (event) => this.swallow(event), true);
   }
 
-  /** Turns as the view is turned. */
+  /** Turns the cube with the view. */
   update(): void {
     if (this.builtFor !== this.navigation.up) this.build();
     const m = new Matrix4().makeRotationFromQuaternion(this.navigation.orientation().invert());
@@ -103,7 +105,7 @@ export class ViewCube {
     this.navigation.orbit(-dx * 0.02, dy * 0.02);
   }
 
-  /** The click at the end of a drag is none. */
+  /** Suppresses the click at the end of a drag. */
   private swallow(event: Event): void {
     if (this.press?.moved === true) event.stopPropagation();
     this.press = undefined;

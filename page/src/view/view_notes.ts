@@ -4,13 +4,13 @@ import type { Legend } from "./surface/heat";
 
 type Unit = "mm" | "cm" | "m" | "in" | "none";
 
-/** A length in the model's unit, in few digits. */
+/** Formats a length in the model's unit with 3 significant digits. */
 export function lengthText(length: number, unit: Unit): string {
   const digits = length === 0 ? "0" : Number(length.toPrecision(3)).toString();
   return unit === "none" ? digits : `${digits} ${unit}`;
 }
 
-/** The size of a box, as a person reads it; in millimetres too, where the unit is another length. */
+/** Formats the size of a box, and adds millimetres if the unit is another length. */
 export function sizeText(size: Vector3, unit: Unit): string {
   const sides = [size.x, size.y, size.z];
   const text = `${sides.map((side) => lengthText(side, "none")).join(" × ")}${unit === "none" ? "" : ` ${unit}`}`;
@@ -18,7 +18,7 @@ export function sizeText(size: Vector3, unit: Unit): string {
   return inMm === 0 ? text : `${text} (${sides.map((side) => lengthText(side * inMm, "none")).join(" × ")} mm)`;
 }
 
-/** The scale of the picture and the size of the model, and what the colours of a heat map stand for. */
+/** Shows the scale of the picture, the size of the model, and the legend of a heat map. */
 export class ViewNotes {
   readonly notes = document.createElement("div");
   readonly legend = document.createElement("div");
@@ -35,14 +35,14 @@ export class ViewNotes {
     this.notes.append(this.scaleText, this.scale, this.size);
   }
 
-  /** `worldPerPixel` at the middle of the view; the size of the box of what is shown. */
+  /** `worldPerPixel` is taken at the centre of the view. `size`: side lengths of the shown box. */
   update(worldPerPixel: number, size: Vector3 | undefined, unit: Unit): void {
     this.notes.hidden = size === undefined || !(worldPerPixel > 0);
     if (size === undefined) return;
     const length = roundLength(130 * worldPerPixel);
     setText(this.scaleText, lengthText(length, unit));
     this.scale.style.width = `${(length / worldPerPixel).toFixed(1)}px`;
-    setText(this.size, unit === "mm" || unit === "none" ? "" : sizeText(size, unit)); // else the page tells it anyway
+    setText(this.size, unit === "mm" || unit === "none" ? "" : sizeText(size, unit)); // otherwise in the status bar
   }
 
   showLegend(legend: Legend | null): void {

@@ -36,33 +36,36 @@ import "./view.css";
 import { seenVertices } from "./picking/visibility";
 import { lookUniforms, shadings } from "./surface/surface_material";
 
-const isLarge = 200_000; // vertices, from which on a surface is brought to the GPU in parts
+const isLarge = 200_000; // vertices above which a surface is brought to the GPU in steps
 
-ColorManagement.enabled = false; // colours are written as they are shown
+ColorManagement.enabled = false; // colours are specified in display space
 
-/** The three-dimensional view: surfaces by their numbers, the camera, and what is picked and drawn there. */
+/** The 3D view: surfaces by number, the camera, picking and drawing. */
 export class Viewport {
   readonly scene = new Scene();
-  /** Drawn on top of everything: the gizmo. */
+  /** Objects drawn on top of everything: the gizmo. */
   readonly helpers = new Group();
   readonly surfaces = new Map<number, Surface>();
-  /** What else is shown, and where it stands: for the measure of all. */
+  /** Other shown surfaces and their maps to the world, included in the bounds of the scene. */
   alsoShown: () => [Surface, Matrix4][] = () => [];
-  /** What there is beside the model, to be grafted. */
+  /** The parts beside the model, for grafting. */
   readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   readonly navigation: Navigation;
   private readonly projection: Projection;
   /** Called before each picture. */
   readonly onFrame = new Set<() => void>();
-  /** Called after each picture, when the GPU is done with it. */
+  /** Called after each picture, when the GPU has finished it. */
   readonly onDrawn = new Set<(picture: Drawn) => void>();
-  /** Milliseconds from a picture's begin to its end on the GPU: the median, the last at rest, and in motion. */
+  /**
+   * Milliseconds from the start of a picture until the GPU has finished it: the median, the last at rest, and in
+   * motion.
+   */
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
-  /** Of the model: it is to be seen from then on. */
+  /** Resolves when the model is visible. */
   arrival: Promise<void> = Promise.resolve();
-  /** What the colours of the heat map stand for. */
+  /** The meaning of the heat map's colours. */
   readonly legend = signal<Legend | null>(null);
   private instead: Surface | undefined;
 
@@ -87,7 +90,7 @@ export class Viewport {
   private fileName = "";
   private fileUp: "y" | "z" = "z";
   private posesTimer: ReturnType<typeof setTimeout> | undefined;
-  private posesMove = 0; // until when handles count as moving
+  private posesMove = 0; // time until which handles count as moving
 
   constructor(readonly settings: ViewSettings) {
     this.helpersScene.add(this.helpers);
@@ -109,7 +112,7 @@ export class Viewport {
     if (this.renderer === undefined) throw new Error("the view is not attached yet");
     return this.renderer.domElement;
   }
-  /** The model; parts come beside it. */
+  /** The model. Parts are shown beside it. */
   get main(): Surface | undefined {
     return this.surfaces.values().next().value;
   }
@@ -124,7 +127,7 @@ export class Viewport {
     const renderer = new WebGLRenderer({ antialias: false, powerPreference: "high-performance" });
     renderer.outputColorSpace = LinearSRGBColorSpace;
     renderer.autoClear = false;
-    renderer.debug.checkShaderErrors = import.meta.env.DEV; // to look for them waits for the compiler
+    renderer.debug.checkShaderErrors = import.meta.env.DEV; // checking would wait for the shader compiler
     this.renderer = renderer;
     this.pipeline = new Pipeline(renderer);
     this.host = host;
@@ -151,7 +154,7 @@ export class Viewport {
     this.followSettings();
   }
 
-  /** Shows what the engine sent. */
+  /** Handles a binary frame of the engine. */
   show(frame: BinaryFrame): void {
     if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.addPart(this.surfaceFrom(frame));
     else if (frame.kind === FrameKind.mesh) this.setMesh(this.surfaceFrom(frame));
@@ -164,14 +167,17 @@ export class Viewport {
     this.requestRender();
   }
 
-  /** A surface that is shown as all others are, but nowhere yet. */
+  /** Makes a surface with the common settings. It is not added to the scene. */
   surfaceFrom(frame: BinaryFrame): Surface {
     const surface = new Surface(frame, this.look);
     surface.onChange = () => this.requestRender();
     return surface;
   }
 
-  /** A surface that is shown for the model, with its settings; none: the model itself. Who shows it disposes of it. */
+  /**
+   * Shows a surface instead of the model, with the model's settings; undefined: the model itself. The caller disposes
+   * of the surface.
+   */
   showInstead(surface: Surface | undefined): void {
     if (this.instead !== undefined && this.instead !== surface) this.forgetTree(this.instead);
     this.instead = surface;
@@ -179,7 +185,7 @@ export class Viewport {
       this.followLegend(surface);
       this.applyTo(surface);
       const { wireframe, heatMap } = this.settings;
-      if (wireframe.value || heatMap.value === "detail") this.treeOf(surface); // which finds the edges
+      if (wireframe.value || heatMap.value === "detail") this.treeOf(surface); // its worker finds the edges
     }
     this.legend.value = (surface ?? this.main)?.heat.legend ?? null;
   }
@@ -191,7 +197,7 @@ export class Viewport {
     };
   }
 
-  /** Of the model, or of a part. */
+  /** Returns the surface of the model or of a part. */
   surfaceOf(mesh: number): Surface | undefined {
     return this.surfaces.get(mesh) ?? this.parts.get(mesh)?.surface;
   }
@@ -206,7 +212,7 @@ export class Viewport {
     this.trees.delete(surface);
   }
 
-  /** Where the document has the handles: for those that `showPoses` is not told of. */
+  /** Takes the handles' poses from the document, for handles that `showPoses` is not given. */
   setDocument(state: DocumentState): void {
     if (state.file !== this.fileName) {
       const was = this.navigation.up;
@@ -226,12 +232,15 @@ export class Viewport {
     surface.linear.committed = poses;
   }
 
-  /** A request with poses is sent; what is returned is to be told the number in its answer (0: there is none). */
+  /**
+   * Notes that a request with poses was sent. The returned function must be called with the frame number in its answer,
+   * or with 0 if there is none.
+   */
   posesAsked(): (pose: number) => void {
     return this.main?.linear.asked() ?? (() => undefined);
   }
 
-  /** Handles' maps for now (world, 4x4), by the vertex shader. Returns whether there are weights for that. */
+  /** Shows temporary maps of handles (4×4, world) in the vertex shader. Returns false without weights. */
   showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
     this.posesMove = performance.now() + 250;
     clearTimeout(this.posesTimer);
@@ -239,13 +248,13 @@ export class Viewport {
     return this.main?.showPoses(poses) ?? false;
   }
 
-  /** Where the vertex shader puts the model's vertices (3 numbers each, relative to its offset). */
+  /** Reads the positions that the vertex shader gives the model's vertices (3 numbers each, relative to its offset). */
   readPositions(): Promise<Float32Array> {
     if (this.renderer === undefined || this.main === undefined) return Promise.reject(new Error("nothing is shown"));
     return readPositions(this.renderer, this.main);
   }
 
-  /** What is shown under a place of the page. */
+  /** Returns the hit under a point of the page. */
   pick(clientX: number, clientY: number): Hit | undefined {
     const ray = this.rayAt(clientX, clientY);
     let nearest: (Hit & { distance: number }) | undefined;
@@ -261,14 +270,20 @@ export class Viewport {
     return nearest;
   }
 
-  /** Vertices in a polygon (pixels of the page); not `through`: those that face the eye and are not hidden. */
+  /**
+   * Returns the vertices in a polygon (pixels of the page). Without `through`: only those that face the camera and are
+   * not hidden.
+   */
   verticesInPolygon(surface: Surface, polygon: Polygon, through: boolean): Uint32Array {
     const found = verticesInPolygon(surface, this.projection.toClip(surface), polygon);
     if (through) return found;
     return seenVertices(surface, found, this.treeOf(surface), this.projection.sight());
   }
 
-  /** Vertices in a ball around a hit; not `through`: those that face the eye and hang together with the hit. */
+  /**
+   * Returns the vertices in a ball around a hit. Without `through`: only those that face the camera and are connected
+   * to the hit.
+   */
   verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
     const part = this.parts.of(surface);
     const seen = { hit, radius, eye: this.projection.from(hit.point, this.ball.radius) };
@@ -276,20 +291,20 @@ export class Viewport {
     return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
   }
 
-  /** Of the world, for a pixel of the page at the depth of `point`. */
+  /** Returns the world length of a CSS pixel at the depth of `point`. */
   worldPerPixel(point: Vector3): number {
     return this.projection.worldPerPixel(point);
   }
-  /** Where a place of the world is on the page; `behind` the camera. */
+  /** Returns the point of the page of a world point, and whether it is `behind` the camera. */
   project(point: Vector3): { x: number; y: number; behind: boolean } {
     return this.projection.project(point);
   }
-  /** The ray of the world through a place of the page. */
+  /** Returns the world ray through a point of the page. */
   rayAt(clientX: number, clientY: number): Ray {
     return this.projection.rayAt(clientX, clientY);
   }
 
-  /** Frames everything, or some vertices of the model, as they are shown. */
+  /** Frames everything, or some vertices of the model as shown. */
   fit(what: "all" | Uint32Array = "all", animated = true): void {
     const { main } = this;
     if (main === undefined) return;
@@ -301,17 +316,17 @@ export class Viewport {
     this.navigation.fit(placesOf(this.allShown()), 1e-6 * main.box.diagonal, animated);
   }
 
-  /** Whether vertices of a surface lie in the picture, but for a few. */
+  /** Returns whether vertices of a surface are in the picture, except a few. */
   sees(surface: Surface, vertices: Uint32Array): boolean {
     return areWithin(surface.sample(vertices), this.canvas.getBoundingClientRect(), (point) => this.project(point));
   }
 
-  /** Looks along a direction of the world. */
+  /** Looks along a world direction. */
   lookAlong(direction: Vector3, up?: Vector3): void {
     this.navigation.lookAlong(direction, up);
   }
 
-  /** Looks at the model from a side of the turntable. */
+  /** Looks at the model from one side of the turntable. */
   lookFrom(side: Side): void {
     const { direction, up } = viewFrom(side, this.navigation.axes());
     this.lookAlong(direction, up);
@@ -324,7 +339,7 @@ export class Viewport {
   private render(): void {
     const { renderer, host, pipeline, settings } = this;
     if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
-    if (this.main !== undefined && this.main.object.parent === null) return; // it is on its way to the GPU
+    if (this.main !== undefined && this.main.object.parent === null) return; // being sent to the GPU
     const start = performance.now();
     this.resize(renderer, host);
     this.navigation.update(host.clientWidth / host.clientHeight);
@@ -351,7 +366,7 @@ export class Viewport {
     this.scheduler.finish(renderer, start, moving);
   }
 
-  /** To the size of its place, right before a picture: while the GPU draws one, this would wait for it. */
+  /** Resizes the canvas right before a picture. While the GPU draws, resizing would block. */
   private resize(renderer: WebGLRenderer, { clientWidth, clientHeight }: HTMLElement): void {
     const ratio = Math.min(2, window.devicePixelRatio);
     const size = renderer.getSize(new Vector2());
@@ -371,7 +386,7 @@ export class Viewport {
       look.shading.value = shadings[settings.shading.value];
       look.showRoles.value = settings.showRoles.value;
       this.navigation.orthographic = settings.orthographic.value;
-      // All are read, so that the effect follows them while nothing is shown yet, too.
+      // All signals are read here, so that the effect depends on them even before anything is shown.
       const { before, wireframe, heatMap, stretchOf, ambientOcclusion } = settings;
       for (const one of [before, wireframe, heatMap, stretchOf, ambientOcclusion]) void one.value;
       this.ground.mesh.visible = settings.grid.value;
@@ -415,14 +430,14 @@ export class Viewport {
     surface.showTextures(textured);
   }
 
-  /** Which axis stands upright: as set, or as files of the kind have it. */
+  /** Sets the vertical axis: as chosen, or by the file format. */
   private setUp(): void {
     const set = this.settings.up.value;
     this.navigation.up = set === "auto" ? this.fileUp : set;
     this.layGround();
   }
 
-  /** Below the model, where it is lowest. */
+  /** Places the ground below the model's lowest point. */
   private layGround(): void {
     const { main } = this;
     if (main === undefined) return;
@@ -447,7 +462,7 @@ export class Viewport {
     this.arrival = this.bringIn(surface);
     this.followLegend(surface);
     this.applyTo(surface);
-    if (this.instead === undefined) this.legend.value = surface.heat.legend; // what is there is of the one before
+    if (this.instead === undefined) this.legend.value = surface.heat.legend; // replaces the last model's legend
     this.cube.element.hidden = false;
     this.measure();
     this.layGround();
@@ -457,7 +472,7 @@ export class Viewport {
     if (first || !similar) this.fit("all", false);
   }
 
-  /** Shows a new surface once its arrays are on the GPU, one after the other where they are large. */
+  /** Shows a new surface once its arrays are on the GPU. Large ones are brought there one array at a time. */
   private async bringIn(surface: Surface): Promise<void> {
     if (surface.vertexCount > isLarge && this.renderer !== undefined) {
       this.scheduler.expectMuch();
@@ -467,7 +482,7 @@ export class Viewport {
     if (this.surfaces.get(surface.id) !== surface) return;
     this.scene.add(surface.object);
     await this.nextPicture();
-    if (this.surfaces.get(surface.id) === surface) this.treeOf(surface); // whose worker would have slowed it down
+    if (this.surfaces.get(surface.id) === surface) this.treeOf(surface); // now, as its worker slows uploads down
   }
 
   private nextPicture(): Promise<void> {
@@ -478,21 +493,21 @@ export class Viewport {
     });
   }
 
-  /** What is to be seen, and where it stands. */
+  /** Returns all visible surfaces and their maps to the world. */
   private allShown(): [Surface, Matrix4][] {
     const model = [...this.surfaces.values()].filter((surface) => surface.object.visible);
     const parts = this.parts.shown().map((part): [Surface, Matrix4] => [part.surface, part.stand]);
     return [...model.map((surface): [Surface, Matrix4] => [surface, new Matrix4()]), ...parts, ...this.alsoShown()];
   }
 
-  /** Takes the measure of all that is shown: for navigation and fitting. */
+  /** Computes the bounding sphere of everything shown, for navigation and framing. */
   measure(): void {
     const spheres = this.allShown().map(([surface, stand]) => surface.sphere().applyMatrix4(stand));
     this.ball = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
     for (const sphere of spheres.slice(1)) this.ball.union(sphere);
   }
 
-  /** What finds places of a surface. */
+  /** Returns the pick tree of a surface, and makes it on the first call. */
   treeOf(surface: Surface): PickTree {
     const known = this.trees.get(surface) ?? new PickTree(surface);
     this.trees.set(surface, known);

@@ -16,34 +16,34 @@ import { Throttled } from "../throttled";
 
 export type * from "./graft_types";
 
-/** Parts, their loops, and the graft in work: signals that the panel and the view read, and what changes them. */
+/** Holds the parts, their loops and the current graft as signals for the panel and the view, and changes them. */
 export class Graft {
   readonly mode = signal<"deform" | "graft">("deform");
   readonly tool = signal<GraftTool>("loops");
   readonly arrangement = signal<Arrangement>("result");
   readonly loops = signal<ReadonlyMap<number, readonly ShownLoop[]>>(new Map());
   readonly hovered = signal<LoopRef | null>(null);
-  /** The dot, start or match, that Delete takes away. */
+  /** The dot (start or match) that the Delete key removes. */
   readonly dot = signal<DotRef | null>(null);
   readonly cutPlane = signal<Cut | null>(null);
   readonly cutCurve = signal<DrawnCurve | null>(null);
-  /** What was cut last, while nothing came after. */
+  /** The last cut, until another change follows. */
   readonly lastCut = signal<CutRequest | null>(null);
   /** The part that a click or a drag drops on the surface. */
   readonly dropped = signal<{ name: string; isNew: boolean } | null>(null);
-  /** Which part is not shown beside the model: one that is on its way to the surface, or follows the pointer there. */
+  /** Tells which part is not shown beside the model: the one being dropped on the surface. */
   readonly away = signal<((name: string) => boolean) | null>(null);
-  /** Clicked first, to be paired with the next. */
+  /** The loop clicked first, which the next click pairs. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
-  /** The frame of what came of the graft last. */
+  /** The binary frame of the latest graft result. */
   readonly preview = signal<BinaryFrame | null>(null);
   readonly report = signal<GraftReport | null>(null);
   /** Fields that a slider or the pointer changes for now, on top of the document's. */
   readonly dragged = signal<GraftFields | null>(null);
-  /** Where the part stands, of its own coordinates, before it bends. */
+  /** Map from the part's coordinates to its pose on the target, before it deforms. */
   readonly transform = signal<Matrix4 | null>(null);
-  /** Parts that are shown or hidden against what is usual. */
+  /** Parts whose visibility the user has set, by name. */
   readonly shownParts = signal<ReadonlyMap<string, boolean>>(new Map());
 
   readonly model = computed((): MeshObject | undefined => {
@@ -55,12 +55,12 @@ export class Graft {
     ...(this.model.value === undefined ? [] : [this.model.value]),
     ...this.parts.value,
   ]);
-  /** As the document has it. */
+  /** The graft step of the document. */
   readonly kept = computed((): GraftStep | undefined => {
     const graft = this.host.state.value?.graft ?? null;
     return graft === null ? undefined : readStep(graft.step);
   });
-  /** As it is shown: with what is dragged. */
+  /** The graft step as shown: the document's, with the dragged fields on top. */
   readonly step = computed((): GraftStep | undefined => {
     const { value: kept } = this.kept;
     const { value: dragged } = this.dragged;
@@ -71,7 +71,7 @@ export class Graft {
   });
   readonly source = computed(() => this.named(this.step.value?.source));
   readonly target = computed(() => this.named(this.step.value?.target));
-  /** Pairs that are given, or the one that is meant where each has one loop. */
+  /** The given pairs, or the only possible pair if source and target have one loop each. */
   readonly pairs = computed(() => this.pairsOf(this.step.value));
   readonly keptPairs = computed(() => this.pairsOf(this.kept.value));
   private pairsOf(step: GraftStep | undefined): readonly Pair[] {
@@ -81,36 +81,36 @@ export class Graft {
     return single ? [{ sourceLoop: 0, targetLoop: 0, matches: [] }] : [];
   }
 
-  /** Where pairs begin to meet, and how they are twisted. */
+  /** Where the loops of each pair start to match, and how they are twisted. */
   readonly starts: GraftStarts = new GraftStarts(this);
 
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
-  private readonly asked = new Set<number>(); // meshes whose loops were asked for
-  private newest = 0; // number of the newest graft that was told of
+  private readonly asked = new Set<number>(); // meshes whose loops were requested
+  private newest = 0; // number of the newest graft that the engine reported
 
   constructor(private readonly host: GraftHost) {}
 
   named(name: string | undefined): MeshObject | undefined {
     return this.things.value.find((thing) => thing.name === name);
   }
-  /** How requests name a mesh; undefined: the model. */
+  /** Returns the name of a mesh in requests, or undefined for the model. */
   nameOf(mesh: number): string | undefined {
     return mesh === this.model.value?.mesh ? undefined : this.byMesh(mesh)?.name;
   }
   byMesh(mesh: number): MeshObject | undefined {
     return this.things.value.find((thing) => thing.mesh === mesh);
   }
-  /** Whether a part is shown: those that were grafted are not, unless it was said. */
+  /** Returns whether a part is shown. A grafted part is hidden by default, unless it is the current source. */
   isShown(part: MeshObject): boolean {
     return this.shownParts.value.get(part.name) ?? (!part.grafted || part.name === this.step.value?.source);
   }
-  /** Meshes that are shown themselves while grafting: all but those that went into what comes of them. */
+  /** Meshes shown as themselves in graft mode: all except those that the shown result replaces. */
   readonly shownMeshes = computed((): ReadonlySet<number> => {
     const beside = this.parts.value.filter((part) => this.isShown(part) && this.away.value?.(part.name) !== true);
     const meshes = new Set([this.model.value?.mesh ?? -1, ...beside.map((part) => part.mesh)]);
     const { value: arrangement } = this.arrangement;
     const hasPreview = this.preview.value !== null;
-    // What is dropped is to be seen on the surface alone, also before it is known what comes of it.
+    // A dropped part is shown only on the surface, even before the result is known.
     const lands = this.step.value?.at !== undefined && this.report.value?.error === undefined;
     if (hasPreview && arrangement !== "apart") meshes.delete(this.target.value?.mesh ?? -1);
     if ((hasPreview || lands) && arrangement === "result") meshes.delete(this.source.value?.mesh ?? -1);
@@ -120,7 +120,7 @@ export class Graft {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
   }
 
-  /** Puts a part beside the model, and grafts it where there is no doubt how. Resolves with its name. */
+  /** Adds a part beside the model, and grafts it if the pairing is unambiguous. Resolves with the part's name. */
   async addPart(source: PartSource, start = true): Promise<string | undefined> {
     const done = await this.host.ask({ do: "part", what: "add", ...source });
     if (done?.name === undefined) return undefined;
@@ -128,7 +128,7 @@ export class Graft {
     return done.name;
   }
 
-  /** Grafts a part where each has one loop; else shows both, so that loops can be clicked. */
+  /** Grafts a part if it and the model have one loop each. Otherwise shows both apart, so that loops can be clicked. */
   async startWith(name: string): Promise<void> {
     const part = this.named(name);
     const { value: model } = this.model;
@@ -137,28 +137,28 @@ export class Graft {
     else this.arrangement.value = "apart";
   }
 
-  // It is tried first, so that one change takes it back: where round loops fit from many starts alike, the one that
-  // turns the part least is taken.
+  // A trial run comes first, so that one undo takes the graft back. If round loops fit equally well from several
+  // starts, the start that turns the part least is taken.
   private async startAlone(name: string): Promise<void> {
     this.arrangement.value = "result";
     this.dragged.value = { source: name };
     const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
     const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.told(done.graft);
     const start = this.startFor(report);
-    if (start !== undefined) this.report.value = null; // what was said of the first try is settled
+    if (start !== undefined) this.report.value = null; // the report of the trial is settled
     this.takenStarts.value = new Set(start?.map((pair) => String(pair.start)));
     await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
   }
-  /** Starts that were taken unasked, of several that fit alike. */
+  /** Starts that were chosen automatically among several that fit equally well. */
   readonly takenStarts = signal<ReadonlySet<string>>(new Set());
   private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
     const pairs = withStarts(this.pairs.value, report?.open_starts ?? []);
     return pairs === undefined ? undefined : pairsField(pairs);
   }
-  /** The starts that the engine proposes, as they can be taken. */
+  /** The starts that the engine proposes, as a field of a request; undefined if there are none. */
   readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
 
-  /** What is told of a graft of this number, or of a later one. */
+  /** Resolves with the report of the graft with this number or a later one. */
   private told(graft: number): Promise<GraftReport> {
     return new Promise((resolve) => {
       const stop = this.report.subscribe((report) => {
@@ -169,7 +169,7 @@ export class Graft {
     });
   }
 
-  /** Changes the document's graft, or starts one. */
+  /** Changes the graft of the document, or starts one. */
   async set(fields: GraftFields): Promise<boolean> {
     const starts = this.kept.value === undefined;
     this.drags.forget();
@@ -182,17 +182,19 @@ export class Graft {
     return done !== undefined;
   }
 
-  /** Shows what it would come to; the newest that waits goes out when the engine has taken the one before. */
+  /**
+   * Previews the result. While a request is on its way only the newest fields wait; they are sent when it is answered.
+   */
   drag(fields: GraftFields): void {
     this.dragged.value = { ...this.dragged.value, ...fields };
     this.drags.send(this.dragged.value);
   }
-  /** Keeps what is dragged. */
+  /** Commits the dragged fields to the document. */
   async keepDragged(): Promise<boolean> {
     const { value: dragged } = this.dragged;
     return dragged !== null && this.set(dragged);
   }
-  /** Back to what the document has. */
+  /** Reverts to the graft of the document. */
   async forgetDragged(): Promise<void> {
     this.drags.forget();
     this.dragged.value = null;
@@ -200,7 +202,10 @@ export class Graft {
     this.transform.value = this.report.value?.transform ?? null;
   }
 
-  /** A part is dropped: from now on it is to be seen on the surface alone. `add` opens it; resolves with its name. */
+  /**
+   * Begins to drop a part, which from now on is shown on the surface only. `add` opens the part. Resolves with its
+   * name.
+   */
   async beginDrop(add: () => Promise<string | undefined>): Promise<string | undefined> {
     const before = new Set(this.parts.value.map((part) => part.name));
     this.away.value = (part) => !before.has(part);
@@ -214,13 +219,13 @@ export class Graft {
     });
     return name;
   }
-  /** Grafts what is dropped. */
+  /** Grafts the dropped part. */
   async endDrop(fields: GraftFields): Promise<void> {
     this.dropped.value = null;
     await this.set(fields);
     this.away.value = null;
   }
-  /** Nothing is dropped: a part that was opened for it goes again. */
+  /** Cancels the drop. A part that was opened for it is removed. */
   async leaveDropped(): Promise<void> {
     const { value: dropped } = this.dropped;
     this.dropped.value = null;
@@ -229,7 +234,7 @@ export class Graft {
       await this.host.ask({ do: "undo" });
     this.away.value = null;
   }
-  /** Nothing is dropped, as it was let go beside the surface. */
+  /** Cancels the drop because the part was released beside the surface, and tells the user. */
   async missDropped(): Promise<void> {
     const { name = "The part", isNew = true } = this.dropped.value ?? {};
     await this.leaveDropped();
@@ -244,7 +249,7 @@ export class Graft {
     if (this.dragged.value !== null && done?.transform !== undefined) this.transform.value = done.transform;
   }
 
-  /** Cuts by the plane, or along the curve, that is shown. */
+  /** Cuts by the plane or along the curve that is shown. */
   async cut(keep: Side): Promise<boolean> {
     const request = this.cutRequest(keep);
     if (request === undefined || (await this.host.ask(request)) === undefined) return false;
@@ -266,7 +271,7 @@ export class Graft {
     if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
     return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };
   }
-  /** Undoes the last cut, and keeps what it took away. */
+  /** Undoes the last cut and repeats it with the other side kept. */
   async cutOtherwise(): Promise<void> {
     const { value: last } = this.lastCut;
     if (last === null || (await this.host.ask({ do: "undo" })) === undefined) return;
@@ -274,16 +279,16 @@ export class Graft {
     if ((await this.host.ask(other)) !== undefined) this.lastCut.value = other;
   }
 
-  /** Whether what of the part stays is being painted: selections are made on the part then. */
+  /** Whether the fixed part of the source is being painted. Selections are then made on the source. */
   readonly paintsFixed = computed(() => this.mode.value === "graft" && this.tool.value === "fixed");
 
-  /** Changes the selection on the part, and with it what of the part stays. */
+  /** Changes the selection on the part, and with it the part's fixed vertices. */
   async selectFixed(change: SelectionChange): Promise<void> {
     const mesh = this.source.value?.name;
     const done = await this.host.ask({ do: "select", mesh, ...change });
     if (done !== undefined) await this.set({ fixed: done.selected === 0 ? null : true });
   }
-  /** Begins to paint: what stays already is selected. */
+  /** Begins to paint fixed vertices, with those that are already fixed selected. */
   async paintFixed(): Promise<void> {
     const mesh = this.source.value?.name;
     const what = this.kept.value?.fixed ?? { indices: [] };
@@ -308,7 +313,7 @@ export class Graft {
     if (done !== undefined) this.arrangement.value = "result";
   }
 
-  /** A loop is clicked: the first is remembered, one of another object makes a pair of the two. */
+  /** Handles a click on a loop. The first click is remembered; a click on a loop of another object pairs the two. */
   async pick(ref: LoopRef): Promise<void> {
     const first = this.picked.value;
     if (first === null || this.byMesh(first.mesh) === undefined || first.mesh === ref.mesh) {
@@ -319,7 +324,10 @@ export class Graft {
     await this.pair(first, ref);
   }
 
-  /** Pairs two loops; whichever is the graft's target stays that, and the model is one where none is in work. */
+  /**
+   * Pairs two loops. The object that is the current target stays the target. Without a graft in progress the model is
+   * the target.
+   */
   async pair(a: LoopRef, b: LoopRef): Promise<void> {
     const targetName = this.kept.value?.target ?? this.model.value?.name;
     const [target, source] = this.byMesh(a.mesh)?.name === targetName ? [a, b] : [b, a];
@@ -339,7 +347,7 @@ export class Graft {
     this.drag({ pairs: pairsField(pairs) });
   }
 
-  /** Asks for the loops of all that is shown, once for each mesh. */
+  /** Requests the loops of all objects, once for each mesh. */
   async needLoops(): Promise<void> {
     for (const { mesh, name } of this.things.value) {
       if (this.asked.has(mesh)) continue;
@@ -348,7 +356,7 @@ export class Graft {
     }
   }
 
-  /** What the engine sent, of kinds that concern grafts. */
+  /** Handles binary frames that concern grafts. */
   take(frame: BinaryFrame): void {
     if (frame.kind === FrameKind.graft) this.takePreview(frame);
     if (frame.kind === FrameKind.loops) this.takeLoops(frame);
@@ -366,7 +374,7 @@ export class Graft {
     });
   }
 
-  /** The engine's state is another: what belongs to what is no more goes. */
+  /** Discards everything that belongs to objects missing in the engine's new state. */
   follow(state: DocumentState): void {
     const meshes = new Set([state.model.mesh, ...state.parts.map((part) => part.mesh)]);
     const known = [...this.loops.value].filter(([mesh]) => meshes.has(mesh));

@@ -1,4 +1,4 @@
-/** Colours of what belongs to a graft, from 0 to 1. Pairs of loops take theirs in order. */
+/** Colours used by grafts, components from 0 to 1. Pairs of loops take theirs in order. */
 export const partColour = [0.47, 0.6, 0.82] as const;
 export const seamColour = [0.95, 0.55, 0.15] as const;
 export const loopColour = [0.16, 0.42, 0.86] as const;
@@ -20,7 +20,7 @@ export function pairColour(index: number): Colour {
   return pairColours[index % pairColours.length] ?? pairColours[0];
 }
 
-/** As style sheets have it. */
+/** Formats a colour for CSS. */
 export function cssColour([r, g, b]: Colour): string {
   return `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)})`;
 }

@@ -2,7 +2,7 @@ import type { GraftReport, ShownLoop, MeshObject } from "./graft_types";
 import { meetingOf, type Meeting, type Pair } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
-/** What is read of a graft. */
+/** The signals of a graft that `GraftStarts` reads. */
 interface PairedLoops {
   readonly source: { readonly value: MeshObject | undefined };
   readonly target: { readonly value: MeshObject | undefined };
@@ -11,13 +11,13 @@ interface PairedLoops {
   readonly report: { readonly value: GraftReport | null };
 }
 
-/** Where the pairs of a graft begin to meet, as given or as found, and how far they are twisted against that. */
+/** Where the pairs of a graft start to match, as given or as found, and their twist relative to the found start. */
 export class GraftStarts {
-  private readonly found = new Map<string, Meeting>(); // automatically, last
+  private readonly found = new Map<string, Meeting>(); // last starts found automatically
 
   constructor(private readonly graft: PairedLoops) {}
 
-  /** The loops of a pair, of source and target; undefined while they are not known. */
+  /** Returns the source and target loop of a pair; undefined until both are known. */
   curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
     const loop = (thing: MeshObject | undefined, index: number) =>
       this.graft.loops.value.get(thing?.mesh ?? -1)?.[index]?.curve;
@@ -26,7 +26,7 @@ export class GraftStarts {
     return source === undefined || target === undefined ? undefined : { source, target };
   }
 
-  /** Where a pair starts: as given, or as it was found last. */
+  /** Returns the start of a pair: the given one, or else the one found last. */
   of(index: number, pairs = this.graft.pairs.value): Meeting | undefined {
     const pair = pairs[index];
     if (pair === undefined) return undefined;
@@ -34,7 +34,7 @@ export class GraftStarts {
     return meetingOf(pair.start) ?? this.found.get(this.keyOf(pair)) ?? meetingOf(reported);
   }
 
-  /** By how much a pair is turned against what was found, in degrees along the loop. */
+  /** Returns the twist of a pair relative to the found start, in degrees along the loop. */
   twistOf(index: number, pairs = this.graft.pairs.value): number {
     const pair = pairs[index];
     const curves = pair && this.curvesOf(pair);
@@ -43,7 +43,7 @@ export class GraftStarts {
     if (curves === undefined || start === undefined || base === undefined) return 0;
     return twistDeg(curves.source, curves.target, base, start);
   }
-  /** All pairs, with one twisted by an angle. */
+  /** Returns all pairs, with one of them twisted by an angle. */
   withTwist(index: number, angleDeg: number): readonly Pair[] | undefined {
     const pair = this.graft.pairs.value[index];
     const curves = pair && this.curvesOf(pair);
@@ -53,7 +53,7 @@ export class GraftStarts {
     return this.graft.pairs.value.map((other, i) => (i === index ? { ...other, start: [a, b] } : other));
   }
 
-  /** Keeps the starts that were found. */
+  /** Stores the starts that the engine found. */
   learn(report: GraftReport): void {
     this.graft.pairs.value.forEach((pair, i) => {
       const start = meetingOf(report.pairs?.[i]?.start);
@@ -62,7 +62,7 @@ export class GraftStarts {
     });
   }
 
-  /** What a twist counts from: the start that was found; the given one where none was. */
+  /** Returns the start that a twist is relative to: the found one, or the given one if none was found. */
   private untwisted(pair: Pair): Meeting | undefined {
     const key = this.keyOf(pair);
     const kept = this.found.get(key) ?? meetingOf(pair.start);

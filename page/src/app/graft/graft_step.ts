@@ -1,23 +1,23 @@
-// A merge step of the document, as the page works with it, and the fields that change it. No state, no screen.
+// A merge step of the document in the form the page works with, and the fields that change it. No state, no screen.
 import type { EngineEvent, Match, PageRequest, SelectionSpec } from "../../protocol";
 
-/** Fields of a graft that the engine is asked to change; null takes one away. */
+/** Fields of a graft to be changed by the engine; null removes a field. */
 export type GraftFields = Omit<Extract<PageRequest, { do: "graft-drag" }>, "do">;
 type RequestPair = NonNullable<GraftFields["pairs"]>[number];
 
-/** Of a pair whose loops fit as well from several starts: the one that turns the part least. */
+/** For a pair whose loops fit equally well from several starts: the start that turns the part least. */
 export type OpenStart = NonNullable<Extract<EngineEvent, { event: "graft" }>["open_starts"]>[number];
 
-/** A vertex of the source, and the vertex of the target that it meets. */
+/** A vertex of the source and the vertex of the target that it matches. */
 export type Meeting = readonly [number, number];
 
-/** Two loops that are joined. Numbers of loops are as the engine lists them; -1: named in another way. */
+/** Two loops to be joined. Loop numbers are those of the engine's list; -1 if the loop is named in another way. */
 export interface Pair {
   readonly sourceLoop: number;
   readonly targetLoop: number;
   readonly start?: Match | undefined; // absent: found automatically
   readonly matches: readonly Match[];
-  /** As the document names the loops. */
+  /** How the document names the loops. */
   readonly source?: SelectionSpec;
   readonly target?: SelectionSpec;
 }
@@ -32,7 +32,7 @@ export interface GraftStep {
   readonly pose: "find" | "keep";
   readonly shape: "similar" | "ft05";
   readonly pairs: readonly Pair[];
-  /** Where it is dropped, instead of pairs. */
+  /** Where the part is dropped, instead of pairs. */
   readonly at: { vertex?: number; point?: Vector3Tuple; spin_deg?: number } | undefined;
   readonly size: number | undefined; // absent: found, or the part's own
   readonly normalAngleDeg: number;
@@ -44,7 +44,7 @@ export interface GraftStep {
   readonly fixWinding: boolean;
 }
 
-/** Reads `state.graft.step`, which is as docs/edit-file.md has a merge step. */
+/** Reads `state.graft.step`, which has the form of a merge step in docs/edit-file.md. */
 export function readStep(step: object): GraftStep {
   const { source, target, pose, shape, pairs, at, size, mirror, ...rest } = step as GraftFields;
   return {
@@ -65,7 +65,7 @@ export function readStep(step: object): GraftStep {
   };
 }
 
-// The engine keeps a start as the first of the matches.
+// The engine stores a start as the first of the matches.
 function readPair(pair: RequestPair): Pair {
   const [start, ...matches] = [...(pair.start === undefined ? [] : [pair.start]), ...(pair.matches ?? [])];
   return {
@@ -83,7 +83,7 @@ function loopNumber(selection: SelectionSpec): number {
   return typeof selection.loop === "number" ? selection.loop : -1;
 }
 
-/** What is asked for these pairs. */
+/** Returns the request field for these pairs. */
 export function pairsField(pairs: readonly Pair[]): RequestPair[] {
   return pairs.map(({ sourceLoop, targetLoop, start, matches, source, target }) => ({
     source_loop: source ?? { loop: sourceLoop },
@@ -93,13 +93,13 @@ export function pairsField(pairs: readonly Pair[]): RequestPair[] {
   }));
 }
 
-/** The vertices of a match; undefined where it has points instead. */
+/** Returns the vertices of a match; undefined if it has points instead. */
 export function meetingOf(match: Match | undefined): Meeting | undefined {
   const [source, target] = match ?? [];
   return typeof source === "number" && typeof target === "number" ? [source, target] : undefined;
 }
 
-/** With a pair more. A loop is in one pair: those that had one of the two are gone. */
+/** Returns the pairs with one more. A loop is in one pair only, so pairs that used one of the two loops are removed. */
 export function withPair(pairs: readonly Pair[], sourceLoop: number, targetLoop: number): Pair[] {
   const others = pairs.filter((pair) => pair.sourceLoop !== sourceLoop && pair.targetLoop !== targetLoop);
   return [...others, { sourceLoop, targetLoop, matches: [] }];
@@ -109,18 +109,18 @@ export function withoutPair(pairs: readonly Pair[], index: number): Pair[] {
   return pairs.filter((_, i) => i !== index);
 }
 
-/** A dot on a loop: the start (0), or a match (from 1 on). */
+/** A dot on a loop: the start (0) or a match (from 1 on). */
 export interface DotRef {
   readonly pair: number;
   readonly dot: number;
 }
 
-/** All that meets in a pair: its start, given or found, then its matches. */
+/** Returns the matches of a pair: its start, given or found, then its other matches. */
 export function meetingsOf(pair: Pair, found: Meeting | undefined): (Meeting | undefined)[] {
   return [meetingOf(pair.start) ?? found, ...pair.matches.map(meetingOf)];
 }
 
-/** With one end of a dot at another vertex; a start that was found becomes one that is given. */
+/** Returns the pairs with one dot moved. A found start becomes a given one. */
 export function withDotAt(pairs: readonly Pair[], { pair: index, dot }: DotRef, meeting: Meeting): Pair[] {
   return pairs.map((pair, i) => {
     if (i !== index) return pair;
@@ -130,7 +130,7 @@ export function withDotAt(pairs: readonly Pair[], { pair: index, dot }: DotRef, 
   });
 }
 
-/** With a match more; the start that was found stays by being given. */
+/** Returns the pairs with one more match. A found start becomes a given one, so that it stays. */
 export function withMatch(pairs: readonly Pair[], index: number, meeting: Meeting, found: Meeting | undefined): Pair[] {
   return pairs.map((pair, i) => {
     if (i !== index) return pair;
@@ -139,7 +139,7 @@ export function withMatch(pairs: readonly Pair[], index: number, meeting: Meetin
   });
 }
 
-/** Without a match; without the start it is found again. */
+/** Returns the pairs without one dot. A removed start is found again by the engine. */
 export function withoutDot(pairs: readonly Pair[], { pair: index, dot }: DotRef): Pair[] {
   return pairs.map((pair, i) => {
     if (i !== index) return pair;
@@ -148,7 +148,7 @@ export function withoutDot(pairs: readonly Pair[], { pair: index, dot }: DotRef)
   });
 }
 
-/** The step with fields that are dragged on top of it. */
+/** Returns the step with dragged fields on top. */
 export function withFields(step: GraftStep, fields: GraftFields): GraftStep {
   const asked = readStep({ source: step.source, target: step.target, ...fields });
   const has = (name: keyof GraftFields) => name in fields;
@@ -166,7 +166,9 @@ export function withFields(step: GraftStep, fields: GraftFields): GraftStep {
   };
 }
 
-/** Pairs with the starts that the engine proposes where loops fit as well from several; undefined: there are none. */
+/**
+ * Returns the pairs with the proposed starts where loops fit equally well from several; undefined if there are none.
+ */
 export function withStarts(pairs: readonly Pair[], open: readonly OpenStart[]): Pair[] | undefined {
   if (pairs.length === 0 || open.length === 0) return undefined;
   return pairs.map((pair, i) => {

@@ -1,4 +1,4 @@
-// What a graft is made of, as the page knows it.
+// The data types of a graft in the page.
 import type { Outcome } from "../../engine/connection";
 import type { DocumentState, EngineError, EngineEvent, PageRequest, Plane, SelectionSpec } from "../../protocol";
 import type { LoopCurve } from "./loop_curve";
@@ -6,10 +6,10 @@ import type { LoopCurve } from "./loop_curve";
 export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
 export type PartSource = { path: string } | { sample: string; resolution?: number } | { upload: string };
 export type GraftTool = "loops" | "plane" | "stroke" | "fixed" | "drop";
-/** How the two are shown: what comes of them, that with the part beside it, or both as they were. */
+/** How the two objects are shown: the result, the result with the part beside it, or both objects as they were. */
 export type Arrangement = "result" | "both" | "apart";
 
-/** The model or a part, as the engine lists it. */
+/** The model or a part, as listed by the engine. */
 export interface MeshObject {
   name: string;
   mesh: number;
@@ -20,20 +20,20 @@ export interface MeshObject {
   grafted: boolean;
 }
 
-/** A boundary loop as it is shown. */
+/** A boundary loop as shown in the view. */
 export interface ShownLoop {
-  readonly vertices: Uint32Array; // in order
+  readonly vertices: Uint32Array; // in order along the loop
   readonly length: number;
   readonly curve: LoopCurve;
 }
 
-/** A plane that is to cut a mesh, in that mesh's own coordinates. */
+/** A plane to cut a mesh by, in the coordinates of that mesh. */
 export interface Cut {
   readonly mesh: number;
   readonly plane: Plane;
 }
 
-/** A curve that is being drawn to cut along: through these vertices of a mesh. */
+/** A curve being drawn to cut along, through these vertices of a mesh. */
 export interface DrawnCurve {
   readonly mesh: number;
   readonly vertices: readonly number[];
@@ -50,14 +50,14 @@ export interface LoopRef {
   readonly loop: number;
 }
 
-/** What a graft needs of the editor. */
+/** The functions of the editor that a graft uses. */
 export interface GraftHost {
   readonly state: { readonly value: DocumentState | null };
   ask(request: PageRequest): Promise<Outcome | undefined>;
   attempt(request: PageRequest): Promise<Outcome | EngineError>;
   request(request: PageRequest): Promise<Outcome>;
-  /** Tells the person something that is no failure. */
+  /** Tells the user something that is not a failure. */
   note(problem: string, remedy: string): void;
-  /** Where the vertices of a mesh are, 3 numbers each. */
+  /** Returns the positions of a mesh's vertices, 3 numbers each. */
   positionsOf(mesh: number): Float32Array | undefined;
 }

@@ -2,7 +2,7 @@ import { computed, type ReadonlySignal } from "@preact/signals";
 import type { Graft } from "./graft";
 import type { LiveWords } from "../live_words";
 
-/** What there is to do before a graft is in work; undefined while there is no part. */
+/** Returns what the user has to do before a graft can start; undefined without a part. */
 export function pairingWords(graft: Graft): string | undefined {
   const waiting = graft.parts.value.filter((part) => graft.isShown(part));
   if (waiting.length === 0) return undefined;
@@ -15,7 +15,7 @@ export function pairingWords(graft: Graft): string | undefined {
     : "Now click the loop of the other one that it meets.";
 }
 
-/** What the mode Graft waits for, in few words. */
+/** Returns in few words what graft mode waits for. */
 export function graftWords(graft: Graft): LiveWords {
   const idle = (text: string, explained = ""): LiveWords => ({ tone: "idle", text, explained });
   switch (graft.tool.value) {
@@ -53,15 +53,18 @@ function inGraft(graft: Graft, pairs: number): LiveWords {
   return { tone: "good", text: "Grafted; Accept keeps it", explained: "Change it as you like before: the panel and the view show what comes of it." };
 }
 
-/** How large is what is shown. */
+/** The size of the shown objects. */
 export interface ShownSize {
   vertices: number;
   faces: number;
-  /** Sides of the box around it, where it is one thing. */
+  /** Side lengths of the bounding box, if one object is shown. */
   sides: readonly number[] | undefined;
 }
 
-/** Of the mode Graft: what comes of it where that is shown, and what stands beside. `sidesOf` a mesh's box. */
+/**
+ * Computes the size of what graft mode shows: the result if there is one, and the objects beside it. `sidesOf` returns
+ * the side lengths of a mesh's box.
+ */
 export function shownSize(graft: Graft, sidesOf: (mesh: number) => readonly number[] | undefined): ReadonlySignal<ShownSize> {
   const ofPreview = computed(() => sizeOf(graft.preview.value));
   return computed(() => {

@@ -1,7 +1,7 @@
-// Boundary loops as curves measured by length. No state, no screen.
+// Boundary loops as curves parametrised by arc length. No state, no screen.
 import type { Meeting } from "./graft_step";
 
-/** A closed loop of vertices, each at its share of the loop's length from the first one: 0 to below 1. */
+/** A closed loop of vertices with arc-length parameters: 0 at the first vertex, below 1 at all others. */
 export class LoopCurve {
   readonly length: number;
   private readonly arcs: Float64Array;
@@ -27,13 +27,13 @@ export class LoopCurve {
     return this.indexOfVertex.has(vertex);
   }
 
-  /** Undefined: the vertex is not on this loop. */
+  /** Returns the parameter of a vertex; undefined if it is not on this loop. */
   arcOf(vertex: number): number | undefined {
     const index = this.indexOfVertex.get(vertex);
     return index === undefined ? undefined : this.arcs[index];
   }
 
-  /** The vertex nearest to a place along the loop. */
+  /** Returns the vertex nearest to a parameter of the loop. */
   vertexAt(arc: number): number {
     let best = 0;
     for (let i = 1; i < this.arcs.length; ++i)
@@ -42,12 +42,15 @@ export class LoopCurve {
   }
 }
 
-/** The way from `from` to `to` along a loop, as a share of it: -0.5 to 0.5. */
+/** Returns the signed distance from `from` to `to` along a loop, as a share of its length: -0.5 to 0.5. */
 export function between(from: number, to: number): number {
   return to - from - Math.round(to - from);
 }
 
-/** The place on the target's loop that meets a vertex of the source's, where one meeting says how: loops run opposite ways. */
+/**
+ * Returns the parameter on the target loop that matches a vertex of the source loop, given one match. The loops run
+ * opposite ways.
+ */
 export function meetingPlace(source: LoopCurve, target: LoopCurve, start: Meeting, vertex: number): number | undefined {
   const from = source.arcOf(start[0]);
   const at = source.arcOf(vertex);
@@ -55,7 +58,7 @@ export function meetingPlace(source: LoopCurve, target: LoopCurve, start: Meetin
   return from === undefined || at === undefined || to === undefined ? undefined : to - (at - from);
 }
 
-/** By how much `start` is turned against `base`, in degrees along the target's loop: -180 to 180. */
+/** Returns the twist of `start` relative to `base`, in degrees along the target loop: -180 to 180. */
 export function twistDeg(source: LoopCurve, target: LoopCurve, base: Meeting, start: Meeting): number {
   const untwisted = meetingPlace(source, target, base, start[0]);
   const now = target.arcOf(start[1]);
@@ -63,8 +66,8 @@ export function twistDeg(source: LoopCurve, target: LoopCurve, base: Meeting, st
 }
 
 /**
- * The start that is turned by `angleDeg` against `base`: of all vertices of both loops the two that come nearest, so
- * that coarse loops turn finely, too.
+ * Returns the start that is twisted by `angleDeg` relative to `base`. Tries all vertices of both loops and takes the
+ * closest pair, so that coarse loops turn finely, too.
  */
 export function twisted(source: LoopCurve, target: LoopCurve, base: Meeting, angleDeg: number): Meeting {
   let best = base;
@@ -85,7 +88,10 @@ export function twisted(source: LoopCurve, target: LoopCurve, base: Meeting, ang
   return best;
 }
 
-/** Whether all that meets goes round both loops in the same order, opposite ways: what crosses is refused. */
+/**
+ * Returns whether the matches are in the same order along both loops, which run opposite ways. Crossing matches are
+ * refused.
+ */
 export function areInOrder(source: LoopCurve, target: LoopCurve, meetings: readonly Meeting[]): boolean {
   const first = meetings[0];
   if (first === undefined) return true;
@@ -104,7 +110,7 @@ export function areInOrder(source: LoopCurve, target: LoopCurve, meetings: reado
   });
 }
 
-/** The vertex of a polyline of places on the page that is nearest to a point, and how far it is, in pixels. */
+/** Returns the vertex of a polyline on the page that is nearest to a point, and its distance in pixels. */
 export function nearestPlace(places: ArrayLike<number>, x: number, y: number): { index: number; distance: number } {
   let index = -1;
   let least = Infinity;

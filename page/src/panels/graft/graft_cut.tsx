@@ -3,7 +3,7 @@ import { Button } from "../ui/button";
 import { Segments, Select, Slider } from "../ui/fields";
 import { Section } from "../ui/section";
 
-/** Opens the model or a part: by a plane, or along a curve that is drawn. */
+/** Cuts the model or a part open, by a plane or along a drawn curve. */
 export function CutPanel({ page }: { page: Page }) {
   const { graft } = page.editor;
   const inWork = graft.kept.value !== undefined;
@@ -45,7 +45,7 @@ export function CutPanel({ page }: { page: Page }) {
   );
 }
 
-/** The cut that is being laid, above all else. */
+/** The cut in progress, shown above the other panels. */
 export function CutInWork({ page }: { page: Page }) {
   const tool = page.editor.graft.tool.value;
   if (tool !== "plane" && tool !== "stroke") return null;

@@ -3,23 +3,23 @@ import type { GraftFields, GraftStep, Vector3Tuple } from "../../app/graft/graft
 import { IconButton } from "../ui/button";
 import { degrees, Segments, Select, Slider, Toggle } from "../ui/fields";
 
-/** What of a graft can be changed, in work or later: all that is needed of it. */
+/** The data needed to change a graft, the current one or that of an earlier step. */
 export interface GraftFieldsProps {
   step: GraftStep;
-  /** From now on; null takes a field away. */
+  /** Commits fields; null removes a field. */
   keep: (fields: GraftFields) => void;
 }
 
 interface NumbersProps extends GraftFieldsProps {
-  /** The scale that came out, where it is known. */
+  /** The scale that the engine found, if known. */
   foundSize: number | undefined;
-  /** For now, while a slider is dragged. */
+  /** Previews fields while a slider is dragged. */
   drag?: (fields: GraftFields) => void;
-  /** How it is turned, where loops are paired. */
+  /** The field for the twist of paired loops. */
   twist: ComponentChildren;
 }
 
-/** Normal angle, turn and size. */
+/** The fields for normal angle, spin and size. */
 export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProps) {
   return (
     <>
@@ -99,7 +99,7 @@ export function ShapeField({ step, keep }: GraftFieldsProps) {
 const axes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] } as const;
 type MirrorAxis = "none" | keyof typeof axes | "other";
 
-/** `middle`: of the part, where the mirror stands. */
+/** The field for a mirrored part. `middle` returns the centre of the part, where the mirror plane goes. */
 export function MirrorField({ step, keep, middle }: GraftFieldsProps & { middle: () => Vector3Tuple }) {
   const normal = step.mirror?.normal;
   const value: MirrorAxis =

@@ -9,7 +9,7 @@ import { Button, IconButton } from "../ui/button";
 import { Icon } from "../ui/icon";
 import { Section } from "../ui/section";
 
-/** Something that can be put beside the model. */
+/** A mesh that can be added as a part. */
 interface Offered {
   readonly name: string;
   readonly tip: string;
@@ -73,7 +73,7 @@ export function PartLibrary({ page }: { page: Page }) {
   );
 }
 
-/** Models that the program was started with, but for the one that is open. */
+/** Models of the command line, except the one that is open. */
 function GivenParts({ page }: { page: Page }) {
   const { editor } = page;
   const open = editor.state.value?.model.name ?? "";
@@ -169,7 +169,7 @@ function Card({ page, offered }: { page: Page; offered: Offered }) {
   );
 }
 
-/** A small picture; an icon while there is none. `version`: another picture of the same name. */
+/** A small picture, or an icon while there is none. A new `version` requests a new picture under the same name. */
 export function Thumbnail({
   page,
   of,

@@ -16,12 +16,12 @@ import { degrees, Segments, Slider } from "../ui/fields";
 import { More, Section } from "../ui/section";
 import "./graft.css";
 
-/** All of the mode Graft. */
+/** All panels of graft mode. */
 export function GraftPanels({ page }: { page: Page }) {
   const { graft } = page.editor;
   const inWork = graft.kept.value !== undefined;
   const top = useRef<HTMLDivElement>(null);
-  // What comes next stands at the top, also for who has looked through the library.
+  // The next action is at the top, so scroll there even if the user has scrolled down through the library.
   useEffect(() => top.current?.scrollIntoView({ block: "nearest" }), [inWork, graft.parts.value.length, graft.tool.value]);
   return (
     <>
@@ -36,7 +36,7 @@ export function GraftPanels({ page }: { page: Page }) {
   );
 }
 
-/** What to do next, before a graft is in work. */
+/** Tells the user what to do next, before a graft is in progress. */
 function Pairing({ page }: { page: Page }) {
   const { graft } = page.editor;
   const words = pairingWords(graft);
@@ -201,7 +201,7 @@ function confidenceWords(confidence: number | undefined): string {
   return `automatic, confidence ${Math.round(100 * confidence)} %: ${words}`;
 }
 
-// Sliders take their values from the document; while one is dragged it keeps its own.
+// The sliders show the document's values. A slider that is being dragged keeps its own value.
 function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
   const { graft } = page.editor;
   return (
@@ -221,7 +221,7 @@ function Twist({ page }: { page: Page }) {
   const index = graft.activePair.value;
   const pair = graft.pairs.value[index];
   const held = pair === undefined || pair.matches.length > 0 || graft.starts.curvesOf(pair) === undefined;
-  const asked = useRef(0); // -180° and 180° are one turn: it is shown as it was asked for
+  const asked = useRef(0); // -180° and 180° are the same rotation; shown as typed
   const twist = (value: number, then: "drag" | "keep") => {
     const pairs = graft.starts.withTwist(index, value);
     if (pairs === undefined) return;

@@ -6,7 +6,7 @@ import { IconButton } from "../ui/button";
 import { Menu } from "../ui/menu";
 import { Section } from "../ui/section";
 
-/** What there is beside the model. */
+/** The list of parts beside the model. */
 export function PartsPanel({ page }: { page: Page }) {
   const { graft } = page.editor;
   const parts = graft.parts.value;

@@ -4,7 +4,7 @@ import { sentence } from "../messages";
 import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
 
-/** Whether a start that was found may well be another. */
+/** Returns whether a start was found with low confidence (below 0.4). */
 function isUnsure({ editor: { graft } }: Page): boolean {
   const told = graft.report.value?.pairs ?? [];
   return graft.pairs.value.some(
@@ -13,7 +13,7 @@ function isUnsure({ editor: { graft } }: Page): boolean {
   );
 }
 
-/** What the graft came to: why there is none, or how its seam is, and what is to be noted. */
+/** The outcome of the graft: the error, or the quality of the seam and the notes. */
 export function GraftReportView({ page }: { page: Page }) {
   const { graft } = page.editor;
   const report = graft.report.value;

@@ -24,7 +24,7 @@ const hints: Record<GraftTool, string> = {
   drop: "Point where the part is to grow. Wheel or R spins, shift+wheel or S scales, a click grafts it, Esc leaves it.",
 };
 
-/** Tools of the mode Graft, at the left. */
+/** The tools of graft mode, at the left. */
 export function GraftToolbar({ page }: { page: Page }) {
   const { graft } = page.editor;
   const busy = graft.kept.value !== undefined;
@@ -47,7 +47,7 @@ export function GraftToolbar({ page }: { page: Page }) {
   );
 }
 
-/** What the tool does, above the view. */
+/** A hint on the active tool, above the view. */
 export function GraftToolHint({ page }: { page: Page }) {
   const { graft, tools: settings } = page.editor;
   const tool = graft.tool.value;

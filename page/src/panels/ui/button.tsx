@@ -5,7 +5,7 @@ interface ButtonProps {
   label: string;
   onClick: () => void;
   icon?: IconName;
-  /** Explains it on hovering; an icon alone shows its label. */
+  /** Tooltip. A button with only an icon shows its label. */
   tip?: string;
   keys?: string;
   kind?: "plain" | "primary" | "quiet" | "danger";
@@ -74,7 +74,7 @@ export function IconButton({
   );
 }
 
-/** A button that acts while it is held: by the pointer, or by space and enter. */
+/** A button that acts while it is held, by the pointer or by space and enter. */
 export function HoldButton(props: Omit<IconButtonProps, "onClick"> & { onHold: (held: boolean) => void }) {
   const { label, icon, tip, keys, pressed, disabled, onHold } = props;
   const isHolding = (event: KeyboardEvent) => event.key === " " || event.key === "Enter";

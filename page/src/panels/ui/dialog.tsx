@@ -4,14 +4,14 @@ import { IconButton } from "./button";
 
 interface DialogProps {
   title: string;
-  /** Absent: it cannot be closed but by an answer. */
+  /** Absent: the dialog can be closed only by its actions. */
   onClose?: () => void;
   wide?: boolean;
   children: ComponentChildren;
   actions?: ComponentChildren;
 }
 
-/** A modal dialog: the focus stays in it, escape closes it, and the focus goes back to where it was. */
+/** A modal dialog. It keeps the focus, closes on escape, and returns the focus to the previous element. */
 export function Dialog({ title, onClose, wide, children, actions }: DialogProps) {
   const element = useRef<HTMLDialogElement>(null);
   const id = useId();

@@ -8,23 +8,26 @@ interface NumberFieldProps {
   onChange: (value: number) => void;
   quantity?: Quantity;
   unit?: Unit;
-  /** Shown behind the number. */
+  /** Shown after the number. */
   suffix?: string;
   step?: number;
   min?: number;
   max?: number;
-  /** It is more than this, and not this itself. */
+  /** Exclusive lower bound. */
   above?: number;
   integer?: boolean;
   disabled?: boolean;
   digits?: number;
-  /** No more than these behind the point are shown. */
+  /** Largest number of decimals shown. */
   decimals?: number;
   labelledBy?: string;
   tip?: string;
 }
 
-/** A number to type, with units and small calculations; up and down change it by a step (shift: ten, alt: a tenth). */
+/**
+ * A number field that accepts units and small calculations. The up and down keys change the number by a step (shift:
+ * ten steps, alt: a tenth).
+ */
 export function NumberField(props: NumberFieldProps) {
   const { label, value, onChange, quantity = "number", unit = "none", suffix, step = 1, disabled } = props;
   const [typed, setTyped] = useState<string | null>(null);
@@ -34,11 +37,12 @@ export function NumberField(props: NumberFieldProps) {
   const bad = parsed === undefined || (typed !== null && !takes(parsed, props));
   const [told, setTold] = useState(false);
   useEffect(() => {
-    if (!told || typed !== null) return undefined; // what is refused stays, and is told, until it is changed or left
+    // A refused input and its message stay until the input changes or the field loses focus.
+    if (!told || typed !== null) return undefined;
     const timer = setTimeout(() => setTold(false), tellingMs);
     return () => clearTimeout(timer);
   }, [told, typed]);
-  /** Whether there is nothing more to be said. */
+  /** Commits the typed text. Returns whether it is valid. */
   const confirm = (): boolean => {
     if (bad) setTold(true);
     else if (typed !== null && typed.trim() !== shown) onChange(inForm(parsed, props));
@@ -107,19 +111,19 @@ function inForm(value: number, { integer }: Range): number {
   return integer === true ? Math.round(value) : value;
 }
 
-/** Whether a number may stand in a field. */
+/** Returns whether a number is within a range. */
 export function takes(value: number, { min = -Infinity, max = Infinity, above = -Infinity }: Range): boolean {
   return value >= min && value <= max && (value > above || above === -Infinity);
 }
 
-/** How a quantity may be written. */
+/** Returns examples of how a quantity can be written. */
 function writingWords(quantity: Quantity): string {
   if (quantity === "angle") return "degrees or turns: 45, 2 turns";
   if (quantity === "length") return "a length: 12.5, 3 mm, 1 cm / 4";
   return quantity === "factor" ? "a factor: 1.5, 150 %" : "a number: 12.5, 3 / 4";
 }
 
-/** What a field takes: "1 to 20". */
+/** Describes a range: "1 to 20". */
 export function rangeWords({ min = -Infinity, max = Infinity, above, integer }: Range): string {
   const number = (value: number) => formatNumber(value);
   const kind = integer === true ? "whole numbers, " : "";
@@ -132,24 +136,24 @@ export function rangeWords({ min = -Infinity, max = Infinity, above, integer }: 
 interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
   min: number;
   max: number;
-  /** Where the track ends, when numbers beyond may be typed. */
+  /** The ends of the track, if numbers beyond can be typed. */
   softMin?: number;
   softMax?: number;
-  /** Steps grow with the value; 0 stays reachable. */
+  /** Whether steps grow with the value. 0 stays reachable. */
   logarithmic?: boolean;
-  /** What the arrow keys on the track change it by; as far as the track's picture allows without. */
+  /** The change by an arrow key on the track. Absent: the smallest change that the track can show. */
   arrowStep?: number;
   help?: string;
-  /** While it is dragged; `onChange` comes at the end. */
+  /** Called while the slider is dragged; `onChange` is called at the end. */
   onInput?: (value: number) => void;
   children?: ComponentChildren;
 }
 
-/** Of a turn by degrees: any number may be typed as far as half a turn. */
+/** The range of an angle in degrees: the track and the field go to half a turn in either direction. */
 export const degrees = { min: -180, max: 180, suffix: "°", arrowStep: 1 } as const;
 
 const positions = 1000;
-const pauseMs = 300; // presses of arrow keys that follow sooner are one change
+const pauseMs = 300; // arrow-key presses that follow within this time are one change
 const arrowKeys: Readonly<Record<string, number>> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
 
 /** A named slider with a number field. */
@@ -208,7 +212,7 @@ export function Slider(props: SliderProps) {
   );
 }
 
-/** Places of numbers on a slider, 0 to 1. */
+/** Maps numbers to positions on a slider (0 to 1) and back. */
 export class Track {
   private readonly floor: number;
 
@@ -298,7 +302,7 @@ export function Select<Value extends string>(props: SelectProps<Value>) {
   );
 }
 
-/** Few choices side by side; arrows go between them. */
+/** A few choices side by side. Arrow keys move between them. */
 export function Segments<Value extends string>(props: SelectProps<Value> & { hideLabel?: boolean }) {
   const id = useId();
   return (
@@ -328,7 +332,7 @@ export function Segments<Value extends string>(props: SelectProps<Value> & { hid
   );
 }
 
-/** A name that is changed in its place: enter confirms, escape leaves it as it was. */
+/** A name that is edited in place: enter confirms, escape reverts. */
 export function NameField({
   name,
   onRename,

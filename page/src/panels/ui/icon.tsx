@@ -1,4 +1,4 @@
-/** Our own icons: strokes on a grid of 20 by 20. */
+/** The project's own icons: strokes on a grid of 20 by 20. */
 const paths = {
   navigate:
     "M10 2.5v15M2.5 10h15M10 2.5 8 4.5M10 2.5l2 2M10 17.5l-2-2M10 17.5l2-2M2.5 10l2-2M2.5 10l2 2M17.5 10l-2-2M17.5 10l-2 2",
@@ -82,7 +82,7 @@ export function Icon({ name, size = 18 }: { name: IconName; size?: number }) {
   );
 }
 
-/** The program's mark. */
+/** The program's logo. */
 export function Mark({ size = 22 }: { size?: number }) {
   return (
     <svg width={size} height={size} viewBox="0 0 32 32" aria-hidden="true">

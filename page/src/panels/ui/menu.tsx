@@ -9,7 +9,7 @@ export interface MenuItem {
   keys?: string | undefined;
   disabled?: boolean;
   danger?: boolean;
-  /** A line above. */
+  /** Whether a line above separates the item. */
   begins?: boolean;
 }
 
@@ -21,7 +21,7 @@ interface MenuProps {
   class?: string;
 }
 
-/** A button that opens a list of commands; arrows, home, end and escape work as in other programs. */
+/** A button that opens a list of commands. Arrows, home, end and escape work as usual in menus. */
 export function Menu({ label, items, icon, children, class: name }: MenuProps) {
   const [place, setPlace] = useState<{ x: number; y: number; up: boolean } | null>(null);
   const button = useRef<HTMLButtonElement>(null);
@@ -40,7 +40,7 @@ export function Menu({ label, items, icon, children, class: name }: MenuProps) {
       up,
     });
   };
-  // Before the list is painted: a key that is pressed as soon as it is seen is its own.
+  // Moves the focus before the list is painted, so that a key pressed right after opening goes to the list.
   useLayoutEffect(() => {
     if (place === null) return undefined;
     list.current?.querySelector<HTMLElement>("[role=menuitem]:not([disabled])")?.focus();

@@ -5,15 +5,15 @@ import { Icon } from "./icon";
 
 interface SectionProps {
   title: string;
-  /** One line that says what it is for. */
+  /** One line that says what the section is for. */
   hint: string;
-  /** Beside the title: a count, a state. */
+  /** Shown beside the title: a count or a state. */
   badge?: ComponentChildren;
   startsOpen?: boolean;
   children: ComponentChildren;
 }
 
-/** A part of the side that folds; whether it is open is remembered. */
+/** A collapsible section of the side panel. The browser remembers whether it is open. */
 export function Section({ title, hint, badge, startsOpen = false, children }: SectionProps) {
   const open = remembered(`section ${title}`, startsOpen);
   const id = useId();
@@ -50,7 +50,7 @@ export function Section({ title, hint, badge, startsOpen = false, children }: Se
   );
 }
 
-/** What is seldom needed. */
+/** A collapsible block for rarely needed fields. */
 export function More({ label, children }: { label: string; children: ComponentChildren }) {
   const open = remembered(`more ${label}`, false);
   return (

@@ -11,7 +11,7 @@ interface Tip {
 
 const delayMs = 450;
 
-/** Shows what `data-label`, `data-tip` and `data-keys` of the element under the pointer, or focused by keys, say. */
+/** Shows `data-label`, `data-tip` and `data-keys` of the element under the pointer or with keyboard focus. */
 export function Tooltips() {
   const [tip, setTip] = useState<Tip | null>(null);
   useEffect(() => {

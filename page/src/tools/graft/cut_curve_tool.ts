@@ -10,7 +10,7 @@ import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 const stepPx = 9; // between vertices of the curve
 const closePx = 16;
 
-/** Draws a closed curve on the surface, in one stroke or in several with turns of the view between, to cut along. */
+/** Draws a closed curve on the surface to cut along, in one or several strokes, between which the view can turn. */
 export class CutCurveTool implements Tool {
   readonly cursor = "crosshair";
   private readonly path = svg("path", { class: "cut-curve", display: "none" });
@@ -89,7 +89,8 @@ export class CutCurveTool implements Tool {
     return true;
   }
 
-  // It runs so that what it goes around, as it is seen, is at its left hand, which the engine calls above.
+  // Closes the curve counter-clockwise as seen on the screen. Its inside is then at its left, the side that the engine
+  // calls above.
   private close(): void {
     const { value: curve } = this.graft.cutCurve;
     if (curve === null || curve.vertices.length < 3) return;

@@ -6,14 +6,14 @@ import { meetSurface } from "../../view/picking/picking";
 import type { ScreenPoint } from "../screen_camera";
 import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
-/** Where a part is dropped, and how. */
+/** The point where a part is dropped, and its spin and scale. */
 interface Drop {
   point: [number, number, number];
   spinDeg: number;
   size: number | undefined;
 }
 
-/** A part follows the pointer over the surface, spins and scales, and is grafted where it is let go. */
+/** Drops a part: it follows the pointer over the surface, spins and scales, and is grafted where it is released. */
 export class DropTool implements Tool {
   readonly cursor = "copy";
   private drop: Drop | undefined;
@@ -43,7 +43,7 @@ export class DropTool implements Tool {
     this.context.status.clear();
   }
 
-  /** A click grafts it there. */
+  /** A click grafts the part at the pointer. */
   press(pointer: Pointer): Stroke | undefined {
     this.hover(pointer, undefined);
     if (this.pointUnder(pointer.screenPoint) === undefined) return undefined;
@@ -108,7 +108,7 @@ export class DropTool implements Tool {
     this.context.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (shift+wheel, S) · Esc leaves it`, this.screenPoint);
   }
 
-  /** Grafts it where it is. */
+  /** Grafts the part at its current point. */
   async finish(): Promise<void> {
     const fields = this.fields();
     if (fields === undefined) return this.giveUp();
@@ -116,7 +116,7 @@ export class DropTool implements Tool {
     this.end();
     await done;
   }
-  /** Leaves it, and says why: it was let go beside the surface. */
+  /** Cancels the drop and says why: the part was released beside the surface. */
   async miss(): Promise<void> {
     const done = this.graft.missDropped();
     this.end();
@@ -126,7 +126,7 @@ export class DropTool implements Tool {
     if (this.graft.dropped.value !== null) void this.graft.leaveDropped();
     this.end();
   }
-  /** Whether the surface is there. */
+  /** Returns whether the target's surface is under this point. */
   canLand(screenPoint: ScreenPoint): boolean {
     return this.pointUnder(screenPoint) !== undefined;
   }
@@ -136,7 +136,7 @@ export class DropTool implements Tool {
     if (this.graft.tool.value === "drop") this.graft.tool.value = "loops";
   }
 
-  // On the target itself, which is hidden while it is shown what comes of it.
+  // Picks the target itself, which is hidden while the result is shown.
   private pointUnder({ x, y }: ScreenPoint): [number, number, number] | undefined {
     const { viewport } = this.context;
     const target = this.graft.kept.value?.target ?? this.graft.model.value?.name;

@@ -2,7 +2,7 @@ import type { Hit } from "../../view/picking/picking";
 import { BrushTool } from "../select_tools";
 import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
-/** Paints what of a part stays as it is, where it keeps its pose. */
+/** Paints the fixed vertices of a part that keeps its pose. */
 export class FixedTool implements Tool {
   readonly cursor = "crosshair";
   private readonly brush: BrushTool;

@@ -11,14 +11,14 @@ import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
 const nearPx = { loop: 14, dot: 11 };
 
-/** An end of a dot: on the source's loop or on the target's. */
+/** One end of a dot, on the source loop or on the target loop. */
 interface End extends DotRef {
-  readonly side: 0 | 1; // of the source, of the target
+  readonly side: 0 | 1; // 0: source, 1: target
   readonly mesh: number;
   readonly vertex: number;
 }
 
-/** Pairs loops by clicks, and drags what meets along them. */
+/** Pairs loops by clicks, and drags matches along them. */
 export class LoopPairTool implements Tool {
   readonly cursor = "default";
   private readonly element = svg("g", { class: "graft-dots" });
@@ -87,7 +87,7 @@ export class LoopPairTool implements Tool {
     void this.graft.pick(ref);
   }
 
-  /** A double click on a loop that is paired adds a match there. */
+  /** Adds a match at a double click on a paired loop. */
   confirm(): boolean {
     const near = this.pointer && this.loopAt(this.pointer.screenPoint);
     const index = near === undefined ? -1 : this.pairOf(near.ref);
@@ -115,7 +115,7 @@ export class LoopPairTool implements Tool {
     return true;
   }
 
-  /** Drags one end along its loop, from vertex to vertex; what would cross is not taken. */
+  /** Drags one end along its loop, from vertex to vertex. Positions that would make matches cross are skipped. */
   private dragEnd(end: End): Stroke {
     const before = this.graft.pairs.value;
     this.graft.dot.value = { pair: end.pair, dot: end.dot };
@@ -148,7 +148,7 @@ export class LoopPairTool implements Tool {
     return areInOrder(curves.source, curves.target, known) ? meeting : undefined;
   }
 
-  // What a vertex meets as it is shown: by the lines of the preview where there is one, else by length.
+  // Returns the match of a vertex as shown: by the lines of the preview if there is one, otherwise by arc length.
   private meetingAt(ref: LoopRef, vertex: number, index: number): Meeting | undefined {
     const pair = this.graft.pairs.value[index];
     const curves = pair && this.graft.starts.curvesOf(pair);
@@ -172,7 +172,7 @@ export class LoopPairTool implements Tool {
     );
   }
 
-  /** The loop under the pointer, and its vertex there. */
+  /** Returns the loop under the pointer and its nearest vertex. */
   private loopAt(screenPoint: ScreenPoint): { ref: LoopRef; vertex: number } | undefined {
     let best: { ref: LoopRef; vertex: number } | undefined;
     let least: number = nearPx.loop;
@@ -191,7 +191,8 @@ export class LoopPairTool implements Tool {
     return vertices[index];
   }
 
-  // Where vertices are on the page; along edges, for coarse loops, halves as well would be too much: vertices are it.
+  // Returns the screen points of vertices (2 numbers each). Points along the edges are not added, not even for coarse
+  // loops.
   private spotsOf(mesh: number, vertices: Uint32Array): Float64Array {
     const screenPoints = new Float64Array(2 * vertices.length).fill(Infinity);
     const place = new Vector3();
@@ -262,7 +263,7 @@ export class LoopPairTool implements Tool {
     });
   }
 
-  // A start is a rhombus with its pair's number, a match a circle.
+  // Draws a start as a rhombus with the number of its pair, and a match as a circle.
   private elementOf(end: End): SVGGElement {
     const key = keyOf(end);
     const known = this.dots.get(key);

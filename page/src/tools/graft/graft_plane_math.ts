@@ -1,15 +1,16 @@
-// A cutting plane, and what gestures make of it. No state, no screen.
+// A cutting plane, and how gestures change it. No state, no screen.
 import { Vector3 } from "three";
 
-/** The points x with (x - point) · normal = 0; `normal` has length 1 and points above. */
+/** The points x with (x - point) · normal = 0. `normal` has length 1 and points to the side above. */
 export interface CutPlane {
   readonly point: Vector3;
   readonly normal: Vector3;
 }
 
 /**
- * The plane through a line that is drawn across the view: through the places a and b on the page, and along the
- * direction of view there. Above lies at the left hand of the line. Undefined for a line without length.
+ * Returns the plane through a line drawn on the screen and along the viewing direction. The line goes from a to b,
+ * points of the world with viewing directions `alongA` and `alongB`. Above is at the left of the line. Undefined for a
+ * line without length.
  */
 export function planeThroughLine(a: Vector3, b: Vector3, alongA: Vector3, alongB: Vector3): CutPlane | undefined {
   const along = alongA.clone().normalize().add(alongB.clone().normalize());
@@ -19,12 +20,12 @@ export function planeThroughLine(a: Vector3, b: Vector3, alongA: Vector3, alongB
   return { point: a.clone().add(b).multiplyScalar(0.5), normal: normal.normalize().negate() };
 }
 
-/** Moved along its normal. */
+/** Returns the plane moved along its normal. */
 export function movedBy(plane: CutPlane, length: number): CutPlane {
   return { point: plane.point.clone().addScaledVector(plane.normal, length), normal: plane.normal };
 }
 
-/** Tilted so that its normal points to `tip` from where it is. */
+/** Returns the plane tilted so that its normal points from its point to `tip`. */
 export function tiltedTo(plane: CutPlane, tip: Vector3): CutPlane {
   const normal = tip.clone().sub(plane.point);
   return normal.lengthSq() > 0 ? { point: plane.point, normal: normal.normalize() } : plane;
@@ -34,7 +35,7 @@ export function flipped({ point, normal }: CutPlane): CutPlane {
   return { point, normal: normal.clone().negate() };
 }
 
-/** How far along a line a ray passes it by nearest; undefined where the two are parallel. */
+/** Returns the parameter of the point of a line that is nearest to a ray; undefined if the two are parallel. */
 export function nearestAlong(point: Vector3, direction: Vector3, rayOrigin: Vector3, rayDirection: Vector3): number | undefined {
   const d = direction.clone().normalize();
   const r = rayDirection.clone().normalize();
@@ -45,7 +46,7 @@ export function nearestAlong(point: Vector3, direction: Vector3, rayOrigin: Vect
   return (between.dot(d) - cosine * between.dot(r)) / sine2;
 }
 
-/** Where a ray meets a ball, or else passes it by nearest, as a place on the ball. */
+/** Returns the point where a ray meets a sphere, or else the point of the sphere nearest to the ray. */
 export function onBall(centre: Vector3, radius: number, rayOrigin: Vector3, rayDirection: Vector3): Vector3 {
   const r = rayDirection.clone().normalize();
   const towards = centre.clone().sub(rayOrigin);
@@ -56,7 +57,9 @@ export function onBall(centre: Vector3, radius: number, rayOrigin: Vector3, rayD
   return place.setLength(radius).add(centre);
 }
 
-/** Whether a closed polygon on the page (y down) runs counter-clockwise as it is seen: its inside is at its left hand. */
+/**
+ * Returns whether a closed polygon on the page (y down) appears counter-clockwise, so that its inside is at its left.
+ */
 export function runsLeft(polygon: readonly (readonly [number, number])[]): boolean {
   let twice = 0;
   polygon.forEach(([x, y], i) => {

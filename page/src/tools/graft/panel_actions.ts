@@ -9,7 +9,7 @@ import type { Pointer } from "../tool";
 
 const dragPx = 7; // a press that moves farther is a drag
 
-/** What the graft panel asks of the tools. */
+/** Implements the functions of the tools that the graft panel uses. */
 export class GraftPanelActions implements GraftActions {
   constructor(
     private readonly editor: Editor,
@@ -35,7 +35,7 @@ export class GraftPanelActions implements GraftActions {
     const up = (event: PointerEvent) => {
       end();
       if (going === undefined) return;
-      window.addEventListener("click", swallow, { capture: true, once: true }); // of the thumbnail
+      window.addEventListener("click", swallow, { capture: true, once: true }); // the click on the thumbnail
       setTimeout(() => window.removeEventListener("click", swallow, { capture: true }));
       void going.then((begun) => (begun ? this.finish(event) : undefined));
     };
@@ -58,7 +58,7 @@ export class GraftPanelActions implements GraftActions {
     if (this.isOverView(event)) this.dropTool.hover(pointerOf(event), undefined);
   }
   private async finish(event: PointerEvent): Promise<void> {
-    if (this.editor.graft.dropped.value === null) return; // given up
+    if (this.editor.graft.dropped.value === null) return; // the drop was cancelled
     const at = pointerOf(event);
     if (this.isOverView(event) && this.dropTool.canLand(at.screenPoint)) {
       this.dropTool.hover(at, undefined);
@@ -102,7 +102,7 @@ export class GraftPanelActions implements GraftActions {
     return this.viewport.surfaceOf(mesh)?.sphere().center.toArray() ?? [0, 0, 0];
   }
 
-  /** Without the mirror, which comes before it. */
+  /** Returns the found pose without the mirror, which is applied before it. */
   foundPose(): Rows4 | null {
     const { report, step } = this.editor.graft;
     const found = report.value?.transform;

@@ -7,9 +7,9 @@ import { matrixOf, type Placement } from "../pose_math";
 
 const name = "part";
 
-/** Poses the part of a graft that keeps its pose: `source_transform`, by the gizmo. */
+/** Poses the part of a graft that keeps its pose (`source_transform`), by the gizmo. */
 export class PartControl implements Movable {
-  /** Where it is, as gestures made it; good as long as the document has the same. */
+  /** The placement from the gizmo's gestures, valid as long as the document has the same transform. */
   private own: { readonly placement: Placement; readonly rows: string } | undefined;
 
   constructor(

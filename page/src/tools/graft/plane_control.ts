@@ -15,7 +15,7 @@ const name = "cutting plane";
 const betweenPicksPx = 6;
 const up = new Vector3(0, 0, 1);
 
-/** The cutting plane in the world, and moved and turned by the gizmo. */
+/** Maps the cutting plane to world coordinates, and lets the gizmo move and turn it. */
 export class PlaneControl implements Movable {
   readonly acts: readonly Act[] = ["move", "turn"];
 
@@ -55,7 +55,7 @@ export class PlaneControl implements Movable {
     this.show(name, placement);
   }
 
-  /** From a plane in the world. */
+  /** Sets the cutting plane of a mesh from a plane in world coordinates. */
   set(mesh: number, { point, normal }: CutPlane): void {
     const stand = this.view.standOf(mesh);
     const own = point.clone().applyMatrix4(stand.clone().invert());
@@ -63,11 +63,11 @@ export class PlaneControl implements Movable {
     this.graft.cutPlane.value = { mesh, plane: { point: own.toArray(), normal: turned.toArray() } };
     this.viewport.requestRender();
   }
-  /** Of a mesh, as it stands. */
+  /** Returns the centre of a mesh as shown, in world coordinates. */
   middleOf(mesh: number): Vector3 | undefined {
     return this.viewport.surfaceOf(mesh)?.sphere().center.applyMatrix4(this.view.standOf(mesh));
   }
-  /** The diagonal of a mesh's box, as it stands. */
+  /** Returns the diagonal of a mesh's box as shown, in world units. */
   sizeOf(mesh: number): number {
     const scale = Math.cbrt(Math.abs(this.view.standOf(mesh).determinant()));
     return scale * (this.viewport.surfaceOf(mesh)?.box.diagonal ?? 1);
@@ -78,14 +78,14 @@ export class PlaneControl implements Movable {
   }
 }
 
-// Stands are similarities: normals turn as directions do.
+// A `stand` matrix is a similarity, so normals transform as directions do.
 function normalThrough(normal: Vector3, matrix: Matrix4): Vector3 {
   return normal.clone().transformDirection(matrix);
 }
 
 /**
- * A line across a model or a part, from beside it or on it, lays the cutting plane through the line and the eye. What is
- * cut is what the line begins on, or what it comes to first.
+ * Places the cutting plane through a line drawn across a model or a part and through the camera. The line may begin
+ * beside the object. It cuts the object that it begins on or meets first.
  */
 export class CutPlaneTool implements Tool {
   readonly cursor = "crosshair";
@@ -124,7 +124,7 @@ export class CutPlaneTool implements Tool {
     };
   }
 
-  // What a line that begins beside all surfaces comes to first.
+  // Returns the first hit of a line that begins beside all surfaces.
   private firstBetween(first: ScreenPoint, last: ScreenPoint): Hit | undefined {
     const count = Math.ceil(Math.hypot(last.x - first.x, last.y - first.y) / betweenPicksPx);
     for (let i = 1; i <= count; ++i) {
@@ -143,14 +143,15 @@ export class CutPlaneTool implements Tool {
     if (plane !== undefined) this.control.set(hit.surface.id, this.throughMiddle(plane, hit));
   }
 
-  // The gizmo belongs into the mesh, not before it: the plane's point nearest to the mesh's middle.
+  // Moves the plane's point to the point of the plane nearest to the mesh's centre, so that the gizmo is inside the
+  // mesh.
   private throughMiddle({ point, normal }: CutPlane, hit: Hit): CutPlane {
     const middle = this.control.middleOf(hit.surface.id) ?? point;
     return { point: middle.addScaledVector(normal, point.clone().sub(middle).dot(normal)), normal };
   }
 }
 
-/** The place on the page at the depth of a point. */
+/** Returns the point of the world under a screen point, at the depth of `point`. */
 function atDepthOf(camera: ScreenCamera, point: Vector3, screenPoint: ScreenPoint): Vector3 {
   const ray = camera.rayAt(screenPoint);
   const along = camera.towards(point);

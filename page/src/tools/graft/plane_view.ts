@@ -7,7 +7,10 @@ import type { Surface } from "../../view/surface/surface";
 import type { Viewport } from "../../view/viewport";
 import type { PlaneControl } from "./plane_control";
 
-/** The cutting plane as a pane, and the two sides of what it cuts: blue where the normal points, red on the other side. */
+/**
+ * Draws the cutting plane as a pane, and tints both sides of the mesh: blue where the normal points, red on the other
+ * side.
+ */
 export class PlaneView {
   private readonly group = new Group();
   private tinted: Surface | undefined;

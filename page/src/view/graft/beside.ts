@@ -1,30 +1,30 @@
-// Where parts stand beside the model while they are apart. No state, no screen.
+// Computes where parts are placed beside the model while they are apart. No state, no screen.
 
 type Vector = readonly [number, number, number];
 
-/** An axis-parallel box: the least and the largest coordinates. */
+/** An axis-aligned box: the least and the largest coordinates. */
 export interface Box {
   readonly min: Vector;
   readonly max: Vector;
 }
 
-/** A part, and the direction (of length 1) in which it stands as seen from the model. */
+/** A part and the unit direction from the model in which it is placed. */
 export interface Beside extends Box {
   readonly towards: Vector;
 }
 
-/** x' = scale x + offset: of how an object is shown, no matter where it is. */
+/** x' = scale x + offset: from an object's own coordinates to where it is shown. */
 export interface Standing {
   readonly scale: number;
   readonly offset: Vector;
 }
 
-const comparable = 4; // a part that is so many times larger or smaller than the model is shown in its size
+const comparable = 4; // a part that is more times larger or smaller than the model is shown scaled to the model's size
 
 /**
- * Places for parts beside the model, each in its direction, with its middle at the height of the model's. A part lies
- * beyond all before it in its direction, so that no two overlap, nor hide each other where that is the camera's right.
- * Parts whose size has nothing to do with the model's are scaled to it.
+ * Places parts beside the model, each in its direction, with the centres at the height of the model's centre. A part is
+ * placed beyond all earlier ones in its direction, so that none overlap. If that direction is the camera's right, none
+ * hide each other. Parts of a very different size are scaled to the model's.
  */
 export function standBeside(model: Box, parts: readonly Beside[]): Standing[] {
   const size = diagonal(model);
@@ -47,7 +47,7 @@ export function diagonal({ min, max }: Box): number {
   return Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
 }
 
-/** How far a box goes from its middle in a direction. */
+/** Returns the extent of a box from its centre in a direction. */
 function reach({ min, max }: Box, [x, y, z]: Vector): number {
   return (Math.abs(x) * (max[0] - min[0]) + Math.abs(y) * (max[1] - min[1]) + Math.abs(z) * (max[2] - min[2])) / 2;
 }

@@ -6,14 +6,16 @@ import type { BinaryFrame } from "../../engine/binary_frame";
 import { pairColour } from "../../app/graft/graft_colours";
 import type { Surface } from "../surface/surface";
 
-const mostLines = 90; // of a pair: more are a web
+const mostLines = 90; // per pair; more lines would be illegible
 
-/** What meets what: lines from the part's loops to their places on the target's. */
+/** Lines that show the correspondence, from vertices of the part's loops to their points on the target's loops. */
 export class MatchLines {
   readonly object = new Group();
   private line: LineSegments2 | undefined;
 
-  /** `place`: where a vertex of the source is shown; `stand`: of the target's coordinates. */
+  /**
+   * `place` returns where a vertex of the source is shown. `stand` maps the target's coordinates to where it is shown.
+   */
   show(frame: BinaryFrame, place: (vertex: number) => Vector3 | undefined, stand: Matrix4): void {
     this.hide();
     const sources = frame.indices("line_sources") ?? new Uint32Array();
@@ -48,7 +50,7 @@ export class MatchLines {
   }
 }
 
-/** A part as a veil: where it is now, while what comes of it is still on its way. */
+/** Shows a part translucently at its new pose, until the result of the graft arrives. */
 export class Ghost {
   readonly object = new Group();
   private mesh: Mesh | undefined;

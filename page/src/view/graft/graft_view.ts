@@ -11,15 +11,15 @@ import { writeTint } from "../surface/roles";
 import type { Surface } from "../surface/surface";
 import type { Viewport } from "../viewport";
 
-/** Shows parts beside the model, their loops, what meets what, and what comes of a graft. Follows `Graft`. */
+/** Shows parts beside the model, their loops, the correspondence, and the result of a graft. Follows `Graft`. */
 export class GraftView {
-  private readonly group = new Group(); // where the target is
+  private readonly group = new Group(); // in the target's coordinates
   private readonly loops: LoopLines;
   private readonly lines = new MatchLines();
   private readonly ghost = new Ghost();
   private preview: { frame: BinaryFrame; surface: Surface } | undefined;
-  private readonly sides = new Map<string, Vector3Tuple>(); // where parts stand, as seen from the model
-  private framed = ""; // what was in the picture when it was framed last
+  private readonly sides = new Map<string, Vector3Tuple>(); // directions of parts as seen from the model
+  private framed = ""; // key of the objects in the last framed picture
 
   constructor(
     private readonly viewport: Viewport,
@@ -34,7 +34,7 @@ export class GraftView {
     };
   }
 
-  /** From now on it follows. */
+  /** Begins to follow the graft. */
   start(): void {
     effect(() => this.viewport.parts.keep(new Set(this.graft.parts.value.map((part) => part.mesh))));
     effect(() => {
@@ -43,7 +43,7 @@ export class GraftView {
     effect(() => this.update());
   }
 
-  /** Where a vertex of a mesh is shown, in the world. */
+  /** Returns where a vertex of a mesh is shown, in world coordinates. */
   place(mesh: number, vertex: number, out = new Vector3()): Vector3 | undefined {
     const surface = this.viewport.surfaceOf(mesh);
     const stand = this.viewport.parts.get(mesh)?.stand;
@@ -52,29 +52,29 @@ export class GraftView {
     return stand === undefined ? out : out.applyMatrix4(stand);
   }
 
-  /** The middle of a mesh's box, where it is shown. */
+  /** Returns the centre of a mesh's box where it is shown. */
   middleOf(mesh: number): Vector3 {
     const middle = this.viewport.surfaceOf(mesh)?.sphere().center ?? new Vector3();
     return middle.applyMatrix4(this.standOf(mesh));
   }
 
-  /** How a mesh's own coordinates are mapped to where it is shown. */
+  /** Returns the map from a mesh's own coordinates to where it is shown. */
   standOf(mesh: number): Matrix4 {
     return this.viewport.parts.get(mesh)?.stand ?? new Matrix4();
   }
 
-  /** Whether a mesh itself is to be seen. */
+  /** Returns whether the mesh itself is visible. */
   isSeen(mesh: number): boolean {
     const part = this.viewport.parts.get(mesh);
     return part?.group.visible ?? this.viewport.surfaces.get(mesh)?.object.visible ?? false;
   }
 
-  /** Loops that can be clicked now. */
+  /** Returns the loops that can be clicked now. */
   clickable(): LoopRef[] {
     return this.loops.refs();
   }
 
-  /** The map of the target's coordinates to where they are shown. */
+  /** The map from the target's coordinates to where they are shown. */
   get targetStand(): Matrix4 {
     return this.group.matrix;
   }
@@ -123,7 +123,7 @@ export class GraftView {
     if (part !== undefined) part.stand = this.posedAt();
   }
 
-  // A part goes to the camera's right as it was when the part came, and stays there while the view turns.
+  // A part is placed to the camera's right at the time it was added, and stays there while the view turns.
   private sideOf(part: string): Vector3Tuple {
     const known = this.sides.get(part);
     if (known !== undefined) return known;
@@ -132,12 +132,12 @@ export class GraftView {
     return side;
   }
 
-  // The part in the result keeps its place in the row, so that the others stay where they are.
+  // A part that is in the result keeps its place in the row, so that the others do not move.
   private standsBeside(part: MeshObject, shows: ReadonlySet<number>): boolean {
     return shows.has(part.mesh) || part.name === this.graft.step.value?.source || part.name === this.graft.step.value?.target;
   }
 
-  /** Where a part that keeps its pose is, before it bends. */
+  /** Returns the map of a part that keeps its pose, before it deforms. */
   private posedAt(): Matrix4 {
     const rows = this.graft.transform.value ?? this.graft.step.value?.sourceTransform;
     return rows === undefined ? new Matrix4() : matrixOfRows(rows);
@@ -175,7 +175,7 @@ export class GraftView {
     });
   }
 
-  // The target's loops stay to be seen in the seam while its part stands beside.
+  // The target's loops stay visible in the seam while the part is also shown beside it.
   private hasLoopsShown(mesh: number, shows: ReadonlySet<number>): boolean {
     return shows.has(mesh) || (this.graft.arrangement.value === "both" && mesh === this.graft.target.value?.mesh);
   }
@@ -196,7 +196,7 @@ export class GraftView {
     this.ghost.show(source, this.group.matrix.clone().multiply(matrixOfRows(rows)));
   }
 
-  /** Frames all when something else is shown than before; where a part is dropped, only if it reaches out of the view. */
+  /** Frames everything when the shown objects change. A dropped part causes this only if it reaches out of the view. */
   private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
     const { away, dragged, step } = this.graft;
     if (away.value !== null || dragged.value !== null) return;
@@ -231,7 +231,7 @@ function boxOf(surface: Surface): Box {
   return { min: at(surface.box.min), max: at(surface.box.max) };
 }
 
-/** Vertices of faces by where they come from, 1: the part, 2: made between the two. */
+/** Returns the vertices of faces by origin: 1 for the part, 2 for new faces between the two. */
 function verticesFrom(frame: BinaryFrame, kind: 1 | 2): Uint32Array {
   const triangles = frame.indices("triangles") ?? new Uint32Array();
   const origin = frame.bytes("origin") ?? new Uint8Array();
@@ -242,7 +242,7 @@ function verticesFrom(frame: BinaryFrame, kind: 1 | 2): Uint32Array {
   return Uint32Array.from(vertices);
 }
 
-/** The part lightly in its colour, the seam strongly. */
+/** Tints the part weakly in its colour, and the seam strongly. */
 function tintOf(frame: BinaryFrame, vertices: number): Uint8Array {
   const tint = new Uint8Array(4 * vertices);
   const triangles = frame.indices("triangles") ?? new Uint32Array();

@@ -7,7 +7,7 @@ import type { Pair } from "../../app/graft/graft_step";
 import { loopColour, pairColour, pickedColour, type Colour } from "../../app/graft/graft_colours";
 import type { Viewport } from "../viewport";
 
-/** What decides the colours of loops. */
+/** The data that determine the colours of loops. */
 export interface LoopLook {
   readonly pairs: readonly Pair[];
   readonly source: number | undefined;
@@ -24,7 +24,7 @@ interface DrawnLoop {
   readonly behind: Line2;
 }
 
-/** Boundary loops as thick lines: faint where something hides them. */
+/** Draws boundary loops as thick lines, faint where they are hidden. */
 export class LoopLines {
   private drawn: DrawnLoop[] = [];
 
@@ -34,7 +34,7 @@ export class LoopLines {
     return this.drawn.map(({ ref }) => ref);
   }
 
-  /** Loops by their meshes; others are taken away. */
+  /** Shows these loops, given by mesh, and removes all others. */
   show(loops: ReadonlyMap<number, readonly ShownLoop[]>, look: LoopLook): void {
     const stays = this.drawn.filter(({ ref, of }) => loops.get(ref.mesh)?.[ref.loop] === of);
     for (const gone of this.drawn) if (!stays.includes(gone)) dispose(gone);

@@ -4,18 +4,18 @@ import { MeshWork, type FromWorker } from "../surface/mesh_work";
 import { meetTriangles, type RayHit } from "./ray";
 import type { Surface } from "../surface/surface";
 
-const refittedHere = 200_000; // triangles, that the page itself brings up to date in some milliseconds
-const isLarge = 300_000; // triangles, from which on there is a coarse version
+const refittedHere = 200_000; // triangles up to which the page itself refits the tree, in some milliseconds
+const isLarge = 300_000; // triangles above which a coarse version is made
 
 /**
- * Finds what a ray meets, and what lies in a ball, of a surface as it is shown. A worker makes the tree of boxes; until it
- * is there, or up to date with a deformation, every triangle is asked.
+ * Intersects rays and balls with a surface as shown. A worker builds the bounding-volume tree. Until the tree exists
+ * and is up to date with a deformation, every triangle is tested.
  */
 export class PickTree {
   private readonly geometry = new BufferGeometry();
   private readonly work: MeshWork;
   private tree: MeshBVH | undefined;
-  private version = -1; // of the surface, that the tree is made for
+  private version = -1; // version of the surface that the tree is built for
   private asked = -1;
 
   constructor(private readonly surface: Surface) {
@@ -27,12 +27,12 @@ export class PickTree {
     surface.slices.start("tree", this.work.begin(positions, triangles, version, coarse));
   }
 
-  /** Whether the tree is there and up to date. */
+  /** Whether the tree exists and is up to date. */
   get isReady(): boolean {
     return this.tree !== undefined && this.version === this.surface.version;
   }
 
-  /** In the surface's coordinates (relative to its offset). */
+  /** Intersects a ray, given in the surface's coordinates (relative to its offset). */
   raycast(origin: Vector3, direction: Vector3): RayHit | undefined {
     const tree = this.current();
     if (tree === undefined) {
@@ -49,7 +49,7 @@ export class PickTree {
     return hit === null || face === undefined || face === null ? undefined : { face, distance: hit.distance };
   }
 
-  /** Triangles with a corner in the ball, each once. */
+  /** Calls `found` for each triangle with a corner in the ball, once each. */
   facesNear(centre: Vector3, radius: number, found: (face: number) => void): void {
     const { positions, triangles } = this.surface;
     const check = (face: number) => {
@@ -71,7 +71,7 @@ export class PickTree {
     });
   }
 
-  /** Brings the tree up to date now, whatever it takes; false where there is none yet. */
+  /** Brings the tree up to date now, however long it takes. Returns false if there is no tree yet. */
   prepare(): boolean {
     if (this.tree === undefined) return false;
     if (!this.isReady) this.refitHere(this.tree);
@@ -94,7 +94,7 @@ export class PickTree {
   private askForRefit(): void {
     const { surface } = this;
     this.asked = surface.version;
-    const version = this.asked; // if it changes while parts are sent, what comes back is of no version
+    const version = this.asked; // if the surface changes while arrays are sent, the answer gets version -1
     const sent = () => (version === surface.version ? version : -1);
     surface.slices.start("tree", this.work.refit(surface.positions, sent));
   }

@@ -3,17 +3,17 @@ import { isNear, type PickTree } from "./pick_tree";
 import { PolygonTest, type Polygon } from "./polygon";
 import type { Surface } from "../surface/surface";
 
-/** What the pointer is over. */
+/** The point of a surface under the pointer. */
 export interface Hit {
   surface: Surface;
-  point: Vector3; // in the world, as it is shown now
-  normal: Vector3; // unit, of the triangle, in the world
+  point: Vector3; // world coordinates, on the surface as shown
+  normal: Vector3; // unit normal of the triangle, in the world
   face: number;
-  vertex: number; // the face's corner nearest to the point
-  facing: boolean; // whether the triangle's outside is seen
+  vertex: number; // the corner of the face nearest to the point
+  facing: boolean; // whether the triangle's outside faces the camera
 }
 
-/** The nearest triangle that a ray of the world meets, of the surface as it is shown. */
+/** Returns the nearest triangle of the shown surface that a world ray meets. */
 export function meetSurface(surface: Surface, tree: PickTree, ray: Ray): (Hit & { distance: number }) | undefined {
   const origin = ray.origin.clone().sub(surface.object.position);
   const met = tree.raycast(origin, ray.direction);
@@ -28,13 +28,13 @@ export function meetSurface(surface: Surface, tree: PickTree, ray: Ray): (Hit & 
   return { surface, point, normal, face: met.face, vertex, facing, distance: met.distance };
 }
 
-/** How places of the world come to be pixels of the page: 4x4 by columns, then the canvas's box. */
+/** Maps points to pixels of the page: a 4×4 matrix in column-major order, then the canvas's box. */
 export interface Projection {
-  matrix: ArrayLike<number>; // projection × view × the surface's place
+  matrix: ArrayLike<number>; // projection × view × translation of the surface
   box: DOMRect;
 }
 
-/** Vertices whose picture lies in a polygon (pixels of the page), ascending. */
+/** Returns the vertices whose projection is inside a polygon (pixels of the page), ascending. */
 export function verticesInPolygon(surface: Surface, { matrix, box }: Projection, polygon: Polygon): Uint32Array {
   const test = new PolygonTest(polygon);
   const p = surface.positions;
@@ -56,7 +56,10 @@ export function verticesInPolygon(surface: Surface, { matrix, box }: Projection,
 type Four = [number, number, number, number];
 type SixteenNumbers = [...Four, ...Four, ...Four, ...Four];
 
-/** Vertices in a ball around a hit, ascending; not `through`: those reached from it over triangles that face the eye. */
+/**
+ * Returns the vertices in a ball around a hit, ascending. Without `through`: only those connected to the hit by
+ * triangles that face the camera.
+ */
 export function verticesNear(hit: Hit, tree: PickTree, radius: number, through: boolean, eye: Vector3): Uint32Array {
   const { surface } = hit;
   const centre = hit.point.clone().sub(surface.object.position);
@@ -89,7 +92,7 @@ function facesEye(surface: Surface, face: number, eye: Vector3, front: boolean):
   return u.cross(v).dot(corner.sub(eye)) < 0 === front;
 }
 
-/** Sets of numbers that are joined (union–find). */
+/** Disjoint sets of numbers (union–find). */
 class Joined {
   private readonly parent = new Map<number, number>();
   of(a: number): number {

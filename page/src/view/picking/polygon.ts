@@ -1,7 +1,7 @@
-/** A closed course of points, whatever units they have; the last is joined to the first. */
+/** A closed polygon of points in any unit. The last point is joined to the first. */
 export type Polygon = readonly (readonly [number, number])[];
 
-/** Answers whether points lie inside a polygon (even–odd rule), quickly for many points. */
+/** Tests whether points are inside a polygon (even–odd rule), fast for many points. */
 export class PolygonTest {
   readonly left: number;
   readonly right: number;

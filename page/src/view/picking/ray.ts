@@ -1,12 +1,15 @@
-/** Where a ray meets triangles, exactly, by asking each: for meshes without a tree of boxes, as long as there is none. */
+/** A hit of a ray found by testing every triangle. Used while a mesh has no bounding-volume tree. */
 export interface RayHit {
   face: number;
-  distance: number; // in lengths of the direction
+  distance: number; // in multiples of the direction's length
 }
 
 type Triple = readonly [number, number, number];
 
-/** The nearest triangle that the ray meets from either side. `triangles`: 3 indices each; `positions`: 3 numbers each. */
+/**
+ * Returns the nearest triangle that the ray meets from either side. `triangles`: 3 indices each; `positions`: 3 numbers
+ * each.
+ */
 export function meetTriangles(
   positions: Float32Array,
   triangles: Uint32Array,

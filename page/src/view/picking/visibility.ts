@@ -2,18 +2,18 @@ import { Vector3, type Ray } from "three";
 import type { PickTree } from "./pick_tree";
 import type { Surface } from "../surface/surface";
 
-const mostRays = 20_000; // for single vertices; for more of them a grid of depths is looked up
+const mostRays = 20_000; // for single vertices; for more of them a depth grid is used
 
-/** What the view knows of a place: the ray to it, and its pixel of the page. */
+/** The view's projection of points: the ray to a point, its depth and its pixel on the page. */
 export interface Sight {
-  /** From a place to the eye, not unit. */
+  /** Writes the vector from a point towards the camera to `out`. Its length is not 1. */
   towardsEye(place: Vector3, out: Vector3): Vector3;
   depthOf(place: Vector3): number;
   pixelOf(place: Vector3): { x: number; y: number };
   rayAt(x: number, y: number): Ray;
 }
 
-/** Those of `vertices` that face the eye and are not hidden behind the surface. */
+/** Returns those of `vertices` that face the camera and are not hidden by the surface. */
 export function seenVertices(surface: Surface, vertices: Uint32Array, tree: PickTree, sight: Sight): Uint32Array {
   const front = facing(surface, vertices, sight);
   if (!tree.prepare()) return front;
@@ -41,7 +41,7 @@ function isHidden(surface: Surface, v: number, tree: PickTree, sight: Sight): bo
   return tree.raycast(start, towards) !== undefined;
 }
 
-/** How far the surface is from the eye, by a ray for every few pixels around some vertices. */
+/** Depths of the surface on a grid of some pixels around the given vertices, one ray for each grid point. */
 class DepthGrid {
   private readonly left: number;
   private readonly top: number;
@@ -83,7 +83,7 @@ class DepthGrid {
     }
   }
 
-  /** Whether the place lies at what is seen around its pixel, or before it. */
+  /** Returns whether a point is visible: at most as deep as the surface around its pixel, within a tolerance. */
   shows(place: Vector3): boolean {
     const { x, y } = this.sight.pixelOf(place);
     const column = Math.floor((x - this.left) / this.step);

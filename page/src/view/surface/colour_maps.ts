@@ -1,7 +1,7 @@
-/** Colours for numbers, from 0 to 1: stops at even distances. */
+/** A colour map: colours with components from 0 to 1 at equal steps. */
 export type ColourMap = readonly (readonly [number, number, number])[];
 
-/** From blue for what shrank over a pale grey for what stayed to red for what grew. */
+/** From blue for shrunk over pale grey for unchanged to red for grown. */
 export const diverging: ColourMap = [
   [0.1, 0.25, 0.55],
   [0.27, 0.5, 0.76],
@@ -22,7 +22,7 @@ export const rising: ColourMap = [
   [0.98, 0.93, 0.5],
 ];
 
-/** The colour of t, which is held within 0 and 1. */
+/** Returns the colour of t, clamped to 0 … 1. */
 export function colourAt(map: ColourMap, t: number): [number, number, number] {
   const place = Math.min(1, Math.max(0, Number.isFinite(t) ? t : 0)) * (map.length - 1);
   const i = Math.min(map.length - 2, Math.floor(place));
@@ -32,7 +32,7 @@ export function colourAt(map: ColourMap, t: number): [number, number, number] {
   return [0, 1, 2].map((k) => (1 - f) * (low[k] as number) + f * (high[k] as number)) as [number, number, number];
 }
 
-/** Bytes of a texture of `size` texels, RGBA. */
+/** Returns the RGBA bytes of a texture of `size` texels. */
 export function colourTable(map: ColourMap, size: number): Uint8Array<ArrayBuffer> {
   const table = new Uint8Array(4 * size);
   for (let i = 0; i < size; ++i)
@@ -40,7 +40,7 @@ export function colourTable(map: ColourMap, size: number): Uint8Array<ArrayBuffe
   return table;
 }
 
-/** For a legend: a gradient from left to right, of CSS. */
+/** Returns a CSS gradient from left to right, for a legend. */
 export function cssGradient(map: ColourMap): string {
   return `linear-gradient(to right, ${map.map((c) => `rgb(${c.map((x) => Math.round(255 * x)).join(" ")})`).join(", ")})`;
 }

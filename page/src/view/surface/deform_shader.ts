@@ -1,8 +1,9 @@
 import { Matrix4, Vector3, type IUniform, type Texture } from "three";
 
 /**
- * Where a vertex is shown: as its attributes say, or, while `linear`, where the handles' maps take it, by the formulas of
- * `HandleBuffers` (include/meshgraft/deform/handle_basis.h). Shared by all that draws a surface.
+ * GLSL functions for the shown position of a vertex, shared by all materials that draw a surface. Without `linear` the
+ * position is the attribute's. With `linear` the handles' maps move it by the formulas of `HandleBuffers`
+ * (include/meshgraft/deform/handle_basis.h).
  */
 export const deformShader = /* glsl */ `
 in int mover;  // 1 + its row in the weights; 0: it stays
@@ -49,7 +50,7 @@ void shownAt(out vec3 place, out vec3 direction) {
 }
 `;
 
-/** What `deformShader` reads, shared by the materials of one surface. */
+/** The uniforms of `deformShader`, shared by the materials of one surface. */
 export interface DeformUniforms {
   [name: string]: IUniform;
   weights: IUniform<Texture | null>;
@@ -82,12 +83,12 @@ export function deformUniforms(): DeformUniforms {
 }
 
 /**
- * A handle's pose (x' = L x + t, place in the model) as `handle_frame` of src/deform/handle_frame.h gives it, in the
- * units of weights with this centre and scale: rows 0 to 2 are (L − I)ᵀ, row 3 is (centre (L − I)ᵀ + tᵀ) / scale.
- * Written by columns, as the shader reads them: 3 times 4 numbers.
+ * Writes a handle's pose (x' = L x + t, coordinates of the model) like `handle_frame` in src/deform/handle_frame.h, in
+ * the units of weights with this centre and scale. Rows 0 to 2 are (L − I)ᵀ, row 3 is (centre (L − I)ᵀ + tᵀ) / scale.
+ * The output is column-major, as the shader reads it: 3 times 4 numbers.
  */
 export function writeFrame(pose: Matrix4, centre: readonly number[], scale: number, out: Float32Array, at = 0): void {
-  const e = pose.elements; // by columns: L(i, j) = e[i + 4 j]
+  const e = pose.elements; // column-major: L(i, j) = e[i + 4 j]
   for (let i = 0; i < 3; ++i) {
     let shift = e[12 + i] ?? 0;
     for (let j = 0; j < 3; ++j) {

@@ -2,20 +2,20 @@ import { DataTexture, LinearFilter, Triangle, Vector3 } from "three";
 import type { HeatMap } from "../../app/view_settings";
 import { colourTable, cssGradient, diverging, rising, type ColourMap } from "./colour_maps";
 
-/** What a heat map's colours stand for, for a legend beside the view. */
+/** The meaning of a heat map's colours, for a legend beside the view. */
 export interface Legend {
   title: string;
   min: number;
   max: number;
   format: (value: number) => string;
-  gradient: string; // of CSS, from left to right
+  gradient: string; // CSS, from left to right
 }
 
 export type StretchOf = "area" | "edges";
 
 const textures = new Map<ColourMap, DataTexture>();
 
-/** The colours of a heat map, 256 texels. */
+/** Returns the colours of a heat map, 256 texels. */
 export function heatTexture(map: HeatMap): DataTexture {
   const colours = map === "stretch" ? diverging : rising;
   const known = textures.get(colours);
@@ -28,7 +28,7 @@ export function heatTexture(map: HeatMap): DataTexture {
   return texture;
 }
 
-/** The range that most values lie in (all but 2 of 100 on each side), even to both sides of 0 for `stretch`. */
+/** Returns the range up to the 98th percentile. It is symmetric about 0 for `stretch`, and otherwise begins at 0. */
 export function heatRange(map: HeatMap, values: Float32Array): [number, number] {
   const every = Math.max(1, Math.floor(values.length / 20000));
   const sample = values.filter((value, i) => i % every === 0 && Number.isFinite(value));
@@ -57,8 +57,8 @@ export function legendOf(map: HeatMap, of: StretchOf, [min, max]: [number, numbe
 }
 
 /**
- * How much the surface was stretched around each vertex, as a power of 2: the area of the triangles around it, or the
- * lengths of their edges, against rest. Yields now and then.
+ * Computes the stretch around each vertex relative to rest, as a power of 2. It compares the area of the triangles
+ * around the vertex or the lengths of their edges. Yields now and then.
  */
 export function* stretchOf(
   of: StretchOf,
@@ -84,14 +84,16 @@ export function* stretchOf(
   return before.map((was, v) => (was > 0 && (after[v] as number) > 0 ? Math.log2((after[v] as number) / was) : 0));
 }
 
-/** ‖δ‖: how far each vertex lies from the mean of its ring. Edges: two vertices each. Yields now and then. */
+/**
+ * Computes ‖δ‖: the distance of each vertex from the mean of its ring. Edges: two vertices each. Yields now and then.
+ */
 export function* detailOf(p: Float32Array, edges: Uint32Array): Generator<void, Float32Array> {
   const sums = new Float32Array(p.length);
   const counts = new Uint16Array(p.length / 3);
   for (let at = 0; at < edges.length; at += 2) {
     const a = edges[at] as number;
     const b = edges[at + 1] as number;
-    // Differences, so that single precision keeps the small ones.
+    // Sums of differences keep small values accurate in single precision.
     for (let k = 0; k < 3; ++k) {
       const difference = (p[3 * b + k] as number) - (p[3 * a + k] as number);
       sums[3 * a + k] = (sums[3 * a + k] as number) + difference;
@@ -106,12 +108,15 @@ export function* detailOf(p: Float32Array, edges: Uint32Array): Generator<void, 
   );
 }
 
-/** At vertices of a seam: the largest angle by which the surface bends across an edge there, degrees; 0 elsewhere. */
+/**
+ * Computes the bend at each seam vertex: the largest angle between the normals of the two triangles at one of its
+ * edges, in degrees. It is 0 elsewhere.
+ */
 export function bendsOf(p: Float32Array, triangles: Uint32Array, seam: Uint32Array): Float32Array {
   const isSeam = new Uint8Array(p.length / 3);
   for (const v of seam) isSeam[v] = 1;
   const bends = new Float32Array(p.length / 3);
-  const met = new Map<number, Vector3>(); // normals, by the edges that were met once
+  const met = new Map<number, Vector3>(); // per edge: normal of the last triangle met at it
   const corners = [new Vector3(), new Vector3(), new Vector3()] as const;
   for (let at = 0; at < triangles.length; at += 3) {
     const ids = [triangles[at], triangles[at + 1], triangles[at + 2]] as [number, number, number];

@@ -5,16 +5,16 @@ import { writeFrame, type DeformUniforms } from "./deform_shader";
 import { uploadArray } from "./weight_textures";
 
 /**
- * The handles' maps that the vertex shader moves a surface by, and when: from `show` on, until the engine's own
- * positions of the same poses are there.
+ * The handles' maps by which the vertex shader moves a surface. They apply from `show` until the engine's own positions
+ * for the same poses have arrived.
  */
 export class LinearFrames {
   isShown = false;
-  /** Whether there are weights in the shader. */
+  /** Whether the shader has weights. */
   isReady = false;
-  /** Where the document has the handles; `show` moves those that it is told of. */
+  /** The handles' maps in the document. They apply to handles that `show` is not given. */
   committed: ReadonlyMap<string, Matrix4> = new Map();
-  /** The row of each vertex in the weights, and 1; 0 for those that stay. */
+  /** Per vertex: 1 + its row in the weights, or 0 for a vertex that stays. */
   private readonly movers: Int32BufferAttribute;
   private names: string[] = [];
   private centre: readonly [number, number, number] = [0, 0, 0];
@@ -22,10 +22,10 @@ export class LinearFrames {
   private frames: DataTexture | undefined;
   private textures: ExternalTexture[] = [];
   private renderer: WebGLRenderer | undefined;
-  /** Requests whose poses' numbers are not known yet, and the newest number. */
+  /** Number of requests whose frame number is not known yet, and the largest known frame number. */
   private unanswered = 0;
   private newest = 0;
-  private exact = 0; // the newest that was streamed exactly
+  private exact = 0; // number of the newest exact frame
 
   constructor(
     private readonly uniforms: DeformUniforms,
@@ -40,8 +40,8 @@ export class LinearFrames {
   }
 
   /**
-   * Kind `weights`, of handles in this order. Takes them to the GPU, yields in between. Where they do not fit
-   * there, `isReady` stays false, and the engine's frames are what is shown.
+   * Takes a frame of kind `weights`, with handles in this order, to the GPU. Yields in between. If the weights do not
+   * fit, `isReady` stays false and only the engine's frames are shown.
    */
   *setWeights(frame: BinaryFrame, names: Iterable<string>, renderer: WebGLRenderer): Generator<void, void> {
     this.forget();
@@ -73,7 +73,10 @@ export class LinearFrames {
     this.isReady = true;
   }
 
-  /** Handles' maps by name; the others are where the document has them. Returns whether the shader shows them. */
+  /**
+   * Shows handles' maps, given by name. Other handles stay where the document has them. Returns whether the shader
+   * shows them.
+   */
   show(poses: ReadonlyMap<string, Matrix4>): boolean {
     if (!this.isReady || this.frames === undefined) return false;
     const data = this.frames.image.data as Float32Array;
@@ -86,7 +89,9 @@ export class LinearFrames {
     return true;
   }
 
-  /** A request with poses is on its way; its answer tells the number of their frames. */
+  /**
+   * Notes that a request with poses was sent. The returned function must be called with the frame number in its answer.
+   */
   asked(): (pose: number) => void {
     ++this.unanswered;
     return (pose) => {
@@ -96,7 +101,7 @@ export class LinearFrames {
     };
   }
 
-  /** Of copies of vertices, for a surface that draws these. */
+  /** Returns the `mover` attribute for copies of vertices, for a surface that draws copies. */
   moversOf(vertices: Uint32Array): Int32BufferAttribute {
     const copies = new Int32BufferAttribute(new Int32Array(vertices.length), 1);
     vertices.forEach((v, i) => (copies.array[i] = this.movers.array[v] as number));
@@ -104,25 +109,25 @@ export class LinearFrames {
     return copies;
   }
 
-  /** Whether a frame can take the place of what the shader shows. */
+  /** Returns whether a frame may replace what the shader shows. */
   mayGiveWay(pose: number, quality: string | undefined): boolean {
     return (quality === undefined || quality === "exact") && pose >= this.newest;
   }
 
-  /** A frame of the engine is there. */
+  /** Notes that a frame of the engine has been shown. */
   streamed(pose: number, quality: string | undefined): void {
     if (quality === undefined || quality === "exact") this.exact = Math.max(this.exact, pose);
     this.giveWay();
   }
 
-  /** The exact frame of the newest poses takes the place of what the shader shows. */
+  /** Switches from the shader to the engine's positions once the exact frame of the newest poses is there. */
   private giveWay(): void {
     if (this.unanswered > 0 || this.exact < this.newest || !this.isShown) return;
     this.isShown = false;
     this.onGiveWay();
   }
 
-  /** Other handles, or none: the weights are of no use. */
+  /** Discards the weights, because the handles have changed. */
   forget(): void {
     this.isShown = false;
     this.isReady = false;
@@ -152,7 +157,7 @@ export class LinearFrames {
     this.uniforms.weightsScale.value = this.scale;
   }
 
-  /** `rows`: of each of `vertices`, where it is not its own place in the list. */
+  /** `rows`: for each of `vertices` its row in the weights; absent: its index in the list. */
   private numberRows(vertices: Uint32Array, rows: Uint32Array | undefined): void {
     const numbers = this.movers.array as Int32Array;
     numbers.fill(0);

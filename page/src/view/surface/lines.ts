@@ -21,7 +21,7 @@ out vec4 colour;
 void main() { colour = vec4(lineColour, strength); }
 `;
 
-/** Edges of a surface (two vertices each), drawn over it and moved as it is. */
+/** Makes line segments for edges of a surface (two vertices each), which are drawn over it and deform with it. */
 export function surfaceLines(
   surface: BufferGeometry,
   edges: Uint32Array,

@@ -1,4 +1,4 @@
-/** A set of pairs and what was counted for each, by open addressing: for millions of edges. */
+/** A hash table (open addressing) that counts pairs of numbers, for millions of edges. */
 class PairTable {
   private readonly first: Uint32Array;
   private readonly second: Uint32Array;
@@ -23,7 +23,7 @@ class PairTable {
     if ((this.counts[at] as number) < 255) this.counts[at] = (this.counts[at] as number) + 1;
   }
 
-  /** The pairs that were counted, one after the other; `once`: those that were counted a single time. */
+  /** Returns the counted pairs, one after another. `once`: only those counted exactly once. */
   pairs(once: boolean): Uint32Array {
     const wanted = (n: number) => (once ? n === 1 : n > 0);
     let total = 0;
@@ -39,7 +39,7 @@ class PairTable {
   }
 }
 
-/** The edges of triangles, each once, and those that one triangle alone has: two vertices each, the lesser first. */
+/** Returns each edge once, and the edges of only one triangle (the boundary): two vertices each, the lesser first. */
 export function edgesOf(triangles: Uint32Array, vertexCount: number): { edges: Uint32Array; boundary: Uint32Array } {
   const table = new PairTable(Math.min(triangles.length, Math.max(4 * vertexCount, triangles.length / 1.8)));
   for (let at = 0; at < triangles.length; at += 3)
@@ -52,8 +52,8 @@ export function edgesOf(triangles: Uint32Array, vertexCount: number): { edges: U
 }
 
 /**
- * A coarse version of a mesh on the same vertices, of about `count` triangles: vertices in one cell of a grid become one
- * of them, and triangles that keep three corners stay.
+ * Returns a coarse version of a mesh on the same vertices, with about `count` triangles. The vertices in one cell of a
+ * grid are merged into one of them. Triangles that keep three distinct corners remain.
  */
 export function coarseTriangles(positions: Float32Array, triangles: Uint32Array, count: number): Uint32Array {
   const standIns = standInsOf(positions, Math.sqrt((2 * areaOf(positions, triangles)) / count));
@@ -74,7 +74,7 @@ export function coarseTriangles(positions: Float32Array, triangles: Uint32Array,
 
 function areaOf(p: Float32Array, triangles: Uint32Array): number {
   let area = 0;
-  const every = 3 * Math.max(1, Math.floor(triangles.length / 300000)); // a sample will do
+  const every = 3 * Math.max(1, Math.floor(triangles.length / 300000)); // a sample suffices
   for (let at = 0; at + 2 < triangles.length; at += every) {
     const [a, b, c] = [0, 1, 2].map((k) => 3 * (triangles[at + k] as number)) as [number, number, number];
     const u = [0, 1, 2].map((k) => (p[b + k] as number) - (p[a + k] as number)) as [number, number, number];
@@ -84,7 +84,7 @@ function areaOf(p: Float32Array, triangles: Uint32Array): number {
   return (area * every) / 3;
 }
 
-/** Of each vertex, the first in its cell of a grid. */
+/** Returns for each vertex the first vertex in its grid cell. */
 function standInsOf(positions: Float32Array, cell: number): Uint32Array {
   const firstIn = new Map<number, number>();
   const standIns = new Uint32Array(positions.length / 3);

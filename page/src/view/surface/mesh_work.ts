@@ -1,4 +1,7 @@
-/** What a worker is asked about one mesh, and what it answers. Arrays come in parts, so that no copy takes long. */
+/**
+ * Messages to a worker for one mesh, and its answers. Arrays are sent in slices, so that no copy blocks the page for
+ * long.
+ */
 export type ToWorker =
   | { what: "part"; of: "positions" | "triangles"; at: number; length: number; values: Float32Array | Uint32Array }
   | { what: "begin"; version: number; coarse: number }
@@ -11,14 +14,14 @@ export type FromWorker =
 
 const partLength = 1 << 20; // numbers
 
-/** A worker for one mesh. `coarse`: about how many triangles its coarse version has; 0: none is made. */
+/** A worker for one mesh. `coarse`: approximate number of triangles of the coarse version; 0: none is made. */
 export class MeshWork {
   private worker: Worker | undefined;
   private isDisposed = false;
 
   constructor(private readonly onAnswer: (answer: FromWorker) => void) {}
 
-  /** Yields between parts. */
+  /** Sends the mesh and starts the worker. Yields between slices. */
   *begin(positions: Float32Array, triangles: Uint32Array, version: number, coarse: number): Generator<void, void> {
     this.worker = new Worker(new URL("./mesh_worker.ts", import.meta.url), { type: "module" });
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.onAnswer(data);
@@ -28,7 +31,7 @@ export class MeshWork {
     this.send({ what: "begin", version, coarse });
   }
 
-  /** Yields between parts; `version` is asked for when they are sent. */
+  /** Sends new positions. Yields between slices. `version` is called after the last slice. */
   *refit(positions: Float32Array, version: () => number): Generator<void, void> {
     yield* this.sendParts("positions", positions);
     this.send({ what: "refit", version: version() });

@@ -3,7 +3,7 @@ import { MeshBVH } from "three-mesh-bvh";
 import { coarseTriangles, edgesOf } from "./mesh_topology";
 import type { FromWorker, ToWorker } from "./mesh_work";
 
-// What takes long for a large mesh, beside the page: its tree of boxes, its edges, and a coarse version of it.
+// Computes for a large mesh, outside the main thread: its bounding-volume tree, its edges, and a coarse version.
 
 let positions: Float32Array<ArrayBuffer> = new Float32Array();
 let triangles: Uint32Array<ArrayBuffer> = new Uint32Array();

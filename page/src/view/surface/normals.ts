@@ -1,12 +1,12 @@
 /**
- * Vertex normals, area-weighted, of the part of a mesh that moves: of all corners of triangles that have a moving vertex.
- * Which those are is found once; then each `update` costs a pass over them.
+ * Area-weighted vertex normals of the moving part of a mesh: all corners of triangles with a moving vertex. These are
+ * found once; each `update` then costs one pass over them.
  */
 export class NormalsOfPart {
   private constructor(
     private readonly triangles: Uint32Array,
-    private readonly faces: Uint32Array, // the first corner's place in `triangles`, of those that bear on `vertices`
-    readonly vertices: Uint32Array, // whose normals change, ascending
+    private readonly faces: Uint32Array, // of triangles around `vertices`: index of the first corner in `triangles`
+    readonly vertices: Uint32Array, // those whose normals change, ascending
   ) {}
 
   /** `moving`: vertices; undefined: all. Yields now and then. */
@@ -33,7 +33,7 @@ export class NormalsOfPart {
     return new NormalsOfPart(triangles, Uint32Array.from(faces), Uint32Array.from(vertices));
   }
 
-  /** Writes the normals of `vertices` into `normals`. Yields now and then; until the end they are not of use. */
+  /** Writes the normals of `vertices` into `normals`. Yields now and then; the normals are valid only at the end. */
   *update(positions: Float32Array, normals: Float32Array): Generator<void, void> {
     const { triangles, faces, vertices } = this;
     for (let i = 0; i < vertices.length; ++i) {

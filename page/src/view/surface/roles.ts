@@ -1,4 +1,4 @@
-/** Colours of what parts of the mesh are for, from 0 to 1. Handles take theirs in order. */
+/** Colours of regions, fixed parts and handles, components from 0 to 1. Handles take theirs in order. */
 export const regionColour = [0.56, 0.74, 0.86] as const;
 export const fixedColour = [0.42, 0.43, 0.46] as const;
 const handleColours = [
@@ -12,22 +12,25 @@ const handleColours = [
   [0.55, 0.72, 0.2],
 ] as const;
 
-/** The colour of a step's handle by its place in the order of handles. */
+/** Returns the colour of a handle by its index in the step. */
 export function handleColour(order: number): readonly [number, number, number] {
   return handleColours[order % handleColours.length] ?? handleColours[0];
 }
 
-/** How strongly vertices of the region are tinted, by how far inside they lie (0 to 1). */
+/** Returns the strength of the tint of a region vertex, by its depth in the region (0 to 1). */
 export function regionStrength(inside: number): number {
   return 0.75 * Math.min(1, 0.1 + 1.9 * inside);
 }
 
-/** The same of what stays. Not so the rim: two rings of triangles, which would be seen as a ragged streak. */
+/**
+ * Returns the strength of the tint of a fixed vertex. It is 0 near the edge: there the two rings of triangles would
+ * show as a ragged strip.
+ */
 export function fixedStrength(inside: number): number {
   return 0.25 * Math.min(1, 6 * Math.max(0, inside - 0.12));
 }
 
-/** Writes a colour and how strongly it covers what lies below, premultiplied, into 4 bytes of vertex v. */
+/** Writes the premultiplied colour and its opacity into the 4 bytes of vertex v. */
 export function writeTint(
   tint: Uint8Array,
   v: number,
@@ -42,8 +45,9 @@ export function writeTint(
 }
 
 /**
- * How far inside the region its vertices lie, from 0 at its edge to 1 where it is deepest (lengths along edges, found by
- * sweeps over the triangles to and fro). Yields now and then; returns one number for each of `region`.
+ * Computes the depth of each vertex in its region, from 0 at the edge to 1 at the deepest vertex. Depths are lengths
+ * along edges, found by alternating sweeps over the triangles. Yields now and then. Returns one number for each of
+ * `region`.
  */
 export function* depthInRegion(
   positions: Float32Array,

@@ -1,9 +1,12 @@
-/** Does long work in slices, so that the page stays alive: what yields now and then is taken up again in a later task. */
+/**
+ * Runs long computations in slices, so that the page stays responsive. A generator that yields is continued in a later
+ * task.
+ */
 export class Slices {
   private readonly running = new Map<string, Generator<void, void>>();
 
   private isGoing = false;
-  private isAwaited = false; // the next slice
+  private isAwaited = false; // whether the next slice is scheduled
   private readonly channel = new MessageChannel(); // timers would wait for 4 ms each
 
   constructor(private readonly budgetMs = 10) {
@@ -13,10 +16,10 @@ export class Slices {
     };
   }
 
-  /** Begins `work`; what still ran by that name is given up. */
+  /** Starts `work`, and cancels running work of the same name. */
   start(name: string, work: Generator<void, void>): void {
     this.running.set(name, work);
-    if (!this.isGoing) this.go(); // else begun by such work itself
+    if (!this.isGoing) this.go(); // otherwise running work has started it
   }
   isRunning(name: string): boolean {
     return this.running.has(name);

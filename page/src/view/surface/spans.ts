@@ -1,6 +1,6 @@
 // Ascending lists of vertices, and the spans of arrays that they touch.
 
-/** At most some 32 spans that cover an ascending list, joined where little lies between. */
+/** Returns at most about 32 spans that cover an ascending list. Spans are joined across small gaps. */
 export function runsOf(vertices: Uint32Array): [number, number][] {
   if (vertices.length === 0) return [];
   const first = vertices[0] as number;
@@ -15,7 +15,7 @@ export function runsOf(vertices: Uint32Array): [number, number][] {
   return runs;
 }
 
-/** The span of what is in one of two ascending lists alone; undefined where they are the same. */
+/** Returns the span of elements in only one of two ascending lists; undefined if the lists are equal. */
 export function spanOfChange(before: Uint32Array, after: Uint32Array): [number, number] | undefined {
   let i = 0;
   while (i < before.length && i < after.length && before[i] === after[i]) ++i;
@@ -31,14 +31,14 @@ export function spanOfChange(before: Uint32Array, after: Uint32Array): [number, 
   return [least, most];
 }
 
-/** Whether two lists, or none, are the same. */
+/** Returns whether two lists are equal, or both absent. */
 export function sameList(a: Uint32Array | undefined, b: Uint32Array | undefined): boolean {
   if (a === undefined || b === undefined || a.length !== b.length) return a === b;
   for (let i = 0; i < a.length; ++i) if (a[i] !== b[i]) return false;
   return true;
 }
 
-/** What is in either list, ascending. */
+/** Returns the union of two lists, ascending. */
 export function mergedIndices(a: Uint32Array, b: Uint32Array): Uint32Array {
   const all = new Uint32Array(a.length + b.length);
   all.set(a);

@@ -3,7 +3,7 @@ import { NormalsOfPart } from "./normals";
 import type { Slices } from "./slices";
 import { sameList } from "./spans";
 
-/** Of the mesh, 3 numbers a vertex, or a triangle. */
+/** The mesh at rest, 3 numbers per vertex or triangle. */
 interface AtRest {
   readonly positions: Float32Array;
   readonly normals: Float32Array;
@@ -11,15 +11,16 @@ interface AtRest {
 }
 
 interface Listeners {
-  /** These vertices are elsewhere, with their normals; undefined: all. */
+  /** Reports the vertices whose positions or normals have changed; undefined: all. */
   changed: (positions: Uint32Array | undefined, normals: Uint32Array | undefined) => void;
-  /** All of a frame is to be seen. */
+  /** Reports that a frame is completely shown. */
   shown: (frame: BinaryFrame) => void;
 }
 
 /**
- * Where the engine's frames show a surface. Normals are found in slices where that takes long, and positions are shown
- * with their own: the light never lags behind. Of frames that come meanwhile the newest is the next.
+ * The positions and normals of a surface by the engine's frames. Normals of large meshes are computed in slices, and
+ * positions are shown only together with their normals. Of the frames that arrive meanwhile, only the newest is shown
+ * next.
  */
 export class StreamedFrames {
   /** At rest these are the mesh's own arrays. */
@@ -27,8 +28,8 @@ export class StreamedFrames {
   normals: Float32Array;
   private own: { positions: Float32Array; normals: Float32Array } | undefined;
   private waiting: BinaryFrame | undefined;
-  private moving: Uint32Array | undefined; // which vertices the last frame had; undefined: all
-  private moved: NormalsOfPart | undefined; // by them
+  private moving: Uint32Array | undefined; // vertices of the last frame; undefined: all
+  private moved: NormalsOfPart | undefined; // of `moving`
 
   constructor(
     private readonly rest: AtRest,
@@ -43,13 +44,13 @@ export class StreamedFrames {
     return this.positions === this.rest.positions;
   }
 
-  /** Positions of all vertices, or of those that it lists; the others are at rest. */
+  /** Shows the positions of a frame, for all vertices or for those that it lists. The others are at rest. */
   show(frame: BinaryFrame): void {
     this.waiting = frame;
     if (!this.slices.isRunning("frames")) this.slices.start("frames", this.follow());
   }
 
-  /** Nothing moves. */
+  /** Shows all vertices at rest. */
   showRest(): void {
     this.slices.stop("frames");
     this.waiting = undefined;
@@ -81,7 +82,7 @@ export class StreamedFrames {
     return frame;
   }
 
-  /** What other frames moved is as at rest again. */
+  /** Prepares for a different set of moving vertices, and resets all others to rest. */
   private *begin(vertices: Uint32Array | undefined): Generator<void, void> {
     const { rest } = this;
     this.own ??= {

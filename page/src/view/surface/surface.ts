@@ -23,19 +23,19 @@ import { SurfaceHeat } from "./surface_heat";
 import { surfaceMaterial, type LookUniforms } from "./surface_material";
 import { TexturedSurface } from "./textured";
 
-/** One mesh as it is shown: at rest, deformed by streamed frames, or by its handles in the vertex shader. */
+/** One mesh as shown: at rest, deformed by streamed frames, or deformed by its handles in the vertex shader. */
 export class Surface {
-  /** Stands at `offset`; its children draw the surface. */
+  /** Placed at `offset`; its children draw the surface. */
   readonly object = new Group();
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   readonly geometry = new BufferGeometry();
   readonly id: number;
   readonly vertexCount: number;
   readonly triangles: Uint32Array;
-  /** Of the place of vertices at rest, and where they are shown, relative to `offset` (3 numbers a vertex). */
+  /** Positions at rest, relative to `offset`, 3 numbers a vertex. */
   readonly rest: Float32Array;
   readonly offset: readonly [number, number, number];
-  /** Of the box at rest, in the model's units. */
+  /** The bounding box at rest, relative to `offset`, in model units. */
   readonly box = { min: new Vector3(), max: new Vector3(), diagonal: 1 };
   /** 255 where a vertex is selected. */
   readonly selection: Uint8Array;
@@ -60,7 +60,7 @@ export class Surface {
   private wire: LineSegments | undefined;
   private boundary: LineSegments | undefined;
   private wantsWire = false;
-  /** Called when something was changed that a picture shows. */
+  /** Called when a change requires a new picture. */
   onChange: () => void = () => undefined;
 
   private readonly restNormals: Float32Array;
@@ -110,7 +110,7 @@ export class Surface {
     this.object.position.set(...this.offset);
   }
 
-  /** Where vertices are shown (while handles move in the shader: what the engine sent last). */
+  /** The shown positions. While handles move in the shader: the positions that the engine sent last. */
   get positions(): Float32Array {
     return this.isBefore ? this.rest : this.streamed.positions;
   }
@@ -121,7 +121,7 @@ export class Surface {
     return this.triangles.length / 3;
   }
 
-  /** Tints what lies above and below a plane, in coordinates of the mesh; null: nothing. */
+  /** Tints the two sides of a plane, given in the mesh's coordinates; null removes the tint. */
   showCut(plane: { point: readonly number[]; normal: readonly number[] } | null): void {
     Object.assign(this.own["hasCut"] ?? {}, { value: plane !== null });
     if (plane === null) return;
@@ -130,23 +130,23 @@ export class Surface {
     Object.assign(this.own["cutPlane"] ?? {}, { value: new Vector4(x, y, z, along) });
   }
 
-  /** The sphere around it, in the world. */
+  /** Returns the bounding sphere of the box at rest, in world coordinates. */
   sphere(): Sphere {
     const centre = this.box.min.clone().add(this.box.max).multiplyScalar(0.5).add(this.object.position);
     return new Sphere(centre, Math.max(1e-30, 0.5 * this.box.diagonal));
   }
 
-  /** Of the box at rest. */
+  /** The side lengths of the box at rest. */
   get size(): Vector3 {
     return this.box.max.clone().sub(this.box.min);
   }
 
-  /** A vertex's place in the world, as it is shown. */
+  /** Returns the position of a vertex as shown, in world coordinates. */
   place(vertex: number, out = new Vector3()): Vector3 {
     return out.fromArray(this.positions, 3 * vertex).add(this.object.position);
   }
 
-  /** Places in the world of some thousand vertices, or of these: 3 numbers each. */
+  /** Returns world positions of these vertices, or of some thousand: 3 numbers each. */
   sample(vertices?: Uint32Array): Float32Array {
     const count = vertices?.length ?? this.vertexCount;
     const every = Math.max(1, Math.floor(count / 8000));
@@ -160,7 +160,7 @@ export class Surface {
     return places.subarray(0, 3 * found);
   }
 
-  /** The mesh as the step found it, or as it is. */
+  /** Shows the mesh as the step found it (`before`), or its current state. */
   setBefore(before: boolean): void {
     if (this.isBefore === before) return;
     this.isBefore = before;
@@ -171,14 +171,14 @@ export class Surface {
     this.onChange();
   }
 
-  /** Kind `frame`: positions, of all vertices or of those that it lists. */
+  /** Takes a frame of kind `frame`: positions of all vertices or of those that it lists. */
   showFrame(frame: BinaryFrame): void {
     const { pose = 0, quality } = frame.header;
     if (frame.indices("vertices")?.length === 0) return this.showRest(frame);
     if (!this.linear.isShown || this.linear.mayGiveWay(pose, quality)) this.streamed.show(frame);
   }
 
-  /** Nothing moves. */
+  /** Shows all vertices at rest. */
   private showRest(frame: BinaryFrame): void {
     const wasAtRest = this.streamed.isAtRest;
     this.streamed.showRest();
@@ -193,12 +193,12 @@ export class Surface {
     this.onChange();
   }
 
-  /** Kind `weights`: once they are on the GPU, `showPoses` moves the surface in the vertex shader. */
+  /** Takes a frame of kind `weights`. Once it is on the GPU, `showPoses` moves the surface in the vertex shader. */
   setWeights(frame: BinaryFrame, renderer: WebGLRenderer): void {
     this.slices.start("weights", this.linear.setWeights(frame, this.handles.keys(), renderer));
   }
 
-  /** Handles' maps by name, shown at once where there are weights. Returns whether there are. */
+  /** Shows handles' maps, given by name, in the vertex shader. Returns false without weights. */
   showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
     if (!this.linear.show(poses)) return false;
     this.deform.linear.value = !this.isBefore;
@@ -206,7 +206,7 @@ export class Surface {
     return true;
   }
 
-  /** What is selected, from now on: ascending. */
+  /** Sets the selection. `vertices` must be ascending. */
   setSelection(vertices: Uint32Array): void {
     for (const v of this.selected) this.selection[v] = 0;
     for (const v of vertices) this.selection[v] = 255;
@@ -215,7 +215,7 @@ export class Surface {
     this.onChange();
   }
 
-  /** Shows vertices as selected, or not, until the engine tells what is: for tools, while they paint. */
+  /** Shows vertices as selected or not while a tool paints, until the engine reports the selection. */
   markSelected(vertices: Uint32Array, selected: boolean): void {
     if (vertices.length === 0) return;
     let least = Infinity;
@@ -230,7 +230,7 @@ export class Surface {
     this.onChange();
   }
 
-  /** Kind `roles`: region, fixed part and handles. */
+  /** Takes a frame of kind `roles`: region, fixed part and handles. */
   setRoles(frame: BinaryFrame): void {
     this.region = frame.indices("region") ?? new Uint32Array();
     this.fixed = frame.indices("fixed") ?? new Uint32Array();
@@ -242,7 +242,7 @@ export class Surface {
     this.slices.start("tint", this.paintRoles());
   }
 
-  /** Draws nothing, but brings one attribute after the other to the GPU, so that the first picture need not. */
+  /** Yields geometries that draw nothing but bring one attribute each to the GPU, to relieve the first picture. */
   *attributesAlone(): Generator<BufferGeometry, void> {
     const alone = (set: (geometry: BufferGeometry) => void) => {
       const geometry = new BufferGeometry();
@@ -256,7 +256,7 @@ export class Surface {
     yield alone((geometry) => geometry.setIndex(this.fine));
   }
 
-  /** Colours vertices in place of their roles: 4 bytes each, as `writeTint` makes them. */
+  /** Colours vertices instead of their roles: 4 bytes each, as `writeTint` makes them. */
   setTint(tint: Uint8Array): void {
     this.tint.set(tint);
     this.uploadSpan("tint", [0, this.vertexCount - 1]);
@@ -299,7 +299,7 @@ export class Surface {
   private makeGeometry(): void {
     const { geometry } = this;
     geometry.setIndex(this.fine);
-    geometry.boundingSphere = this.sphere(); // so that three.js does not look for it
+    geometry.boundingSphere = this.sphere(); // so that three.js does not compute it
     geometry.setAttribute("tint", new BufferAttribute(this.tint, 4, true));
     geometry.setAttribute("selection", new BufferAttribute(this.selection, 1, true));
     if (this.uv !== undefined) geometry.setAttribute("uv", new BufferAttribute(this.uv, 2));
@@ -320,7 +320,7 @@ export class Surface {
     }
   }
 
-  /** For shading and heat maps that look at the rest shape: `rest` as an attribute. */
+  /** Adds the attribute `rest`, for shading and heat maps that use the rest shape. */
   needRest(): void {
     if (this.geometry.hasAttribute("rest")) return;
     this.geometry.setAttribute("rest", this.attributeOf(this.rest));
@@ -328,7 +328,7 @@ export class Surface {
     this.mesh.material.needsUpdate = true;
   }
 
-  /** Its pictures, or checks where it has none. */
+  /** Shows the mesh with its textures, or with a checkerboard where there is none. */
   showTextures(textures: boolean): void {
     this.wantsTextures = textures;
     if (!textures || this.textured === undefined || this.textured.mesh !== undefined) return;
@@ -349,7 +349,7 @@ export class Surface {
     if (drawn.visible) this.textured?.follow(asOf);
   }
 
-  /** Undefined for a mesh that has neither places in pictures for its corners nor pictures. */
+  /** Makes the textured surface; undefined for a mesh without texture coordinates for its corners. */
   private texturesOf(frame: BinaryFrame): TexturedSurface | undefined {
     const pictures = frame.indices("pictures");
     const uv = frame.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
@@ -359,14 +359,14 @@ export class Surface {
     return new TexturedSurface(this, uv, pictures, files, makeMaterial);
   }
 
-  /** Of vertices, by corners. */
+  /** Returns the vertices' texture coordinates, one pair for each corner. */
   private cornersUv(): Float32Array | undefined {
     const { uv, triangles } = this;
     if (uv === undefined) return undefined;
     return new Float32Array(2 * triangles.length).map((_, i) => uv[2 * (triangles[i >> 1] as number) + (i & 1)] as number);
   }
 
-  /** A coarse version of `triangles`, for while a picture has to be quick. */
+  /** Sets a coarse version of `triangles`, for pictures that must be fast. */
   setCoarse(triangles: Uint32Array): void {
     this.coarse = new BufferAttribute(triangles, 1);
   }
@@ -376,7 +376,7 @@ export class Surface {
     if (this.wire !== undefined) this.wire.visible = this.wantsWire && !(coarse && this.coarse !== undefined);
   }
 
-  /** Each edge once, and those of the boundary: two vertices each. */
+  /** Takes all edges and the boundary edges, each edge once: two vertices each. */
   setEdges(edges: Uint32Array, boundary: Uint32Array): void {
     this.edges = edges;
     if (boundary.length > 0) {

@@ -3,7 +3,7 @@ import type { HeatMap } from "../../app/view_settings";
 import { bendsOf, detailOf, heatRange, heatTexture, legendOf, stretchOf, type Legend, type StretchOf } from "./heat";
 import type { Slices } from "./slices";
 
-/** What the colours are of. */
+/** The surface that is coloured. */
 interface Coloured {
   readonly rest: Float32Array;
   readonly positions: Float32Array;
@@ -16,18 +16,18 @@ interface Coloured {
   onChange: () => void;
 }
 
-/** Colours for numbers of vertices, which follow where a surface is shown. */
+/** Colours a surface by per-vertex values, and updates them when the surface moves. */
 export class SurfaceHeat {
   readonly uniforms: Record<"heatColours" | "heatRange" | "hasHeat", IUniform> = {
     heatColours: { value: null },
     heatRange: { value: [0, 1] },
     hasHeat: { value: false },
   };
-  /** What the colours stand for; null: there are none. */
+  /** The meaning of the colours; null if there are none. */
   legend: Legend | null = null;
   private map: HeatMap = "none";
   private of: StretchOf = "area";
-  private madeOf = -1; // the surface's version
+  private madeOf = -1; // version of the surface
   private edges: Uint32Array | undefined;
   private seam: Uint32Array = new Uint32Array();
 
@@ -49,18 +49,18 @@ export class SurfaceHeat {
     this.surface.onChange();
   }
 
-  /** The surface is shown elsewhere. */
+  /** Recomputes the colours after the surface has moved. */
   renew(): void {
     const { slices } = this.surface;
     if (this.map !== "none" && !slices.isRunning("heat")) slices.start("heat", this.follow());
   }
 
-  /** Vertices of a seam, for the heat map that shows it. */
+  /** Sets the vertices of a seam, for the heat map `seam`. */
   setSeam(vertices: Uint32Array): void {
     this.seam = vertices;
     this.renewFrom("seam");
   }
-  /** Each edge once: two vertices. */
+  /** Takes each edge once: two vertices. */
   setEdges(edges: Uint32Array): void {
     this.edges = edges;
     this.renewFrom("detail");
@@ -104,7 +104,7 @@ export class SurfaceHeat {
     const { rest, positions, triangles } = this.surface;
     if (this.map === "stretch") return yield* stretchOf(this.of, rest, positions, triangles);
     if (this.map === "seam") return this.seam.length === 0 ? undefined : bendsOf(positions, triangles, this.seam);
-    if (this.edges === undefined) return undefined; // the worker looks for them
+    if (this.edges === undefined) return undefined; // the worker is still computing them
     return yield* detailOf(positions, this.edges);
   }
 }

@@ -1,10 +1,10 @@
 import { Color, DoubleSide, GLSL3, ShaderMaterial, type IUniform } from "three";
 import { deformShader, type DeformUniforms } from "./deform_shader";
 
-/** How a surface is coloured: the numbers that the shader knows the ways by. */
+/** The shader's numbers for the ways to colour a surface. */
 export const shadings = { clay: 0, smooth: 1, flat: 2, texture: 3, "vertex-colours": 4 } as const;
 
-/** What all surfaces share. */
+/** The uniforms that all surfaces share. */
 export interface LookUniforms {
   [name: string]: IUniform;
   shading: IUniform<number>;
@@ -25,7 +25,7 @@ export function lookUniforms(): LookUniforms {
     selectionColour: { value: new Color(1.0, 0.5, 0.08) },
     wireColour: { value: new Color() },
     boundaryColour: { value: new Color() },
-    cutAbove: { value: new Color(0.23, 0.49, 0.96) }, // blue and red, as the cutting plane's pane
+    cutAbove: { value: new Color(0.23, 0.49, 0.96) }, // blue and red, like the pane of the cutting plane
     cutBelow: { value: new Color(0.9, 0.28, 0.3) },
   };
 }
@@ -171,7 +171,7 @@ void main() {
 }
 `;
 
-/** The material of a surface. `defines` tell which attributes there are; see `Surface`. */
+/** Makes the material of a surface. `defines` tell the shader which attributes exist; see `Surface`. */
 export function surfaceMaterial(
   look: LookUniforms,
   deform: DeformUniforms,

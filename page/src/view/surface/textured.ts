@@ -3,7 +3,7 @@ import type { ShaderMaterial } from "three";
 import type { Surface } from "./surface";
 import { wedgesOf, type Wedges } from "./wedges";
 
-/** What of a surface is copied to its wedges, and how many numbers a vertex has. */
+/** The attributes of a surface that are copied to its wedges, with their numbers per vertex. */
 const followed = [
   ["position", 3],
   ["normal", 3],
@@ -12,8 +12,8 @@ const followed = [
 ] as const;
 
 /**
- * A surface with its pictures: drawn by wedges, since a vertex has several places in a picture where that is cut. It
- * copies what the surface shows whenever that changes.
+ * A surface with its textures. It is drawn by wedges, because a vertex on a texture seam has several texture
+ * coordinates. It copies what the surface shows whenever that changes.
  */
 export class TexturedSurface {
   mesh: Mesh<BufferGeometry, ShaderMaterial[]> | undefined;
@@ -21,7 +21,7 @@ export class TexturedSurface {
   private shownAsOf = "";
   private isDisposed = false;
 
-  /** `uv`: of corners, 2 numbers each; `pictures`: of triangles, 0 for none; `files`: pictures from number 1 on. */
+  /** `uv`: per corner, 2 numbers each; `pictures`: per triangle, 0 for none; `files`: images from number 1 on. */
   constructor(
     private readonly surface: Surface,
     private readonly uv: Float32Array,
@@ -30,7 +30,7 @@ export class TexturedSurface {
     private readonly makeMaterial: () => ShaderMaterial,
   ) {}
 
-  /** Finds the wedges, and calls for the pictures. */
+  /** Makes the wedges, and starts to load the images. */
   *make(): Generator<void, void> {
     const { surface } = this;
     const wedges = yield* wedgesOf(surface.triangles, surface.vertexCount, this.uv, this.pictures);
@@ -52,7 +52,7 @@ export class TexturedSurface {
     surface.object.add(this.mesh);
   }
 
-  /** Brings what is drawn to what the surface shows. */
+  /** Copies the surface's shown attributes if `asOf`, which identifies its state, has changed. */
   follow(asOf: string): void {
     const { mesh, wedges, surface } = this;
     if (mesh === undefined || wedges === undefined || asOf === this.shownAsOf) return;
@@ -85,7 +85,7 @@ export class TexturedSurface {
     return material;
   }
 
-  /** A picture that the browser cannot read is none: the surface keeps its checks. */
+  /** Loads an image. If the browser cannot read it, the surface keeps its checkerboard. */
   private async load(file: Uint8Array<ArrayBuffer>, material: ShaderMaterial): Promise<void> {
     const image = await createImageBitmap(new Blob([file]), {
       imageOrientation: "flipY",
@@ -94,7 +94,7 @@ export class TexturedSurface {
     }).catch(() => undefined);
     if (image === undefined || this.isDisposed) return;
     const texture = new Texture(image, undefined, RepeatWrapping, RepeatWrapping);
-    texture.flipY = false; // it is already
+    texture.flipY = false; // the bitmap is flipped already
     texture.colorSpace = NoColorSpace;
     texture.minFilter = LinearMipmapLinearFilter;
     texture.anisotropy = 8;

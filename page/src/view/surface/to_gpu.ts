@@ -2,7 +2,9 @@ import { BufferGeometry, Points, Scene, type Camera, type Material, type WebGLRe
 import { cardIsIdle } from "../frame_scheduler";
 import type { Surface } from "./surface";
 
-/** Brings a surface's arrays to the GPU, one after the other, while it `isWanted`. `compiled`: a material that is in use. */
+/**
+ * Brings a surface's arrays to the GPU one after another, while it `isWanted`. `compiled`: a material already in use.
+ */
 export async function bringToGpu(
   surface: Surface,
   renderer: WebGLRenderer,

@@ -1,17 +1,20 @@
-/** Corners that share a vertex and its place in the picture: what a GPU draws as one. */
+/** Wedges: corners with the same vertex and texture coordinates, which the GPU draws as one vertex. */
 export interface Wedges {
-  /** Of each wedge, its vertex. */
+  /** Per wedge: its vertex. */
   vertices: Uint32Array;
   uv: Float32Array; // 2 numbers each
-  /** Three wedges a triangle, sorted by pictures. */
+  /** Three wedges a triangle, sorted by picture. */
   triangles: Uint32Array;
-  /** The triangles of each picture in that order, from 0 on: 3 × where they begin, 3 × how many. */
+  /**
+   * The triangles of each picture, from 0 on, in that order. `start` and `count` are 3 × the first triangle and 3 × the
+   * number of triangles.
+   */
   groups: { picture: number; start: number; count: number }[];
 }
 
 /**
- * The wedges of triangles. `uv`: 2 numbers a corner. `pictures`: a number for each triangle; absent: 0 for all. Yields
- * now and then.
+ * Makes the wedges of triangles. `uv`: 2 numbers a corner. `pictures`: a number for each triangle; absent: 0 for all.
+ * Yields now and then.
  */
 export function* wedgesOf(
   triangles: Uint32Array,
@@ -19,9 +22,9 @@ export function* wedgesOf(
   uv: Float32Array,
   pictures: Uint32Array | undefined,
 ): Generator<void, Wedges> {
-  const first = new Int32Array(vertexCount).fill(-1); // of each vertex, its first wedge
-  const next = new Int32Array(triangles.length); // of each wedge, another one of its vertex
-  const corner = new Uint32Array(triangles.length); // of each wedge, its first corner
+  const first = new Int32Array(vertexCount).fill(-1); // per vertex: its first wedge, or -1
+  const next = new Int32Array(triangles.length); // per wedge: the next wedge of its vertex
+  const corner = new Uint32Array(triangles.length); // per wedge: its first corner
   const wedgeOf = new Uint32Array(triangles.length);
   let count = 0;
   for (let c = 0; c < triangles.length; ++c) {

@@ -1,9 +1,9 @@
 import { ExternalTexture, type WebGLRenderer } from "three";
 
-const mostBytes = 768 * 1024 * 1024; // of one array of weights on the GPU
+const mostBytes = 768 * 1024 * 1024; // limit for one array of weights on the GPU
 const sliceBytes = 4 * 1024 * 1024;
 
-/** What fits into a texture of this many texels, as wide as rows are good for; undefined: it does not. */
+/** Returns the size of a texture for this many texels, at most 4096 wide; undefined if it does not fit. */
 export function textureSize(texels: number, largest: number): { width: number; height: number } | undefined {
   const width = Math.min(4096, largest);
   const height = Math.max(1, Math.ceil(texels / width));
@@ -11,8 +11,8 @@ export function textureSize(texels: number, largest: number): { width: number; h
 }
 
 /**
- * A texture of an array as it lies in memory, `components` numbers (3 or 4) a texel: texel i is at (i mod width,
- * i div width). Yields between slices. Undefined where it does not fit.
+ * Uploads an array to a texture, with `components` numbers (3 or 4) a texel. Texel i is at (i mod width, i div width).
+ * Yields between slices. Undefined if it does not fit.
  */
 export function* uploadArray(
   renderer: WebGLRenderer,
