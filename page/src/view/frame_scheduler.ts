@@ -36,8 +36,14 @@ export class FrameScheduler {
     private readonly done: (picture: Drawn, medianMs: number) => void,
   ) {}
 
+  /** Whether no picture is wanted or being made, the antialiased one at rest included. */
+  get isIdle(): boolean {
+    return !this.wanted && !this.busy && this.refineTimer === undefined;
+  }
+
   request(): void {
     clearTimeout(this.refineTimer);
+    this.refineTimer = undefined;
     if (!this.busy) this.refining = false;
     if (this.wanted) return;
     this.wanted = true;
@@ -96,6 +102,7 @@ export class FrameScheduler {
   }
 
   private refine(): void {
+    this.refineTimer = undefined;
     this.request();
     this.refining = true;
   }

@@ -304,6 +304,11 @@ export class Viewport {
     return this.projection.rayAt(clientX, clientY);
   }
 
+  /** Whether the camera stands still and the last picture is drawn. */
+  get isAtRest(): boolean {
+    return !this.navigation.isMoving && performance.now() >= this.posesMove && this.scheduler.isIdle;
+  }
+
   /** Frames everything, or some vertices of the model as shown. */
   fit(what: "all" | Uint32Array = "all", animated = true): void {
     const { main } = this;

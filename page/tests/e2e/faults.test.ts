@@ -221,7 +221,7 @@ test("a second model on the command line stands beside the first one as a part",
   expect((await state())?.undo).toBeNull();
   expect((await state())?.dirty).toBe(false);
   await page.waitForFunction(() => window.meshgraft.editor.graft.loops.value.size === 2);
-  await page.waitForTimeout(900);
+  await person.rests();
   await person.screenshot("faults-two-models-open");
   await person.click("Graft head");
   await page.waitForFunction(
@@ -254,7 +254,7 @@ test("several dropped files: the first is the model, the others are parts", asyn
   const state = await page.evaluate(() => window.meshgraft.editor.state.value);
   expect(state?.model.name).toBe("bust");
   expect(state?.parts.map(({ name }) => name).sort()).toEqual(["cylinder", "head"]);
-  await page.waitForTimeout(900);
+  await stage.person.rests();
   await person.screenshot("faults-dropped-several");
   expect(stage.person.complaints).toEqual([]);
 }, 120_000);

@@ -24,7 +24,7 @@ async function beside(model: string, part: string, resolution: number, starts = 
     [part, resolution, starts] as const,
   );
   await opened.person.page.waitForFunction(() => window.meshgraft.editor.graft.loops.value.size === 2);
-  await opened.person.page.waitForTimeout(600); // the view comes to rest
+  await opened.person.rests();
   return opened;
 }
 
@@ -125,7 +125,7 @@ test("grafts a head from a fresh page within five actions", async () => {
   const report = await grafted(person);
   expect(report?.error).toBeUndefined();
   expect(report?.seam).toMatchObject({ manifold: true, oriented: true, closed: true });
-  await person.page.waitForTimeout(500);
+  await person.rests();
   await person.screenshot("graft-head-result");
   await person.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
   ++person.actions;
@@ -143,13 +143,13 @@ test("shows how the seam bends, and the result's edges", async () => {
   const legend = person.page.locator(".view-legend");
   await legend.getByText("Bend across the seam's edges").waitFor();
   await person.press("z");
-  await person.page.waitForTimeout(1500);
+  await person.rests();
   await person.screenshot("graft-seam-bends");
   const largest = Number(/([\d.]+)°$/.exec((await legend.textContent()) ?? "")?.[1]);
   expect(largest).toBeGreaterThan(0);
   expect(largest).toBeLessThan(4 * (report?.seam?.dihedral_p99_deg ?? 0));
   await person.page.getByRole("radio", { name: "Apart" }).or(person.page.getByText("Apart", { exact: true })).first().click();
-  await person.page.waitForTimeout(300);
+  await person.rests();
   expect(await legend.getByText("Bend across").isVisible()).toBe(false);
   expect(person.complaints).toEqual([]);
 });
@@ -158,7 +158,7 @@ test("grafts in the document that is opened next, too, and shows no loops of the
   const { stage, person } = await beside("bust", "head", 20, true);
   await grafted(person);
   await stage.openSample("octopus", 20);
-  await person.page.waitForTimeout(300);
+  await person.rests();
   const loops = () =>
     person.page.evaluate(() => window.meshgraft.graftView.clickable().map(({ mesh }) => mesh));
   expect(await loops()).toEqual([]);
@@ -201,7 +201,7 @@ test("pairs the bracket's loops with the posts' by clicks", async () => {
   await person.screenshot("graft-bracket-apart");
   for (const [target, source] of pairs) {
     await person.page.evaluate(() => (window.meshgraft.editor.graft.arrangement.value = "apart"));
-    await person.page.waitForTimeout(700);
+    await person.rests();
     await person.clickAt(await hoverOverLoop(person, model, target));
     await person.page.waitForFunction(() => window.meshgraft.editor.graft.picked.value !== null);
     await person.clickAt(await spotOnLoop(person, part, source));
@@ -212,7 +212,7 @@ test("pairs the bracket's loops with the posts' by clicks", async () => {
   expect((step as { pairs: unknown[] } | null)?.pairs).toHaveLength(4);
   expect(report?.error).toBeUndefined();
   await person.page.evaluate(() => (window.meshgraft.editor.graft.arrangement.value = "both"));
-  await person.page.waitForTimeout(900);
+  await person.rests();
   await person.screenshot("graft-bracket-paired");
   await person.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
   await person.settle();
@@ -283,7 +283,7 @@ test("drags what meets along the loop, adds a match and takes it away", async ()
   const { person } = await beside("bust", "head", 40, true);
   await grafted(person);
   await person.page.getByText("Apart", { exact: true }).click();
-  await person.page.waitForTimeout(900);
+  await person.rests();
   const { part, start, loop } = await person.page.evaluate(() => {
     const { graft } = window.meshgraft.editor;
     const part = graft.source.value?.mesh ?? -1;
@@ -324,7 +324,7 @@ test("keeps the pose of a part that the gizmo puts in its place, and what is pai
   await person.screenshot("graft-kept-pose");
   expect(report?.graft).toBeGreaterThan(0);
   await person.click("Paint what stays");
-  await person.page.waitForTimeout(900);
+  await person.rests();
   const part = await person.page.evaluate(() => window.meshgraft.editor.graft.source.value?.mesh ?? -1);
   const face = await person.page.evaluate((mesh) => {
     const { viewport, graftView } = window.meshgraft;
@@ -346,10 +346,10 @@ test("a line from beside the model to beside it lays the plane, and the sides ar
   const eye = () => person.page.evaluate(() => window.meshgraft.viewport.camera.position.toArray());
   const start = await eye();
   await person.stroke([[200, 680], [260, 640]]); // beside the model, without a tool that cuts
-  await person.page.waitForTimeout(600);
+  await person.rests();
   expect(await eye()).not.toEqual(start);
   await person.click("Cut by a plane");
-  await person.page.waitForTimeout(300);
+  await person.rests();
   const before = await eye();
   const middle = await person.page.evaluate(() => {
     const { viewport, graftView } = window.meshgraft;
@@ -357,7 +357,7 @@ test("a line from beside the model to beside it lays the plane, and the sides ar
     return [x, y] as const;
   });
   await person.stroke([[110, middle[1] - 10], [800, middle[1] - 10]], { steps: 12 });
-  await person.page.waitForTimeout(300);
+  await person.rests();
   expect(await eye()).toEqual(before);
   const picture = (await person.page.screenshot()).toString("base64");
   const sides = await person.page.evaluate(async (png) => {
@@ -415,7 +415,7 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   await person.press("Control+z");
   await person.settle();
   await person.click("Cut along a curve");
-  await person.page.waitForTimeout(700); // the view comes to rest
+  await person.rests();
   const c = await person.page.evaluate(() => {
     const { viewport, graftView } = window.meshgraft;
     const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
@@ -467,7 +467,7 @@ test("puts a part to the right of the model, from wherever that is seen", async 
       [yaw, pitch] as const,
     );
     await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
-    await person.page.waitForTimeout(900); // the view comes to rest
+    await person.rests();
     const [part, model] = [await boxOnPage(person, "part"), await boxOnPage(person, "model")];
     expect(part[0]).toBeGreaterThan(model[2] + 5);
     await person.screenshot(`graft-beside-${Math.round(10 * yaw)}`);
@@ -494,7 +494,7 @@ test("drops a part from the library onto the surface", async () => {
   await person.page.mouse.move(500, 420, { steps: 5 });
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
   await status.getByText("Point where the part is to grow").waitFor();
-  await person.page.waitForTimeout(700);
+  await person.rests();
   expect(await standing()).toEqual([]); // it follows the pointer, and stands nowhere else
   await person.screenshot("drop-loaded");
   await person.page.keyboard.press("Escape");
@@ -519,7 +519,7 @@ test("drops a part from the library onto the surface", async () => {
     await window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false);
   });
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
-  await person.page.waitForTimeout(900);
+  await person.rests();
   const row = await person.page.getByRole("button", { name: "Graft head" }).boundingBox();
   if (row === null) throw new Error("the part is not listed");
   const spot = await person.page.evaluate(() => {
@@ -545,7 +545,7 @@ test("drops a part from the library onto the surface", async () => {
   await person.page.keyboard.press("r");
   await person.page.mouse.wheel(0, 100);
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.transform.value !== null);
-  await person.page.waitForTimeout(600);
+  await person.rests();
   await person.screenshot("drop-dragged");
   expect(await standing()).toEqual([]);
   const before = await eye();
@@ -562,7 +562,7 @@ test("drops a part from the library onto the surface", async () => {
   expect(counts.shown / 3).not.toBe(counts.model);
   await status.getByText(`${String(counts.shown / 3).replace(/\B(?=(\d{3})+$)/g, "\u202f")} faces`).waitFor();
   expect(await graftOf(person)).toMatchObject({ source: "head", at: { spin_deg: 22.5 } });
-  await person.page.waitForTimeout(800);
+  await person.rests();
   await person.screenshot("drop-done");
   await person.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
   await person.settle();
@@ -577,7 +577,7 @@ test("a dropped part that reaches out of the view comes into it", async () => {
   await page.getByRole("tab", { name: "Graft" }).click();
   await page.evaluate(() => window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false));
   await page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
-  await page.waitForTimeout(900);
+  await person.rests();
   const highest = () =>
     page.evaluate(() => {
       const { viewport, editor } = window.meshgraft;
@@ -587,11 +587,11 @@ test("a dropped part that reaches out of the view comes into it", async () => {
       return viewport.project(top).y - viewport.canvas.getBoundingClientRect().top;
     });
   await page.mouse.move(480, 400);
-  for (let i = 0; i < 12 && (await highest()) > 40; ++i) await page.mouse.wheel(0, -240).then(() => page.waitForTimeout(150));
+  for (let i = 0; i < 12 && (await highest()) > 40; ++i) await page.mouse.wheel(0, -240).then(() => person.rests());
   await page.evaluate(() => window.meshgraft.editor.graft.set({ source: "head", at: { point: [0, 1, 0.8] } }));
   const report = await grafted(person);
   expect(report?.error).toBeUndefined();
-  await page.waitForTimeout(900);
+  await person.rests();
   await person.screenshot("drop-framed");
   expect(await highest()).toBeGreaterThan(0);
   expect(person.complaints).toEqual([]);

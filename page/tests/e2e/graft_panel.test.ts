@@ -95,7 +95,7 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   await page.getByText("Keep", { exact: true }).click();
   await grafted(person);
   await person.click("Paint what stays");
-  await page.waitForTimeout(900);
+  await person.rests();
   const face = await page.evaluate(() => {
     const { viewport, graftView, editor } = window.meshgraft;
     const { x, y } = viewport.project(graftView.middleOf(editor.graft.source.value?.mesh ?? -1));
@@ -117,14 +117,14 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   expect(painted.on).toBe("head");
   expect(painted.fixed).toBeGreaterThan(3);
   await person.press("+");
-  await page.waitForTimeout(300);
+  await person.rests();
   await grafted(person);
   const wider = await state();
   expect(wider.on).toBe("head");
   expect(wider.fixed).toBeGreaterThan(painted.fixed);
   await person.screenshot("graft-fixed-grown");
   await person.press("-");
-  await page.waitForTimeout(300);
+  await person.rests();
   await grafted(person);
   expect((await state()).fixed).toBeLessThan(wider.fixed);
   const all = await page.evaluate(() => window.meshgraft.editor.graft.source.value?.vertices ?? 0);

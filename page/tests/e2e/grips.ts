@@ -1,4 +1,5 @@
 // Where the gizmo's parts are on the page, and what the document and the model hold.
+import { expect } from "vitest";
 import type { Pose } from "../../src/protocol";
 import { placesOf, run, type Person, type Point, type Stage } from "./harness";
 
@@ -69,11 +70,9 @@ async function aimOnce(person: Person, vertex: number): Promise<Point | undefine
 
 /** A place on the page near a vertex, with the model all around it: where a person would aim. */
 export async function aimAt(person: Person, vertex: number): Promise<Point> {
-  let at = await aimOnce(person, vertex);
-  for (let patience = 20; at === undefined && patience > 0; --patience) {
-    await person.page.waitForTimeout(250); // what picking looks up is made in a worker
-    at = await aimOnce(person, vertex);
-  }
+  let at: Point | undefined;
+  const aims = async () => (at = await aimOnce(person, vertex)) !== undefined; // a worker makes what picking looks up
+  await expect.poll(aims, { timeout: 5000, message: `vertex ${vertex} is not seen` }).toBe(true);
   if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
   return at;
 }

@@ -26,7 +26,7 @@ test("makes a nose bigger in three actions", async () => {
   await openFresh(stage, "head");
   const rest = sampled(stage, "head");
   await person.page.keyboard.press("Numpad1");
-  await person.page.waitForTimeout(600);
+  await person.rests();
   const nose = await person.screenOf(farthest(rest, [0, -1, 0]));
 
   await person.press("h");

@@ -216,15 +216,31 @@ export class Person {
   /** Waits until the page has opened what was named on the command line. */
   async opened(): Promise<void> {
     await this.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+    await this.rests();
+  }
+
+  /**
+   * Waits until the engine has done all that it was asked and the view is at rest: the camera stands still, and the
+   * last picture is drawn, with smooth edges. Several pictures in a row have to agree, because an answer of the engine
+   * may begin a movement.
+   */
+  async rests(): Promise<void> {
     await this.settle();
-    await this.page.waitForTimeout(600); // the view comes to rest
+    await this.page.evaluate(async () => {
+      const { viewport, editor } = window.meshgraft;
+      const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+      for (let quiet = 0; quiet < 4; ++quiet) {
+        await nextFrame();
+        if (!viewport.isAtRest || !editor.isIdle()) quiet = -1;
+      }
+    });
   }
 
   /** A PNG, or a JPEG where the name ends so. */
   async screenshot(name: string): Promise<void> {
     mkdirSync(screenshots, { recursive: true });
     const isJpeg = name.endsWith(".jpg");
-    if (isJpeg) await this.page.waitForTimeout(1500); // for the manual: the view comes to rest, its edges smooth
+    if (isJpeg) await this.rests();
     const path = join(screenshots, isJpeg ? name : `${name}.png`);
     await this.page.screenshot(isJpeg ? { path, type: "jpeg", quality: 85 } : { path });
   }

@@ -116,7 +116,7 @@ test("a curve handle along clicked points, closed at its first", async () => {
   await person.clickAt([top[0] - 40, top[1] + 30]);
   await person.clickAt([top[0] + 30, top[1] + 40]);
   await person.page.mouse.move(top[0] + 10, top[1] + 80);
-  await person.page.waitForTimeout(300);
+  await person.rests();
   await person.screenshot("tools-curve");
   await person.press("Enter");
   await person.settle();
@@ -143,7 +143,7 @@ test("the rim of a hole, from near it", async () => {
   await person.press("o");
   const [x, y] = await person.screenOf(farthest(places, [0, -0.1, -1]));
   await person.page.mouse.move(x, y - 5, { steps: 3 });
-  await person.page.waitForTimeout(500);
+  await person.rests();
   await person.screenshot("tools-loop");
   const rim = await selectedAfter(person, () => person.clickAt([x, y - 5]));
   expect(rim.length).toBeGreaterThan(10);

@@ -81,11 +81,11 @@ test("what is done on one side of the plane happens on the other, to a millionth
   );
   await person.settle();
 
-  await page.waitForTimeout(600);
+  await person.rests();
   await person.screenshot("symmetry-plane");
 
   await person.press("Numpad7"); // from above: both sides are seen
-  await page.waitForTimeout(700);
+  await person.rests();
   const at = await aimAt(person, farthest(rest, [0.4, 1, 0.3]));
   await person.press("h");
   await person.stroke([at, [at[0] + 14, at[1] + 4]]);

@@ -107,7 +107,7 @@ async function open(file: string): Promise<void> {
   }, file);
   await stage.person.settle();
   await page.keyboard.press("Numpad1");
-  await page.waitForTimeout(1200);
+  await stage.person.rests();
 }
 
 async function expectPictures(): Promise<void> {
@@ -136,13 +136,13 @@ test("a model is shown with its picture, also when it is bent and after", async 
   }, Array.from({ length: count + 1 }, (_, i) => vertexAt(i, count)));
   expect(moved).toBe(true);
   await person.settle();
-  await person.page.waitForTimeout(500);
+  await person.rests();
   await person.screenshot("texture-bent");
   await expectPictures();
 
   await person.page.evaluate(() => window.meshgraft.editor.ask({ do: "accept" }));
   await person.settle();
-  await person.page.waitForTimeout(800);
+  await person.rests();
   await expectPictures();
   expect(person.complaints).toEqual([]);
 });
@@ -169,14 +169,18 @@ test("a scan's PLY is shown with its picture, also as a part", async () => {
   await person.screenshot("texture-ply");
   await expectPictures();
 
-  const drawn = await person.page.evaluate(async (path) => {
-    const { editor, viewport } = window.meshgraft;
+  await person.page.evaluate(async (path) => {
+    const { editor } = window.meshgraft;
     await editor.ask({ do: "part", what: "add", path });
     editor.graft.mode.value = "graft";
-    await new Promise((later) => setTimeout(later, 2500));
+  }, folder.file("scan.ply"));
+  await person.page.waitForFunction(() => window.meshgraft.viewport.parts.shown().some(({ surface }) => !surface.mesh.visible));
+  await person.rests();
+  const drawn = await person.page.evaluate(() => {
+    const { editor, viewport } = window.meshgraft;
     const shown = viewport.parts.shown().map(({ surface }) => surface.mesh.visible);
     return { shown, complaints: editor.messages.value.map(({ error }) => error.problem) };
-  }, folder.file("scan.ply"));
+  });
   await person.screenshot("texture-part");
   expect(drawn).toEqual({ shown: [false], complaints: [] }); // its wedges are drawn in its place
   expect(person.complaints).toEqual([]);

@@ -12,7 +12,7 @@ afterAll(() => stage.close());
 test("grafts a head, bends the neck, looks at it and saves", async () => {
   const { person, folder } = stage;
   const { page } = person;
-  const rests = () => page.waitForTimeout(700); // the view, where it turns or fits
+  const rests = () => person.rests();
   const isExact = async () => {
     await person.settle();
     await page.locator(".status").getByText("Exact", { exact: true }).waitFor();

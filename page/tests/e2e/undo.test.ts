@@ -122,15 +122,16 @@ for (const method of ["corotational", "ft05"])
     const ball = await gripOf(person, "ball");
     await person.stroke([ball, [ball[0] + 10, ball[1] - 40]]);
     await page.waitForFunction(() => window.meshgraft.editor.live.value.quality === "exact");
-    await page.waitForTimeout(500);
+    await person.rests();
     const moved = await strayed(person);
     expect(moved).toBeGreaterThan(0.01);
     const drag = async () => {
+      const before = await strayed(person);
       const [x, y] = await gripOf(person, "ball");
       await page.mouse.move(x, y);
       await page.mouse.down();
       await page.mouse.move(x + 40, y - 80, { steps: 6 });
-      await page.waitForTimeout(400);
+      await expect.poll(async () => Math.abs((await strayed(person)) - before)).toBeGreaterThan(1e-3);
     };
     const letGo = async () => {
       await page.mouse.move(500, 200, { steps: 3 });
