@@ -14,7 +14,7 @@ void restart_with_better_blas_kernels(char** argv) {
   const std::string kernels = std::getenv(kernels_variable) == nullptr ? better_blas_kernels() : std::string();
   if (kernels.empty() && std::getenv(threads_variable) != nullptr) return;
   if (!kernels.empty() && !platform::set_environment_variable(kernels_variable, kernels)) return;
-  // Threads of its own are never used, and where memory is short the program would wait for them when it ends.
+  // OpenBLAS's own threads are never used. Where memory is short, the program would wait for them at its end.
   if (!platform::set_environment_variable(threads_variable, "1")) return;
   platform::restart_program(argv);
 }

@@ -2,9 +2,10 @@
 
 namespace meshgraft::cli {
 
-/// Starts the program anew with OPENBLAS_CORETYPE set where OpenBLAS did not recognise the processor
-/// (linalg/blas.h): the variable is read before main. Returns where there is nothing to gain, where the user
-/// has set the variable, and where the program cannot be started again.
+/// Restarts the program with OPENBLAS_CORETYPE set if OpenBLAS did not recognise the processor
+/// (linalg/blas.h), and with OPENBLAS_NUM_THREADS set to 1. A restart is needed because OpenBLAS reads these
+/// variables before main. Returns if there is nothing to gain, if the user has set the variables, or if the
+/// program cannot be restarted.
 void restart_with_better_blas_kernels(char** argv);
 
 }  // namespace meshgraft::cli

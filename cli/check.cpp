@@ -27,11 +27,11 @@ struct CheckArguments {
   bool json = false;
 };
 
-// What can be done with a mesh as it is.
+// The operations that a mesh allows as it is.
 struct Uses {
-  bool deform = false;             // everywhere
-  bool deform_beyond = false;      // where no refused finding is in reach
-  std::vector<std::size_t> loops;  // that can be merged along
+  bool deform = false;             // deformable everywhere
+  bool deform_beyond = false;      // deformable where no refused finding is within reach
+  std::vector<std::size_t> loops;  // numbers of the boundary loops that a merge can use
   std::size_t all_loops = 0;
 };
 
@@ -78,7 +78,7 @@ std::string uses_text(const Uses& uses) {
   return deform + "; " + merge;
 }
 
-// A name that the repaired mesh may have.
+// Returns a suggested file name for the repaired mesh.
 std::string repaired_name(const std::filesystem::path& mesh) {
   return mesh.stem().string() + "_repaired" + mesh.extension().string();
 }

@@ -26,7 +26,7 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
 
 namespace {
 
-// The number that a text is, all of it.
+// Returns the number that the whole text spells, or nothing.
 template <class T>
 std::optional<T> number_in(std::string_view text) {
   T value{};

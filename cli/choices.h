@@ -9,13 +9,14 @@
 
 namespace meshgraft::cli {
 
-/// The words that an option takes, or nothing if it takes free text. They stand in its type's name: "a|b|c".
+/// Returns the words that an option takes, or nothing if it takes free text. The type name of the option
+/// lists them: "a|b|c".
 std::vector<std::string> choices_of(const CLI::Option& option);
 
-/// Refuses everything but `words`, naming the nearest to what was given.
+/// Refuses everything but `words`. The error names the word nearest to the given one.
 CLI::Validator one_of(const std::vector<std::string>& words);
 
-/// An option that takes one of a few words, each with its value.
+/// Adds an option that takes one of a few words, each with its value.
 template <class T>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optional<T>& value,
                         const std::vector<std::pair<std::string, T>>& choices, const std::string& description) {
@@ -30,13 +31,13 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, std::optiona
       ->check(one_of(words));
 }
 
-/// Refuse all but finite numbers of a range, and say which that is.
+/// Validators that refuse all but finite numbers of a range. Their messages state the range.
 CLI::Validator finite_number();
 CLI::Validator positive_number();
 CLI::Validator number_from(double least, double most);
 CLI::Validator whole_number_from(int least, int most);
 
-/// `--threads N`.
+/// Adds `--threads N`.
 CLI::Option* add_threads(CLI::App& command, int& threads);
 
 }  // namespace meshgraft::cli

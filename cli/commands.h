@@ -8,15 +8,15 @@
 
 namespace meshgraft::cli {
 
-/// What the chosen command does, once the whole command line has been read.
+/// The work of the chosen command. It runs once the whole command line has been read.
 using Action = std::function<void(const Context&)>;
 
-/// Thrown by a command that did its work, and whose exit status is the answer.
+/// Thrown by a command that did its work and whose result is an exit status.
 struct Answer {
   int status = 0;
 };
 
-// Each adds one command to the program and, when it is chosen, sets `action`.
+// Each function adds one command to the program. The command sets `action` when it is chosen.
 void add_info(CLI::App& program, Action& action);
 void add_check(CLI::App& program, Action& action);
 void add_repair(CLI::App& program, Action& action);

@@ -40,7 +40,8 @@ std::vector<Method> methods_of(const std::string& list) {
   return methods;
 }
 
-// The extension of the mesh file that the edit's result goes back to; ".ply" where it is a sample.
+// Returns the extension of the mesh file that the edit's result is based on. Returns ".ply" if that mesh is a
+// sample.
 std::string mesh_extension(const EditFile& edit) {
   std::string name = edit.output.empty() ? outcome_of(edit.steps.back()) : edit.output;
   for (auto step = edit.steps.rbegin(); step != edit.steps.rend(); ++step)
@@ -51,7 +52,7 @@ std::string mesh_extension(const EditFile& edit) {
   return std::filesystem::path(input->file).extension().string();
 }
 
-// What a comparison writes into its folder.
+// The files that a comparison writes into its folder.
 struct ComparisonFiles {
   std::filesystem::path folder;
   std::string extension;
@@ -81,7 +82,7 @@ bool is_comparison(const std::filesystem::path& file) {
   return json.is_object() && json.contains("format") && json["format"] == "meshgraft-comparison";
 }
 
-// Files in the folder are replaced only if an earlier comparison wrote them, and no input ever is.
+// Refuses to replace an input. Files in the folder may be replaced only if an earlier comparison wrote them.
 void require_ours(const ComparisonFiles& files, const std::vector<Method>& methods,
                   const CompareArguments& arguments, const EditFile& edit) {
   if (!std::filesystem::exists(files.folder)) return require_writable(files.folder);
@@ -101,8 +102,8 @@ void require_ours(const ComparisonFiles& files, const std::vector<Method>& metho
 
 #ifdef MESHGRAFT_HAS_RENDER
 struct Pictures {
-  std::vector<render::Image> of_methods;  // of those that have a result
-  render::Image sheet;                    // all, the rest shape first
+  std::vector<render::Image> of_methods;  // one per method that has a result
+  render::Image sheet;                    // all methods, the rest shape first
 };
 
 Pictures draw(const Comparison& comparison, const View& view, const Context& context) {
@@ -128,7 +129,7 @@ Pictures draw(const Comparison& comparison, const View& view, const Context& con
 }
 #endif
 
-// The table, and the pictures and meshes of the folder.
+// Composes the Markdown text: the table, and links to the meshes and pictures in the folder.
 std::string text_of(const Comparison& comparison, const ComparisonFiles& files) {
   std::string text = fmt::format("# {} by several methods\n\n", comparison.edit);
   const EditReport* any = nullptr;
@@ -154,7 +155,7 @@ std::string text_of(const Comparison& comparison, const ComparisonFiles& files) 
   return text;
 }
 
-// Everything is computed before anything is written; once begun, writing is brought to its end.
+// Computes everything before anything is written. Once begun, writing cannot be cancelled.
 void write_folder(Comparison& comparison, const ComparisonFiles& files,
                   [[maybe_unused]] const CompareArguments& arguments, const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER

@@ -23,7 +23,7 @@ bool wants_file(const CLI::Option& option) {
   return type == "FILE" || type == "FOLDER" || type == "MESH" || type == "EDIT.json";
 }
 
-// Words that a command's first argument can be, where they are known.
+// Returns the words that a command's first argument can be, where they are known.
 std::vector<std::string> argument_words(const CLI::App& command) {
   std::vector<std::string> words;
   for (const CLI::Option* argument : arguments_of(command)) {
@@ -41,7 +41,7 @@ std::vector<std::string> all_spellings(const CLI::App& command) {
   return names;
 }
 
-// Single-quoted for the shells, which end a quotation to escape a quote in it.
+// Returns the text in single quotes. Shells end a quotation to escape a quote in it.
 std::string shell_quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -90,7 +90,7 @@ std::string bash_script(const CLI::App& program) {
       shell_quoted(fmt::format("{}", fmt::join(first, " "))), cases);
 }
 
-// zsh reads brackets and colons of a description as its own.
+// Escapes brackets and colons, which have a meaning of their own in a description for zsh.
 std::string zsh_text(const std::string& text) {
   std::string escaped;
   for (const char c : text)

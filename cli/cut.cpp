@@ -59,7 +59,7 @@ std::string_view keep_name(CutKeep keep) {
 
 std::string_view side_name(int side) { return side > 0 ? "above" : side < 0 ? "below" : "both sides"; }
 
-// What the command line asks for, read before the mesh is.
+// The cut that the command line asks for, parsed before the mesh is read.
 struct CutAlong {
   std::optional<PlaneText> plane;
   std::vector<Index> loop;
@@ -84,7 +84,7 @@ CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments
   }
 }
 
-// The result's components and loops, for people and for scripts.
+// The result's components and loops, for the summary and the JSON report.
 struct CutFacts {
   struct Component {
     Index vertices = 0, faces = 0;
@@ -124,7 +124,7 @@ CutFacts gather(const CutResult& result) {
   return facts;
 }
 
-// What was written, and what the mesh's format has no place for.
+// The files that were written, and notes on the data that the mesh's format cannot hold.
 struct WrittenOutputs {
   std::vector<std::string> files, notes;
 };
@@ -143,7 +143,7 @@ void print_summary(const CutFacts& facts, const CutResult& result, const Written
   for (const std::string& output : written.files) fmt::print("  wrote {}\n", output);
 }
 
-// In the words of an edit file's cut step.
+// Adds the requested cut in the terms of an edit file's cut step.
 void add_cut_asked_for(const CutAlong& along, Json& json) {
   if (!along.plane) {
     json["loop"] = along.loop;
@@ -187,7 +187,7 @@ Json report_json(const CutArguments& arguments, const CutAlong& along, const Cut
 std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 #ifdef MESHGRAFT_HAS_RENDER
-// The sides drawn apart, so that the cut shows.
+// Moves the sides apart, so that the picture shows the cut.
 Mesh pulled_apart(const CutResult& result) {
   Mesh mesh = result.mesh;
   Eigen::RowVector3d middle[2] = {Eigen::RowVector3d::Zero(), Eigen::RowVector3d::Zero()};
@@ -207,7 +207,7 @@ Mesh pulled_apart(const CutResult& result) {
 }
 #endif
 
-// Everything is computed before anything is written.
+// Computes everything before anything is written.
 WrittenOutputs write_outputs(const CutArguments& arguments, const SoundMesh& usable, CutResult& result,
                              const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER

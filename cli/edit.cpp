@@ -16,7 +16,7 @@ namespace meshgraft::cli {
 
 namespace {
 
-// The same each time, so that the browser keeps for its page what it is told to.
+// The port is the same each time, because the browser keeps a page's stored data per address.
 constexpr int usual_port = 8417;
 
 struct EditArguments {

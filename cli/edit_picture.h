@@ -8,8 +8,8 @@
 
 namespace meshgraft::cli {
 
-/// The edit's inputs, the first merge's target first, and its result side by side; each in a frame of its own,
-/// for parts come in any size. Throws what `load_input` throws.
+/// Draws the edit's inputs, with the first merge's target first, and its result side by side. Each has a
+/// frame of its own, because parts differ in size. Throws the errors of `load_input`.
 render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const View& view,
                                const Context& context);
 

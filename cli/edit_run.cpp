@@ -27,7 +27,8 @@ bool keeps_faces(const EditFile& edit) {
                      [](const EditStep& step) { return std::holds_alternative<DeformStep>(step.action); });
 }
 
-// A cut or a merge has no rest to go back to.
+// Checks that the edit can be written as a morph target. A cut or a merge has no rest shape with the same
+// faces.
 void require_morph_target(const EditRunArguments& arguments, const EditFile& edit) {
   if (arguments.output.empty())
     throw Error(ErrorCode::usage, "--as-morph-target goes with -o", "", "Name a .glb or .gltf file to write.");
@@ -38,7 +39,7 @@ void require_morph_target(const EditRunArguments& arguments, const EditFile& edi
                 "Leave the option out, or write the cut or merged mesh first and deform that.");
 }
 
-// A mesh of the edit, as its last step leaves it, and its file.
+// A mesh of the edit to be saved after the last step, and its file.
 struct Save {
   std::string name;
   std::filesystem::path file;
@@ -71,7 +72,7 @@ void check_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
 }
 
 #ifdef MESHGRAFT_HAS_RENDER
-// Before and after; where there is no before, the inputs and what became of them.
+// Draws the mesh before and after the edit. If the edit changes the faces, draws the inputs and the result.
 render::Image draw(const EditRunArguments& arguments, const EditFile& edit, const EditResult& result,
                    const Context& context) {
   if (!keeps_faces(edit)) return picture_of_parts(edit, result.mesh, arguments.view, context);
@@ -93,7 +94,7 @@ void write_meshes(const EditRunArguments& arguments, const std::vector<Save>& sa
     write_and_report(result.kept.at(save.name), save.file, result.report, {}, context);
 }
 
-// Everything is computed before anything is written.
+// Computes everything before anything is written.
 void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& saves,
                    [[maybe_unused]] const EditFile& edit, EditResult& result, const Context& context) {
   EditReport& report = result.report;
@@ -114,7 +115,7 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
   }
 }
 
-/// `--backend`, which still takes the name that `multifrontal` had in version 0.1.
+/// Adds `--backend`, which still accepts 'cholmod', the name of `multifrontal` in version 0.1.
 void add_backend(CLI::App& command, EditRunArguments& arguments) {
   const std::vector<std::string> note{
       "--backend: the solver 'cholmod' is called 'multifrontal' now, and that is what was used"};

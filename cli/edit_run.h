@@ -16,28 +16,27 @@
 
 namespace meshgraft::cli {
 
-/// What `run` and `deform` are asked for: an edit file, what to write of it, and what to do otherwise than it
-/// says.
+/// The arguments of `run` and `deform`: an edit file, the outputs, and settings that override the edit file.
 struct EditRunArguments {
-  std::filesystem::path edit, output, report, picture;  ///< empty: not asked for
+  std::filesystem::path edit, output, report, picture;  ///< empty: not requested
   std::vector<std::string> saves;                       ///< NAME=FILE
 #ifdef MESHGRAFT_HAS_RENDER
   View view{.width = picture_width, .height = picture_height};
 #endif
   RunOptions run;
-  std::vector<std::string> notes;  ///< about words that are read as others
+  std::vector<std::string> notes;  ///< about values that are read as other ones
   std::optional<std::string> morph_target;
   int threads = 0;
   bool json = false;
   bool force = false;
 };
 
-/// The options of a command that runs an edit file, all but `-o`. `arguments` must outlive the command.
+/// Adds the options of a command that runs an edit file, except `-o`. `arguments` must outlive the command.
 void add_edit_run_options(CLI::App& command, EditRunArguments& arguments);
 
-/// Runs the edit and writes what is asked for, once all is computed. Throws what `read_edit_file`,
-/// `require_outputs`, `run_edit` and `write_mesh` throw, and Error(usage) for a mesh to save that the edit does
-/// not have.
+/// Runs the edit, computes everything, and then writes the requested outputs. Throws the errors of
+/// `read_edit_file`, `require_outputs`, `run_edit` and `write_mesh`. Throws Error(usage) for a mesh to save
+/// that the edit does not have.
 void run_edit_file(const EditRunArguments& arguments, Context context);
 
 }  // namespace meshgraft::cli

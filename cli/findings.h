@@ -6,11 +6,11 @@
 
 namespace meshgraft::cli {
 
-/// Prints what the check found, a few lines each, the first one after `label`: name, severity, count, first
-/// indices, remedy.
+/// Prints the findings of a check, a few lines each: name, severity, count, first indices, remedy. The first
+/// finding follows `label`.
 void print_findings(const Diagnostics& diagnostics, std::string_view label);
 
-/// "vertex", "face" or "corner".
+/// Returns "vertex", "face" or "corner".
 std::string_view domain_name(Domain domain);
 
 }  // namespace meshgraft::cli

@@ -39,7 +39,7 @@ struct MeshFacts {
   std::vector<std::vector<Index>> loops;
   std::vector<LoopFacts> loop_facts;
   std::map<Index, Index> faces_by_corners;
-  Eigen::RowVector3d low, high;  // of the finite positions
+  Eigen::RowVector3d low, high;  // bounding box of the finite positions
   Diagnostics diagnostics;
 };
 
@@ -97,7 +97,7 @@ std::string first_values(const Range& values, std::size_t limit) {
 
 void line(std::string_view label, const std::string& text) { fmt::print("  {:<12}{}\n", label, text); }
 
-// What keeps a loop from being merged; the findings tell more.
+// Returns the defects that keep a loop from being merged. The findings give the details.
 std::string defects_along(const MeshFacts& facts, const std::vector<Index>& loop) {
   std::string text;
   for (const char* defect :

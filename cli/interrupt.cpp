@@ -11,7 +11,7 @@
 namespace meshgraft::cli {
 
 Interrupt::Interrupt() : watch_([this] { stop(); }) {
-  platform::report_failed_writes();  // as errors, so that what is half-written is removed
+  platform::report_failed_writes();  // as errors, so that half-written files are removed
 }
 
 void Interrupt::stop() {

@@ -8,7 +8,7 @@ std::vector<LoopFacts> loop_facts(const Mesh& mesh, const std::vector<std::vecto
   std::vector<LoopFacts> facts;
   for (const std::vector<Index>& loop : loops) {
     LoopFacts one{static_cast<Index>(loop.size()), loop.front(), 0, mesh.positions.row(loop.front())};
-    Eigen::RowVector3d moment = Eigen::RowVector3d::Zero();  // about the first vertex
+    Eigen::RowVector3d moment = Eigen::RowVector3d::Zero();  // relative to the first vertex
     for (std::size_t k = 0; k < loop.size(); ++k) {
       const Eigen::RowVector3d a = mesh.positions.row(loop[k]),
                                b = mesh.positions.row(loop[(k + 1) % loop.size()]);
@@ -16,7 +16,7 @@ std::vector<LoopFacts> loop_facts(const Mesh& mesh, const std::vector<std::vecto
       one.length += length;
       moment += length * ((a + b) / 2 - mesh.positions.row(loop.front()));
     }
-    if (one.length != 0) one.centre += moment / one.length;  // no number where a vertex has no place
+    if (one.length != 0) one.centre += moment / one.length;  // NaN if a vertex has no finite position
     facts.push_back(one);
   }
   return facts;

@@ -61,7 +61,8 @@ std::string known_commands(const CLI::App& program) {
   return names;
 }
 
-// Help and version are no errors; everything else about the command line is.
+// Returns the exit status for the end of parsing. Help and version are no errors; all other exceptions of the
+// parser are.
 int end_of_parsing(const CLI::App& program, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
   std::string command = "meshgraft";
@@ -82,7 +83,7 @@ void run(const cli::Action& action) {
   action(context);
 }
 
-// What was printed must have arrived, a full disk included.
+// Checks that all output was written. A full disk counts as a failure, too.
 void require_printed() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))
     throw Error(ErrorCode::io, "cannot write to standard output");
@@ -121,7 +122,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return fail("not enough memory. Close other programs, or take a smaller mesh.", ErrorCode::memory);
   } catch (const std::exception& error) {
-    if (std::string_view(error.what()).starts_with("pthread_create"))  // of oneTBB
+    if (std::string_view(error.what()).starts_with("pthread_create"))  // thrown by oneTBB
       return fail("no threads could be started. Give the program more memory.", ErrorCode::memory);
     return fail(fmt::format("{} (a defect of meshgraft; please report it)", error.what()), ErrorCode::internal);
   }

@@ -12,7 +12,7 @@ namespace meshgraft::cli {
 
 namespace {
 
-// Text as roff takes it literally.
+// Escapes text so that roff prints it literally.
 std::string roff(const std::string& text) {
   std::string escaped;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -55,7 +55,7 @@ std::string argument_entry(const CLI::Option& argument) {
                      roff(argument.get_description()));
 }
 
-// A footer is a heading line and indented commands.
+// Returns the examples of a command. Its footer consists of a heading line and indented commands.
 std::string examples_of(const CLI::App& command) {
   const std::string footer = command.get_footer();
   const std::size_t end_of_heading = footer.find('\n');

@@ -31,8 +31,8 @@ namespace meshgraft::cli {
 namespace {
 
 struct MergeArguments {
-  std::filesystem::path target, source, output, report, picture, save_edit;  // `target`: or the edit file
-  // Of the plain case.
+  std::filesystem::path target, source, output, report, picture, save_edit;  // `target` may be the edit file
+  // The following options are for TARGET and SOURCE, without an edit file.
   std::vector<std::string> pairs, starts, matches, align;
   std::optional<MergePose> pose;
   std::string fix, reach, mirror, at;
@@ -43,7 +43,7 @@ struct MergeArguments {
   std::optional<int> band;
   std::optional<StripMethod> strip;
   std::vector<const CLI::Option*> plain_options;
-  // Of both.
+  // The following options are for both cases.
   RunOptions run;
 #ifdef MESHGRAFT_HAS_RENDER
   View view{.width = 640, .height = 640};
@@ -55,7 +55,7 @@ struct MergeArguments {
   bool plain() const { return !source.empty(); }
 };
 
-// "5rings" or a length.
+// Parses "5rings" or a length.
 Reach reach_from(const std::string& text) {
   Reach reach;
   std::size_t count = 0;
@@ -78,7 +78,7 @@ Reach reach_from(const std::string& text) {
   return reach;
 }
 
-// A vertex, or a point as x,y,z that stands for the nearest one.
+// Parses a vertex index, or a point x,y,z that stands for the nearest vertex.
 VertexSpec vertex_from(const std::string& text, const std::string& option) {
   if (text.find(',') == std::string::npos) {
     const auto vertex = numbers<Index>(text, option);
@@ -90,7 +90,7 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
   throw Error(ErrorCode::usage, fmt::format("'{}' is neither a vertex nor a point x,y,z", text), option);
 }
 
-// Where to drop the part, and by which of its loops.
+// Returns the vertex or point to drop the part on, and the source loop to use.
 DropSpec drop_from(const std::string& text, double spin_deg, std::optional<Index> source_loop) {
   std::optional<SelectionSpec> loop;
   if (source_loop) loop = SelectionSpec{Selection::Loop{*source_loop}};
@@ -110,7 +110,7 @@ std::vector<MatchSpec> matches_from(const std::vector<std::string>& texts, const
   return matches;
 }
 
-// The source's loops as far as the command line names them.
+// Returns the source loops that the command line names, or loop 0 if it names none.
 std::vector<Index> source_loops(const MergeStep& step) {
   std::vector<Index> loops;
   for (const MergePairSpec& pair : step.pairs)
@@ -149,7 +149,8 @@ MergeStep plain_step(const MergeArguments& arguments) {
   return step;
 }
 
-// The edit that the command line describes, its paths relative to the folder of the file it may be saved in.
+// Returns the edit that the command line describes. Its paths are relative to the folder of the file it may
+// be saved in.
 EditFile plain_edit(const MergeArguments& arguments) {
   const std::filesystem::path folder = arguments.save_edit.parent_path();
   const auto from_there = [&](const std::filesystem::path& path) {
@@ -163,11 +164,11 @@ EditFile plain_edit(const MergeArguments& arguments) {
   edit.inputs.push_back({.name = "source", .file = from_there(arguments.source)});
   edit.inputs.push_back({.name = "target", .file = from_there(arguments.target)});
   edit.steps.push_back({{}, {}, std::move(step)});
-  // Through the parser, for its checks.
+  // The parser checks the edit.
   return parse_edit(write_edit(edit), "command line", folder);
 }
 
-// Options that exclude or need each other.
+// Checks options that exclude or need each other.
 void require_sense(const MergeArguments& arguments) {
   const bool keep = arguments.pose == MergePose::keep, at = !arguments.at.empty();
   const auto fail = [](const std::string& option, const std::string& problem, const std::string& remedy = {}) {
@@ -189,12 +190,12 @@ void require_sense(const MergeArguments& arguments) {
                                 arguments.align.size(), arguments.align.size() == 1 ? "" : "s"));
 }
 
-// An option of the plain case as it was given; with its value where it can be repeated.
+// Returns the option with its `number`-th value, or without a value if it has no such value.
 std::string repeated(const std::string& option, const std::vector<std::string>& values, std::size_t number) {
   return number < values.size() ? option + " " + values[number] : option;
 }
 
-// The option behind a field of the plain step, e.g. "--match 3:7" behind "matches[0]".
+// Returns the option behind a field of the plain step, e.g. "--match 3:7" for "matches[0]".
 std::string option_behind(const MergeArguments& arguments, const std::string& field) {
   const std::string word = field.substr(0, field.find_first_of(".["));
   const std::size_t bracket = field.find('[');
@@ -219,7 +220,8 @@ std::string option_behind(const MergeArguments& arguments, const std::string& fi
   return field;
 }
 
-// An error of the plain edit, which nobody wrote, at the option or the file that it is about.
+// Returns the error with the option or file that caused it as its location. The user never wrote the fields
+// of the plain edit.
 Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
   constexpr std::string_view steps = "command line: steps[0]", inputs = "command line: inputs.";
   std::string location = error.location();
@@ -265,7 +267,7 @@ void check_outputs(const MergeArguments& arguments, const EditFile& edit) {
 #endif
 }
 
-// Everything is computed before anything is written.
+// Computes everything before anything is written.
 void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditResult& result,
                    const Context& context) {
   EditReport& report = result.report;

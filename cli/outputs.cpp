@@ -14,12 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// However they are spelled, and through links.
+// Whether two paths name the same file, however they are spelled, and through links.
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code missing;
   if (fs::equivalent(a, b, missing) && !missing) return true;
   const auto whole = [](const fs::path& path) {
-    std::error_code error;  // behind /dev/stdout may be no path, and links may go round in a circle
+    std::error_code error;  // /dev/stdout may lead to no path, and links may form a cycle
     const fs::path end = fs::absolute(follow_links(path));
     const fs::path canonical = fs::weakly_canonical(end, error);
     return error ? end.lexically_normal() : canonical;
@@ -35,7 +35,7 @@ void require_access(const std::error_code& error, const fs::path& output) {
                 "Change the permissions, or choose another place.");
 }
 
-// An OBJ's materials go beside it, and a .gltf's buffer.
+// Whether `output` is the material library beside an OBJ or the buffer beside a .gltf.
 bool is_companion_of(const fs::path& mesh, const fs::path& output) {
   const fs::path extension = mesh.extension();
   const bool is_obj = extension == ".obj" || extension == ".OBJ";

@@ -10,14 +10,14 @@
 
 namespace meshgraft::cli {
 
-/// What a command is to write; empty paths are not asked for.
+/// The files that a command is to write. Empty paths are not requested.
 struct Outputs {
   std::filesystem::path mesh{}, picture{}, report{}, edit{};
   std::vector<std::filesystem::path> more_meshes{};
 
-  /// Those that are asked for, the mesh and more of them first.
+  /// Returns the requested files, meshes first.
   std::vector<std::filesystem::path> all() const;
-  /// `mesh`, where it is asked for, and the others.
+  /// Returns `mesh`, if it is requested, and `more_meshes`.
   std::vector<std::filesystem::path> meshes() const;
 };
 
@@ -28,19 +28,19 @@ void require_not_an_input(const std::filesystem::path& output, const std::vector
 /// Throws Error(usage) unless the name ends in .png.
 void require_png(const std::filesystem::path& output);
 
-/// Throws Error(io) if a file of this name cannot be written, for it is a folder, has no folder, or for lack of
-/// permission: better now than after a long computation.
+/// Throws Error(io) if a file of this name cannot be written: it is a folder, its folder does not exist, or
+/// permission is missing. Checking first avoids a failure after a long computation.
 void require_writable(const std::filesystem::path& output);
 
-/// Checks what a command is to write before it works: the outputs are distinct however they are spelled, of a
-/// kind that is known, and can be written, and none replaces an input or what an input refers to (material
-/// libraries, textures). With `force` a mesh may replace an input mesh; the edit file never is replaced.
-/// Throws Error(usage), Error(input) and Error(io).
+/// Checks a command's outputs before the command starts its work. The outputs must be distinct however they
+/// are spelled, have a known format, and be writable. None may replace an input or a file that an input
+/// refers to (material libraries, textures). With `force` a mesh may replace an input mesh. The edit file is
+/// never replaced. Throws Error(usage), Error(input) and Error(io).
 void require_outputs(const Outputs& outputs, const std::vector<std::filesystem::path>& inputs,
                      const std::filesystem::path& edit, bool force);
 
-/// Writes a mesh of an edit, and tells the report of the files, the seconds and what the format has no place
-/// for.
+/// Writes a mesh of an edit. Adds the files, the seconds and notes on the data that the format cannot hold to
+/// the report.
 void write_and_report(const Mesh& mesh, const std::filesystem::path& output, EditReport& report,
                       const WriteOptions& options, const Context& context);
 

@@ -9,7 +9,7 @@
 
 namespace meshgraft::cli {
 
-/// Shows on the terminal what a long command is doing, from one second after its start on. Shows nothing where
+/// Shows the progress of a command on the terminal, from one second after its start. Shows nothing if
 /// standard error is not a terminal.
 class ProgressBar {
  public:
@@ -18,7 +18,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `fraction` of the stage that is done; negative where it cannot be told.
+  /// Sets the stage and the fraction of it that is done. A negative fraction means that it is unknown.
   void update(std::string_view stage, double fraction);
 
  private:

@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 
 struct RepairArguments {
   std::filesystem::path mesh, output, report, picture;
-  // Steps that the command line switches off, and what it sets.
+  // The steps that the command line switches off, and the values that it sets.
   bool no_clean = false, no_weld = false, keep_shells = false, keep_debris = false, no_split = false,
        no_winding = false, keep_isolated = false;
   std::optional<double> weld_distance, debris_size;
@@ -59,7 +59,7 @@ RepairOptions repair_options_of(const RepairArguments& arguments) {
   return options;
 }
 
-// What was written, and what the mesh's format has no place for.
+// The files that were written, and notes on the data that the mesh's format cannot hold.
 struct WrittenOutputs {
   std::vector<std::string> files, notes;
 };
@@ -108,7 +108,7 @@ void print_summary(const RepairArguments& arguments, const Mesh& given, const Re
 }
 
 #ifdef MESHGRAFT_HAS_RENDER
-// Without what cannot be drawn.
+// Returns the mesh without faces and vertices that cannot be drawn.
 Mesh drawable(const Mesh& mesh) {
   return repair(mesh, {.clean_faces = false,
                        .remove_duplicate_shells = false,

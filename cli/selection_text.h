@@ -7,13 +7,13 @@
 
 namespace meshgraft::cli {
 
-/// What `selection_from` reads, for a help text.
+/// The forms that `selection_from` reads, for a help text.
 inline constexpr const char* selection_forms =
     "loop:N, indices:A,B,…, file:PATH, box:X,Y,Z,X,Y,Z, beyond:LENGTH (farther along edges than that from the "
     "loops), or JSON as in an edit file";
 
-/// A selection as an option says it; `beyond` starts from `loops`. Throws Error(usage) and Error(input) that
-/// name `option`.
+/// Parses a selection given as an option. `beyond` starts from `loops`. Throws Error(usage) and Error(input)
+/// that name `option`.
 SelectionSpec selection_from(const std::string& text, const std::vector<Index>& loops,
                              const std::string& option);
 

@@ -5,8 +5,8 @@
 
 namespace meshgraft::cli {
 
-/// Prints what an edit did, for people: its inputs, its steps, the quality of what was deformed (against
-/// `rest`), the files that were written.
+/// Prints a summary of an edit: its inputs, its steps, the quality of the deformed mesh (against `rest`), and
+/// the written files.
 void print_summary(const EditReport& report, const Points& rest);
 
 }  // namespace meshgraft::cli

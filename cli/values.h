@@ -16,7 +16,8 @@
 
 namespace meshgraft::cli {
 
-/// Finite numbers with `separator` between them and nothing else. Throws Error(usage) that names `option`.
+/// Parses finite numbers with `separator` between them and nothing else. Throws Error(usage) that names
+/// `option`.
 template <class T>
 std::vector<T> numbers(std::string_view text, const std::string& option, char separator = ',') {
   std::vector<T> values;
@@ -38,13 +39,15 @@ std::vector<T> numbers(std::string_view text, const std::string& option, char se
   }
 }
 
-/// "x=0.5" (or y, z), or a point and a normal as px,py,pz,nx,ny,nz. Throws Error(usage) that names `option`.
+/// A plane: a point on it and its normal vector.
 struct PlaneText {
   Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
 };
+/// Parses "x=0.5" (or y, z), or a point and a normal as px,py,pz,nx,ny,nz. Throws Error(usage) that names
+/// `option`.
 PlaneText parse_plane(const std::string& text, const std::string& option);
 
-/// "12:7", two numbers from 0 on. Throws Error(usage) that names `option`.
+/// Parses two numbers from 0 on, such as "12:7". Throws Error(usage) that names `option`.
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option);
 
 }  // namespace meshgraft::cli

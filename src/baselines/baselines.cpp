@@ -12,7 +12,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Rings around the free vertices that a method's equations for them look at.
+/// Returns how many rings around the free vertices enter the method's equations for them.
 int depth_of(Baseline method, const BaselineOptions& options) {
   switch (method) {
     case Baseline::botsch_kobbelt_2004: return options.harmonic_order - 1;

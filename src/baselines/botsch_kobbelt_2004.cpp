@@ -13,7 +13,7 @@ namespace meshgraft::baselines {
 
 namespace {
 
-/// C (M⁻¹C)^(k−1), the symmetric form of Δᵏ with Δ = M⁻¹C: cotangent weights over mixed areas M.
+/// Returns C (M⁻¹C)^(k−1), the symmetric form of Δᵏ with Δ = M⁻¹C: cotangent weights C over mixed areas M.
 SparseRows harmonic_operator(const EditProblem& problem, const std::vector<double>& areas, int order,
                              const Context& context) {
   SparseRows power = cotangent_laplacian(problem), laplace = power;
@@ -23,8 +23,8 @@ SparseRows harmonic_operator(const EditProblem& problem, const std::vector<doubl
   return power;
 }
 
-/// The surface without detail smaller than `detail_size` (all of it if 0): N b + μ M (b − p) = 0, which passes
-/// half of a wave of that length.
+/// Returns the surface without detail smaller than `detail_size`, or without any detail if that is 0. Solves
+/// N b + μ M (b − p) = 0, which halves the amplitude of a wave of that length.
 Points base_surface(const EditProblem& problem, const SparseRows& N, const std::vector<double>& areas,
                     const BaselineOptions& options, const Context& context) {
   const std::vector<double> lengths = mean_edge_lengths(problem.rest(), problem.rings);
@@ -44,14 +44,15 @@ Points base_surface(const EditProblem& problem, const SparseRows& N, const std::
 
 }  // namespace
 
-/// The edited base surface is Δᵏ-harmonic in its displacement; the detail p − b is kept in the local frames of
-/// the base b.
+/// Solves for a Δᵏ-harmonic displacement of the base surface b. The detail p − b is kept in the local frames
+/// of b.
 Points deform_botsch_kobbelt_2004(const EditProblem& problem, const BaselineOptions& options,
                                   const Context& context) {
   const std::vector<double> areas = mixed_areas(problem);
   const SparseRows N = harmonic_operator(problem, areas, options.harmonic_order, context);
   const Points rest_base = base_surface(problem, N, areas, options, context);
-  // Free rows of `start` hold the known ones' mean displacement, which solves the system but for the boundary.
+  // Free rows of `start` hold the mean displacement of the known vertices. A constant displacement satisfies
+  // every row except those beside known vertices.
   Columns displacement = problem.start - problem.rest();
   KnownRowsSolver(N, problem.known, options.backend, context)
       .solve(N, Columns::Zero(problem.size(), 3), displacement, context);

@@ -21,7 +21,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// What is known of each vertex of the whole mesh.
+/// The constraints of all vertices of the mesh, one entry per vertex.
 struct Given {
   Flags known, oriented;
   std::vector<const VertexConstraint*> constraint;
@@ -88,7 +88,7 @@ void place_known(const Points& rest, const Given& given, EditProblem& problem) {
     if (!problem.known[v]) problem.start.row(v) += mean;
 }
 
-/// Every free component must meet a known position: else it could be anywhere.
+/// Requires a known position in every free component, because the component could lie anywhere without one.
 void require_held(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
@@ -248,7 +248,7 @@ KnownRowsSolver::KnownRowsSolver(const SparseRows& N, std::span<const std::uint8
     number[row] = static_cast<int>(unknowns_.size());
     unknowns_.push_back(static_cast<int>(row));
   }
-  // Row r of the symmetric N is its column r.
+  // Row r of the symmetric N equals its column r.
   const auto size = static_cast<Eigen::Index>(unknowns_.size());
   NormalMatrix lower(size, size);
   for (Eigen::Index column = 0; column < size; ++column) {

@@ -7,7 +7,7 @@ namespace meshgraft::baselines {
 
 namespace {
 
-/// Drops the rows that see no free vertex: all that they see is known.
+/// Clears the rows without a free vertex, because they contain only known values.
 void keep_rows_with_unknowns(SparseRows& D, const Flags& known) {
   Flags kept(known.size(), 0);
   for (Eigen::Index row = 0; row < D.rows(); ++row)
@@ -16,7 +16,7 @@ void keep_rows_with_unknowns(SparseRows& D, const Flags& known) {
   D.prune([&](Eigen::Index row, Eigen::Index, double) { return kept[row] != 0; });
 }
 
-/// Vertex normals averaged over `rings` rings, by as many averages over one ring.
+/// Returns vertex normals averaged over `rings` rings, by repeating an average over one ring.
 Points smooth_normals(const EditProblem& problem, const Points& points, int rings, const Context& context) {
   Points normals = vertex_normals(points, problem.triangles(), problem.faces_around, context);
   for (int ring = 0; ring < rings; ++ring) {
@@ -48,8 +48,8 @@ Points NaiveLaplacian::solve(const Columns& delta, const Context& context) const
   return x;
 }
 
-/// Solves for the detail vectors as they are, estimates from the smoothed result how each was turned, and
-/// solves for the turned ones (the paper's section 4).
+/// Solves for the unrotated detail vectors, estimates the rotation of each from the smoothed result, and
+/// solves for the rotated ones (the paper's section 4).
 Points deform_lipman_2004(const EditProblem& problem, const BaselineOptions& options, const Context& context) {
   const NaiveLaplacian laplacian(problem, options.lipman_weights, options.backend, context);
   const Points first = laplacian.solve(laplacian.delta(), context);

@@ -8,7 +8,7 @@
 
 namespace meshgraft::baselines {
 
-// Each gives the positions of the patch's vertices, n×3, at the patch's scale.
+// Each function returns the positions of the patch's vertices, n×3, at the patch's scale.
 
 Points deform_botsch_kobbelt_2004(const EditProblem& problem, const BaselineOptions& options,
                                   const Context& context);
@@ -22,14 +22,14 @@ struct ArapResult {
 };
 ArapResult deform_arap_2007(const EditProblem& problem, const BaselineOptions& options, const Context& context);
 
-/// ‖D x − δ‖² → min with the Laplacian D and the detail vectors δ = D p turned by nothing: the naive editing
-/// that several methods begin with.
+/// The naive editing that several methods begin with: ‖D x − δ‖² → min. D is the Laplacian and δ = D p are
+/// the detail vectors, not rotated.
 class NaiveLaplacian {
  public:
   NaiveLaplacian(const EditProblem& problem, WeightScheme weights, SolverBackend backend,
                  const Context& context);
   const Columns& delta() const { return delta_; }
-  /// Positions for other detail vectors (n×3).
+  /// Solves for other detail vectors (n×3) and returns the positions.
   Points solve(const Columns& delta, const Context& context) const;
 
  private:

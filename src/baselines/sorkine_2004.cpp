@@ -23,7 +23,7 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return (Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
-/// Without the directions that a ring on one line leaves open.
+/// Returns the pseudo-inverse. It is zero in the directions that a ring on one line leaves undetermined.
 Matrix3d pseudo_inverse(const Matrix3d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(symmetric);
   const double least = 1e-12 * std::max(eigen.eigenvalues()[2], 1e-300);
@@ -31,10 +31,10 @@ Matrix3d pseudo_inverse(const Matrix3d& symmetric) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// The linearised similarity T_i = s I + [h]× that fits vertex i and its ring best (the paper's equations 8 to
-/// 11) is linear in the new positions, so T_i δ_i = Σ_k B_k x_k over them. With q_k the old positions less
-/// their mean, s = Σ q_k·x_k / Σ |q_k|² and h = J⁻¹ Σ q_k × x_k, J = Σ (|q_k|² I − q_k q_kᵀ): the full system
-/// falls apart because Σ q_k = 0.
+/// The linearised similarity T_i = s I + [h]× that best fits vertex i and its ring (the paper's equations 8
+/// to 11). It is linear in the new positions x_k, so that T_i δ_i = Σ_k B_k x_k. With q_k the old positions
+/// minus their mean, s = Σ q_k·x_k / Σ |q_k|² and h = J⁻¹ Σ q_k × x_k, J = Σ (|q_k|² I − q_k q_kᵀ). The full
+/// system decouples into s, h and the translation because Σ q_k = 0.
 class TransformedDetail {
  public:
   TransformedDetail(const EditProblem& problem, Index i, const Vector3d& delta) : delta_(delta) {
@@ -67,7 +67,7 @@ class TransformedDetail {
   Matrix3d turn_;
 };
 
-/// Rows D x_i − T_i(x) δ_i of the vertices that see a free one, 3n × 3n, x = (x_1, y_1, z_1, x_2, …).
+/// Returns the rows D x_i − T_i(x) δ_i that contain a free vertex, 3n × 3n, for x = (x_1, y_1, z_1, x_2, …).
 SparseRows edit_rows(const EditProblem& problem, WeightScheme weights, const Context& context) {
   const SparseRows D = umbrella_operator(problem.rest(), problem.triangles(), problem.rings, weights, context);
   const Columns delta = multiply(D, Columns(problem.rest()), context);
@@ -90,7 +90,7 @@ SparseRows edit_rows(const EditProblem& problem, WeightScheme weights, const Con
   return A;
 }
 
-/// Whether points lie on one line, or there are fewer than two.
+/// Returns whether the points lie on one line, or are fewer than two.
 bool collinear(const Points& points, const std::set<Index>& vertices) {
   Vector3d mean = Vector3d::Zero();
   for (Index v : vertices) mean += points.row(v).transpose() / static_cast<double>(vertices.size());
@@ -103,13 +103,14 @@ bool collinear(const Points& points, const std::set<Index>& vertices) {
   return sigma[1] <= 1e-12 * sigma[0];
 }
 
-/// A similarity has seven degrees of freedom; known places on one line leave a turn about it.
+/// Requires three known positions not on one line. A similarity has seven degrees of freedom, and known
+/// positions on one line leave the rotation about the line open.
 void require_fixed_similarity(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
       if (!problem.known[v] && !problem.known[w]) sets.unite(v, w);
-  std::vector<std::set<Index>> seen(problem.known.size());  // known places in the rows of each component
+  std::vector<std::set<Index>> seen(problem.known.size());  // known vertices in the rows of each component
   for (Index v = 0; v < problem.size(); ++v) {
     if (problem.known[v]) continue;
     for (Index w : problem.rings[v]) {
@@ -132,7 +133,7 @@ void require_fixed_similarity(const EditProblem& problem) {
 
 }  // namespace
 
-/// Σ ‖D x_i − T_i(x) δ_i‖² → min, one system for x, y and z (the paper's equation 5).
+/// Minimises Σ ‖D x_i − T_i(x) δ_i‖² with one system for x, y and z (the paper's equation 5).
 Points deform_sorkine_2004(const EditProblem& problem, const BaselineOptions& options, const Context& context) {
   require_fixed_similarity(problem);
   const SparseRows A = edit_rows(problem, options.sorkine_weights, context);

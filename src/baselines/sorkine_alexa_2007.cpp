@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::RowVector3d;
 
-/// The local and the global step over the cells that a free vertex belongs to.
+/// The local and the global step over the cells that contain a free vertex.
 class Arap {
  public:
   Arap(const EditProblem& problem, const Context& context)
@@ -32,7 +32,7 @@ class Arap {
 
   const SparseRows& C() const { return C_; }
 
-  /// The rotation that fits each cell best (equations 5 and 6).
+  /// Fits the best rotation to each cell (equations 5 and 6).
   void fit_rotations(const Columns& x) {
     for_each_cell([&](Index i) {
       Matrix3d S = Matrix3d::Zero();
@@ -43,7 +43,7 @@ class Arap {
     });
   }
 
-  /// Right-hand side of the global step (equation 8).
+  /// Returns the right-hand side of the global step (equation 8).
   Columns right_hand_side() const {
     Columns b = Columns::Zero(problem_.size(), 3);
     for_each_cell([&](Index i) {
@@ -56,7 +56,7 @@ class Arap {
     return b;
   }
 
-  /// E of equation 3 for the rotations of the last fit.
+  /// Returns E of equation 3 for the rotations of the last fit.
   double energy(const Columns& x) {
     for_each_cell([&](Index i) {
       cell_energies_[i] = 0;
@@ -94,7 +94,7 @@ class Arap {
   SparseRows C_;
   std::vector<Matrix3d> rotations_;
   std::vector<double> cell_energies_;
-  Flags moves_;  ///< the cell has a free vertex
+  Flags moves_;  ///< per cell: whether it has a free vertex
 };
 
 }  // namespace

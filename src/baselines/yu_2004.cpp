@@ -16,11 +16,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A local transform W = R S in numbers that can be averaged: the rotation vector of R, then S by rows.
+/// A local transform W = R S as numbers that can be averaged: the rotation vector of R, then S row by row.
 using TransformRow = Eigen::Matrix<double, 1, 12>;
 
 TransformRow to_row(const Matrix3d& W) {
-  const Matrix3d R = nearest_rotation(W);  // a reflection goes into S
+  const Matrix3d R = nearest_rotation(W);  // S contains any reflection
   const Matrix3d S = R.transpose() * W;
   const Eigen::AngleAxisd rotation(R);
   TransformRow row;
@@ -36,14 +36,15 @@ Matrix3d to_transform(const TransformRow& row) {
   return angle > 0 ? Matrix3d(Eigen::AngleAxisd(angle, turn / angle) * S) : S;
 }
 
-/// The known transforms as rows; others I.
+/// Returns the known transforms as rows; the rows of other vertices are I.
 Columns known_rows(const EditProblem& problem) {
   Columns rows(problem.size(), 12);
   for (Index v = 0; v < problem.size(); ++v) rows.row(v) = to_row(problem.transforms[v]);
   return rows;
 }
 
-/// Vertices with a known transform, in groups: those at rest, then each edge-connected set of the others.
+/// Returns the vertices with a known transform in groups. One group is at rest; the others are the
+/// edge-connected sets of the remaining vertices.
 std::vector<std::vector<Index>> constrained_groups(const EditProblem& problem) {
   const auto at_rest = [&](Index v) { return problem.transforms[v] == Matrix3d::Identity(); };
   DisjointSets sets(problem.size());
@@ -58,7 +59,7 @@ std::vector<std::vector<Index>> constrained_groups(const EditProblem& problem) {
   return lists;
 }
 
-/// For each vertex the seed that its shortest path along edges comes from, or -1.
+/// Returns for each vertex the seed nearest to it along edges, or -1.
 std::vector<Index> nearest_seeds(const EditProblem& problem, const std::vector<Index>& seeds,
                                  const std::vector<double>& distance) {
   std::vector<Index> order(distance.size()), nearest(distance.size(), -1);
@@ -78,9 +79,8 @@ std::vector<Index> nearest_seeds(const EditProblem& problem, const std::vector<I
   return nearest;
 }
 
-/// Each vertex takes the transforms of the nearest vertex of every group, weighted by the inverse of its
-/// distance to it: between two groups the strength falls linearly from one to the other (the paper's
-/// section 3.2).
+/// Blends at each vertex the transforms of the nearest vertex of every group, weighted by inverse distance.
+/// Between two groups the influence falls linearly from one to the other (the paper's section 3.2).
 Columns propagate_by_distance(const EditProblem& problem) {
   const Columns known = known_rows(problem);
   Columns sums = Columns::Zero(problem.size(), 12);
@@ -101,7 +101,7 @@ Columns propagate_by_distance(const EditProblem& problem) {
   return sums;
 }
 
-/// Vertices whose component has no known transform, as known: they keep I.
+/// Flags the vertices with a known transform, and those whose component has none, which keep I.
 Flags settled_transforms(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
@@ -114,7 +114,7 @@ Flags settled_transforms(const EditProblem& problem) {
   return settled;
 }
 
-/// Each number of the transforms as a harmonic function of the surface.
+/// Interpolates each number of the transforms by a harmonic function on the surface.
 Columns propagate_harmonically(const EditProblem& problem, SolverBackend backend, const Context& context) {
   Columns rows = known_rows(problem);
   const Flags settled = settled_transforms(problem);
@@ -125,7 +125,8 @@ Columns propagate_harmonically(const EditProblem& problem, SolverBackend backend
 }
 
 /// The Poisson equation div ∇x = div g with g the transformed gradients, per face (the paper's equations 1 to
-/// 5). With linear elements both sides are sums over the faces' edges, weighted by the cotangent opposite.
+/// 5). With linear elements both sides are sums over the edges of the faces, weighted by the opposite
+/// cotangents.
 class PoissonSystem {
  public:
   explicit PoissonSystem(const EditProblem& problem)
@@ -133,8 +134,8 @@ class PoissonSystem {
     const Triangles& triangles = problem.triangles();
     std::vector<Eigen::Triplet<double>> entries;
     for (Index t = 0; t < triangles.rows(); ++t) {
-      // The form is the faces' Dirichlet energy and so never negative; a trace of uniform weights, on both
-      // sides, keeps it definite where faces have no extent.
+      // The form is the Dirichlet energy of the faces and so never negative. A small uniform weight, added on
+      // both sides, keeps it definite at degenerate faces.
       weights_.row(t) = half_cotangents(problem.rest(), triangles, t).transpose().array() + 1e-8;
       for (int k = 0; k < 3; ++k) {
         const Index i = triangles(t, (k + 1) % 3), j = triangles(t, (k + 2) % 3);
@@ -151,7 +152,8 @@ class PoissonSystem {
 
   const SparseRows& C() const { return C_; }
 
-  /// div g for a field of transforms at the vertices; a face has the mean of its corners'.
+  /// Returns div g for a field of transforms at the vertices; each face takes the mean of its corners'
+  /// transforms.
   Columns divergence(const Columns& transforms) const {
     const Triangles& triangles = problem_.triangles();
     Columns b = Columns::Zero(problem_.size(), 3);

@@ -14,7 +14,7 @@ std::uint64_t physical_memory() { return platform::physical_memory(); }
 std::uint64_t control_group_limit(const std::filesystem::path& membership,
                                   const std::filesystem::path& groups) {
   std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();
-  // Without a limit version 2 says "max", version 1 a huge number.
+  // Without a limit cgroup version 2 reads "max" and version 1 a very large number.
   const auto look_upwards = [&](const std::filesystem::path& root, std::filesystem::path group,
                                 const char* file) {
     for (group = group.relative_path();; group = group.parent_path()) {
@@ -23,7 +23,8 @@ std::uint64_t control_group_limit(const std::filesystem::path& membership,
       if (group.empty()) return;
     }
   };
-  // Lines "number:controllers:/path"; version 2 has one with neither number nor controllers.
+  // Lines have the form "number:controllers:/path". Version 2 has one line, with neither number nor
+  // controllers.
   std::ifstream lines(membership);
   for (std::string line; std::getline(lines, line);) {
     const std::size_t second = line.find(':', line.find(':') + 1);

@@ -22,9 +22,9 @@ namespace meshgraft {
 
 namespace {
 
-// TBB's library is not instrumented, so tsan has to be told that the bodies come after what the caller did
-// before the loop, and the caller's next step after the bodies. Nothing orders the bodies among themselves:
-// a race between them is still seen. Empty in other builds.
+// TBB's library is not instrumented, so ThreadSanitizer must be told the order of fork and join. The loop
+// bodies come after the caller's earlier work, and the caller's next step comes after the bodies. The bodies
+// stay unordered among themselves, so that a race between them is still found. Empty in other builds.
 #ifdef __SANITIZE_THREAD__
 void signal(char& event) { __tsan_release(&event); }
 void await(char& event) { __tsan_acquire(&event); }
@@ -37,10 +37,10 @@ struct ForkJoin {
   char fork = 0, join = 0;
 };
 
-// Whether the thread runs the body of a loop: one within it stays in the same arena.
+// Whether the thread runs the body of a loop. A nested loop stays in the same arena.
 thread_local bool in_body = false;
 
-// Begins with the fork and ends with the join, also when the body throws.
+// Orders one body between the fork and the join, also when the body throws.
 class BodyScope {
  public:
   explicit BodyScope(ForkJoin& events) : events_(events), was_in_body_(std::exchange(in_body, true)) {
@@ -58,7 +58,7 @@ class BodyScope {
   bool was_in_body_;
 };
 
-// The same for the caller, around the loop.
+// Orders the caller around the loop.
 class CallerScope {
  public:
   explicit CallerScope(ForkJoin& events) : events_(events) { signal(events_.fork); }
@@ -70,26 +70,26 @@ class CallerScope {
   ForkJoin& events_;
 };
 
-// The thread's own arena of that size. One made for each loop is not given back where several threads do so at
-// a time (oneTBB 2021.8), and every loop takes longer than the one before: 20,000 short ones on each of two
-// threads 30 s instead of 0.1 s, and 290 MB.
+// Returns the thread's own arena of that size. An arena made for each loop is not released when several
+// threads make them at once (oneTBB 2021.8), and each loop takes longer than the last. Measured: 20,000 short
+// loops on each of two threads took 30 s and 290 MB instead of 0.1 s.
 tbb::task_arena& arena_of(int threads) {
   thread_local std::map<int, tbb::task_arena> arenas;
   return arenas.try_emplace(threads, threads).first->second;
 }
 
-// Runs `work` on at most as many threads as the context wants.
+// Runs `work` on at most as many threads as the context allows.
 template <class Work>
 void in_arena(const Context& context, const Work& work) {
   if (in_body) {
-    // The thread does nothing of the outer loop while it waits for the inner one.
+    // Isolated, so that the thread runs no body of the outer loop while it waits for the inner one.
     tbb::this_task_arena::isolate(work);
     return;
   }
   arena_of(worker_threads(context)).execute(work);
 }
 
-// Runs `work` of each number as a task of its own, in the arena of the thread, and waits for all.
+// Runs `work` for each number as a task of its own, in the thread's arena, and waits for all of them.
 void run_all(const std::vector<int>& numbers, const std::function<void(int)>& work) {
   if (numbers.empty()) return;
   ForkJoin events;
@@ -106,7 +106,7 @@ void run_all(const std::vector<int>& numbers, const std::function<void(int)>& wo
 
 }  // namespace
 
-// More threads than cores gain nothing, and TBB complains of them on stderr.
+// Limits the threads to the cores: more gain nothing, and TBB warns about them on stderr.
 int worker_threads(const Context& context) {
   const int cores = tbb::info::default_concurrency();
   return context.threads > 0 ? std::min(context.threads, cores) : cores;

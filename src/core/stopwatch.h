@@ -5,11 +5,11 @@
 
 namespace meshgraft {
 
-/// Wall-clock seconds since it was made.
+/// Measures the wall-clock seconds since its construction.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  /// Seconds since the last lap.
+  /// Returns the seconds since the last lap.
   double lap() {
     const auto now = Clock::now();
     return std::chrono::duration<double>(now - std::exchange(lap_, now)).count();

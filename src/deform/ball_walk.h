@@ -7,16 +7,16 @@
 
 namespace meshgraft {
 
-/// Walks over a surface's edges from a vertex as far as a ball around that vertex reaches: what is near through
-/// space but not along the surface is not met, and what a smooth function of the distance gives to the vertices
-/// that are met ends nowhere but at the ball's rim.
+/// Walks over a surface's edges from a vertex within a ball around that vertex. Vertices that are near in
+/// space but not along the surface are not visited. The visited region ends only at the ball's boundary, so a
+/// weight that falls off smoothly with the distance has no jump elsewhere.
 class BallWalk {
  public:
-  /// Both must outlive it. One walk at a time.
+  /// `points` and `rings` must outlive the walk. Only one walk may run at a time.
   BallWalk(const Points& points, const IndexLists& rings)
       : points_(&points), rings_(&rings), met_in_(static_cast<std::size_t>(points.rows()), 0) {}
 
-  /// Calls `visit(vertex, squared distance)` for the start and all that is met.
+  /// Calls `visit(vertex, squared distance)` for the start and for every vertex that the walk reaches.
   template <class Visit>
   void from(Index start, double radius, const Visit& visit) {
     ++walk_;

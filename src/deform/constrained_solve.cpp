@@ -1,4 +1,4 @@
-// Of a `ConstrainedSystem` that is set up: right-hand sides, solutions, and what they tell.
+// The right-hand sides, solutions and measures of a `ConstrainedSystem` that is set up.
 #include <algorithm>
 #include <cmath>
 
@@ -37,14 +37,14 @@ Eigen::Index ConstrainedSystem::row_count() const {
 
 namespace {
 
-/// What E_R draws the maps' free part to.
+/// Returns the target of the maps' unknown part in the E_R rows: the field less the known part.
 Columns wanted_maps(const Columns& known, const MapField& field) {
   return field.smoothness.rows() == 0 ? Columns(-known) : Columns(field.smoothness - known);
 }
 
 }  // namespace
 
-/// The part of b that is linear in values and field; anchors draw to rest.
+/// Returns the part of b that is linear in values and field. Anchors pull toward rest in it.
 ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
   const Columns m = multiply(H(), values.x, context) + values.m;
@@ -52,7 +52,7 @@ ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, 
           multiply(operators_->rows().P(), wanted_maps(m, field), context)};
 }
 
-/// The rows of E_L, of stiffness and of anchors; `m` are the maps of what is known.
+/// Returns the rows of E_L, stiffness and anchors. `m` holds the maps that the known values give.
 Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m, const MapField& field,
                                           const Context& context) const {
   const AffineOperator& op = operators_->rows();
@@ -84,7 +84,7 @@ void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> 
   }
 }
 
-/// Where anchors draw to, the last rows beside E_L's.
+/// Adds the anchors' targets to the anchor rows, which are the last ones below E_L's.
 void ConstrainedSystem::add_targets(Rows& rows) const {
   const auto first = rows.laplacian.rows() - static_cast<Eigen::Index>(anchors_.size());
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
@@ -105,10 +105,10 @@ ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const 
           rhs.smoothness - multiply(operators_->rows().P(), multiply(G_, y, context), context)};
 }
 
-/// y = (AᵀA)⁻¹ Aᵀ b, then corrections with the residual of the rectangular system. An iterative solver has to
-/// be as accurate only as all of them together are to be.
+/// Computes y = (AᵀA)⁻¹ Aᵀ b, then corrects y with the residual of the rectangular system. The solve and its
+/// corrections together have to reach the tolerance, so an iterative solver gets a looser one for each.
 Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const {
-  // Of the box, errors are some ten times as large as these (docs/performance.md).
+  // Position errors relative to the box are about ten times these tolerances (docs/performance.md).
   const double tolerance = steps.corrections > 0 ? 1e-8 : 1e-6;
   SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
   const auto back_substitute = [&](const Rows& rows) {
@@ -182,7 +182,7 @@ SparseRows ConstrainedSystem::displacement_rows() const {
     for (SparseRows::InnerIterator it(E_, patch().local(free_[k])); it; ++it)
       entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value());
   const StencilNodes& nodes = operators_->rows().nodes();
-  for (const Index v : nodes.moved) {  // as in `displacements`
+  for (const Index v : nodes.moved) {  // the same correction as in `displacements`
     const Eigen::RowVector3d back = patch().points.row(v) - nodes.positions.row(v);
     const auto k = std::lower_bound(free_.begin(), free_.end(), patch().vertices[v]) - free_.begin();
     for (int axis = 0; axis < 3; ++axis)
@@ -238,11 +238,11 @@ Columns ConstrainedSystem::feature_rows(std::size_t feature, const Columns& y) c
   return y.middleRows<4>(feature_column_[feature]);
 }
 
-/// All vertices of the features that something reaches.
+/// Places all vertices of each feature that has columns in the system.
 void ConstrainedSystem::place_features(const Columns& y, Points& out) const {
   for (std::size_t f = 0; f < features_.size(); ++f) {
     if (feature_column_[f] < 0) continue;
-    const auto map = y.middleRows<4>(feature_column_[f]);  // less I
+    const auto map = y.middleRows<4>(feature_column_[f]);  // (T − I)ᵀ over tᵀ
     for (const Index v : features_[f].vertices) {
       const Eigen::RowVector3d p = (rest().row(v) - patch().centre) / patch().scale;
       out.row(v) = rest().row(v) + patch().scale * (p * map.topRows<3>() + map.row(3));
@@ -250,7 +250,7 @@ void ConstrainedSystem::place_features(const Columns& y, Points& out) const {
   }
 }
 
-/// max ‖M_c(x) − W_c‖ over the constrained transforms next to something free.
+/// Returns max ‖M_c(x) − W_c‖ over the given transforms at vertices next to a free vertex.
 double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstraint> constraints,
                                                   const Points& positions) const {
   Points local(patch().size(), 3);
@@ -287,7 +287,8 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   place(y, values, constraints, out, context);
   if (solved_maps != nullptr) *solved_maps = maps(y, values, context);
   if (report == nullptr) return;
-  // Columns of similarities have a gradient: what keeps them similar.
+  // The columns of similarities keep a gradient, which balances the similarity constraint. So the residual is
+  // taken over the columns of single vertices only.
   const auto of_single_vertices = [&](const Rows& rows) {
     return apply_transposed(rows, context).topRows(shared_begin_).norm();
   };
@@ -298,7 +299,7 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   report->inverted_maps = count_inverted(maps(y, values, context));
 }
 
-/// Free vertices whose local map turns inside out.
+/// Counts the vertices whose solved local map has a determinant that is not positive.
 Index ConstrainedSystem::count_inverted(const Columns& maps) const {
   Index count = 0;
   for (Index v = 0; v < patch().size(); ++v) {
@@ -309,9 +310,10 @@ Index ConstrainedSystem::count_inverted(const Columns& maps) const {
   return count;
 }
 
-/// Takes each similarity's affine map to the similarity that costs least, and the other unknowns along. With K
-/// the cost of a change of (T, t), and t at its best, that is the least tr (sRᵀ − Tᵀ)ᵀ K̄ (sRᵀ − Tᵀ): a
-/// Procrustes problem. Exact for one feature; several together settle in the co-rotational steps.
+/// Replaces each similarity's affine map by the similarity of least cost and updates the other unknowns. Let
+/// K be the cost of a change of (T, t), and let t be optimal for T. The similarity then minimises
+/// tr (sRᵀ − Tᵀ)ᵀ K̄ (sRᵀ − Tᵀ), a Procrustes problem. The result is exact for one feature. Several features
+/// converge in the co-rotational steps.
 void ConstrainedSystem::impose_similarities(Columns& y) const {
   if (similarities_.empty()) return;
   const Eigen::Index count = similarity_stiffness_.rows();
@@ -320,7 +322,7 @@ void ConstrainedSystem::impose_similarities(Columns& y) const {
     const auto first = static_cast<Eigen::Index>(4 * f);
     const Feature& feature = features_[similarities_[f]];
     const Eigen::Matrix4d K = similarity_stiffness_.block<4, 4>(first, first);
-    const Eigen::Vector3d drift = K.block<3, 1>(0, 3) / K(3, 3);  // what a change of T costs in t
+    const Eigen::Vector3d drift = K.block<3, 1>(0, 3) / K(3, 3);  // −driftᵀ · ΔTᵀ is the best change of tᵀ
     const Eigen::Matrix3d K_bar = K.topLeftCorner<3, 3>() - drift * K.block<1, 3>(3, 0);
     const Eigen::Matrix3d T_transposed =
         y.middleRows<3>(feature_column_[similarities_[f]]) + Eigen::Matrix3d::Identity();

@@ -47,12 +47,12 @@ ConstrainedSystem::ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const
   prepare_similarities(context);
 }
 
-/// Takes over the other system's patch, rows and cuts. False, and nothing taken, where they are not those that
-/// these states would have, or where most of the patch would be of no use.
+/// Takes over the other system's patch, rows and cuts. Returns false if they differ from those of these
+/// states, or if less than half of the patch would be used. The caller then sets them up itself.
 bool ConstrainedSystem::share(const ConstrainedSystem& other, const VertexStates& states,
                               std::span<const Anchor> all_anchors, const Context& context) {
   const CutPatch& cut = *other.cut_;
-  // A part of a patch whose faces were turned over might be wound the other way.
+  // If faces of the patch were turned over, a part of it set up alone might get the opposite orientation.
   if (other.operators_ == nullptr || cut.patch.rewound || cut.feature != states.feature) return false;
   const auto active = cut.active_among(states);
   if (!active) return false;
@@ -83,7 +83,7 @@ void ConstrainedSystem::find_known(const VertexStates& states, std::span<const A
     const Anchor& anchor = all_anchors[a];
     require_usable(anchor, a, static_cast<Index>(rest().rows()));
     const Index local = patch().local(anchor.vertex);
-    if (local < 0 || states.position[anchor.vertex]) continue;  // what is held needs no anchor
+    if (local < 0 || states.position[anchor.vertex]) continue;  // a known position needs no anchor
     known_.anchored[local] = 1;
     anchors_.push_back(anchor);
   }
@@ -103,7 +103,7 @@ Index ConstrainedSystem::count_degenerate() const {
   return count;
 }
 
-/// Area of the patch's faces with a free corner, features apart, in the patch's units.
+/// Returns the area of the patch's faces with a free corner, without those of features, in patch units.
 double ConstrainedSystem::free_area() const {
   double area = 0;
   for (const auto& t : patch().triangles.rowwise()) {
@@ -116,9 +116,10 @@ double ConstrainedSystem::free_area() const {
   return area > 0 ? area : 1;
 }
 
-/// Rows w (x_i − x_j) of the edges with a free end, toward w ½(F_i + F_j)(p_i − p_j). With `aware` their sum
-/// approximates μ²/D² ∫ ‖∂x − F‖², D the region's size, beside E_R's ∫ ‖∂M − ∂F‖²: neither size nor
-/// tessellation counts.
+/// Returns rows w (x_i − x_j) of the edges with a free end; their right-hand side is w
+/// ½(F_i + F_j)(p_i − p_j). With `aware` their sum of squares approximates μ²/D² ∫ ‖∂x − F‖², where D is the
+/// region's size. E_R approximates ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of
+/// the two.
 SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) {
   const AffineOperator& op = operators_->rows();
   const double scale = density == Density::aware ? op.mean_edge_length() / region_size_ : 1.0;
@@ -130,7 +131,7 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
           edge_rows_.push_back({{i, j}, stiffness * scale});
   }
   SparseRows rows(static_cast<Eigen::Index>(edge_rows_.size()), op.nodes().positions.rows());
-  if (edge_rows_.empty()) return rows;  // Eigen's makeCompressed does not take a matrix without rows
+  if (edge_rows_.empty()) return rows;  // Eigen's makeCompressed fails on a matrix without rows
   rows.reserve(std::vector<int>(edge_rows_.size(), 2));
   for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
     const auto row = static_cast<Eigen::Index>(b);
@@ -141,9 +142,10 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
   return rows;
 }
 
-/// Soft rows weight · (x_i − target). Where i was moved off its plane, x_i is the place it comes back to
-/// (FT05 equation 8). With `aware`, the rows of anchors spread over a surface approximate an integral like
-/// those of E_L and E_R, measured by the free area so that neither size nor tessellation counts.
+/// Returns soft rows weight · (x_i − target). For a vertex i that was moved off its plane, x_i is the
+/// position recovered by FT05 equation 8. With `aware`, the rows of anchors spread over a surface approximate
+/// an integral, like those of E_L and E_R. They are scaled by the free area, so that neither size nor
+/// tessellation matters.
 SparseRows ConstrainedSystem::anchor_rows(Density density) {
   const AffineOperator& op = operators_->rows();
   const double area = region_size_ * region_size_;
@@ -167,8 +169,8 @@ SparseRows ConstrainedSystem::anchor_rows(Density density) {
   return rows;
 }
 
-/// Columns: each free vertex and its apex in turn, then four for each feature (three of the map, one of the
-/// translation).
+/// Assembles the system. Its columns are each free vertex followed by its apex, then four for each feature:
+/// three of the map and one of the translation.
 void ConstrainedSystem::build_system(Density density, double stiffness, const Context& context) {
   const AffineOperator& op = operators_->rows();
   const Index n = patch().size();
@@ -220,13 +222,14 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   context.step("assemble", 0.7);
 }
 
-/// AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G; PᵀP couples the maps of pairs alone and is small.
+/// Computes AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G. PᵀP couples only the maps of pairs and is small.
 NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
   if (E_.cols() == 0) return NormalMatrix(0, 0);
   return normal_equations(A_L_transposed_, A_L_, G_transposed_, coupling(context), G_, context);
 }
 
-/// Unknowns sit at their vertices; those of features are shared by vertices far apart.
+/// Returns the graph for the elimination order. Each unknown belongs to its vertex, except those of features,
+/// which vertices far apart share.
 OrderingGraph ConstrainedSystem::ordering_graph() const {
   OrderingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rows().rings(),
                       cuts_, Points::Zero(E_.cols(), 3)};
@@ -268,7 +271,7 @@ void ConstrainedSystem::prepare_similarities(const Context& context) {
   similarity_stiffness_ = among.inverse();
 }
 
-/// Row of y of the s-th shared unknown of the similarities.
+/// Returns the row of y of the s-th shared unknown of the similarities.
 Eigen::Index ConstrainedSystem::shared_row(Eigen::Index s) const {
   return feature_column_[similarities_[static_cast<std::size_t>(s / 4)]] + s % 4;
 }

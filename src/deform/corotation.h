@@ -6,24 +6,25 @@
 
 namespace meshgraft {
 
-// One co-rotational step, for whatever stands for the surface: all of its vertices, or some samples of it.
+// One co-rotational step, for all vertices of the surface or for samples of it.
 
-/// Where the steps stop: the field would change by less, root mean square, radians.
+/// The steps stop when the root mean square change of the field falls below this, in radians.
 constexpr double settled_change = 1e-3;
 
-/// What the constraints alone say of a place: F = rotation · stretch.
+/// The map that the constraints alone give at a point of the surface: F = rotation · stretch.
 struct BlendedMap {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity(), stretch = Eigen::Matrix3d::Identity();
 };
 
-/// The rotation vector that takes the blended rotation to that of the surface's own map, near `current`. The
-/// normal is that at rest, where nothing but a flat ring was fitted so that the map could do anything to it;
-/// else zero.
+/// Returns the rotation vector that takes the blended rotation to the rotation of the surface's own map.
+/// Among equal rotations it takes the vector nearest to `current`. `normal` is the normal at rest if the map
+/// was fitted to a flat ring only, so that the image of the normal is arbitrary. Otherwise `normal` is zero.
 Eigen::Vector3d surface_turn(const Eigen::Matrix3d& map, const BlendedMap& blended,
                              const Eigen::Vector3d& normal, const Eigen::Vector3d& current);
 
-/// How much of the next step to take: full steps while they go one way, shorter ones where they turn back, by
-/// how much they do, and longer again afterwards. Continuous, so that neighbouring frames stay neighbours.
+/// Returns the fraction of the next step to take. Steps that agree in direction are taken in full. Steps that
+/// reverse are shortened in proportion, and lengthened again afterwards. The result is continuous, so that
+/// neighbouring frames stay similar.
 double damped_pace(double pace, const Columns& step, const Columns& previous);
 
 }  // namespace meshgraft

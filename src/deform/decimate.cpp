@@ -14,7 +14,7 @@ namespace meshgraft {
 
 namespace {
 
-/// −1 … 1, drawn for a number (the finaliser of SplitMix64).
+/// Returns a pseudo-random value in −1 … 1 for a number (the finaliser of SplitMix64).
 double drawn(std::uint64_t number) {
   number += 0x9e3779b97f4a7c15;
   number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9;
@@ -32,10 +32,11 @@ double surface_area(const Points& points, const Triangles& triangles) {
   return sum;
 }
 
-/// Places for the simplifier, in the unit box. It keeps vertices where the surface is curved, and none where it
-/// is flat; a deformation bends both. So each vertex is moved along its normal at random, by a part of the edge
-/// length that is wanted: then the surface is as rough everywhere, and what is left is evenly spread (median
-/// and 99th percentile of the edges 1.15 and 2.2 times the even length, instead of 0.8 and 24).
+/// Returns positions for the simplifier, in the unit box. The simplifier keeps vertices where the surface is
+/// curved and none where it is flat, but a deformation bends both. So each vertex is moved along its normal
+/// by a random fraction of the wanted edge length. The surface is then equally rough everywhere, and the
+/// remaining vertices are evenly spread. The median and 99th percentile of the edges are 1.15 and 2.2 times
+/// the even length, instead of 0.8 and 24.
 std::vector<float> roughened(const Points& points, const Points& normals, double edge_length) {
   constexpr double roughness = 0.15;
   const Eigen::RowVector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
@@ -50,8 +51,8 @@ std::vector<float> roughened(const Points& points, const Points& normals, double
   return coordinates;
 }
 
-/// The triangles' corners, and for each locked vertex a face of that vertex alone: the simplifier moves no
-/// vertex of such a face.
+/// Returns the triangles' corners, and for each locked vertex a face that has only this vertex as its
+/// corners. The simplifier moves no vertex of such a face.
 std::vector<unsigned> corners_with_locks(const Triangles& triangles, std::span<const std::uint8_t> locked) {
   std::vector<unsigned> corners(triangles.data(), triangles.data() + triangles.size());
   for (std::size_t v = 0; v < locked.size(); ++v)
@@ -59,7 +60,7 @@ std::vector<unsigned> corners_with_locks(const Triangles& triangles, std::span<c
   return corners;
 }
 
-/// The simplifier may close a pocket of the surface to two faces back to back: both go.
+/// Removes pairs of faces back to back. The simplifier makes them where it closes a pocket of the surface.
 void drop_closed_pockets(std::vector<Index>& corners) {
   const std::size_t count = corners.size() / 3;
   std::vector<std::array<Index, 3>> sorted(count);
@@ -111,7 +112,7 @@ Decimated decimate(const Points& points, const Triangles& triangles, const Point
   std::vector<unsigned> corners = corners_with_locks(triangles, locked);
   const std::vector<float> coordinates =
       roughened(points, normals, std::sqrt(surface_area(points, triangles) / target));
-  // Twice as many faces as vertices; borders have fewer.
+  // A closed surface has twice as many faces as vertices, one with boundary has fewer.
   const std::size_t target_corners = std::min(6 * static_cast<std::size_t>(target), corners.size());
   constexpr float any_error = std::numeric_limits<float>::max();
   std::vector<unsigned> left(corners.size());

@@ -10,13 +10,14 @@ namespace meshgraft {
 
 /// A coarse triangulation of a surface on some of its vertices.
 struct Decimated {
-  std::vector<Index> vertices;  ///< of the surface, ascending
+  std::vector<Index> vertices;  ///< indices into the surface, ascending
   Triangles triangles;          ///< indices into `vertices`
 };
 
-/// Collapses edges (meshoptimizer) until about `target` vertices are left, evenly spread; `locked` flags those
-/// that stay. Fewer are collapsed where the topology forbids it. `normals` are the surface's unit normals.
-/// Vertices of no face are left out. `target` is less than all.
+/// Collapses edges (meshoptimizer) until about `target` evenly spread vertices are left. `locked` flags
+/// vertices that stay. More vertices are left where the topology forbids collapses. `normals` are the
+/// surface's unit normals. Vertices without a face are left out. `target` must be less than the number of
+/// vertices.
 Decimated decimate(const Points& points, const Triangles& triangles, const Points& normals,
                    std::span<const std::uint8_t> locked, Index target);
 

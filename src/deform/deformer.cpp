@@ -29,17 +29,17 @@ std::string_view to_string(DeformMethod value) {
   return "";
 }
 
-/// Handles and checks of the caller's input; the problem itself is the system's.
+/// Holds the handles and checks the caller's input. The `ConstrainedSystem` holds the problem itself.
 struct Deformer::Impl {
   DeformerOptions options;
-  SolverBackend wanted_backend = SolverBackend::automatic;  ///< before one was chosen
+  SolverBackend wanted_backend = SolverBackend::automatic;  ///< as given, before one is chosen
   std::vector<Handle> handles;
   bool per_vertex = false;  ///< constraints per vertex instead of handles
-  Points normals;           ///< of the rest mesh, n×3; only where a handle is a curve
+  Points normals;           ///< of the rest mesh, n×3; only if a handle is a curve
   ConstraintList constrained;
   DeformerSummary summary;
   std::unique_ptr<ConstrainedSystem> system;
-  std::unique_ptr<RotationField> rotations;  ///< null for `ft05` and where nothing is free
+  std::unique_ptr<RotationField> rotations;  ///< null for `ft05`, and if nothing is free
 
   void choose_backend(const VertexStates& states);
   void build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states, std::span<const Anchor> anchors,
@@ -49,7 +49,7 @@ struct Deformer::Impl {
                 Columns* solved_maps, const Context& context) const;
 };
 
-/// Takes iterations where the region is very large, and refuses what would not fit the memory.
+/// Chooses the iterative backend for very large regions. Throws Error(memory) if the memory does not suffice.
 void Deformer::Impl::choose_backend(const VertexStates& states) {
   const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
   const std::uint64_t memory = available_memory();
@@ -78,7 +78,7 @@ void Deformer::Impl::build(std::shared_ptr<const RestMesh> mesh, const VertexSta
   summary.factorise_seconds += watch.seconds();
 }
 
-/// The method: the field of maps first, then the solve with it.
+/// Finds the field of maps, then solves with it.
 void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Points& out,
                               EvaluationReport* report, Columns* solved_maps, const Context& context) const {
   RotationField::Result found;

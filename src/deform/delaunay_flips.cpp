@@ -28,8 +28,8 @@ class Flipper {
     for (Index t = 0; t < triangles_.rows(); ++t)
       for (int c = 0; c < 3; ++c)
         if (corner(t, c) < corner(t, c + 1)) stack.push_back({corner(t, c), corner(t, c + 1)});
-    // Each flip lowers the sum of squared edge lengths in a plane; on a bent surface a bound stands for a
-    // proof.
+    // Each flip lowers the sum of squared edge lengths in a plane. On a bent surface that is not proven, so
+    // the number of flips is bounded.
     std::size_t flips_left = 20 * stack.size();
     while (!stack.empty() && flips_left > 0) {
       const auto [a, b] = stack.back();
@@ -43,7 +43,7 @@ class Flipper {
   }
 
  private:
-  /// The faces of an undirected edge: their number, and the face that runs along it each way (-1: none).
+  /// The number of faces of an undirected edge, and the face that runs along it in each direction (-1: none).
   struct EdgeFaces {
     int count = 0;
     Index forward = -1, backward = -1;
@@ -86,7 +86,7 @@ class Flipper {
     if (a > b) std::swap(a, b);
     const Index c = opposite(forward, a, b), d = opposite(backward, a, b);
     if (c < 0 || d < 0 || c == d || faces_at_.contains(key(c, d))) return false;
-    // The sine of the sum of both angles has the sign of the sum of their cotangents.
+    // The sine of the sum of both angles has the same sign as the sum of their cotangents.
     constexpr double rounding = 1e-9;
     if (cotangent(c, a, b) + cotangent(d, a, b) >= -rounding) return false;
     const Eigen::RowVector3d one = area_vector(a, b, c), other = area_vector(b, a, d);
@@ -94,7 +94,8 @@ class Flipper {
     const auto along = [](const Eigen::RowVector3d& u, const Eigen::RowVector3d& v) {
       return u.dot(v) > most_fold_cosine * u.norm() * v.norm();
     };
-    // A face without width, as they lie along sharp edges, has no side to speak of: the other one's counts.
+    // Very narrow faces lie along sharp edges. Their normals are unreliable, so only the other face's normal
+    // counts.
     constexpr double no_width = 0.02;
     const double length = (points_.row(a) - points_.row(b)).squaredNorm();
     const bool narrow = std::min(one.norm(), other.norm()) < no_width * length;

@@ -4,9 +4,9 @@
 
 namespace meshgraft {
 
-/// Flips edges of a surface until the angles opposite each of them sum up to at most 180° (Delaunay), where
-/// that leaves the surface as it is: only edges between two consistently oriented faces that are nearly in one
-/// plane, and none to an edge that is there already.
+/// Flips edges of a surface until the angles opposite each edge sum to at most 180° (Delaunay). An edge is
+/// flipped only if its two faces are consistently oriented and nearly coplanar. It is not flipped if the new
+/// edge already exists.
 void flip_to_delaunay(const Points& points, Triangles& triangles);
 
 }  // namespace meshgraft

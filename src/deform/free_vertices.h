@@ -7,7 +7,8 @@
 
 namespace meshgraft {
 
-/// One flag per vertex: whether it is free. Throws Error(usage) if a free vertex does not exist.
+/// Returns one flag per vertex that tells whether it is free. Throws Error(usage) if a free vertex does not
+/// exist.
 Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices);
 
 /// Throws Error(usage) unless both have the same number of vertices.

@@ -33,7 +33,7 @@ void require_curve(const Handle& handle, const Points& rest) {
   }
 }
 
-// Sine and cosine of an angle in degrees, exact at multiples of 90°.
+// The sine and cosine of an angle in degrees, exact at multiples of 90°.
 struct SineCosine {
   double sine, cosine;
 };
@@ -57,13 +57,13 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-// Rodrigues' formula.
+// Returns the rotation matrix by Rodrigues' formula.
 Eigen::Matrix3d rotation_matrix(const Eigen::Vector3d& unit_axis, const SineCosine& angle) {
   return angle.cosine * Eigen::Matrix3d::Identity() + angle.sine * cross_matrix(unit_axis) +
          (1 - angle.cosine) * unit_axis * unit_axis.transpose();
 }
 
-// The smallest rotation that takes the unit vector a to the unit vector b; exactly I for a = b.
+// Returns the smallest rotation that takes the unit vector a to the unit vector b. It is exactly I for a = b.
 Eigen::Matrix3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                   const Eigen::Vector3d& normal) {
   if (a == b) return Eigen::Matrix3d::Identity();
@@ -73,14 +73,15 @@ Eigen::Matrix3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3
   return Eigen::Matrix3d::Identity() + turn + turn * turn / one_plus_cosine;
 }
 
-// The part of `normal` orthogonal to the unit tangent, or any such direction where there is none.
+// Returns the unit component of `normal` orthogonal to the unit tangent. If it vanishes, returns any unit
+// vector orthogonal to the tangent.
 Eigen::Vector3d orthogonal_normal(const Eigen::Vector3d& normal, const Eigen::Vector3d& tangent) {
   const Eigen::Vector3d part = normal - normal.dot(tangent) * tangent;
   const bool usable = part.allFinite() && part.norm() > 1e-6 * normal.norm();
   return usable ? Eigen::Vector3d(part.normalized()) : tangent.unitOrthogonal();
 }
 
-// Arc length from the first point to each point, and once round at the end of a closed curve.
+// Returns the arc length from the first point to each point, followed by the total length of a closed curve.
 std::vector<double> arc_lengths(const Points& curve, bool closed) {
   std::vector<double> lengths = {0};
   for (Eigen::Index k = 1; k < curve.rows(); ++k) {
@@ -90,7 +91,7 @@ std::vector<double> arc_lengths(const Points& curve, bool closed) {
   return lengths;
 }
 
-// The same from 0 to 1.
+// Returns the arc lengths divided by the total length, from 0 to 1.
 std::vector<double> relative_arc_lengths(const Handle& handle, const Points& curve, const std::string& what) {
   std::vector<double> lengths = arc_lengths(curve, handle.closed);
   const double total = lengths.back();
@@ -106,14 +107,14 @@ Points rest_curve(const Handle& handle, const Points& rest) {
   return curve;
 }
 
-// A closed polyline that repeats its first point at its end.
+// Returns whether a closed polyline repeats its first point at its end.
 bool returns_to_start(const Points& polyline) {
   return polyline.rows() > 1 && polyline.row(0) == polyline.row(polyline.rows() - 1);
 }
 
 struct CurveSample {
-  Eigen::Vector3d tangent;  // unit
-  double length = 0;        // of the curve around the point: half of each adjoining segment
+  Eigen::Vector3d tangent;  // unit length
+  double length = 0;        // half the length of the adjoining segments
 };
 
 CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index k, const std::string& what) {
@@ -123,7 +124,7 @@ CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index
   const Eigen::Vector3d incoming = curve.row(k) - curve.row(before);
   const Eigen::Vector3d outgoing = curve.row(after) - curve.row(k);
   Eigen::Vector3d direction = curve.row(after) - curve.row(before);
-  if (direction.isZero(0)) direction = outgoing;  // the tip of a hairpin
+  if (direction.isZero(0)) direction = outgoing;  // at the tip of a hairpin
   const CurveSample sample{direction.stableNormalized(), 0.5 * (incoming.norm() + outgoing.norm())};
   if (direction.isZero(0) || !direction.allFinite() || !std::isfinite(sample.length)) {
     fail(handle,
@@ -146,7 +147,7 @@ Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const Ind
     if (std::any_of(ring.begin(), ring.end(), [&](Index w) { return !inside[w]; })) rim.push_back(v);
   }
   if (rim.empty()) rim = handle.vertices;
-  // About the first vertex, to keep the digits far from the origin.
+  // Sums differences to the first vertex, which keeps precision far from the origin.
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
   for (const Index v : rim) sum += rest.row(v) - rest.row(rim[0]);
   return (rest.row(rim[0]) + sum / static_cast<double>(rim.size())).transpose();
@@ -173,7 +174,7 @@ HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_
       rotation_matrix(axis, sine_cosine(motion.angle_deg)) * motion.scale.asDiagonal();
   HandlePose pose;
   pose.transform.linear() = linear;
-  // x' = c + t + R S (x − c); c − R S c first, so that a pure translation keeps its bits.
+  // x' = c + t + R S (x − c). c − R S c is added first, so that a pure translation is exact.
   pose.transform.translation() = motion.translate + (pivot - linear * pivot);
   pose.rotation = Eigen::AngleAxisd(motion.angle_deg * std::numbers::pi / 180, axis);
   return pose;
@@ -212,7 +213,8 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
 
   Points redrawn(static_cast<Eigen::Index>(handle.vertices.size()), 3);
   for (Eigen::Index k = 0; k < redrawn.rows(); ++k) {
-    // The last point at or before the wanted length; a hit keeps its bits.
+    // Finds the last point at or before the wanted length. An exact match returns that point without
+    // rounding.
     const auto above = std::upper_bound(given.begin(), given.end(), wanted[k]);
     const Eigen::Index from = above - given.begin() - 1;
     if (wanted[k] == given[from] && from < course.rows()) {
@@ -243,7 +245,7 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
     if (handle.constrain_transform) {
       const CurveSample before = sample_curve(handle, curve, k, "curve at rest");
       const CurveSample after = sample_curve(handle, redrawn, k, "redrawn curve");
-      // Fu & Tai 2005, section 4: new frame = Q · old frame, so R = new · oldᵀ = Q, whatever the normal.
+      // Fu & Tai 2005, section 4: new frame = Q · old frame. So R = new · oldᵀ = Q for any normal.
       const Eigen::Vector3d normal =
           orthogonal_normal(rest_normals.row(constraint.vertex).transpose(), before.tangent);
       constraint.transform =

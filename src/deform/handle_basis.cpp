@@ -33,8 +33,8 @@ void require_rows(Eigen::Index rows, Eigen::Index vertices, const char* what) {
     throw Error(ErrorCode::usage, fmt::format("{} has {} rows for {} vertices", what, rows, vertices));
 }
 
-/// Visits where the solution of each vertex stands: the patch's row, or for those inside a feature that reaches
-/// out of the patch the feature's shared rows.
+/// Reads the solution at each vertex. Vertices of the patch have their own row. Vertices outside it, inside a
+/// feature that extends beyond the patch, use the feature's shared rows.
 class SolutionRows {
  public:
   SolutionRows(const ConstrainedSystem& system, const Columns& y, const ConstrainedSystem::Known& values,
@@ -61,7 +61,7 @@ class SolutionRows {
   Columns x_, m_;
 };
 
-/// The feature of each of some vertices that lie outside the patch; -1 for all others.
+/// Returns the feature of each given vertex, or -1 for a vertex of no feature.
 std::vector<Index> features_outside(const ConstrainedSystem& system, std::span<const Index> vertices) {
   std::vector<Index> result(vertices.size(), -1);
   const std::vector<Feature>& features = system.features();
@@ -73,7 +73,7 @@ std::vector<Index> features_outside(const ConstrainedSystem& system, std::span<c
   return result;
 }
 
-/// cof(M) n, unit: what becomes of a normal where the surface is mapped by M.
+/// Returns cof(M) n, normalised: the normal of the surface after the map M.
 Eigen::RowVector3d turned_normal(const Eigen::Matrix3d& map, const Eigen::RowVector3d& normal) {
   const Eigen::Matrix3d m = map / std::max(1.0, map.cwiseAbs().maxCoeff());  // squares stay in range
   const Eigen::Vector3d n = normal[0] * m.col(1).cross(m.col(2)) + normal[1] * m.col(2).cross(m.col(0)) +
@@ -103,20 +103,20 @@ HandleBasis::HandleBasis(const Deformer& deformer, const Points& normals, const 
 
 void HandleBasis::find_movers(const ConstrainedSystem& system) {
   const Patch& patch = system.patch();
-  std::vector<Index> fitted;  // held in their place, but free to turn
+  std::vector<Index> fitted;  // position known, transform unknown
   for (Index v = 0; v < patch.size(); ++v)
     if (system.known().position[v] && !system.known().transform[v]) fitted.push_back(patch.vertices[v]);
   std::set_union(system.free_vertices().begin(), system.free_vertices().end(), fitted.begin(), fitted.end(),
                  std::back_inserter(movers_));
   for (const Handle& handle : handles_) {
     turned_.emplace_back();
-    if (!handle.constrain_position) continue;  // what is not free of it stays where it is
+    if (!handle.constrain_position) continue;  // its vertices are among the movers, or stay at rest
     std::copy_if(handle.vertices.begin(), handle.vertices.end(), std::back_inserter(turned_.back()),
                  [&](Index v) { return !std::binary_search(movers_.begin(), movers_.end(), v); });
   }
 }
 
-/// Some handles at a time, so that the right-hand sides take a bounded part of the memory.
+/// Solves for a few handles at a time, which bounds the memory of the right-hand sides.
 void HandleBasis::solve_columns(const ConstrainedSystem& system, const Context& context) {
   const std::size_t handle_count = handles_.size();
   constexpr std::size_t most_numbers = std::size_t{1} << 26, most_handles = 8;
@@ -149,7 +149,7 @@ void HandleBasis::solve_columns(const ConstrainedSystem& system, const Context& 
   }
 }
 
-/// What anchors with targets do while all handles rest.
+/// Adds the displacements that anchors with targets cause while all handles rest.
 void HandleBasis::solve_targets(const ConstrainedSystem& system, const Context& context) {
   const std::vector<Anchor>& anchors = system.anchors();
   if (std::none_of(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.target.has_value(); }))
@@ -177,7 +177,7 @@ void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Di
     throw Error(ErrorCode::usage, "the basis was made without normals", "", "Give it the normals at rest");
   if (normals != nullptr) require_rows(normals->rows(), base_.rows(), "the output of normals");
 
-  // Maps are taken divided by the largest number, so that single precision has room for any scale.
+  // Maps are divided by the largest entry, so that single precision suffices at any scale.
   std::vector<double> frames;
   double largest = 1;
   for (const HandlePose& pose : poses) {
@@ -193,7 +193,7 @@ void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Di
   }
   const std::size_t blocks = block_count();
   const auto run = [&](std::size_t begin, std::size_t end) {
-    // The block's vertices, and all up to the next block's first.
+    // The range holds the block's vertices and all others up to the next block's first vertex.
     const Eigen::Index from = begin == 0 ? 0 : movers_[begin * lanes];
     const Eigen::Index to = end == blocks ? base_.rows() : movers_[end * lanes];
     positions.middleRows(from, to - from) = base_.middleRows(from, to - from);
@@ -218,7 +218,7 @@ Points HandleBasis::frame(std::span<const HandlePose> poses, const Context& cont
   return positions;
 }
 
-/// Displacements Σ_h b_h · frame_h.
+/// Adds the displacements Σ_h b_h · frame_h to the block's positions.
 void HandleBasis::place_block(std::size_t block, std::span<const double> frames, Points& positions) const {
   using Lanes = Eigen::Array<double, lanes, 1>;
   Lanes moves[3] = {Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
@@ -235,11 +235,11 @@ void HandleBasis::place_block(std::size_t block, std::span<const double> frames,
   }
 }
 
-/// Normals cof(M) n with Mᵀ = I + Σ_h C_h · frame_h, all divided by one factor.
+/// Computes the normals cof(M) n with Mᵀ = I + Σ_h C_h · frame_h, divided by one common factor.
 void HandleBasis::turn_block(std::size_t block, std::span<const float> frames, float unit,
                              Directions& normals) const {
   using Lanes = Eigen::Array<float, lanes, 1>;
-  Lanes m[3][3];  // the rows of Mᵀ: images of the axes
+  Lanes m[3][3];  // rows of Mᵀ, the images of the axes
   for (std::size_t j = 0; j < 3; ++j)
     for (std::size_t c = 0; c < 3; ++c) {
       m[j][c] = Lanes::Constant(j == c ? unit : 0.0F);
@@ -319,7 +319,7 @@ HandleBuffers HandleBasis::buffers() const {
     if (has_normals()) buffers.normals.row(k) = normals_.row(v);
   }
   copy_columns(row_of, buffers);
-  // Handles' own vertices follow their handle, and no other one.
+  // A handle's own vertices follow only their handle.
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     if (!handles_[h].constrain_position) continue;
     const Eigen::Index first = width * static_cast<Eigen::Index>(h);
@@ -331,7 +331,7 @@ HandleBuffers HandleBasis::buffers() const {
   return buffers;
 }
 
-/// The columns of all vertices that have some, from lanes to rows.
+/// Copies the stored columns from lanes to rows, one row per vertex with columns.
 void HandleBasis::copy_columns(const std::vector<Index>& row_of, HandleBuffers& buffers) const {
   const std::size_t handle_count = handles_.size();
   const std::size_t width = has_normals() ? 16 : 4;

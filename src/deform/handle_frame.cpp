@@ -32,7 +32,7 @@ ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std:
 }
 
 void require_usable(const HandlePose& pose, const std::string& location) {
-  constexpr double largest = 1e100;  // squares and volumes stay finite
+  constexpr double largest = 1e100;  // so that squares and volumes stay finite
   if (!(pose.transform.affine().array().abs() < largest).all())
     throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", location);
   if (pose.rotation && !(std::isfinite(pose.rotation->angle()) && pose.rotation->axis().allFinite()))

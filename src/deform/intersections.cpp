@@ -41,7 +41,7 @@ BoundingBox box_of(const Triangle3& t) {
   return box;
 }
 
-// Brings the vertices that both triangles have to the front of both, and returns how many there are.
+// Moves the vertices that both triangles share to the front of both. Returns the number of shared vertices.
 int match_shared(Vertices& a, Vertices& b) {
   std::size_t shared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -54,7 +54,7 @@ int match_shared(Vertices& a, Vertices& b) {
   return static_cast<int>(shared);
 }
 
-// Whether two triangles with area have more in common than the vertices and edges that they share.
+// Returns whether two triangles with positive area intersect in more than their shared vertices and edges.
 bool intersect(const Points& points, Vertices v, Vertices w) {
   const int shared = match_shared(v, w);
   return intersect_beyond_shared(corners_of(points, v), corners_of(points, w), shared);
@@ -70,15 +70,15 @@ void require_vertices(const Triangles& triangles, Eigen::Index vertex_count) {
             "triangle " + std::to_string(t));
 }
 
-// The space between two parallel planes that holds some triangles. Sheets that lie close upon each other
-// overlap in their boxes, unless they lie along an axis, but not in their slabs.
+// The slab between two parallel planes that contains some triangles. The boxes of sheets that lie close
+// together overlap unless the sheets are aligned with an axis. Their slabs do not.
 struct Slab {
-  Eigen::RowVector3d normal{0, 0, 0};  // zero where the triangles are not flat enough to make one
+  Eigen::RowVector3d normal{0, 0, 0};  // zero if the triangles are not flat enough
   double low = 0, high = 0;
 
   double height_of(const Point3& p) const { return normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2]; }
 
-  // Whether all points lie beyond it on one side, by more than rounding moves them.
+  // Returns whether all points lie on one side of the slab, by more than the rounding error.
   bool excludes(std::span<const Point3> points, double rounding) const {
     if (normal.isZero(0)) return false;
     double least = BoundingBox::infinity, largest = -least;
@@ -91,7 +91,8 @@ struct Slab {
   }
 };
 
-// How far rounding may move two heights within the box apart, with a reserve; without end where they overflow.
+// Returns a bound, with a margin, on the rounding error of a difference of two heights within the box.
+// Returns infinity if the heights overflow.
 double rounding_of_heights(const BoundingBox& box) {
   double largest = 0;
   for (std::size_t k = 0; k < 3; ++k)
@@ -99,7 +100,7 @@ double rounding_of_heights(const BoundingBox& box) {
   return largest < 1e300 ? 0x1p-48 * largest + 1e-300 : BoundingBox::infinity;
 }
 
-// Unit normal of a triangle, zero where it is lost in rounding.
+// Returns the unit normal of a triangle, or zero if rounding dominates it.
 Eigen::RowVector3d unit_normal(const Triangle3& t) {
   const auto edge = [&](std::size_t k) -> Eigen::RowVector3d {
     const Eigen::RowVector3d e(t[k][0] - t[0][0], t[k][1] - t[0][1], t[k][2] - t[0][2]);
@@ -110,7 +111,8 @@ Eigen::RowVector3d unit_normal(const Triangle3& t) {
   return length > 0x1p-40 ? Eigen::RowVector3d(normal / length) : Eigen::RowVector3d::Zero();
 }
 
-// The free triangles of a surface in a hierarchy, and the others, which are looked at where they come near.
+// A surface with its free triangles in a bounding volume hierarchy. The other triangles are tested only near
+// free ones.
 class FreeSurface {
  public:
   FreeSurface(const Points& points, const Triangles& triangles, std::span<const Index> free_vertices,
@@ -119,8 +121,8 @@ class FreeSurface {
   std::size_t leaf_count() const { return static_cast<std::size_t>(tree_->first_leaf()); }
   std::size_t other_count() const { return others_.size(); }
 
-  // Calls `found(pair)` for each pair of free triangles that intersect, one of them in the leaf, the other one
-  // there or in a later leaf.
+  // Calls `found(pair)` for each pair of free triangles that intersect, with one in the given leaf and the
+  // other in the same or a later leaf.
   template <class Found>
   void search_leaf(std::size_t k, const Found& found, const Context& context) const {
     const Bvh::Node leaf = tree_->first_leaf() + static_cast<Bvh::Node>(k);
@@ -137,7 +139,7 @@ class FreeSurface {
     });
   }
 
-  // Calls `found(pair)` for each free triangle that intersects one that is not free.
+  // Calls `found(pair)` for each free triangle that intersects the k-th triangle without free vertices.
   template <class Found>
   void search_other(std::size_t k, const Found& found, const Context& context) const {
     const Triangle3 corners = corners_of(points_, vertices_of(triangles_, others_[k]));
@@ -152,11 +154,11 @@ class FreeSurface {
   const std::vector<Slab>& slabs(const Context& context) const;
   Slab slab_of(Bvh::Node node) const;
 
-  // Calls `visit(leaf)` for the leaves from `from` on that triangles in the box may intersect.
+  // Calls `visit(leaf)` for leaves from `from` on whose triangles may intersect those in the box.
   template <class Visit>
   void visit_near(const BoundingBox& box, std::span<const Point3> corners, Bvh::Node from,
                   const Context& context, const Visit& visit) const {
-    constexpr int usual_leaves = 48;  // that a leaf's box overlaps, of a surface that does not crowd
+    constexpr int usual_leaves = 48;  // leaves that a leaf's box overlaps on an uncrowded surface
     int leaves = 0;
     const auto enter = [&](Bvh::Node node) {
       if (leaves < usual_leaves) return true;
@@ -170,7 +172,7 @@ class FreeSurface {
     });
   }
 
-  // Tests a triangle against those of a leaf from a position on.
+  // Tests a triangle against those of a leaf, starting at a position.
   template <class Found>
   void test_leaf(Index t, const BoundingBox& box, Bvh::Node leaf, Index from, const Found& found) const {
     const Bvh::Range range = tree_->positions(leaf);
@@ -184,11 +186,11 @@ class FreeSurface {
 
   const Points& points_;
   const Triangles& triangles_;
-  std::vector<Index> free_;          // triangles with area that touch a free vertex
-  std::vector<Index> others_;        // those that do not, with or without area
-  std::optional<Bvh> tree_;          // over `free_`
-  double rounding_ = 0;              // of heights of free triangles
-  mutable std::vector<Slab> slabs_;  // per node of the tree; made where triangles first crowd
+  std::vector<Index> free_;          // triangles with area and a free vertex
+  std::vector<Index> others_;        // triangles without a free vertex, of any area
+  std::optional<Bvh> tree_;          // hierarchy over `free_`
+  double rounding_ = 0;              // bound for heights of free triangles
+  mutable std::vector<Slab> slabs_;  // per node of the tree; made when first needed
   mutable std::once_flag slabs_made_;
 };
 
@@ -228,7 +230,8 @@ FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::
   rounding_ = rounding_of_heights(tree_->box(Bvh::root));
 }
 
-// Makes slabs of leaves, and of every third level above them as far as surfaces are flat as a rule.
+// Computes slabs of the leaves and of the third and sixth level above. Surfaces are seldom flat over larger
+// nodes.
 const std::vector<Slab>& FreeSurface::slabs(const Context& context) const {
   std::call_once(slabs_made_, [&] {
     std::vector<Slab> made(static_cast<std::size_t>(tree_->node_count()));
@@ -273,7 +276,7 @@ Slab FreeSurface::slab_of(Bvh::Node node) const {
   return slab.high - slab.low < most_thickness * extent ? slab : Slab{};
 }
 
-// Runs `search(begin, end)` over [0, count) in parallel, and reports progress where that takes long.
+// Runs `search(begin, end)` over [0, count) in parallel and reports progress in long searches.
 template <class Search>
 void search_all(std::size_t count, const Search& search, const Context& context) {
   constexpr std::size_t least_slice = 64, most_slices = 64, grain = 16;
@@ -307,7 +310,7 @@ struct PairList {
   }
 };
 
-// Adds the pairs that intersect and that are accepted to a `Result`, whose order may depend on the threads.
+// Adds the accepted pairs that intersect to a `Result`. Their order may depend on the threads.
 template <class Result, class Accept>
 Result search_pairs(const FreeSurface& surface, const Accept& accept, const Context& context) {
   Result total;
@@ -338,7 +341,7 @@ std::vector<TrianglePair> sorted(PairList list) {
 
 constexpr auto any_pair = [](const TrianglePair&) { return true; };
 
-// Accepts pairs that do not intersect in `rest`.
+// Returns a predicate that accepts pairs that do not intersect in `rest`.
 auto apart_in(const Points& rest, const Triangles& triangles) {
   return [&](const TrianglePair& pair) {
     const Vertices v = vertices_of(triangles, pair[0]), w = vertices_of(triangles, pair[1]);

@@ -31,8 +31,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Memory for positions that comes back when the last owner of a frame lets go of it: to touch as much afresh
-/// takes as long as a linear frame.
+/// A pool of position arrays. An array returns to the pool when the last owner of its frame releases it.
+/// Touching as much fresh memory takes as long as computing a linear frame.
 class PositionPool : public std::enable_shared_from_this<PositionPool> {
  public:
   explicit PositionPool(Eigen::Index rows) : rows_(rows) { spares_.reserve(most_spares); }
@@ -83,7 +83,8 @@ void validate(const LiveOptions& options) {
           fmt::format("{} is not between 0 and 3600", options.settle_seconds), "settle_seconds");
 }
 
-/// Largest distance between two frames, × the exact one's largest displacement; absent where nothing moves.
+/// Returns the largest distance between two frames relative to the largest displacement of the exact one.
+/// Returns nullopt if nothing moves.
 std::optional<double> relative_error(const Points& positions, const Points& exact, const Points& rest) {
   if (rest.rows() == 0) return std::nullopt;
   const double moved = (exact - rest).rowwise().squaredNorm().maxCoeff();
@@ -118,7 +119,7 @@ std::string_view to_string(LiveStage value) {
 
 namespace {
 
-/// It is let go of sooner than the other options.
+/// Returns the options without `earlier`, which is released sooner than the others.
 LiveOptions without_earlier(LiveOptions options) {
   options.earlier.reset();
   return options;
@@ -133,7 +134,7 @@ struct LiveDeformer::Impl {
   void start();
   void close();
 
-  // A way to find a pose's positions.
+  // A method to compute the positions of a pose.
   struct Answer {
     FrameQuality quality = FrameQuality::exact;
     std::function<void(std::span<const HandlePose>, Points&, const Context&)> evaluate;
@@ -145,7 +146,7 @@ struct LiveDeformer::Impl {
     Context context;
   };
 
-  // The set-up, on its thread.
+  // The set-up runs on its own thread.
   void build();
   Context behind(std::string prefix = {});
   void let_exact_pass();
@@ -155,7 +156,7 @@ struct LiveDeformer::Impl {
   void enter(LiveStage next);
   void give_up(const Error& error);
 
-  // Frames, on theirs.
+  // Frames are computed on their own thread.
   void show();
   std::optional<Job> next_job();
   std::optional<Answer> quickest() const;
@@ -172,7 +173,7 @@ struct LiveDeformer::Impl {
   const Context context;
   const std::size_t handles;
   const bool has_curve;
-  std::shared_ptr<const Deformer> earlier;  ///< the set-up's thread's own
+  std::shared_ptr<const Deformer> earlier;  ///< used only by the set-up's thread
   SolvePath path = SolvePath::direct;
   bool wants_proxy = false;
   const std::shared_ptr<PositionPool> pool;
@@ -180,31 +181,31 @@ struct LiveDeformer::Impl {
 
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
-  // Guarded by the mutex from here on.
+  // The mutex guards all members from here on.
   LiveStage stage = LiveStage::starting;
   bool closed = false;
   std::shared_ptr<const ProxyDeformer> proxy;
   std::shared_ptr<const Deformer> deformer;
   std::shared_ptr<const HandleBasis> basis;
   std::shared_ptr<const ReducedFrames> reduced;
-  std::optional<Error> failure;  ///< of the exact set-up
+  std::optional<Error> failure;  ///< error of the exact set-up
   bool failure_told = false;
   std::thread::id setup_thread, frames_thread;
-  // The newest pose.
+  // State of the newest pose.
   std::int64_t newest = 0;
   std::vector<HandlePose> poses;
   Clock::time_point settled_at;
-  std::optional<FrameQuality> tried;  ///< the best so far
-  bool shown = false;                 ///< it had a frame
-  bool refined = false;               ///< it had its exact one
-  std::optional<Error> refused;       ///< why it has none
+  std::optional<FrameQuality> tried;  ///< best quality tried so far
+  bool shown = false;                 ///< a frame was delivered
+  bool refined = false;               ///< an exact frame was delivered
+  std::optional<Error> refused;       ///< error of a refused pose
   bool exact_runs = false;
-  std::stop_source refinement;  ///< of the exact evaluation that a newer pose makes needless
+  std::stop_source refinement;  ///< stops an exact evaluation that a newer pose supersedes
   std::int64_t superseded = 0;
 
-  // The frames' thread's own.
+  // Used only by the frames' thread.
   LiveFrame last_quick;
-  std::array<std::optional<double>, 3> measured;  ///< errors of the qualities below `exact`
+  std::array<std::optional<double>, 3> measured;  ///< relative errors of the qualities below `exact`
 
   std::thread builder, painter;
   std::optional<std::stop_callback<std::function<void()>>> outer_stop;
@@ -234,7 +235,7 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
   for (std::size_t a = 0; a < region.anchors.size(); ++a) require_usable(region.anchors[a], a, n);
   const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
   path = choose_path(free, options.deformer, available_memory());
-  if (path != SolvePath::direct && earlier) {  // it may be what the memory is full of
+  if (path != SolvePath::direct && earlier) {  // the earlier deformer may occupy the memory
     earlier.reset();
     path = choose_path(free, options.deformer, available_memory());
   }
@@ -263,7 +264,7 @@ void LiveDeformer::Impl::close() {
   changed.notify_all();
 }
 
-/// One thing after the other, each in use as soon as it is there.
+/// Builds the solvers one after another. Each is used as soon as it is ready.
 void LiveDeformer::Impl::build() {
   {
     const std::lock_guard lock(mutex);
@@ -278,7 +279,7 @@ void LiveDeformer::Impl::build() {
   }
 }
 
-/// Of what is made on the set-up's thread.
+/// Returns the context for work on the set-up's thread.
 Context LiveDeformer::Impl::behind(std::string prefix) {
   const auto progress = [this, prefix = std::move(prefix)](std::string_view step, double fraction) {
     let_exact_pass();
@@ -287,8 +288,8 @@ Context LiveDeformer::Impl::behind(std::string prefix) {
   return {context.threads, progress, stop.get_token()};
 }
 
-/// An exact evaluation takes half the time with all cores to itself. One that a newer pose ends has cost the
-/// set-up enough: then it goes on for a while, whatever comes.
+/// Waits for an exact evaluation, which takes half the time with all cores to itself. When a newer pose ends
+/// that evaluation, the set-up goes on for a while even if another one is due.
 void LiveDeformer::Impl::let_exact_pass() {
   std::unique_lock lock(mutex);
   const std::int64_t first = newest;
@@ -298,7 +299,7 @@ void LiveDeformer::Impl::let_exact_pass() {
   });
 }
 
-/// Where no proxy can be made, the exact set-up goes on without, or finds what is wrong with the region.
+/// If no proxy can be made, the exact set-up goes on without one. It reports any error in the region.
 void LiveDeformer::Impl::make_proxy() {
   std::shared_ptr<const ProxyDeformer> made;
   try {
@@ -326,7 +327,7 @@ void LiveDeformer::Impl::make_deformer() {
   enter(LiveStage::exact);
 }
 
-/// They take the proxy's place, except for poses that they refuse.
+/// Makes the quick frames that replace the proxy, except for poses that they refuse.
 void LiveDeformer::Impl::make_quick_frames() {
   const Context making = behind();
   std::shared_ptr<const HandleBasis> linear;
@@ -334,12 +335,12 @@ void LiveDeformer::Impl::make_quick_frames() {
   try {
     if (options.deformer.method == DeformMethod::ft05)
       linear = std::make_shared<const HandleBasis>(*deformer, options.normals, making);
-    else if (path == SolvePath::direct)  // hundreds of columns take iterations too long
+    else if (path == SolvePath::direct)  // iterations take too long for hundreds of columns
       near = std::make_shared<const ReducedFrames>(*deformer, options.reduced, making);
-  } catch (...) {  // whatever it is, the deformer answers
+  } catch (...) {  // for any error, the exact deformer remains
     if (current_error().code() == ErrorCode::cancelled) throw;
   }
-  std::shared_ptr<const ProxyDeformer> needless;  // outlives the lock
+  std::shared_ptr<const ProxyDeformer> needless;  // destroyed after the lock is released
   {
     const std::lock_guard lock(mutex);
     basis = std::move(linear);
@@ -355,7 +356,7 @@ void LiveDeformer::Impl::enter(LiveStage next) {
   changed.notify_all();
 }
 
-/// Without memory the proxy stays; without a solution nothing does.
+/// Keeps the proxy if the error is a lack of memory. Otherwise no frames are possible.
 void LiveDeformer::Impl::give_up(const Error& error) {
   const std::lock_guard lock(mutex);
   if (closed) return;
@@ -373,7 +374,7 @@ void LiveDeformer::Impl::show() {
   while (const std::optional<Job> job = next_job()) run(*job);
 }
 
-/// What to do next: the newest pose by the best of the quick ways; once it rests, exactly.
+/// Returns the next job: the newest pose by the best quick method, then exactly once the pose rests.
 std::optional<LiveDeformer::Impl::Job> LiveDeformer::Impl::next_job() {
   std::unique_lock lock(mutex);
   frames_thread = std::this_thread::get_id();
@@ -421,9 +422,9 @@ std::optional<LiveDeformer::Impl::Answer> LiveDeformer::Impl::quickest() const {
   return std::nullopt;
 }
 
-/// An exact evaluation that only refines may be stopped by a newer pose; the first frame of a pose is finished,
-/// or nothing would be seen while handles move. A quick frame shares the cores with the set-up best by keeping
-/// to one: its loops are short, and would wait for threads that are busy.
+/// Starts a job. An exact evaluation that only refines may be stopped by a newer pose. The first frame of a
+/// pose is always finished, because otherwise nothing would be seen while handles move. During the set-up a
+/// quick frame uses one thread: its loops are short and would wait for busy threads.
 LiveDeformer::Impl::Job LiveDeformer::Impl::take(Answer answer) {
   tried = answer.quality;
   exact_runs = answer.quality == FrameQuality::exact;
@@ -464,7 +465,7 @@ void LiveDeformer::Impl::deliver(const Job& job, const LiveFrame& computed) {
   changed.notify_all();
 }
 
-/// A pose that one way cannot do, the others cannot either.
+/// Refuses a pose for all methods, because a pose that one method cannot compute fails in the others too.
 void LiveDeformer::Impl::refuse(const Job& job, const Error& error) {
   if (error.code() == ErrorCode::cancelled && job.context.stop_token.stop_requested()) return;
   {

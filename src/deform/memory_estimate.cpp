@@ -17,8 +17,8 @@ bool by_eigen(SolverBackend backend) {
 
 }  // namespace
 
-/// The factor of a surface's matrix has of the order of n log n entries under nested dissection (George 1973);
-/// the factors are the geometric middle of what was measured. Minimum degree, which Eigen has alone, grows
+/// The factor of a surface's matrix has O(n log n) entries under nested dissection (George 1973). The
+/// constants are geometric means of measurements. Minimum degree, the only ordering that Eigen offers, grows
 /// faster.
 std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& options) {
   if (free_vertices < 0)
@@ -33,7 +33,7 @@ std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& option
 
 namespace {
 
-/// Of the whole set-up and a solve, from what was measured at a million vertices.
+/// Returns the bytes of the whole set-up and a solve, scaled from measurements at a million vertices.
 double iterative_memory(Index free_vertices, const DeformerOptions& options) {
   return (options.operators.degenerate == DegenerateTreatment::ft05_noise ? 4000.0 : 6600.0) * free_vertices;
 }

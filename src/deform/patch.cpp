@@ -16,7 +16,7 @@ namespace meshgraft {
 
 namespace {
 
-/// The vertices of all faces around `front` that are not yet in `inside`, added to it and returned.
+/// Adds the vertices of all faces around `front` to `inside`, and returns those that are new.
 std::vector<Index> next_ring(const std::vector<Index>& front, const Triangles& triangles,
                              const IndexLists& vertex_triangles, Flags& inside) {
   std::vector<Index> next;
@@ -42,13 +42,13 @@ void require_finite(const Points& points, const std::vector<Index>& vertices) {
 }
 
 struct HalfEdge {
-  Index low, high;  ///< its ends
+  Index low, high;  ///< the ends of the edge
   Index face;
   bool ascending;  ///< whether its face runs from `low` to `high`
   auto key() const { return std::pair(low, high); }
 };
 
-/// Whether two faces run along an edge in the same direction.
+/// Returns whether any two faces run along an edge in the same direction.
 bool any_wound_against(Index vertex_count, const Triangles& triangles, const Context& context) {
   const IndexLists faces_at = vertex_triangles(vertex_count, triangles, context);
   std::atomic<bool> found = false;
@@ -69,9 +69,10 @@ bool any_wound_against(Index vertex_count, const Triangles& triangles, const Con
   return found;
 }
 
-/// Turns faces over until any two that meet in an edge of their own are consistently oriented: normals are sums
-/// over faces and would cancel. Each component keeps its first face; where there is no consistent winding (a
-/// Möbius strip) some edges stay as they are. A consistently wound patch is not touched.
+/// Turns faces over until any two faces that alone share an edge are consistently oriented. Otherwise
+/// normals, which are sums over faces, would cancel. Each connected component keeps its first face. Where no
+/// consistent orientation exists (a Möbius strip), some edges remain inconsistent. A consistently oriented
+/// patch is not changed.
 void wind_alike(Triangles& triangles) {
   std::vector<HalfEdge> edges;
   edges.reserve(static_cast<std::size_t>(3 * triangles.rows()));
@@ -86,7 +87,7 @@ void wind_alike(Triangles& triangles) {
   });
   struct Neighbour {
     Index face = -1;
-    bool opposed = false;  ///< wound against each other
+    bool opposed = false;  ///< the orientations are inconsistent
   };
   std::vector<std::array<Neighbour, 3>> neighbours(static_cast<std::size_t>(triangles.rows()));
   Flags filled(neighbours.size(), 0);
@@ -127,7 +128,7 @@ void wind_alike(Triangles& triangles) {
     if (state[t] == turned) std::swap(triangles(t, 1), triangles(t, 2));
 }
 
-/// Moves the box of the patch to the origin and divides by a power of two near its diagonal.
+/// Moves the centre of the patch's box to the origin and divides by a power of two near its diagonal.
 void normalise(Patch& patch, const Points& points) {
   Eigen::RowVector3d low = points.row(patch.vertices.front()), high = low;
   for (Index v : patch.vertices) {
@@ -167,7 +168,8 @@ Patch make_patch(const Points& points, const Triangles& triangles, const IndexLi
   require_finite(points, patch.vertices);
   normalise(patch, points);
 
-  // Faces with all corners inside, each once; the fans of all but the outermost ring are whole.
+  // Collects the faces with all corners inside, each once. All faces around a vertex are included, except in
+  // the outermost ring.
   std::vector<Index> faces;
   for (Index v : patch.vertices) {
     for (Index t : vertex_triangles[v]) {

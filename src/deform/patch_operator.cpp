@@ -11,7 +11,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Whether a vertex of a feature has a neighbour that is not in it.
+/// Returns whether a vertex of a feature has a neighbour outside that feature.
 bool beside_others(Index vertex, const Triangles& triangles, std::span<const Index> faces,
                    const std::vector<Index>& feature) {
   return std::any_of(faces.begin(), faces.end(), [&](Index t) {
@@ -50,8 +50,8 @@ AffineOperator::Extent extent_of(const CutPatch& cut, const KnownParts& known, c
 
 }  // namespace
 
-/// The patch reaches so far that every row with an unknown, and every normal and weight in it, is complete.
-/// Rows within a feature are zero whatever its map: of its vertices only those beside others count.
+/// The patch is large enough that every row with an unknown is complete, with all normals and weights in it.
+/// Rows inside a feature are zero for any map, so only its vertices next to others are active.
 CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& states, int laplacian_order,
                    const Context& context)
     : mesh(std::move(rest)), feature(states.feature), rings(laplacian_order + 2) {

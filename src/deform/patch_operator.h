@@ -19,72 +19,76 @@
 
 namespace meshgraft {
 
-// What of a deformation's set-up does not depend on which of its unknowns are known: a system with fewer of
-// them (another handle, more that is fixed) takes it over. Its result is then that of a set-up from nothing but
-// for rounding: the patch may be larger than need be, which moves its centre, and ℓ̄, a factor of all rows.
+// The part of a deformation's set-up that does not depend on which unknowns are known. A system with fewer
+// unknowns (another handle, more fixed vertices) can reuse it. Its result equals that of a new set-up up to
+// rounding. The patch may be larger than needed, which changes its centre and ℓ̄, a common factor of all
+// rows.
 
 struct RestMesh {
   Points points;
   Triangles triangles;
 };
 
-/// The part of a mesh that can have an influence on what is unknown.
+/// The part of a mesh that can influence the unknowns.
 struct CutPatch {
   std::shared_ptr<const RestMesh> mesh;
-  // Of the mesh's vertices: whether they have faces; whether rows and maps around them are complete in the
-  // patch; the number of their feature, or -1.
+  // Per vertex of the mesh: whether it has faces; whether rows and maps around it are complete in the patch;
+  // the index of its feature, or -1.
   Flags in_faces, active;
   std::vector<Index> feature;
-  int rings = 0;  ///< around what is active
+  int rings = 0;  ///< rings around active vertices
   Patch patch;
 
   CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& states, int laplacian_order,
            const Context& context);
 
-  /// What would be active for other states with the same features; nothing where that is more than is.
+  /// Returns the vertices that would be active for other states with the same features. Returns nullopt if
+  /// any of them is not active here.
   std::optional<Flags> active_among(const VertexStates& states) const;
-  /// What is known of the patch's vertices.
+  /// Returns the known parts of the patch's vertices.
   KnownParts known_parts(const VertexStates& states) const;
 };
 
-/// The patch that would have been cut for less that is active: some faces of the one there is, by its numbers.
+/// A sub-patch: the faces of a patch that would be cut for fewer active vertices, in the patch's numbering.
 struct PatchPart {
-  Index size = 0;  ///< its vertices
+  Index size = 0;  ///< number of vertices
   Triangles triangles;
-  IndexLists rings;  ///< empty for vertices outside
+  IndexLists rings;  ///< per vertex of the patch: empty if outside the part
 };
 
-/// Nothing where the part is all of the patch.
+/// Returns the part around the active vertices, or nullopt if it is the whole patch.
 std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, const IndexLists& rings,
                                      const Context& context);
 
 /// The rows of the energy over a patch.
 class PatchOperator {
  public:
-  /// `known` is settled (`fix_unconstrained_components`).
+  /// `known` must come from `fix_unconstrained_components`.
   PatchOperator(const CutPatch& cut, const KnownParts& known, const IndexLists& rings,
                 const OperatorOptions& options, const Context& context);
 
   const AffineOperator& rows() const { return rows_; }
   const SparseRows& P_transposed() const { return P_transposed_; }
 
-  /// Whether the rows are those of a system that knows this much: nothing is unknown for which they were not
-  /// made, no vertex was moved off its plane that would stay there, no direction depends on what was unknown.
+  /// Returns whether the rows are valid for a system with these known parts. Every unknown must have had rows
+  /// made for it. A vertex that was moved off its plane must still be movable. No direction may depend on a
+  /// former unknown.
   bool serves(const KnownParts& known) const;
-  /// Whether the rows of the part, made alone, would be multiples of these by one factor.
+  /// Returns whether the rows of the part, set up alone, would be multiples of these rows by one common
+  /// factor.
   bool serves(const PatchPart& part, const Patch& patch) const;
-  /// H without the maps that are known by now; nothing where it is H.
+  /// Returns H without the maps that are known now, or nullopt if H has none of them.
   std::optional<SparseRows> fewer_maps(const KnownParts& known) const;
 
  private:
   OperatorOptions options_;
-  Flags active_;  ///< of the patch's vertices: a part is unknown
+  Flags active_;  ///< per vertex of the patch: position or transform is unknown
   AffineOperator::Extent extent_;
   AffineOperator rows_;
   SparseRows P_transposed_;
 };
 
-/// Whether a vertex of the patch has a map that is fitted to positions.
+/// Returns whether a vertex of the patch has a map that is fitted to positions.
 inline bool is_fitted(const KnownParts& known, Index v) { return !known.transform[v] && known.feature[v] < 0; }
 
 }  // namespace meshgraft

@@ -30,8 +30,8 @@ Index wanted_vertices(const ProxyOptions& options) {
   return std::max(options.vertices, fewest_vertices);
 }
 
-/// A number for the vertices that are held by one thing: 0 for what stays, then handles or constraints of one
-/// kind, features, and what is anchored; -1 elsewhere.
+/// Assigns a number to the vertices of each holder. 0 is for vertices outside the region or fixed. Then
+/// follow handles (or kinds of constraint) and features. Vertices without a holder have -1.
 class Holders {
  public:
   explicit Holders(const VertexStates& states_of_region)
@@ -40,7 +40,7 @@ class Holders {
       if (stays_[v]) of_vertex[v] = 0;
   }
   void hold(Index vertex, Index number) { of_vertex[vertex] = number; }
-  /// All of these by one thing of their own.
+  /// Assigns all these vertices to one new holder.
   template <class Vertices>
   void hold_together(const Vertices& vertices) {
     const Index number = next_number();
@@ -67,36 +67,36 @@ Decimated whole_surface(const ProxyDomain& domain) {
 struct ProxyDeformer::Impl {
   Points rest;
   std::vector<Handle> handles;
-  Points normals;  ///< of the rest mesh; only where a handle is a curve
+  Points normals;  ///< of the rest mesh; only if a handle is a curve
   ConstraintList constrained;
 
-  // What the proxy needs of the constraints, in their order.
+  // A constraint that the proxy or the rim needs, in the order of the constraints.
   struct Needed {
     std::size_t constraint;
-    Index proxy = -1;      ///< its number as a vertex of the proxy
-    Index bone = -1;       ///< of a vertex at the rim
-    Index inner_row = -1;  ///< of the skin, where its map is not given
+    Index proxy = -1;      ///< index of the vertex in the proxy, or -1
+    Index bone = -1;       ///< bone of a rim vertex, or -1
+    Index inner_row = -1;  ///< its row of the skin if its map is not given, or -1
   };
   std::vector<Needed> needed;
-  std::vector<Handle> needed_handles;  ///< with their needed vertices
+  std::vector<Handle> needed_handles;  ///< the handles with only their needed vertices
 
   ProxySummary summary;
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   std::vector<Index> proxy_vertices;
   Triangles proxy_triangles{0, 3};
-  std::optional<Deformer> deformer;  ///< none where nothing is free
-  // Bones: the proxy's vertices, one that rests, the vertices at rims.
+  std::optional<Deformer> deformer;  ///< empty if nothing is free
+  // The bones are the proxy's vertices, one bone that rests, and the vertices at rims.
   Index bone_count = 0;
   Index resting_bone() const { return static_cast<Index>(proxy_vertices.size()); }
-  std::vector<Index> free;  ///< with those of features
+  std::vector<Index> free;  ///< global indices, including vertices of features
   std::vector<Index> skinned;
-  Skin skin;  ///< of `skinned`, then of inner rows
+  Skin skin;  ///< rows of `skinned`, then inner rows
   struct Follower {
     Index vertex, bone;
   };
-  std::vector<Follower> followers;  ///< vertices of features
+  std::vector<Follower> followers;  ///< vertices of features, each with its bone
 
-  // The set-up.
+  // The steps of the set-up.
   void build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
              std::span<const Anchor> anchors, std::span<const Feature> features, const ProxyOptions& options,
              const Context& context);
@@ -110,7 +110,7 @@ struct ProxyDeformer::Impl {
   void make_deformer(const VertexStates& states, const Holders& holders, std::vector<Anchor> anchors,
                      std::span<const Feature> features, const DeformerOptions& options, const Context& context);
 
-  // Each frame.
+  // The steps of each frame.
   std::vector<VertexConstraint> place_handles(std::span<const HandlePose> poses, Points& out) const;
   void move(std::span<const VertexConstraint> given, Points& out, const Context& context,
             EvaluationReport* report) const;
@@ -120,7 +120,8 @@ struct ProxyDeformer::Impl {
                const Eigen::Matrix3d& map_change) const;
 };
 
-/// First the vertices at rims that the even spacing asks for; where the proxy cannot be solved with them, all.
+/// Keeps the rim vertices that an even spacing requires. If the proxy cannot be solved with them, keeps all
+/// rim vertices.
 void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
                                 std::span<const Anchor> anchors, std::span<const Feature> features,
                                 const ProxyOptions& options, const Context& context) {
@@ -145,7 +146,7 @@ void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& 
               "Ask for more vertices, or solve without a proxy");
 }
 
-/// False where the proxy is not held well enough, or part of the surface is not on it.
+/// Returns false if the proxy is under-constrained, or if part of the surface is not connected to it.
 bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexStates& states,
                                     const Holders& holders, std::span<const Anchor> anchors,
                                     std::span<const Feature> features, const ProxyOptions& options,
@@ -157,7 +158,7 @@ bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexState
   Decimated proxy = target < domain.size()
                         ? decimate(domain.points, domain.triangles, domain.normals, keep, target)
                         : whole_surface(domain);
-  constexpr int rounds = 4;  // more change little
+  constexpr int rounds = 4;  // more rounds change little
   if (target < domain.size())
     relax_tangentially({domain.points, domain.rings, domain.holder, keep}, proxy, rounds, context);
   summary.decimate_seconds += watch.lap();
@@ -181,13 +182,14 @@ bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexState
   return deformer.has_value();
 }
 
-/// The skin, and which constraints the proxy and the rims need.
+/// Makes the skin and finds the constraints that the proxy and the rims need. Returns false if a vertex
+/// cannot be reached from the proxy.
 bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimated& proxy,
                                        const VertexStates& states, const Context& context) {
   const auto position_known = [&](Index v) { return states.position[domain.vertices[v]] != 0; };
   const auto feature = [&](Index v) { return states.feature[domain.vertices[v]]; };
   SkinProblem problem{domain.points, domain.rings, proxy.vertices, proxy_reaches(domain, proxy)};
-  std::vector<Index> proxy_of_feature;  // one of its vertices
+  std::vector<Index> proxy_of_feature;  // per feature: one of its proxy vertices
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
     if (const Index f = feature(proxy.vertices[k]); f >= 0) {
       if (static_cast<std::size_t>(f) >= proxy_of_feature.size()) proxy_of_feature.resize(f + 1, -1);
@@ -235,8 +237,8 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
   }
   problem.rows = rows;
   problem.inner = inner;
-  // Two of the proxy's edges: over one, what the proxy is off beside a rim shows as a bend. But no farther than
-  // that the rim's vertices are met by some tens of others each, in the mean.
+  // The rim's influence reaches two proxy edges, since over one edge the proxy's error beside a rim shows as
+  // a bend. The reach is limited so that rim vertices reach some tens of others each on average.
   constexpr double rim_reach_rel = 2, most_visits = 30;
   const double area = 0.866 * domain.spacing * domain.spacing * summary.vertices;
   const double edge = std::sqrt(area / (0.866 * domain.size()));
@@ -264,8 +266,9 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
   return true;
 }
 
-/// Anchors of the proxy that pull as those of the mesh do together: each of these counts at the proxy's vertex
-/// that its own vertex follows most. A row's weight w ℓ stands for an integral under `Density::aware`.
+/// Returns anchors of the proxy that pull together like those of the mesh. Each anchor is assigned to the
+/// proxy vertex that its vertex follows most. Under `Density::aware` a row's weight w ℓ stands for an
+/// integral.
 std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> anchors,
                                                        const ProxyDomain& domain, const Decimated& proxy,
                                                        Density density, const Context& context) const {
@@ -338,7 +341,7 @@ void ProxyDeformer::Impl::make_deformer(const VertexStates& states, const Holder
   summary.deformer = deformer->summary();
 }
 
-/// What a change of a map does, as a bone: at `position` the displacement, elsewhere the map's.
+/// Returns the bone with this change of the map that moves `position` by exactly `displacement`.
 Bone ProxyDeformer::Impl::bone_at(const Eigen::RowVector3d& position, const Eigen::RowVector3d& displacement,
                                   const Eigen::Matrix3d& map_change) const {
   Bone bone;
@@ -375,7 +378,8 @@ std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> g
   return result;
 }
 
-/// `given` belong to `needed`; `out` is at rest but for what is held.
+/// Moves the free vertices. `given` corresponds to `needed`. `out` is at rest except for vertices of given
+/// positions.
 void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& out, const Context& context,
                                EvaluationReport* report) const {
   if (report != nullptr) *report = {};
@@ -385,7 +389,7 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
   try {
     posed = bones(given, context, report);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::unsolvable) throw;  // it would name a vertex of the proxy
+    if (error.code() != ErrorCode::unsolvable) throw;  // the message names a vertex of the proxy
     throw Error(ErrorCode::unsolvable, "the solution on the proxy is not finite", "",
                 "Move the handles by less, or repair the surface");
   }
@@ -402,18 +406,18 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
       context, 2048);
 }
 
-/// Puts all handle vertices where they belong; returns the constraints that are needed.
+/// Places all vertices of the handles and returns the needed constraints.
 std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const HandlePose> poses,
                                                                  Points& out) const {
   if (poses.size() != handles.size())
     throw Error(ErrorCode::usage,
                 fmt::format("{} poses were given for {} handles", poses.size(), handles.size()));
   std::vector<VertexConstraint> given;
-  std::size_t first = 0, next = 0;  // constraint of the handle's first vertex; place in `needed`
+  std::size_t first = 0, next = 0;  // constraint of the handle's first vertex; index in `needed`
   for (std::size_t h = 0; h < handles.size(); ++h) {
     const Handle& handle = handles[h];
     const std::size_t end = first + handle.vertices.size();
-    if (poses[h].curve) {  // a curve's frames take all of it
+    if (poses[h].curve) {  // the curve's tangent frames depend on all its vertices
       const auto all = handle_constraints(handle, poses[h], rest, normals);
       for (; next < needed.size() && needed[next].constraint < end; ++next)
         given.push_back(all[needed[next].constraint - first]);
@@ -485,7 +489,7 @@ ProxyDeformer ProxyDeformer::with_constraints(const Points& rest, const Triangle
   d.rest = rest;
   Holders holders(states);
   d.constrained.add(constraints, states);
-  const Index first_kind = holders.next_number();  // by what is given of a vertex
+  const Index first_kind = holders.next_number();  // one number per combination of position and transform
   holders.next_number();
   holders.next_number();
   for (std::size_t c = 0; c < constraints.size(); ++c)

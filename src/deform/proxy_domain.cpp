@@ -17,11 +17,12 @@ namespace meshgraft {
 namespace {
 
 struct Reach {
-  Flags inside;  ///< flags over the mesh
+  Flags inside;  ///< per vertex of the mesh
   Index unknown = 0;
 };
 
-/// The unknown vertices and `rings` around them. The number of rings depends on how many are unknown.
+/// Returns the unknown vertices and the rings around them. The number of rings grows with the number of
+/// unknown vertices.
 Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const VertexStates& states,
                    int laplacian_order, Index wanted) {
   const Index n = faces_at.size();
@@ -33,7 +34,7 @@ Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const
     ++reach.unknown;
     front.push_back(v);
   }
-  // As many as the rows of the proxy look at, in its own edges.
+  // Covers as many rings as the proxy's rows need, counted in the proxy's edges.
   const double edges_per_edge = std::max(1.0, std::sqrt(static_cast<double>(reach.unknown) / wanted));
   const int rings = static_cast<int>(std::ceil((laplacian_order + 2) * edges_per_edge)) + 2;
   std::vector<Index> next;
@@ -76,7 +77,7 @@ void take_points(const Points& rest, ProxyDomain& domain) {
   for (Index i = 0; i < domain.size(); ++i) domain.points.row(i) = rest.row(domain.vertices[i]) - domain.centre;
 }
 
-/// Vertices that something holds beside some that it does not.
+/// Flags the rim: vertices with a holder and a neighbour with another holder or none.
 Flags flag_rim(const ProxyDomain& domain) {
   Flags rim(domain.vertices.size(), 0);
   for (Index v = 0; v < domain.size(); ++v) {
@@ -88,12 +89,12 @@ Flags flag_rim(const ProxyDomain& domain) {
   return rim;
 }
 
-/// Up to four vertices that span as much as the given ones: the first, the farthest from it, the farthest from
-/// the line through these, and from the plane.
+/// Returns up to four vertices that span about the extent of the given ones. They are the first vertex, the
+/// farthest from it, then the farthest from the line and from the plane through those found.
 std::vector<Index> extremes(const Points& points, const std::vector<Index>& vertices) {
   std::vector<Index> found{vertices.front()};
   const Eigen::RowVector3d origin = points.row(found.front());
-  Eigen::Matrix3d across = Eigen::Matrix3d::Identity();  // what the directions so far leave
+  Eigen::Matrix3d across = Eigen::Matrix3d::Identity();  // projects out the directions found
   for (int direction = 0; direction < 3; ++direction) {
     Index farthest = -1;
     double length = 0;
@@ -112,7 +113,7 @@ std::vector<Index> extremes(const Points& points, const std::vector<Index>& vert
   return found;
 }
 
-/// The pieces of what is held: vertices with one holder that hang together.
+/// Returns the connected sets of vertices that have the same holder.
 std::vector<std::vector<Index>> held_pieces(const ProxyDomain& domain) {
   Flags seen(domain.vertices.size(), 0);
   std::vector<std::vector<Index>> pieces;
@@ -168,7 +169,7 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
 }
 
 Flags vertices_to_keep(const ProxyDomain& domain, bool all) {
-  constexpr double apart = 0.7;  // of the spacing, so that few edges become longer than it
+  constexpr double apart = 0.7;  // of the spacing, so that few edges exceed the spacing
   Flags keep(domain.vertices.size(), 0);
   Flags rim = flag_rim(domain);
   if (all) return rim;
@@ -192,7 +193,7 @@ Flags vertices_to_keep(const ProxyDomain& domain, bool all) {
 }
 
 std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy) {
-  constexpr double beyond = 1.1;  // so that the ends of a proxy's edges have more than nothing of it
+  constexpr double beyond = 1.1;  // a margin, so that the weight is positive at the ends of a proxy's edges
   std::vector<double> reaches(proxy.vertices.size(), 0);
   for (const auto& t : proxy.triangles.rowwise())
     for (int c = 0; c < 3; ++c) {

@@ -14,34 +14,36 @@
 
 namespace meshgraft {
 
-/// What of a mesh a proxy is made from: the region's unknown part and enough rings around it. Vertices are
-/// numbered anew, in ascending order.
+/// The part of a mesh from which a proxy is made: the region's unknown vertices and enough rings around them.
+/// Vertices are renumbered in ascending order.
 struct ProxyDomain {
-  std::vector<Index> vertices;  ///< numbers in the mesh
-  Points points;                ///< from the middle of their box
-  Eigen::RowVector3d centre;    ///< that middle
+  std::vector<Index> vertices;  ///< indices in the mesh
+  Points points;                ///< relative to `centre`
+  Eigen::RowVector3d centre;    ///< centre of the vertices' box
   Triangles triangles;
   IndexLists rings;
   Points normals;
-  Index unknown_vertices = 0;  ///< whose position or map is not given
-  double spacing = 0;          ///< edge length of an even triangulation of theirs with the wanted vertices
-  /// A number for all vertices that are held by the same thing; -1 where nothing holds.
+  Index unknown_vertices = 0;  ///< number of vertices with an unknown position or map
+  double spacing = 0;          ///< edge length of an even triangulation with the wanted number of vertices
+  /// Per vertex: the number of its holder (a handle, a feature, …), or -1 without one.
   std::vector<Index> holder;
 
   Index size() const { return static_cast<Index>(vertices.size()); }
 };
 
-/// Empty where nothing is unknown. `holder` is over the mesh. Throws Error(input) for a coordinate that is not
-/// finite.
+/// Returns the domain, empty if nothing is unknown. `holder` is per vertex of the mesh. Throws Error(input)
+/// if a coordinate is not finite.
 ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
                               std::span<const Index> holder, int laplacian_order, Index wanted,
                               const Context& context);
 
-/// The vertices that a proxy has to keep: of what is held, some beside what is not, no farther apart than the
-/// spacing (or all with `all`), and those that span its extent.
+/// Flags the vertices that a proxy has to keep, which lie on rims. A rim vertex has a holder and a neighbour
+/// with another holder or none. With `all`, these are all rim vertices. Otherwise they are no farther apart
+/// than the spacing, and include vertices that span the rim's extent.
 Flags vertices_to_keep(const ProxyDomain& domain, bool all);
 
-/// How far each of the proxy's vertices has to reach for what was removed around it; 0 where nothing was.
+/// Returns the distance that each proxy vertex has to reach to cover the removed vertices around it, or 0 if
+/// none was removed.
 std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy);
 
 }  // namespace meshgraft

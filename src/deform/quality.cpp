@@ -24,12 +24,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// One state of the surface, seen in units in which squares and cubes neither overflow nor vanish.
+// One state of the surface, in units in which squares and cubes neither overflow nor underflow.
 struct Pose {
   const Points& positions;
-  Vector3d centre;    // of the bounding box; volumes are taken about it
+  Vector3d centre;    // of the bounding box; volumes are measured from it
   double scale;       // a power of two, so that scaling does not round
-  double resolution;  // scaled length below which the coordinates' own rounding decides
+  double resolution;  // scaled length below which rounding of the coordinates dominates
 
   Vector3d between(Index from, Index to) const {
     return (positions.row(to) - positions.row(from)).transpose() * scale;
@@ -43,7 +43,7 @@ struct Box {
   double extent() const { return (max - min).maxCoeff(); }
 };
 
-// Of the vertices that faces use: a stray point must not set the units.
+// Returns the box of vertices with faces. Unused vertices must not affect the units.
 Box bounding_box(const Points& positions, const IndexLists& faces_around) {
   Box box;
   for (Index v = 0; v < faces_around.size(); ++v) {
@@ -54,7 +54,7 @@ Box bounding_box(const Points& positions, const IndexLists& faces_around) {
   return box;
 }
 
-// Both states share one scale, for their sizes are compared.
+// Returns the poses of both states in one common scale, because their sizes are compared.
 std::pair<Pose, Pose> make_poses(const Points& rest, const Points& edited, const IndexLists& faces_around) {
   const Box rest_box = bounding_box(rest, faces_around);
   const Box edited_box = bounding_box(edited, faces_around);
@@ -68,17 +68,17 @@ std::pair<Pose, Pose> make_poses(const Points& rest, const Points& edited, const
   return {pose(rest, rest_box), pose(edited, edited_box)};
 }
 
-using TriangleEdges = std::array<Vector3d, 3>;  // [k] leads from corner k to corner k+1, scaled
+using TriangleEdges = std::array<Vector3d, 3>;  // [k] is the edge from corner k to corner k+1, scaled
 
 TriangleEdges triangle_edges(const Pose& pose, const std::array<Index, 3>& v) {
   return {pose.between(v[0], v[1]), pose.between(v[1], v[2]), pose.between(v[2], v[0])};
 }
 
-// A face in one state.
+// A face in one state of the surface.
 struct FaceShape {
   Vector3d normal{0, 0, 0};  // unit length, or zero where the face has no direction
   double area = 0;           // scaled
-  double cone = 0;           // signed volume of the cone over the face from the box centre
+  double cone = 0;           // signed volume of the cone from the box centre to the face
   bool finite = false;
   bool has_normal() const { return !normal.isZero(0); }
 };
@@ -97,11 +97,11 @@ FaceShape measure_shape(const Pose& pose, const std::array<Index, 3>& v, const T
   return shape;
 }
 
-// In-plane singular values σ1 ≥ σ2 of the affine map between two states of a triangle. With both triangles
-// laid into the plane along the same edge, the map is upper triangular, and its conformal part Q and
-// anticonformal part R give σ = ‖Q‖ ± ‖R‖ without cancellation.
+// Returns the in-plane singular values σ1 ≥ σ2 of the affine map between two states of a triangle. Both
+// triangles are laid into the plane along the same edge, which makes the map upper triangular. Its conformal
+// part Q and anticonformal part R give σ = ‖Q‖ ± ‖R‖ without cancellation.
 std::array<double, 2> singular_values(const TriangleEdges& rest, const TriangleEdges& edited) {
-  std::size_t k = 0;  // a long edge of the edited face, so that the frame exists unless it is a point
+  std::size_t k = 0;  // a long edge of the edited face has a direction unless the face is a point
   for (std::size_t c = 1; c < 3; ++c) {
     if (edited[c].squaredNorm() > edited[k].squaredNorm()) k = c;
   }
@@ -124,8 +124,8 @@ std::array<double, 2> singular_values(const TriangleEdges& rest, const TriangleE
 
 struct FaceMeasure {
   FaceShape rest, edited;
-  std::array<double, 2> sigma{1, 1};  // where `stretch_known`
-  bool free = false;                  // touches a free vertex
+  std::array<double, 2> sigma{1, 1};  // valid if `stretch_known`
+  bool free = false;                  // has a free vertex
   bool stretch_known = false;
   bool finite() const { return rest.finite && edited.finite; }
 };
@@ -153,11 +153,11 @@ std::vector<FaceMeasure> measure_faces(const Pose& rest, const Pose& edited, con
   return measures;
 }
 
-// An edge and the first two of its faces.
+// An edge and its first two faces.
 struct Edge {
   Index tail = -1, head = -1;  // tail < head
   std::array<Index, 2> faces{-1, -1};
-  Index forward = 0, backward = 0;  // faces that run from tail to head, and the other way
+  Index forward = 0, backward = 0;  // number of faces that run from tail to head, and of the others
   bool joins_two_faces() const { return forward + backward == 2; }
 };
 
@@ -166,7 +166,7 @@ bool repeats_vertex(const Triangles& triangles, Index f) {
          triangles(f, 2) == triangles(f, 0);
 }
 
-// The edges in order of their ends: those to larger neighbours are gathered vertex by vertex.
+// Lists the edges in order of their ends. Each vertex contributes the edges to larger neighbours.
 std::vector<Edge> list_edges(const Triangles& triangles, const IndexLists& faces_around) {
   struct Side {
     Index head, face;
@@ -199,8 +199,8 @@ std::vector<Edge> list_edges(const Triangles& triangles, const IndexLists& faces
   return edges;
 }
 
-// Signed angle (radians) by which the surface turns across an edge: neighbours wound against each other are
-// compared as if they were not.
+// Returns the signed angle (radians) by which the surface turns across an edge. If the faces are not
+// consistently oriented, the sign of one normal is reversed.
 double turn_across(const Vector3d& along, const Vector3d& first, const Vector3d& second, bool oriented) {
   const double sign = oriented ? 1.0 : -1.0;
   return std::atan2(sign * along.normalized().dot(first.cross(second)), sign * first.dot(second));
@@ -211,8 +211,8 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 struct EdgeMeasure {
   double stretch = unknown;   // (edited − rest) / rest length
   double turn_deg = unknown;  // change of the dihedral angle, 0 … 180
-  bool free = false;          // touches a free vertex
-  bool rim = false;           // lies where held surface meets free surface
+  bool free = false;          // has a free end
+  bool rim = false;           // between held and free surface
 };
 
 double turn_change_deg(const Edge& edge, const FaceMeasure& first, const FaceMeasure& second,
@@ -272,7 +272,7 @@ void report_areas(const std::vector<FaceMeasure>& faces, Quality& quality) {
   if (rest_free > 0) quality.area_ratio_free = edited_free / rest_free;
 }
 
-// Divergence theorem: the cones over all faces fill the volume wherever their common apex lies.
+// The volume is the sum of the cones over all faces, for any common apex (divergence theorem).
 void report_volume(const Pose& rest_pose, const std::vector<FaceMeasure>& faces, const std::vector<Edge>& edges,
                    Quality& quality) {
   const bool finite = std::all_of(faces.begin(), faces.end(), [](const auto& face) { return face.finite(); });
@@ -327,8 +327,8 @@ void report_edges(const std::vector<EdgeMeasure>& edges, Quality& quality) {
   quality.dihedral_max_deg = *std::max_element(turns.begin(), turns.end());
 }
 
-// Whether a face looks away from the faces around its corners. Areas at rest weigh them in both states:
-// then neither the tessellation nor a face's own blow-up decides.
+// Returns whether a face's normal points against the faces around its corners. Areas at rest are the weights
+// in both states, so that neither tessellation nor the growth of a face decides.
 bool looks_away(Index face, FaceShape FaceMeasure::* state, const std::vector<FaceMeasure>& faces,
                 const Triangles& triangles, const IndexLists& faces_around) {
   Vector3d mean = Vector3d::Zero();

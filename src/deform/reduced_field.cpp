@@ -14,7 +14,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Rows 3v … 3v+2, columns 3 or 4 a weight: weight · [I | 0].
+/// Returns weight · [I | 0] (3 or 4 columns) in rows 3v … 3v+2 for each vertex v.
 Columns scaled_identities(const Columns& weights, std::size_t column) {
   Columns field = Columns::Zero(3 * weights.rows(), 4);
   for (Eigen::Index v = 0; v < weights.rows(); ++v)
@@ -24,10 +24,10 @@ Columns scaled_identities(const Columns& weights, std::size_t column) {
 
 }  // namespace
 
-/// Logarithms of the handles' transforms, and of the fits of components without any.
+/// The logarithms of the handles' transforms and of the fits of components without a given transform.
 struct ReducedField::Logs {
   Eigen::Matrix3d reference = Eigen::Matrix3d::Identity();
-  Columns handles;  ///< H × 9: rotation vector, stretch
+  Columns handles;  ///< H × 9: rotation vector, logarithm of the stretch
   Columns fits;     ///< components without a given map × 9
 };
 
@@ -55,7 +55,7 @@ void ReducedField::choose_samples(Index centres, Index samples) {
   const Flags& given = system_->known().transform;
   Flags open(given.size());
   for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
-  // Components without a given map come first, and need a centre each.
+  // Components without a given map come first. Each needs a centre.
   const Flags& holds = rotations_->fields().component_holds();
   const auto loose = static_cast<Index>(std::count(holds.begin(), holds.end(), 0));
   centres = std::max(centres, loose);
@@ -78,7 +78,7 @@ void ReducedField::choose_samples(Index centres, Index samples) {
     if (!normal.isZero(0)) normal.normalize();
 }
 
-/// The weights χ: how the handles' logarithms are blended.
+/// Computes the weights χ, by which the handles' logarithms are blended.
 void ReducedField::spread_logs(const Context& context) {
   const Patch& patch = system_->patch();
   const KnownParts& known = system_->known();
@@ -100,7 +100,7 @@ void ReducedField::spread_logs(const Context& context) {
   blend_weights_ = fields.spread(given_, context);
 }
 
-/// The weights φ, and what of χ and φ frames need.
+/// Computes the weights φ, and the means and values of χ and φ that frames need.
 void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
   const Patch& patch = system_->patch();
   const auto centre_count = static_cast<Eigen::Index>(centres_.size());
@@ -123,7 +123,8 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
     centre_influence_.row(k) = blend_weights_.row(centres_[static_cast<std::size_t>(k)]);
 }
 
-/// smooth(f)(c) = Σ_v g_c(v) a_v f(v), g_c what smoothing makes of a unit source at c: one solve a centre.
+/// Reduces smoothing to the samples: smooth(f)(c) = Σ_v g_c(v) a_v f(v), where g_c is the smoothed unit
+/// source at c. This takes one solve per centre.
 void ReducedField::reduce_smoothing(const Context& context) {
   const SurfaceFields& fields = rotations_->fields();
   constexpr Eigen::Index at_once = 16;
@@ -143,7 +144,8 @@ void ReducedField::reduce_smoothing(const Context& context) {
   }
 }
 
-/// Components that are held by positions alone start from the affine map that fits those best.
+/// Fits affine maps to components with given positions only. The field of such a component starts from its
+/// fit.
 void ReducedField::fit_loose_components() {
   const SurfaceFields& fields = rotations_->fields();
   const Patch& patch = system_->patch();
@@ -174,7 +176,7 @@ void ReducedField::fit_loose_components() {
   std::transform(samples_.begin(), samples_.end(), std::back_inserter(cell_component_), loose);
 }
 
-/// Means over the cells, `rows_per_vertex` rows each.
+/// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.
 SparseRows ReducedField::cell_mean_rows(int rows_per_vertex) const {
   const std::vector<double>& areas = rotations_->fields().areas();
   std::vector<Eigen::Triplet<double>> entries;
@@ -201,7 +203,7 @@ ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
     sides.field.stretch = sides.field.smoothness;
     return sides;
   }
-  // Blended linearly: edges keep the blended transforms where there is stiffness, maps are left to E_R.
+  // In a linear blend, edges with stiffness use the blended transforms, and E_R alone determines the maps.
   sides.field.stretch = scaled_identities(blend_weights_, handle);
   const SurfaceFields& fields = rotations_->fields();
   Index loose = 0;
@@ -230,7 +232,8 @@ void ReducedField::finish() {
   given_ = centre_weights_ = given_weights_ = blend_weights_ = {};
 }
 
-/// False where one of them has none. See `RotationField::blend`, which says the same vertex by vertex.
+/// Computes the logarithms; returns false if a transform has none. `RotationField::blend` does the same per
+/// vertex.
 bool ReducedField::handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const {
   std::vector<PolarParts> parts(poses.size());
   bool from_rest = from_rest_;
@@ -298,7 +301,7 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
   return result;
 }
 
-/// (M − I)ᵀ of a cell, without what targets of anchors add.
+/// Returns (M − I)ᵀ of a cell without the part that anchors' targets cause.
 Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coefficients) const {
   using Lanes = Eigen::Array<double, 4, 1>;
   Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
@@ -314,7 +317,7 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
   return map;
 }
 
-/// The steps of `RotationField::local_steps`, on the samples.
+/// Performs the steps of `RotationField::local_steps` on the samples.
 void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres,
                                const std::vector<BlendedMap>& at_cells, Result& result,
                                const Context& context) const {

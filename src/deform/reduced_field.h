@@ -13,14 +13,15 @@
 
 namespace meshgraft {
 
-/// The field of maps of a `RotationField`, kept at some centres, and its steps made on samples of the surface
-/// (cells of vertices, by their means).
+/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational steps use samples of the
+/// surface, which are means over cells of vertices.
 ///
-/// What a solution is linear in stands in `width()` rows of coefficients, three columns each:
-///   4 a handle    its frame, where the field is blended along the surface's rotations
-///   4 a handle    its frame, where transforms are blended linearly
-///   3 a centre    (F − I)ᵀ there
-/// `field` and `values` give the right-hand sides of such rows; `add_responses` takes the maps they cause.
+/// A solution is linear in `width()` rows of coefficients, three columns each:
+///   4 per handle    its frame, if the field is blended by logarithms
+///   4 per handle    its frame, if transforms are blended linearly
+///   3 per centre    (F − I)ᵀ at the centre
+/// `handle_sides` and `centre_weights` give the right-hand sides of these rows. `set_maps` takes the maps
+/// that they cause.
 class ReducedField {
  public:
   ReducedField(const ConstrainedSystem& system, const RotationField& rotations, std::span<const Handle> handles,
@@ -29,22 +30,24 @@ class ReducedField {
   std::size_t width() const { return 8 * handle_count_ + 3 * centre_count(); }
   std::size_t centre_count() const { return centres_.size(); }
 
-  /// Known values and field of the right-hand sides of some rows.
+  /// The known values and field that give the right-hand sides of some rows.
   struct Columnwise {
     ConstrainedSystem::Known values;
     MapField field;
   };
-  /// Of a handle's four rows; beyond the handles, of those that are blended linearly.
+  /// Returns the known values and field for a handle's four rows. Numbers from the handle count on select the
+  /// linearly blended rows.
   Columnwise handle_sides(std::size_t number) const;
-  const Columns& centre_weights() const { return centre_weights_; }  ///< φ, patch × centres
-  /// Means over cells, of values with so many rows a vertex, and as a matrix.
+  const Columns& centre_weights() const { return centre_weights_; }  ///< Returns φ, patch × centres.
+  /// Returns means over cells of values with `rows_per_vertex` rows per vertex. `cell_mean_rows` returns the
+  /// matrix that computes them.
   Columns cell_means(const Columns& values, int rows_per_vertex) const;
   SparseRows cell_mean_rows(int rows_per_vertex) const;
-  /// Means of the local maps that rows first, first + stride, … cause.
+  /// Sets the means of the local maps that rows first, first + stride, … cause.
   void set_maps(std::size_t first, std::size_t stride, const Columns& means);
-  /// The local maps with all handles at rest, where anchors have targets.
+  /// Sets the local maps with all handles at rest, needed if anchors have targets.
   void set_base_maps(const Columns& maps) { base_maps_ = cell_means(maps, 3); }
-  /// Lets go of what only the set-up needs.
+  /// Releases all that only the set-up needs.
   void finish();
 
   struct Result {
@@ -70,35 +73,35 @@ class ReducedField {
   void set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
                  Columns& coefficients) const;
 
-  // For the set-up; null and empty afterwards.
+  // Used in the set-up only; null and empty afterwards.
   const ConstrainedSystem* system_;
   const RotationField* rotations_;
   std::span<const Handle> handles_;
-  std::vector<Index> cell_;  ///< of each vertex of the patch; -1 where the map is given
+  std::vector<Index> cell_;  ///< per vertex of the patch: its cell, or -1 if its map is given
   Columns given_;            ///< patch × handles: 1 where the handle gives the map
   Columns
       centre_weights_;     ///< φ: patch × centres, 1 at its centre and 0 at the others and where maps are given
   Columns given_weights_;  ///< φ: patch × handles, 1 where the handle gives the map and 0 at the centres
-  Columns blend_weights_;  ///< χ: patch × handles, the same without centres: how logarithms are blended
+  Columns blend_weights_;  ///< χ: patch × handles, the same without centres: the blend of logarithms
 
-  // What frames need.
+  // Used by frames.
   std::size_t handle_count_ = 0;
   int iterations_ = 0;
   Flags gives_maps_;                      ///< per handle: it constrains transforms of the patch
-  std::vector<double> given_areas_;       ///< per handle, of the vertices where it does
-  bool from_rest_ = false;                ///< something stays at rest, from which turns count
+  std::vector<double> given_areas_;       ///< per handle: area of the vertices whose map it gives
+  bool from_rest_ = false;                ///< a map is known without a handle: rotations count from rest
   std::vector<Index> centres_, samples_;  ///< vertices of the patch; the centres are the first samples
-  std::vector<Index> centre_component_, cell_component_;  ///< of components without a given map, else -1
-  std::vector<Columns> fits_;                             ///< of those: (M − I)ᵀ = fit (3 × 4H) · frames
+  std::vector<Index> centre_component_, cell_component_;  ///< components without a given map, else -1
+  std::vector<Columns> fits_;                             ///< per such one: (M − I)ᵀ = fit (3 × 4H) · frames
   Columns centre_influence_, cell_influence_;             ///< χ at centres, and its means over cells
   Columns interpolation_;                                 ///< cells × centres: means of φ
-  Columns smoothing_;          ///< centres × cells: what the smoothed field takes from where
-  std::vector<double> areas_;  ///< of cells
-  Points normals_;             ///< of cells, where the maps do not know what happens to them; else 0
-  /// Of each cell the columns of (M − I)ᵀ that `width()` rows cause: three numbers and a zero, to be added at
-  /// once.
+  Columns smoothing_;          ///< centres × cells: weights of the cells in the smoothed field
+  std::vector<double> areas_;  ///< per cell
+  Points normals_;             ///< per cell: normal if maps are fitted to flat rings, else 0
+  /// The columns of (M − I)ᵀ that `width()` rows cause, per cell. Each column is padded to four numbers, so
+  /// that they are added at once.
   Eigen::Matrix<double, 4, Eigen::Dynamic> maps_;
-  Columns base_maps_;  ///< 3 rows a cell: with all handles at rest
+  Columns base_maps_;  ///< 3 rows per cell: maps with all handles at rest
 };
 
 }  // namespace meshgraft

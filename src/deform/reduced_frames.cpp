@@ -17,7 +17,7 @@ namespace meshgraft {
 
 namespace {
 
-/// The rows of the vertices that are free.
+/// Returns the rows of the free vertices.
 Columns free_rows(const ConstrainedSystem& system, const Columns& displacements) {
   Columns rows(static_cast<Eigen::Index>(system.free_vertices().size()), displacements.cols());
   for (Eigen::Index k = 0; k < rows.rows(); ++k)
@@ -40,8 +40,8 @@ struct ReducedFrames::Impl {
   std::vector<Handle> handles;
   Eigen::RowVector3d centre;
   double scale = 1;
-  Points base;                          ///< n×3: where the vertices are with all handles at rest
-  std::unique_ptr<ReducedField> field;  ///< null where nothing is free
+  Points base;                          ///< n×3: positions with all handles at rest
+  std::unique_ptr<ReducedField> field;  ///< null if nothing is free
   ResponseColumns responses;
 
   void solve_responses(const ConstrainedSystem& system, const Context& context);
@@ -81,13 +81,13 @@ ReducedFrames::ReducedFrames(ReducedFrames&&) noexcept = default;
 ReducedFrames& ReducedFrames::operator=(ReducedFrames&&) noexcept = default;
 ReducedFrames::~ReducedFrames() = default;
 
-/// How the vertices follow handles and centres, some columns at a time so that right-hand sides take a bounded
-/// part of the memory.
+/// Solves for the vertices' responses to handles and centres. A few columns are solved at a time, which
+/// bounds the memory of the right-hand sides.
 void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
   responses = ResponseColumns(system.free_vertices(), field->width());
   const SparseRows coupling = system.coupling(context);
   for (std::size_t handle = 0; handle < 2 * handles.size();
-       ++handle) {  // blended along rotations, then linearly
+       ++handle) {  // blended by logarithms, then linearly
     const ReducedField::Columnwise sides = field->handle_sides(handle);
     const Columns y = system.respond(sides.values, sides.field, coupling, context);
     responses.set(4 * handle, 1, free_rows(system, system.displacements(y, sides.values, context)), context);
@@ -110,7 +110,7 @@ void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const
   }
 }
 
-/// What anchors with targets do while all handles rest.
+/// Adds the displacements that anchors with targets cause while all handles rest.
 void ReducedFrames::Impl::solve_targets(const ConstrainedSystem& system, const Context& context) {
   const std::vector<Anchor>& anchors = system.anchors();
   if (std::none_of(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.target.has_value(); }))

@@ -91,7 +91,7 @@ void require_disjoint(const Region& region, Index count) {
 }
 
 void ConstraintList::add(Index v, bool position, bool transform, VertexStates& states) {
-  // Outside the region both are known already, and the part that is not given stays at rest.
+  // Outside the region both are known already. The one that is not given stays at rest.
   states.position[v] |= static_cast<std::uint8_t>(position);
   states.transform[v] |= static_cast<std::uint8_t>(transform);
   vertex.push_back(v);
@@ -159,7 +159,7 @@ void require_usable(const VertexConstraint& constraint) {
       !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
     throw Error(ErrorCode::input, "its rotation is not finite",
                 fmt::format("the constraint of vertex {}", constraint.vertex));
-  constexpr double largest = 1e100;  // squares and volumes stay finite
+  constexpr double largest = 1e100;  // so that squares and volumes stay finite
   if ((constraint.position && !(constraint.position->array().abs() < largest).all()) ||
       (constraint.transform && !(constraint.transform->array().abs() < largest).all()))
     throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",

@@ -28,7 +28,7 @@ void ResponseColumns::place(const Columns& coefficients, double scale, const Poi
   for (const double number : coefficients.reshaped<Eigen::RowMajor>())
     numbers.push_back(static_cast<float>(number));
   const auto run = [&](std::size_t begin, std::size_t end) {
-    // The block's vertices, and all up to the next block's first.
+    // The range holds the block's vertices and all others up to the next block's first vertex.
     const Eigen::Index from = begin == 0 ? 0 : vertices_[begin * lanes];
     const Eigen::Index to = end == blocks ? base.rows() : vertices_[end * lanes];
     positions.middleRows(from, to - from) = base.middleRows(from, to - from);
@@ -44,7 +44,7 @@ void ResponseColumns::place_block(std::size_t block, const std::vector<float>& c
                                   Points& positions) const {
   using Lanes = Eigen::Array<float, lanes, 1>;
   using Sums = Eigen::Array<double, lanes, 1>;
-  constexpr std::size_t short_sum = 32;  // terms in single precision, before rounding adds up
+  constexpr std::size_t short_sum = 32;  // terms summed in single precision before rounding matters
   Sums total[3] = {Sums::Zero(), Sums::Zero(), Sums::Zero()};
   const float* value = values_.data() + block * columns_ * lanes;
   const float* coefficient = coefficients.data();

@@ -9,19 +9,19 @@
 
 namespace meshgraft {
 
-/// A dense matrix in single precision with a row per vertex that moves, made to be multiplied with few columns
-/// fast: rows in blocks, each column's numbers of a block side by side.
+/// A dense matrix in single precision with a row per vertex that moves. Its layout makes products with few
+/// columns fast. Rows are stored in blocks, and each column's numbers of a block are contiguous.
 class ResponseColumns {
  public:
   ResponseColumns() = default;
-  /// `vertices`, ascending, are those with rows.
+  /// `vertices` are those with rows, ascending.
   ResponseColumns(std::vector<Index> vertices, std::size_t columns);
 
-  /// Fills columns first, first + stride, …, one for each of `values`, which has a row for each vertex.
+  /// Fills columns first, first + stride, …, one per column of `values`, which has a row per vertex.
   void set(std::size_t first, std::size_t stride, const Columns& values, const Context& context);
 
-  /// positions.row(v) = base.row(v) + scale · (row of v) · coefficients (columns×3) for the vertices with rows,
-  /// base.row(v) for all others.
+  /// Sets positions.row(v) = base.row(v) + scale · (row of v) · coefficients (columns×3) for vertices with
+  /// rows. Copies base.row(v) for all others.
   void place(const Columns& coefficients, double scale, const Points& base, Points& positions,
              const Context& context) const;
 

@@ -16,7 +16,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Rotation vector (3) and logarithm of the stretch (6) of a transform.
+/// The rotation vector (3) and the logarithm of the stretch (6) of a transform.
 using Logarithm = Eigen::Matrix<double, 1, 9>;
 
 template <class Body>
@@ -33,7 +33,7 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
 
 namespace {
 
-/// Where the field is given: by constraints, or by a feature's one map.
+/// Flags the vertices where constraints or a feature's single map give the field.
 Flags known_maps(const KnownParts& known) {
   Flags given = known.transform;
   for (std::size_t v = 0; v < given.size(); ++v) given[v] |= static_cast<std::uint8_t>(known.feature[v] >= 0);
@@ -42,7 +42,7 @@ Flags known_maps(const KnownParts& known) {
 
 }  // namespace
 
-/// Of the whole patch, so that other parts of it can have it too.
+/// Returns the bending matrix of the whole patch, so that systems on other parts of the patch can share it.
 std::shared_ptr<const BendingMatrix> RotationField::bending_matrix(const ConstrainedSystem& system,
                                                                    const RotationField* other,
                                                                    const Context& context) {
@@ -75,7 +75,7 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
   bool found = blend(constraints, {}, blended, context);
   if (found) {
     result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
-    if (has_features_) {  // their maps are not given: a first solve tells them
+    if (has_features_) {  // their maps are unknown before a first solve
       Columns& y = result.problem.guess;
       y = system_.solve(system_.known_values(constraints), result.problem.field, {}, context);
       found = blend(constraints, system_.feature_maps(y), blended, context);
@@ -91,7 +91,8 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
   return result;
 }
 
-/// The logarithms of the known transforms, spread over the surface. False where one of them has none.
+/// Blends the logarithms of the known transforms over the surface. Returns false if a transform has no
+/// logarithm.
 bool RotationField::blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features,
                           Blend& blended, const Context& context) const {
   const Patch& patch = system_.patch();
@@ -99,8 +100,9 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
   const KnownParts& known = system_.known();
   const IndexLists& rings = system_.rings();
 
-  // Turns count from rest where something stays there, or where they are given with all their turns. Else
-  // (a part that is carried away as a whole) from the mean turn: its pose at rest then does not matter.
+  // Rotations are measured from rest if something stays at rest, or if they are given with full turns.
+  // Otherwise a component moves as a whole. Then they are measured from the mean rotation, so that the pose
+  // at rest does not matter.
   struct Given {
     Index vertex = -1;
     const VertexConstraint* constraint = nullptr;
@@ -134,7 +136,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     logs.row(v) << turn.transpose(), stretch_log(parts.stretch).transpose();
   }
   if (has_features_ && !impose_on_features(features, reference, logs, blended)) return false;
-  // A component of positions alone starts from the affine map that fits them.
+  // A component with given positions only starts from the affine map that fits them.
   const std::vector<Eigen::Matrix3d> fits = fitted_maps(constraints);
   std::vector<Logarithm> fit_logs;
   for (const Eigen::Matrix3d& fit : fits) {
@@ -159,7 +161,8 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
   return true;
 }
 
-/// Writes the features' logarithms into `logs`, beside those of the constraints.
+/// Writes the features' logarithms into `logs`, beside those of the constraints. Returns false if one does
+/// not exist.
 bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
                                        Blend& blended) const {
   const std::vector<Index>& feature = system_.known().feature;
@@ -182,7 +185,7 @@ bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Mat
   return true;
 }
 
-/// For each feature, the mean of what is given in the components of the patch that it touches.
+/// Returns for each feature the mean of the given logarithms in the components of the patch that it touches.
 std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& logs) const {
   const std::vector<Index>& feature = system_.known().feature;
   const std::vector<Index>& component = fields_.component();
@@ -207,12 +210,12 @@ std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& l
   return means;
 }
 
-/// Per component, the affine map (its linear part) that fits the given positions best where no transform is
-/// given; I elsewhere.
+/// Returns the linear part of an affine map per component. Where no transform is given, the map fits the
+/// given positions best. Elsewhere it is I.
 std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexConstraint> constraints) const {
   const Patch& patch = system_.patch();
   const Flags& holds = fields_.component_holds();
-  std::vector<std::vector<Eigen::Matrix<double, 1, 6>>> moves(holds.size());  // place at rest, displacement
+  std::vector<std::vector<Eigen::Matrix<double, 1, 6>>> moves(holds.size());  // rest position, displacement
   for (const VertexConstraint& constraint : constraints) {
     const Index v = patch.local(constraint.vertex);
     const Index component = v < 0 ? -1 : fields_.component()[v];
@@ -237,7 +240,7 @@ std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexCo
   return maps;
 }
 
-/// The right-hand side of a linear blend; edges keep the linearly blended transforms where there is stiffness.
+/// Returns the right-hand side of a linear blend. Edges with stiffness keep the linearly blended transforms.
 MapField RotationField::linear_field(std::span<const VertexConstraint> constraints,
                                      const Context& context) const {
   const Index n = system_.patch().size();
@@ -273,9 +276,9 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
   return field;
 }
 
-/// Fixed-point steps: solve; take the rotations of the surface's own maps, as deviations from the blend, and
-/// those of features into the blend; smooth the deviations; solve again. Not a descent: steps that oscillate
-/// are damped. False where a feature turns inside out.
+/// Performs fixed-point steps. Each step solves, takes the rotations of the surface's own maps as deviations
+/// from the blend, and smooths the deviations. Features' rotations go into the blend instead. The steps are
+/// no descent, so oscillating steps are damped. Returns false if a feature is inverted.
 bool RotationField::local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
                                 const Context& context) const {
   const ConstrainedSystem::Known values = system_.known_values(constraints);
@@ -305,7 +308,7 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, B
   return true;
 }
 
-/// Rotation vectors that take the blended rotations to those of the maps, each near the current one.
+/// Returns rotation vectors that take the blended rotations to those of the maps, each near the current one.
 Columns RotationField::surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                                          const Context& context) const {
   const std::vector<Index>& apex = system_.operators()->nodes().apex;

@@ -11,36 +11,36 @@
 
 namespace meshgraft {
 
-/// Finds the field of maps F = R U (rotation, stretch) that takes the place of the identity on the right-hand
-/// side of a `ConstrainedSystem`, so that large turns do not shrink the surface. The matrix stays the same.
+/// Finds the field of maps F = R U (rotation, stretch) that replaces the identity on the right-hand side of a
+/// `ConstrainedSystem`. Large rotations then do not shrink the surface. The matrix stays the same.
 class RotationField {
  public:
-  /// `system` must outlive it. `other` is of a system that `system` shares its patch with, or none.
+  /// `system` must outlive the field. `other` is null or belongs to a system with the same patch.
   RotationField(const ConstrainedSystem& system, const DeformerOptions& options, const RotationField* other,
                 const Context& context);
 
   struct Result {
-    ConstrainedSystem::Problem problem;  ///< the field, and what the last step solved for
-    int iterations = 0;                  ///< co-rotational steps that were made
-    double change = 0;                   ///< that the last of them asked for, radians (root mean square)
-    bool linear = false;  ///< a constraint reflects or flattens, so that there are no logarithms to blend
+    ConstrainedSystem::Problem problem;  ///< the field, and the unknowns of the last step
+    int iterations = 0;                  ///< number of co-rotational steps performed
+    double change = 0;                   ///< root mean square change that the last step asked for, radians
+    bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
   };
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
 
   const SurfaceFields& fields() const { return fields_; }
-  const Points& normals() const { return *normals_; }  ///< of the patch at rest
-  int iterations() const { return iterations_; }       ///< co-rotational steps at the most
+  const Points& normals() const { return *normals_; }  ///< Returns the normals of the patch at rest.
+  int iterations() const { return iterations_; }       ///< Returns the largest number of co-rotational steps.
 
  private:
   static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,
                                                              const RotationField* other,
                                                              const Context& context);
-  /// What the constraints alone say of each vertex: F = rotation · stretch.
+  /// The map that the constraints alone give at each vertex: F = rotation · stretch.
   struct Blend {
     std::vector<Eigen::Matrix3d> rotation, stretch;
-    std::vector<Eigen::Vector3d> feature_turn;  ///< rotation vector of each feature, with all its turns
+    std::vector<Eigen::Vector3d> feature_turn;  ///< rotation vector per feature, with all turns
   };
-  /// Of the features; empty: not known yet, and the mean of the constraints' in `blend`.
+  /// One map per feature. If empty, the maps are unknown and `blend` uses the mean of the constraints.
   using FeatureMaps = std::vector<Eigen::Matrix3d>;
   std::vector<Eigen::Matrix<double, 1, 9>> mean_logs_around_features(const Columns& logs) const;
   bool impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,

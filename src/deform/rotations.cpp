@@ -22,7 +22,7 @@ Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& vector) {
 Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3d& other) {
   constexpr double circle = 2 * std::numbers::pi;
   const double angle = vector.norm();
-  // A full turn may be about any axis.
+  // The axis of a full turn is arbitrary.
   const Eigen::Vector3d axis =
       angle > 1e-12 ? Eigen::Vector3d(vector / angle) : Eigen::Vector3d(other.stableNormalized());
   const double along = axis.dot(other);
@@ -31,7 +31,7 @@ Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3
 
 namespace {
 
-/// (M⁻¹)ᵀ det M.
+/// Returns the cofactor matrix, (M⁻¹)ᵀ det M.
 Eigen::Matrix3d cofactors(const Eigen::Matrix3d& m) {
   Eigen::Matrix3d result;
   result << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
@@ -48,9 +48,9 @@ Eigen::Matrix3d nearest_rotation_by_svd(const Eigen::Matrix3d& map) {
 }  // namespace
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
-  // Newton's iteration for the polar factor, scaled (Higham 1986), X ← (γ X + X⁻ᵀ/γ)/2: a tenth of the time of
-  // a singular value decomposition. Only away from flat maps and reflections, where it converges in a few
-  // steps.
+  // Newton's iteration for the polar factor, scaled (Higham 1986): X ← (γ X + X⁻ᵀ/γ)/2. It takes a tenth of
+  // the time of a singular value decomposition. It converges in a few steps except near flat maps and
+  // reflections, which are left to the decomposition.
   constexpr double flattest = 1e-3;
   constexpr int most_steps = 10;
   Eigen::Matrix3d x = map;
@@ -62,13 +62,13 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
     const Eigen::Matrix3d next = (gamma * x + cofactor / (gamma * determinant)) / 2;
     const double change = (next - x).norm();
     x = next;
-    if (change < 1e-8) return x;  // the error is its square
+    if (change < 1e-8) return x;  // the error is the square of the change
   }
   return nearest_rotation_by_svd(map);
 }
 
 bool polar_decompose(const Eigen::Matrix3d& map, PolarParts& parts) {
-  constexpr double flattest = 1e-6, smallest = 1e-90;  // beneath, volumes are no numbers any more
+  constexpr double flattest = 1e-6, smallest = 1e-90;  // below `smallest`, volumes underflow
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(map, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& sigma = svd.singularValues();
   if (!(sigma[2] > flattest * sigma[0]) || !(sigma[2] > smallest) || map.determinant() < 0) return false;

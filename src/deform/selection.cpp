@@ -41,7 +41,7 @@ Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& location)
   return normal / length;
 }
 
-// A set of vertices as flags, for what is combined.
+// Sets of vertices as flags, to combine selections.
 
 Flags flags_of(std::span<const Index> vertices, Index vertex_count) {
   Flags flags(vertex_count, false);
@@ -58,7 +58,7 @@ std::vector<Index> vertices_where(Index vertex_count, const Predicate& predicate
   return vertices;
 }
 
-// Finite vertices that belong to a face.
+// Returns the vertices with finite positions that belong to a face.
 std::vector<Index> candidates_of(const SelectionContext& context) {
   std::vector<Index> candidates;
   for (Index v = 0; v < context.mesh.vertex_count(); ++v)
@@ -66,7 +66,7 @@ std::vector<Index> candidates_of(const SelectionContext& context) {
   return candidates;
 }
 
-// Shortest edge paths that keep off blocked vertices.
+// Finds shortest edge paths that avoid blocked vertices.
 class PathFinder {
  public:
   explicit PathFinder(const SelectionContext& context)
@@ -79,7 +79,8 @@ class PathFinder {
     for (const Index v : vertices) blocked_[v] = true;
   }
 
-  // The vertices after `from` up to and with `to`; none if there is no way. Dijkstra, ended early.
+  // Returns the vertices after `from` up to and including `to`; empty if there is no path. Dijkstra with
+  // early exit.
   std::vector<Index> find(Index from, Index to) {
     std::vector<Index> touched = {from};
     using Entry = std::pair<double, Index>;
@@ -129,7 +130,7 @@ class Resolver {
   }
 
  private:
-  // Each place once, where it comes first.
+  // Returns the first copy of each vertex in the weld, once, in order of first occurrence.
   std::vector<Index> representatives(std::span<const Index> vertices) const {
     Flags seen(count_, false);
     std::vector<Index> distinct;
@@ -217,7 +218,7 @@ class Resolver {
 
   std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& location) const {
     require_finite(nearest.point, location + ".nearest");
-    // One query is not worth a tree.
+    // A linear search suffices, because a tree does not pay for one query.
     Index best = -1;
     double best_distance = std::numeric_limits<double>::infinity();
     for (Index v = 0; v < count_; ++v) {
@@ -249,11 +250,11 @@ class Resolver {
       finder.block(leg);
       vertices.insert(vertices.end(), leg.begin(), leg.end());
     }
-    if (path.closed) vertices.pop_back();  // it came back to its first vertex
+    if (path.closed) vertices.pop_back();  // it repeats the first vertex
     return vertices;
   }
 
-  // The vertices nearest to a path's points, successive repeats dropped.
+  // Returns the vertices nearest to a path's points, without successive repeats.
   std::vector<Index> path_stations(const Selection::Path& path, const std::string& location) const {
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> stations;
@@ -372,7 +373,7 @@ class Resolver {
   Index count_;
 };
 
-// The words of a text with their lines; `#` starts a comment.
+// A word of a text with its line; `#` starts a comment.
 struct Word {
   std::string_view text;
   int line = 0;

@@ -13,20 +13,21 @@ namespace meshgraft {
 
 namespace {
 
-/// 1 at 0, 0 from 1 on, with zero slope at both; `squared` is the square of the argument.
+/// Returns a weight that is 1 at 0 and 0 from 1 on, with zero slope at both. `squared` is the square of the
+/// argument.
 double fall_off(double squared) {
   const double rest = std::max(0.0, 1 - squared);
   return rest * rest;
 }
 
-/// What one source does to one vertex: a weight, or a squared distance.
+/// An effect of one source on one vertex: a weight or a squared distance.
 struct Hit {
   Index other;
   float value;
 };
-using Hits = std::vector<std::vector<Hit>>;  // per source, in the order they are met
+using Hits = std::vector<std::vector<Hit>>;  // per source, in the order of the walk
 
-/// Lists per vertex instead of per source; sources ascend in each.
+/// Lists per vertex instead of per source. Sources ascend in each list.
 struct HitLists {
   std::vector<std::int64_t> offsets;
   std::vector<Hit> hits;
@@ -68,7 +69,7 @@ class SkinMaker {
   }
 
  private:
-  /// Weights of the proxies; proxies' reaches grow until all rows have some.
+  /// Returns the weights of the proxies. Their reaches grow until every row has a weight.
   HitLists reach_all(std::vector<Index>& outside) {
     Hits hits(problem_.proxies.size());
     std::vector<Index> changed(hits.size());
@@ -101,7 +102,8 @@ class SkinMaker {
         context_, 32);
   }
 
-  /// Lets the nearest proxy reach each vertex that none does; returns these proxies, ascending.
+  /// Extends the nearest proxy's reach to each vertex that no proxy reaches. Returns these proxies,
+  /// ascending.
   std::vector<Index> extend(const Hits& hits, std::vector<Index>& outside) {
     Flags reached(wanted_.size(), 0);
     for (const auto& list : hits)
@@ -111,7 +113,7 @@ class SkinMaker {
       if (wanted_[v] && !reached[v]) lost.push_back(static_cast<Index>(v));
     if (lost.empty()) return {};
 
-    // Which proxy is the fewest edges away.
+    // Finds the proxy that is the fewest edges away.
     std::vector<Index> nearest(wanted_.size(), -1), queue;
     for (std::size_t k = 0; k < problem_.proxies.size(); ++k) {
       nearest[problem_.proxies[k]] = static_cast<Index>(k);
@@ -131,7 +133,7 @@ class SkinMaker {
         continue;
       }
       const double distance = (problem_.points.row(v) - problem_.points.row(problem_.proxies[k])).norm();
-      // The way there may leave the ball: then it grows again.
+      // The path to the vertex may leave the ball. In that case the next call extends the reach again.
       problem_.reach[k] = 1.5 * std::max(distance, problem_.reach[k]);
       extended.push_back(k);
     }
@@ -140,7 +142,7 @@ class SkinMaker {
     return extended;
   }
 
-  /// Squared distances of the rim's vertices.
+  /// Returns squared distances to the rim's vertices.
   HitLists walk_from_rim() {
     Hits hits(problem_.rim.size());
     tbb::enumerable_thread_specific<BallWalk> walks([&] { return BallWalk(problem_.points, problem_.rings); });
@@ -168,8 +170,8 @@ class SkinMaker {
     for (const Hit& hit : hits) row.push_back({hit.other, share * hit.value / sum});
   }
 
-  /// The nearest vertices of the rim, those as far as twice the distance d of the nearest one: the closer the
-  /// rim, the fewer, down to the one that is there.
+  /// Adds the rim vertices within twice the distance of the nearest one. Close to the rim these are few, and
+  /// at the rim only the nearest one.
   void follow_rim(std::span<const Hit> hits, double squared_distance, double share,
                   std::vector<Entry>& row) const {
     double sum = 0;
@@ -179,7 +181,7 @@ class SkinMaker {
       if (weight(hit) > 0) row.push_back({problem_.rim[hit.other].bone, share * weight(hit) / sum});
   }
 
-  /// Bones once each, the heaviest first.
+  /// Merges entries of the same bone and puts the heaviest bone first.
   static void tidy(std::vector<Entry>& row) {
     std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.bone < b.bone; });
     std::size_t kept = 0;
@@ -208,7 +210,7 @@ class SkinMaker {
       if (nearest > 0)
         follow_rim(sources, nearest, share, row);
       else
-        share = 0;  // two vertices at one place: the rim's is not this one
+        share = 0;  // another vertex at the same position: it is not the rim's
     }
     follow_proxies(near, 1 - share, row);
     tidy(row);
@@ -216,7 +218,7 @@ class SkinMaker {
   }
 
   Skin write_rows(const HitLists& proxies, const HitLists& rim) {
-    // Blocks of rows are written apart, then put together.
+    // Blocks of rows are written independently, then concatenated.
     constexpr std::size_t block_rows = 4096;
     const std::size_t outer = problem_.rows.size(), count = outer + problem_.inner.size();
     struct Block {

@@ -18,10 +18,10 @@ struct Component {
   Index first = -1;  ///< local index of its smallest vertex
   Index size = 0;
   bool transform = false;
-  std::vector<Index> positions;  ///< local indices of the places that hold it
+  std::vector<Index> positions;  ///< local indices of the vertices with given positions that constrain it
 };
 
-/// Number of independent directions, 0 to 3, that the points spread in; -1 for none at all.
+/// Returns the number of independent directions, 0 to 3, that the points span, or -1 if there are none.
 int affine_rank(const Points& points, std::vector<Index>& vertices) {
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -57,12 +57,12 @@ int affine_rank(const Points& points, std::vector<Index>& vertices) {
               "", "Let a handle constrain its transform as well, or add positions until four are not coplanar");
 }
 
-/// Whether a part of v is unknown; isolated vertices have none.
+/// Returns whether the position or transform of v is unknown. Isolated vertices have no unknowns.
 bool is_unknown(Index v, const IndexLists& rings, const KnownParts& known) {
   return !rings[v].empty() && (!known.position[v] || !known.transform[v]);
 }
 
-/// Vertices with an unknown part, joined along edges and within features.
+/// Joins vertices with an unknown along edges and within features.
 DisjointSets join_unknown(const IndexLists& rings, const KnownParts& known) {
   const Index n = rings.size();
   DisjointSets sets(n);
@@ -99,7 +99,7 @@ void require_solvable(const Patch& patch, const IndexLists& rings, const KnownPa
     if (known.position[v] || known.anchored[v]) component.positions.push_back(v);
     for (Index w : rings[v]) {
       if (is_unknown(w, rings, known)) continue;
-      component.transform = true;  // neither part of w is unknown
+      component.transform = true;  // both position and transform of w are known
       component.positions.push_back(w);
     }
   }

@@ -10,15 +10,16 @@
 
 namespace meshgraft {
 
-/// What is known of each vertex of a patch before the solve.
+/// The known parts of each vertex of a patch before the solve.
 struct KnownParts {
   Flags position;
   Flags transform;
-  std::vector<Index> feature;  ///< number of its feature, or -1
-  Flags anchored;              ///< drawn to a place by a soft row
+  std::vector<Index> feature;  ///< per vertex: index of its feature, or -1
+  Flags anchored;              ///< a soft row pulls it to a target
 };
 
-/// Marks the transforms of components without a free position as known: nothing depends on them.
+/// Marks the transforms of connected components without a free position as known, because nothing depends on
+/// them.
 void fix_unconstrained_components(const IndexLists& rings, KnownParts& known);
 
 /// Checks that the constraints of each connected free component fix an affine map: a position plus a

@@ -10,7 +10,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Of an iterative backend; positions follow the fields' errors.
+/// The tolerance of an iterative backend. Errors of the fields carry over to positions.
 constexpr double solver_tolerance = 1e-7;
 
 SparseRows diagonal(const std::vector<double>& values) {
@@ -22,7 +22,7 @@ SparseRows diagonal(const std::vector<double>& values) {
   return matrix;
 }
 
-/// A millionth of the mean area of the vertices with a ring.
+/// Returns a millionth of the mean area of the vertices with a ring.
 double smallest_area_of(const std::vector<double>& areas, const IndexLists& rings) {
   double total = 0;
   Index count = 0;
@@ -33,13 +33,13 @@ double smallest_area_of(const std::vector<double>& areas, const IndexLists& ring
   return total > 0 ? 1e-6 * total / static_cast<double>(count) : 1.0;
 }
 
-/// Those of vertices with a ring are no smaller afterwards.
+/// Raises the areas of vertices with a ring to at least `smallest`.
 void bound_areas(double smallest, const IndexLists& rings, std::vector<double>& areas) {
   for (Index v = 0; v < rings.size(); ++v)
     if (!rings[v].empty()) areas[v] = std::max(areas[v], smallest);
 }
 
-/// Rows `rows` of a matrix.
+/// Returns the given rows of a matrix.
 SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows) {
   SparseRows selected(static_cast<Eigen::Index>(rows.size()), matrix.cols());
   std::vector<int> lengths;
@@ -52,7 +52,7 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows)
   return selected;
 }
 
-/// Lower triangle of the square part of `rows` (of the vertices `unknown`) whose columns are unknown too.
+/// Returns the lower triangle of the square part of `rows` that belongs to the vertices `unknown`.
 NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown) {
   std::vector<Index> column_of(static_cast<std::size_t>(rows.cols()), -1);
   for (std::size_t k = 0; k < unknown.size(); ++k) column_of[unknown[k]] = static_cast<Index>(k);
@@ -75,7 +75,7 @@ NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unkno
   return lower;
 }
 
-/// Rows `free` of M + W B, where M and W are diagonal.
+/// Returns rows `free` of M + W B, where M and W are diagonal.
 SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<double>& weights,
                           const SparseRows& bending, const std::vector<Index>& free) {
   SparseRows rows = select_rows(bending, free);
@@ -87,7 +87,7 @@ SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<do
   return rows;
 }
 
-/// Factorises the square part of `rows`, those of the graph's groups: each unknown is a vertex.
+/// Factorises the square part of `rows` that belongs to the graph's groups. Each unknown is a vertex.
 std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const OrderingGraph& graph,
                                         SolverBackend backend, const Context& context) {
   const NormalMatrix matrix = square_part(rows, graph.group);
@@ -138,7 +138,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   smooth_solver_ = factorise(smoothing, {free_, &rings, cuts, points(free_, Eigen::all)}, backend, context);
 }
 
-/// Whether areas that may not be less than `smallest` are those of the bending matrix.
+/// Returns whether areas raised to `smallest` are those of the bending matrix.
 bool SurfaceFields::bounds_alike(const IndexLists& rings, double smallest) const {
   if (smallest == bending_->smallest_area) return true;
   const double larger = std::max(smallest, bending_->smallest_area);
@@ -178,9 +178,9 @@ void SurfaceFields::find_components(const IndexLists& rings, std::span<const std
   }
 }
 
-/// Per component, how wide the surface is between the places where values are given: a plate of width w that is
-/// clamped there sags by w⁴/720 in the mean under a uniform load (Euler and Bernoulli's beam). √(area) where
-/// nothing is given.
+/// Returns per component the width of the surface between vertices with given values, from the mean sag under
+/// a uniform load. A plate of width w that is clamped at both sides has mean sag w⁴/720 (Euler–Bernoulli
+/// beam). The width is √(area) if nothing is given.
 std::vector<double> SurfaceFields::free_widths(const Context& context) const {
   std::vector<double> areas(holds_.size(), 0.0), sags(holds_.size(), 0.0), widths;
   for (const Index v : free_) areas[component_[v]] += areas_[v];
@@ -200,7 +200,8 @@ std::vector<double> SurfaceFields::free_widths(const Context& context) const {
 
 Columns SurfaceFields::spread(const Columns& values, const Context& context) const {
   if (held_.empty()) return values;
-  // As differences from the mean of what is given to the component: a constant stays one to the last bit.
+  // Solves for differences from the mean of each component's given values, so that a constant stays exactly
+  // constant.
   const Eigen::Index columns = values.cols();
   Columns means = Columns::Zero(static_cast<Eigen::Index>(holds_.size()), columns);
   std::vector<double> areas(holds_.size(), 0.0);
@@ -212,7 +213,7 @@ Columns SurfaceFields::spread(const Columns& values, const Context& context) con
     if (areas[c] > 0) means.row(static_cast<Eigen::Index>(c)) /= areas[c];
   Columns differences = Columns::Zero(values.rows(), columns);
   for (const Index v : given_) differences.row(v) = values.row(v) - means.row(component_[v]);
-  for (int pass = 0; pass < 2; ++pass)  // the second is a correction with the residual of the first
+  for (int pass = 0; pass < 2; ++pass)  // the second pass corrects with the residual of the first
     add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, differences, context)),
                               {.tolerance = std::sqrt(solver_tolerance)}, context),
         held_, differences);

@@ -9,7 +9,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Distances along edges (Dijkstra) that can be improved source by source.
+/// Distances along edges (Dijkstra) that are updated when a source is added.
 class EdgeDistances {
  public:
   EdgeDistances(const Points& points, const IndexLists& rings)
@@ -24,7 +24,7 @@ class EdgeDistances {
     queue_.emplace(0.0, vertex);
   }
 
-  /// Visits only what has become nearer.
+  /// Visits only vertices whose distance decreases.
   void update() {
     while (!queue_.empty()) {
       const auto [distance, v] = queue_.top();

@@ -19,7 +19,8 @@ Points places(const FineSurface& surface, const std::vector<Index>& vertices) {
   return result;
 }
 
-/// Coarse vertices that hold the outline: on a border, where the surface is no manifold, and along sharp edges.
+/// Flags the coarse vertices that define the outline: on a boundary, at non-manifold vertices and along sharp
+/// edges.
 Flags flag_outline(const FineSurface& surface, const Decimated& coarse, const IndexLists& rings) {
   constexpr double sharp_cosine = 0.7;  // about 45° away from the mean normal
   const Points points = places(surface, coarse.vertices);
@@ -64,7 +65,7 @@ class EvenOut {
   }
 
  private:
-  /// Over the edges of the surface, as long as that comes nearer.
+  /// Moves a vertex along edges of the surface while that brings it nearer to `middle`.
   void step_towards(Index& vertex, const Eigen::RowVector3d& middle) {
     const auto distance = [&](Index v) { return (surface_.points.row(v) - middle).squaredNorm(); };
     taken_[vertex] = 0;

@@ -11,16 +11,17 @@
 
 namespace meshgraft {
 
-/// The surface that a coarse triangulation stands on.
+/// The fine surface whose vertices a coarse triangulation uses.
 struct FineSurface {
   const Points& points;
   const IndexLists& rings;
-  std::span<const Index> group;          ///< of each vertex: coarse vertices stay in theirs
-  std::span<const std::uint8_t> locked;  ///< coarse vertices that stay where they are
+  std::span<const Index> group;          ///< per vertex: coarse vertices stay in their group
+  std::span<const std::uint8_t> locked;  ///< per vertex: a coarse vertex here does not move
 };
 
-/// Makes the triangles of a coarse triangulation as equilateral as may be: coarse vertices step over the
-/// surface to the vertex nearest to the middle of their ring, edges are flipped to Delaunay; `rounds` times.
+/// Makes the triangles of a coarse triangulation more equilateral, in `rounds` rounds. Each round moves
+/// coarse vertices over the surface to the vertex nearest to the centre of their ring, and flips edges to
+/// Delaunay.
 void relax_tangentially(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context = {});
 
 }  // namespace meshgraft

@@ -14,7 +14,7 @@
 
 namespace meshgraft::editor {
 
-/// Numbers for the page. In bytes, all little-endian:
+/// A binary message that carries arrays of numbers to the page. Its bytes, all little-endian:
 ///   "MGF1", kind (uint32), length of the JSON (uint32, a multiple of 4), the JSON, padded with blanks,
 ///   then the arrays that its field `arrays` lists as {name, type, length}, one after another, each padded to
 ///   4 bytes.
@@ -36,7 +36,7 @@ class BinaryFrame {
   }
 
   void add(std::string_view name, std::span<const float> values);
-  void add(std::string_view name, std::span<const Index> values);  ///< as uint32: none is negative
+  void add(std::string_view name, std::span<const Index> values);  ///< as uint32; no value is negative
   void add(std::string_view name, std::span<const std::uint8_t> values);
 
   std::vector<std::byte> bytes() const;
@@ -49,14 +49,16 @@ class BinaryFrame {
   std::vector<std::byte> arrays_;
 };
 
-/// A browser puts a message together and copies it where the page runs, so that it stands still meanwhile.
+/// Largest part of a frame in one message, bytes. A browser assembles and copies a message on the page's
+/// thread and blocks it meanwhile.
 constexpr std::size_t part_bytes = std::size_t{1} << 22;
 
-/// A frame cut into messages of at most `part_bytes` and their head. In bytes, all little-endian: "MGFP", 0
-/// (uint32), where in the frame the part begins (uint64), the length of the frame (uint64), then the part.
+/// Splits a frame into messages of at most `part_bytes` plus a header. The bytes of a message, all
+/// little-endian: "MGFP", 0 (uint32), offset of the part in the frame (uint64), length of the frame (uint64),
+/// the part.
 ByteParts parts_of(std::span<const std::byte> frame);
 
-/// Positions relative to `offset` in single precision, 3 numbers a point.
+/// Returns positions relative to `offset` in single precision, 3 numbers per point.
 std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points);
 
 }  // namespace meshgraft::editor

@@ -18,7 +18,7 @@ bool matters(const Finding& finding) {
   return std::find(harmless.begin(), harmless.end(), finding.name) == harmless.end();
 }
 
-// As a shell takes it for one word.
+// Quotes `text` where a shell would not read it as one word.
 std::string word(const std::string& text) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,:@%";
   if (text.find_first_not_of(plain) == std::string::npos) return text;
@@ -27,12 +27,12 @@ std::string word(const std::string& text) {
   return quoted + "'";
 }
 
-// What a graphics card works with: beyond these, squares of single-precision numbers overflow or vanish.
+// Range that a GPU can show: beyond it, squares of single-precision numbers overflow or vanish.
 constexpr double largest_shown = 1e15, smallest_shown = 1e-15;
 
 std::optional<std::string> range_note(const Points& positions) {
   if (positions.rows() == 0) return std::nullopt;
-  constexpr int numbers = Eigen::PropagateNumbers;  // what is none is told as a defect of its own
+  constexpr int numbers = Eigen::PropagateNumbers;  // non-finite values are reported as a defect of their own
   const double reach = positions.cwiseAbs().maxCoeff<numbers>();
   double extent = 0;
   for (Eigen::Index axis = 0; axis < 3; ++axis)

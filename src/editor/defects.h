@@ -7,9 +7,9 @@
 
 namespace meshgraft::editor {
 
-/// What of a file's mesh stands in the way of editing it, in a sentence with the command that mends it, or that
-/// its size cannot be shown; absent where nothing does. Boundary loops, open seams and polygons are nothing of
-/// the kind: edits go on across them.
+/// Returns a sentence about the defects of a file's mesh that prevent editing, with the command that repairs
+/// them, or about a size that cannot be shown. Returns nothing for a mesh without such defects. Boundary
+/// loops, open seams and polygons are no defects: edits work across them.
 std::optional<std::string> defect_note(const Scene& scene, const std::string& file);
 
 }  // namespace meshgraft::editor

@@ -18,7 +18,7 @@ fs::path rebased(const std::string& file, const fs::path& from, const fs::path& 
   return path.is_absolute() ? path : fs::relative(from / path, to);
 }
 
-// The files that a selection, or a pose, names.
+// Rewrites the paths of the files that a selection or a pose names.
 void rebase_files(Json& json, const fs::path& from, const fs::path& to) {
   if (!json.is_structured()) return;
   for (const char* key : {"file", "sel", "def"})

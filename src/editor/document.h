@@ -14,36 +14,38 @@ namespace meshgraft::editor {
 
 using Json = nlohmann::json;
 
-/// What is edited: an edit file, as the library knows it, as JSON to change, and as the bytes that saving
-/// writes.
+/// The document that is edited. It is kept as a parsed edit file, as JSON for changes, and as the bytes that
+/// saving writes.
 struct Document {
   EditFile edit;
   Json json;
   std::string text;
 };
 
-/// The document that `json` is, in the one form that it is written in. Throws what `parse_edit` throws.
+/// Makes a document from JSON in its one canonical form. Throws what `parse_edit` throws.
 Document make_document(const Json& json, const std::filesystem::path& base_folder);
 
-/// The same from its bytes, or from an edit file's.
+/// Makes a document from its bytes, or from those of an edit file.
 Document parse_document(std::string_view text, const std::filesystem::path& base_folder);
 
-/// An edit of one input (as `inputs` of an edit file has it), with a step that does nothing yet.
+/// Returns an edit with one input (as in `inputs` of an edit file) and one step that does nothing yet.
 Json new_edit(const std::string& name, const Json& input);
 
-/// The step that is worked on: the last one, a deformation or a graft; absent where that is a cut.
+/// Returns the index of the step in work: the last step, if it is a deformation or a graft. Returns nothing
+/// where the last step is a cut.
 std::optional<std::size_t> step_in_work(const EditFile& edit);
 const DeformStep* deform_in_work(const EditFile& edit);
 const MergeStep* merge_in_work(const EditFile& edit);
 
-/// The mesh that is deformed, or grafted onto: that of the step in work, else what comes out of the edit.
+/// Returns the name of the mesh that the step in work deforms or grafts onto; without such a step, the name
+/// of the edit's outcome.
 const std::string& model_of(const EditFile& edit);
 
-/// Whether a step has something to move and something to move it by.
+/// Returns whether a step has a region that is not empty and a handle or constraint that can move it.
 bool is_ready(const DeformStep& step);
 
-/// The document as it is saved: last steps without handles are left out, relative paths start from `folder`,
-/// and what comes out is the model, whichever mesh the last step is about.
+/// Returns the document as it is saved. Last steps without handles are left out and relative paths start from
+/// `folder`. The output is the model, whichever mesh the last step works on.
 EditFile saved_form(const Document& document, const std::filesystem::path& folder);
 
 }  // namespace meshgraft::editor

@@ -55,7 +55,7 @@ Json& handle_of(Json& document, const std::string& name) {
   throw Error(ErrorCode::input, fmt::format("there is no handle named '{}'", name), "handle");
 }
 
-// A region is the union of its parts; none of them is the empty list.
+// Returns the selections whose union is the region; an empty list where the region is empty.
 std::vector<Json> parts_of(const Json& region) {
   if (region.is_object() && region.contains("union")) return region["union"];
   if (region.is_object() && region.contains("indices") && region["indices"].empty()) return {};

@@ -9,47 +9,49 @@
 
 namespace meshgraft::editor {
 
-// Changes of a document as JSON, on the step that is worked on; one is added where the last step is a cut. They
-// throw Error(usage) where it is a graft. `make_document` then says whether what came out is an edit.
+// Changes of a document as JSON that act on the step in work. A step is added where the last one is a cut.
+// They throw Error(usage) where the step in work is a graft. `make_document` then validates the result.
 
 Json& step_of(Json& document);
 
 struct NewHandle {
-  std::string name;   ///< empty: one that is free
-  std::string shape;  ///< as an edit file has it
-  Json select;        ///< a selection of an edit file
+  std::string name;   ///< empty: a free name is chosen
+  std::string shape;  ///< in the form of an edit file
+  Json select;        ///< a selection in the form of an edit file
   std::optional<bool> closed{};
-  std::optional<double> reach{};  ///< the region grows by what lies within it, model units along edges
-  std::string constrain{};        ///< as an edit file has it; empty: both
-  Json pose = Json::object();     ///< as an edit file has it; empty: it stays where it is at rest
+  std::optional<double> reach{};  ///< grows the region by the vertices within it, model units along edges
+  std::string constrain{};        ///< in the form of an edit file; empty: both
+  Json pose = Json::object();     ///< in the form of an edit file; empty: the handle stays at rest
 };
 
-/// Returns its name.
+/// Adds a handle and returns its name.
 std::string add_handle(Json& document, const NewHandle& handle);
 
-/// These throw Error(input) for a handle that is not there.
+/// These functions throw Error(input) for a handle that does not exist.
 void remove_handle(Json& document, const std::string& name);
 void rename_handle(Json& document, const std::string& name, const std::string& to);
 void set_reach(Json& document, const std::string& name, double reach);
 void set_pose(Json& document, const std::string& name, const Json& pose);
 
-/// As a deform step has it; null: none.
+/// Sets the symmetry, in the form of a deform step; null removes it.
 void set_symmetry(Json& document, const Json& symmetry);
 
-/// Of a handle that has one, in the step as JSON.
+/// Returns the reach of a handle in a step given as JSON, if the handle has one.
 std::optional<double> reach_of(const Json& step, const Json& handle);
 
-/// Puts the named values of `changes` in the place of the step's.
+/// Replaces those settings of the step that `changes` names.
 void change_settings(Json& document, const Json& changes);
 
-/// A next deform step on what the last one left. Throws Error(usage) where that does nothing yet.
+/// Appends a deform step that works on the result of the last one. Throws Error(usage) where the last one
+/// does nothing yet.
 void accept_step(Json& document, const EditFile& edit);
 
-/// A named selection, and the colour that it is drawn in; empty: as before.
+/// Sets a named selection and the colour in which it is drawn; an empty colour keeps the previous one.
 void set_group(Json& document, const std::string& name, const Json& selection, const std::string& colour);
-/// Another colour for it; empty: none of its own. Throws Error(input) where it does not exist.
+/// Sets the colour of a named selection; empty removes it. Throws Error(input) where the selection does not
+/// exist.
 void set_colour(Json& document, const std::string& name, const std::string& colour);
-/// Throws Error(input) where it is in use.
+/// Removes a named selection. Throws Error(input) where it is in use.
 void remove_group(Json& document, const std::string& name);
 
 }  // namespace meshgraft::editor

@@ -1,4 +1,4 @@
-// The requests that concern the document and what is shown of it.
+// Requests that concern the document and the way it is shown.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -39,14 +39,14 @@ constexpr auto unite = [](auto... arguments) { std::set_union(arguments...); };
 constexpr auto take_away = [](auto... arguments) { std::set_difference(arguments...); };
 constexpr auto intersect = [](auto... arguments) { std::set_intersection(arguments...); };
 
-// All vertices but these.
+// Returns all vertices that are not in `selection`.
 std::vector<Index> inverted(const std::vector<Index>& selection, Index count) {
   std::vector<Index> all(static_cast<std::size_t>(count));
   for (Index v = 0; v < count; ++v) all[static_cast<std::size_t>(v)] = v;
   return combined(take_away, all, selection);
 }
 
-// Grown by rings, or shrunk: what is left outside then grows.
+// Grows a selection by rings. A negative number shrinks it, by growing the complement.
 std::vector<Index> grown(const std::vector<Index>& selection, int rings, const Object& base) {
   const IndexLists& neighbours = base.selections->rings;
   if (rings >= 0) return grow_rings(selection, rings, neighbours);
@@ -54,7 +54,7 @@ std::vector<Index> grown(const std::vector<Index>& selection, int rings, const O
   return inverted(grow_rings(inverted(selection, count), -rings, neighbours), count);
 }
 
-// Of a new handle, as a part of the model's diagonal: far enough to bend softly.
+// Reach of a new handle, × the model's diagonal: far enough to bend softly.
 constexpr double default_reach = 0.15;
 
 std::vector<Index> held_already(const LiveView& view) {
@@ -69,7 +69,8 @@ Json indices(const std::vector<Index>& vertices) { return {{"indices", vertices}
 
 }  // namespace
 
-// The field `select` as an edit file has it, or what the page has selected on the object of that name.
+// Returns the field `select` in the form of an edit file; without it, the page's selection on the object
+// `on`.
 Json Worker::selection_or(const json::Object& fields, const std::string& on) {
   if (fields.has("select")) return fields.required("select").raw();
   return selected_on(on);

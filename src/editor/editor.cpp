@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where uploads go; gone with the program.
+/// The folder of uploads. It is deleted when the program ends.
 class UploadFolder {
  public:
   UploadFolder() {

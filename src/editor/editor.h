@@ -10,15 +10,16 @@
 namespace meshgraft::editor {
 
 struct EditorOptions {
-  std::vector<std::filesystem::path> models;   ///< to offer to the page; their folders may be used
-  std::vector<std::filesystem::path> folders;  ///< that may be used beside them
+  std::vector<std::filesystem::path> models;   ///< offered to the page; files in their folders may be used
+  std::vector<std::filesystem::path> folders;  ///< further folders whose files may be used
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;     ///< 0: one that is free
-  bool or_free_port = false;  ///< one that is free, where `port` is taken
+  std::uint16_t port = 0;     ///< 0: any free port
+  bool or_free_port = false;  ///< any free port where `port` is taken
 };
 
-/// Serves the editor until a stop is requested. Calls `started` with the address to open, once it is listened
-/// to. Throws Error(io) for a model or folder that does not exist, and for an address that cannot be taken.
+/// Serves the editor until a stop is requested. Calls `started` with the address to open as soon as the
+/// server listens. Throws Error(io) for a model or folder that does not exist, and for an address that cannot
+/// be bound.
 void run_editor(const EditorOptions& options, const std::function<void(const std::string& url)>& started,
                 const std::stop_token& stop);
 

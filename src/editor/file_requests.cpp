@@ -1,4 +1,4 @@
-// The requests that concern files.
+// Requests that concern files.
 #include <algorithm>
 #include <fstream>
 #include <memory>
@@ -33,7 +33,8 @@ bool is_mesh(const fs::path& path) {
   }
 }
 
-// What is hidden, and journals with what they keep, is none of the page's.
+// Returns whether the page may list a file: hidden files, journals and the files kept with journals are not
+// listed.
 bool is_listed(const std::string& name) {
   return !name.starts_with(".") && name.find(".meshgraft-session") == std::string::npos;
 }
@@ -53,7 +54,7 @@ Document model_document(const fs::path& file, const fs::path& called) {
       file.parent_path());
 }
 
-// With models beside, named after their files.
+// Adds models as parts that are named after their files.
 Document with_parts(Document document, const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     const std::string name = file.stem().empty() ? "part" : file.stem().string();
@@ -77,7 +78,8 @@ void require_no_input(const fs::path& file, const Document& document) {
         throw Error(ErrorCode::usage, "this is an input of the edit", file.string(), "Choose another name.");
 }
 
-// A file that is there is the edit's own, as it was read or written last.
+// Throws ReplaceError unless the existing file is the edit's own and unchanged since it was last read or
+// written.
 void require_own(const fs::path& file, const Workspace::Source& source) {
   if (file != source.edit)
     throw ReplaceError({ErrorCode::io, "the file exists", file.string(), "Choose another name, or replace it."},
@@ -88,7 +90,7 @@ void require_own(const fs::path& file, const Workspace::Source& source) {
                        file);
 }
 
-// What was uploaded lasts no longer than the program or the journal: the edit gets a copy beside it.
+// Copies uploads into the folder of the edit, because they last no longer than the program or the journal.
 Document with_kept_uploads(const Document& document, const std::vector<fs::path>& uploads,
                            const fs::path& folder) {
   Json json = document.json;
@@ -109,7 +111,7 @@ Json written_json(const WriteResult& written) {
   return {{"files", files}, {"notes", written.notes}};
 }
 
-// Of files that are not what they were when they were opened: saved edits will not run on them.
+// Notes input files that have changed since they were opened, because saved edits will not run on them.
 void note_changed_inputs(const Document& document, Json& result) {
   for (const EditInput& input : document.edit.inputs) {
     if (input.file.empty() || !input.sha256) continue;
@@ -149,13 +151,13 @@ Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context&
 }  // namespace
 
 void Worker::show(std::unique_ptr<Workspace> workspace) {
-  workspace_ = std::move(workspace);  // the one before lets go of its journal
+  workspace_ = std::move(workspace);  // the previous workspace releases its journal
   workspace_->keep_journal();
   tell_state();
   if (const auto offer = workspace_->offer()) outbox_.tell("offer-restore", *offer);
 }
 
-// The models of the field `parts`.
+// Returns the model files that the field `parts` names.
 std::vector<fs::path> Worker::files_of(const json::Value& parts) {
   std::vector<fs::path> files;
   for (std::size_t i = 0; i < parts.size(); ++i) files.push_back(shared_.folders.mesh_to_read(parts[i].name()));
@@ -245,7 +247,7 @@ Json Worker::discard(const json::Value& message, const Context&) {
   return {{"aside", open_one().decline().string()}};
 }
 
-// The file of the field `name`, which may be written; empty where it is not asked for.
+// Returns the file of the field `name`, which may be written; empty where the field is missing.
 std::filesystem::path Worker::output(const json::Object& fields, std::string_view name, bool overwrite) {
   if (!fields.has(name)) return {};
   const std::string asked = fields.required(name).name();

@@ -24,7 +24,8 @@ bool is_below(const fs::path& path, const fs::path& root) {
   return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
 }
 
-// A .glb by another name refers to files all the same, and is read for what it is.
+// Refuses a file whose name hides its format: a .glb file under another name may still refer to other files
+// and is read as .glb.
 void require_honest_name(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".glb" || extension == ".gltf" || extension == ".GLB" || extension == ".GLTF") return;
@@ -35,7 +36,7 @@ void require_honest_name(const fs::path& path) {
                 "Give it a name that ends in .glb.");
 }
 
-// No file system takes longer ones.
+// Refuses names that are longer than any file system allows.
 void require_short_names(const fs::path& path) {
   constexpr std::size_t most_bytes = 255;
   for (const fs::path& part : path)

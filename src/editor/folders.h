@@ -8,8 +8,8 @@
 
 namespace meshgraft::editor {
 
-/// The folders whose files a page may read and write, with all that is below them. Links are followed first, so
-/// none leads out.
+/// The folders whose files, at any depth, a page may read and write. Symbolic links are resolved first, so
+/// that no link leads out of them.
 class Folders {
  public:
   /// Throws Error(io) for a folder that does not exist.
@@ -17,33 +17,35 @@ class Folders {
 
   const std::vector<std::filesystem::path>& roots() const { return roots_; }
 
-  /// Where `path` leads: without links, dots, and whatever else hides it. A relative one starts from the first
-  /// folder. Throws Error(input) if that is in none of the folders.
+  /// Returns the file that `path` refers to, without links and dots. A relative path starts from the first
+  /// folder. Throws Error(input) if the file is in none of the folders.
   std::filesystem::path inside(const std::filesystem::path& path) const;
 
-  /// A mesh that may be read: the file itself and all that it refers to are inside. Throws Error(input).
+  /// Returns the path of a mesh that may be read: the file and all files that it refers to are inside. Throws
+  /// Error(input).
   std::filesystem::path mesh_to_read(const std::filesystem::path& path) const;
 
-  /// A mesh that may be written, with the file that some formats put beside it. Throws Error(input), also for
-  /// an extension that no format has.
+  /// Returns the path of a mesh that may be written, together with the companion file of some formats. Throws
+  /// Error(input), also for an extension of no known format.
   std::filesystem::path mesh_to_write(const std::filesystem::path& path) const;
 
-  /// Throws Error(input) unless all that running the edit reads is inside.
+  /// Throws Error(input) unless all files that the edit reads are inside.
   void require_inside(const EditFile& edit) const;
 
  private:
   std::vector<std::filesystem::path> roots_;
 };
 
-/// Copies a file into a folder, by its name, or with a number where another file has that. Returns the copy.
-/// Throws std::filesystem::filesystem_error, and Error(io) where one of them cannot be read.
+/// Copies a file into a folder under its name; a number is appended where a different file has that name.
+/// Returns the copy. Throws std::filesystem::filesystem_error, and Error(io) where a file cannot be read.
 std::filesystem::path copy_into(const std::filesystem::path& folder, const std::filesystem::path& file);
 
-/// Whether the axis y stands upright in files of the kind: of those that do not say, what most of their makers
-/// mean.
+/// Returns whether the y axis points up in files of this format. For formats that do not say, this is the
+/// convention of most programs that write them.
 bool stands_on_y(const std::filesystem::path& file);
 
-/// What an uploaded file was called: without what the server puts behind its name to make it the only one.
+/// Returns the original name of an uploaded file, without the suffix that the server appends to make it
+/// unique.
 std::filesystem::path uploaded_as(const std::filesystem::path& upload);
 
 }  // namespace meshgraft::editor

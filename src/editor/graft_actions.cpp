@@ -37,7 +37,8 @@ bool is_alone_about(const EditStep& step, const std::string& name) {
   return !std::holds_alternative<MergeStep>(step.action) && mesh_of(step) == name && outcome_of(step) == name;
 }
 
-// What is worked on from then on: the model as the step in work leaves it; a step that does nothing goes.
+// Ends the step in work and returns the name of the model from then on. Removes the step where it does
+// nothing.
 std::string end_step_in_work(Json& document, const EditFile& edit) {
   const DeformStep* step = deform_in_work(edit);
   std::string model = model_of(edit);
@@ -47,7 +48,7 @@ std::string end_step_in_work(Json& document, const EditFile& edit) {
   return model;
 }
 
-// The only part that no graft has taken yet.
+// Returns the only part that no graft uses. Throws Error(input) where there is none or more than one.
 std::string only_part(const EditFile& edit) {
   std::vector<std::string> parts;
   for (const EditInput& input : edit.inputs)
@@ -122,7 +123,7 @@ void add_cut(Json& document, const EditFile& edit, Json step) {
   Json& steps = document["steps"];
   const DeformStep* deform = deform_in_work(edit);
   if (deform != nullptr && step["mesh"] != deform->mesh && step["mesh"] != outcome_of(edit.steps.back())) {
-    steps.insert(steps.end() - 1, std::move(step));  // what is done with the model goes on
+    steps.insert(steps.end() - 1, std::move(step));  // the work on the model goes on
     return;
   }
   const bool of_model = step["mesh"] == model_of(edit);

@@ -7,40 +7,40 @@
 
 namespace meshgraft::editor {
 
-// Changes of a document as JSON that concern parts, cuts and grafts; `edit` is the document before. A step in
-// work that does nothing yet gives way to them; one that does something is done then.
+// Changes of a document as JSON that concern parts, cuts and grafts; `edit` is the document before the
+// change. A step in work that does nothing yet is removed; otherwise it is kept and thereby ended.
 
-/// Throws Error(usage), telling to end it first, where a graft is in work.
+/// Throws Error(usage) with the advice to end the graft first, where a graft is in work.
 void require_no_graft(const EditFile& edit, const std::string& what);
 
-/// A file as an input of an edit in `folder`: its path from there on where it lies below, and its hash. Throws
-/// Error(io).
+/// Returns a file as an input of an edit in `folder`, with its hash. The path is relative where the file lies
+/// below `folder`. Throws Error(io).
 Json file_input(const std::filesystem::path& folder, const std::filesystem::path& file);
 
-/// An input beside the others, as an edit file has it. Returns its name: `name`, or, where that is taken and
-/// `may_number`, that with a number. Throws Error(input) for a name that is taken.
+/// Adds an input in the form of an edit file and returns its name. Where `name` is taken and `may_number` is
+/// set, a number is appended. Throws Error(input) for a name that is taken.
 std::string add_part(Json& document, const EditFile& edit, const Json& input, const std::string& name,
                      bool may_number);
 
-/// With the steps that are about it alone. Throws Error(input) for the model, and for what is no input or is
-/// part of a graft.
+/// Removes a part and the steps that concern it alone. Throws Error(input) for the model, for a name that is
+/// no input, and for a part that a graft uses.
 void remove_part(Json& document, const EditFile& edit, const std::string& name);
 
-/// Makes it what is worked on.
+/// Makes a part the model, on which the following steps work.
 void edit_part(Json& document, const EditFile& edit, const std::string& name);
 
-/// A cut step, whose `mesh` is the model or a part.
+/// Adds a cut step, whose `mesh` is the model or a part.
 void add_cut(Json& document, const EditFile& edit, Json step);
 
-/// Starts a graft, or changes the one in work: the fields of a merge step, null to take one away; of
-/// `settings` those that are named. Throws
-/// Error(input) where it is not clear which part is meant, or it is the model itself.
+/// Starts a graft, or changes the one in work. `fields` are those of a merge step; null removes a field, and
+/// only the named values of `settings` change. Throws Error(input) where the part is ambiguous or is the
+/// model itself.
 void set_graft(Json& document, const EditFile& edit, const Json& fields);
 void cancel_graft(Json& document, const EditFile& edit);
-/// Exchanges target and source, with the pairs; what is said of one of them alone goes.
+/// Exchanges target and source, with the pairs. Removes the fields that apply to one of them only.
 void swap_graft(Json& document, const EditFile& edit);
 
-/// Whether a mesh went into a graft before the step in work.
+/// Returns whether a graft before the step in work uses this mesh.
 bool is_grafted(const EditFile& edit, const std::string& name);
 
 }  // namespace meshgraft::editor

@@ -12,7 +12,7 @@ namespace {
 
 enum class Origin : std::uint8_t { target = 0, source = 1, seam = 2 };
 
-// Per triangle. The result has the target's vertices first, then the source's.
+// Returns the origin of each triangle. The result lists the target's vertices first, then the source's.
 std::vector<std::uint8_t> origins(const MergeOutcome& merge, const Triangulation& surface, Index faces) {
   Index first_of_source = std::numeric_limits<Index>::max();
   for (const Index v : merge.source_map.new_index)
@@ -70,7 +70,7 @@ Eigen::Affine3d map_of(const Similarity& similarity) {
   return map;
 }
 
-// Of the source's own coordinates, but for its bending.
+// Returns the map from the source's original coordinates to its final placement, without its deformation.
 Eigen::Affine3d whole_map(const MergeOutcome& merge) {
   return map_of(merge.report.shape.similarity) * merge.posing;
 }

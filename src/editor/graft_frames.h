@@ -11,29 +11,30 @@
 
 namespace meshgraft::editor {
 
-/// What a graft came to, with the meshes that it joined.
+/// The result of a graft and the meshes that it joined.
 struct ShownGraft {
   const Object& target;
   const Object& source;
-  const Mesh& mesh;  ///< that was made
+  const Mesh& mesh;  ///< the joined mesh
   const StepReport& report;
   std::int64_t number = 0;
   bool dragged = false;
 };
 
-/// The mesh that was made, what of it is whose, and lines from the source's loops to where they come to lie.
+/// Returns a message with the joined mesh, the origin of its triangles, and lines from the source's loops to
+/// their positions in the result.
 std::vector<std::byte> graft_frame(const ShownGraft& graft);
 
-/// The fields of the event `graft`.
+/// Returns the fields of the event `graft`.
 Json graft_fields(const ShownGraft& graft);
 
-/// The field `open_starts` of the event.
+/// Returns the field `open_starts` of the event `graft`.
 Json open_starts_json(const std::vector<OpenStart>& starts);
 
-/// What `Stage::found` tells.
+/// Returns an element of `Stage::found`.
 Json found_json(const MergeOutcome& merge);
 
-/// Rows of a 4×4 matrix.
+/// Returns the rows of a 4×4 matrix.
 Json matrix_json(const Eigen::Affine3d& map);
 
 }  // namespace meshgraft::editor

@@ -1,4 +1,4 @@
-// The requests that concern parts, cuts and grafts.
+// Requests that concern parts, cuts and grafts.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -31,7 +31,7 @@ std::vector<std::string_view> graft_fields_and(std::initializer_list<std::string
   return names;
 }
 
-// Length along the loop, and the centre of its edges.
+// Returns the length of a loop and the centroid of its edges.
 Json loop_json(const Points& points, const std::vector<Index>& loop) {
   double length = 0;
   Eigen::RowVector3d moment = Eigen::RowVector3d::Zero();
@@ -52,14 +52,14 @@ int count_ways(const json::Object& fields, std::initializer_list<std::string_vie
 
 }  // namespace
 
-// The object that the field `mesh` names; the model where there is none.
+// Returns the object that the field `mesh` names; without the field, the model.
 std::shared_ptr<const Object> Worker::object_of(const json::Object& fields) {
   std::string name;
   fields.optional("mesh", [&](const json::Value& v) { name = v.name(); });
   return open_one().object(name);
 }
 
-// The file that `path` or `upload` names.
+// Returns the file that the field `path` or `upload` names.
 fs::path Worker::mesh_file(const json::Object& fields) {
   const fs::path asked = fields.has("upload")
                              ? shared_.upload_folder / fs::path(fields.required("upload").name()).filename()
@@ -129,7 +129,7 @@ Json Worker::cut(const json::Value& message, const Context& context) {
   return change("cut", document, context);
 }
 
-// The fields of a merge step that a request has; `fixed` may stand for what is selected on the source.
+// Returns the fields of a merge step that a request has. `fixed` may stand for the selection on the source.
 Json Worker::graft_fields_of(const json::Object& fields) {
   Json given = Json::object();
   for (const std::string_view name : merge_fields)
@@ -139,7 +139,7 @@ Json Worker::graft_fields_of(const json::Object& fields) {
   return given;
 }
 
-// The document with a graft as `fields` say.
+// Returns the document with a graft that has the given fields.
 Json Worker::with_graft(Json given) {
   const EditFile& edit = open_one().document().edit;
   Json document = open_one().document().json;
@@ -186,7 +186,7 @@ Json Worker::shown_graft() {
   try {
     if (const auto placement = open_one().placement_of_last_drop())
       result["transform"] = matrix_json(*placement);
-  } catch (const Error&) {  // what is wrong with the place, the event `graft` tells
+  } catch (const Error&) {  // the event `graft` reports errors about the location
   }
   return result;
 }

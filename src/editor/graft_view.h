@@ -14,16 +14,17 @@
 
 namespace meshgraft::editor {
 
-/// A graft to be shown: the last step of a document, and the two that it joins.
+/// A graft to be shown: the last step of a document and the two meshes that it joins.
 struct GraftJob {
   Document document;
   std::shared_ptr<const Object> target, source;
-  bool dragged = false;  ///< for now, and no part of what the page has open
+  bool dragged = false;  ///< temporary, not part of the open document
 };
 
-/// Shows what grafts come to while they are set up: each is run, as saving would run it, on a thread of this
-/// class, and sent to the page with what is to be told of it. Newer ones supersede those that wait, and stop
-/// the one that runs; a drag does not stop a drag, so that some come to be shown. Used on one thread.
+/// Previews grafts while they are set up. Each graft is run as saving would run it, on a thread of this
+/// class, and sent to the page with its report. A newer job replaces the one that waits and stops the one
+/// that runs. A drag does not stop a running drag, so that some previews appear. Call it from one thread
+/// only.
 class GraftView {
  public:
   GraftView(Outbox outbox, const Numbers& numbers);
@@ -31,16 +32,17 @@ class GraftView {
   GraftView(const GraftView&) = delete;
   GraftView& operator=(const GraftView&) = delete;
 
-  /// Returns the number under which the page is told.
+  /// Queues a job and returns its number, which the page's messages carry.
   std::int64_t show(GraftJob job);
 
-  /// Whether something is run, or waits for it.
+  /// Returns whether a job runs or waits.
   bool is_busy();
 
-  /// Nothing more is sent, from this call on.
+  /// Drops all jobs. Nothing more is sent from this call on.
   void clear();
 
-  /// What the last job from the document came to, once: without a scene while it runs, and where it failed.
+  /// Returns the outcome of the last job from the document and forgets it. The scene is null while the job
+  /// runs, and where it failed.
   StepOutcome take_outcome();
 
  private:

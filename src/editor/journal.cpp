@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int most_sessions = 9;  // that are open on one model
+constexpr int most_sessions = 9;  // open at once on one model
 
 void require(const std::error_code& error, const fs::path& path) {
   if (error)
@@ -33,7 +33,7 @@ fs::path numbered(const fs::path& stem, int number) {
   return number == 1 ? stem : fs::path(stem.string() + fmt::format("-{}", number));
 }
 
-// A page that is loaded again comes before the session of the old one has ended.
+// A reloaded page opens its session before the session of the old page has ended.
 constexpr auto patience = 1s;
 
 std::error_code lock_within(platform::File& file, std::chrono::milliseconds wait) {
@@ -45,7 +45,7 @@ std::error_code lock_within(platform::File& file, std::chrono::milliseconds wait
   }
 }
 
-// Applies a line; false where it is none.
+// Applies a line of a journal; returns false where it is not valid.
 bool take_line(const Json& line, std::optional<JournalContent>& content) {
   if (!content) {
     if (line.value("format", "") != "meshgraft-session" || line.at("version") != 1) return false;
@@ -73,7 +73,8 @@ bool take_line(const Json& line, std::optional<JournalContent>& content) {
 
 }  // namespace
 
-// What is behind a model's name must find room in a file's, too, with what is put behind that.
+// The journal's name contains the model's name, so it is shortened to leave room for the suffixes within a
+// file name.
 fs::path journal_of(const fs::path& model) {
   constexpr std::size_t most_bytes = 200;
   const std::string name = model.filename().string();
@@ -89,7 +90,7 @@ std::optional<JournalContent> read_journal(std::string_view text) {
   for (std::size_t end; (end = text.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
     try {
       if (!take_line(Json::parse(text.substr(begin, end - begin)), content)) break;
-    } catch (const std::exception&) {  // whatever is wrong with a line, those before it count
+    } catch (const std::exception&) {  // the lines before a damaged one count
       break;
     }
     if (content) content->valid_bytes = end + 1;
@@ -101,7 +102,7 @@ Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (!open(false)) return;
   found_ = read_journal(read_file(path_));
   if (found_ && found_->changes > 0 && !found_->saved) return;
-  if (found_) require(file_.resize(0), path_);  // all of it is saved: it goes with this session
+  if (found_) require(file_.resize(0), path_);  // all of it is saved: it is removed with this session
   found_.reset();
 }
 
@@ -114,7 +115,7 @@ Journal::~Journal() {
   fs::remove(path_, error);
 }
 
-// Takes the first file that no other session has.
+// Opens the first journal file that no other session has locked.
 bool Journal::open(bool create) {
   std::error_code error;
   for (int number = 1; number <= most_sessions; ++number) {
@@ -128,7 +129,7 @@ bool Journal::open(bool create) {
       file_ = std::move(file);
       return true;
     }
-    --number;  // the session that had it took it away at its end: once more
+    --number;  // its session deleted it meanwhile: try again
   }
   if (create) require(error, stem_);
   path_ = stem_;
@@ -200,7 +201,7 @@ void Journal::write_line(const Json& line) {
   require(error, path_);
   error = file_.write(text);
   if (!error) error = file_.flush();
-  if (error) file_.resize(begin);  // no half of a line stays, if that can be
+  if (error) file_.resize(begin);  // leaves no torn line, if possible
   require(error, path_);
   saved_ = false;
 }

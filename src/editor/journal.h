@@ -12,47 +12,47 @@
 
 namespace meshgraft::editor {
 
-/// What a journal tells: a history, and whether its state is in an edit file.
+/// The content of a journal: a history, and whether its current state is saved in an edit file.
 struct JournalContent {
   History history;
   bool saved = false;
-  std::size_t changes = 0;         ///< entries behind the first document
-  std::uintmax_t valid_bytes = 0;  ///< the lines that were told; behind them is a torn one, or damage
+  std::size_t changes = 0;         ///< entries after the first document
+  std::uintmax_t valid_bytes = 0;  ///< length of the valid lines; the rest is torn or damaged
 };
 
-/// What the lines of a journal amount to, up to the first one that is torn or not a journal's; absent where not
-/// even the first document is there.
+/// Reads the lines of a journal up to the first one that is torn or invalid. Returns nothing where even the
+/// first document is missing.
 std::optional<JournalContent> read_journal(std::string_view text);
 
-/// Where the first journal of a model or an edit file lies.
+/// Returns the path of the first journal of a model or an edit file.
 std::filesystem::path journal_of(const std::filesystem::path& model);
 
-/// A file beside a model that has every change of a document as soon as it is made: one JSON line each, on the
-/// disk before the call returns. It is there from the first change on, belongs to one session at a time, and
-/// goes with it where all is saved. One that an earlier session could not take away, though all was saved, goes
-/// with the next.
+/// A file beside a model that records every change of a document at once: one JSON line per change, flushed
+/// to disk before the call returns. The file is created by the first change and belongs to one session at a
+/// time. A session deletes its journal at its end where all changes are saved. If it could not, the next
+/// session deletes it.
 class Journal {
  public:
-  /// For the model or edit file at `path`; "NAME.meshgraft-session", or with a number behind where another
-  /// session has that for longer than it takes to end one.
+  /// Opens the journal of the model or edit file at `path`: "NAME.meshgraft-session". A number is appended
+  /// where another session holds that file for longer than a session takes to end.
   explicit Journal(const std::filesystem::path& path);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// What an earlier session left that is not in an edit file.
+  /// Changes that an earlier session left and that are not in an edit file.
   const std::optional<JournalContent>& found() const { return found_; }
-  /// Goes on behind what was found.
+  /// Continues the journal that was found.
   void take_up();
-  /// Renames what was found, so that it is out of the way and not lost. Returns its new path.
+  /// Renames the journal that was found, so that it is kept but no longer used. Returns its new path.
   std::filesystem::path set_aside();
 
-  /// Copies a file that lasts no longer than the program to a folder beside the journal, which goes with it.
-  /// Returns the copy. Throws Error(io).
+  /// Copies a file that lasts no longer than the program to a folder beside the journal, which is deleted
+  /// with the journal. Returns the copy. Throws Error(io).
   std::filesystem::path keep(const std::filesystem::path& file);
   std::filesystem::path kept_folder() const { return path_.string() + ".parts"; }
 
-  // Each throws Error(io) where the disk does not take it.
+  // Each of these throws Error(io) where writing fails.
   void add(const std::string& label, const std::string& before, const std::string& after);
   void undo();
   void redo();

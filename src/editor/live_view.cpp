@@ -25,7 +25,7 @@ std::string location_of(const Document& document) {
   return fmt::format("{}: steps[{}]", document.edit.location, *step_in_work(document.edit));
 }
 
-// Whether a frame of the region itself, by handles alone, is what the step makes.
+// Returns whether a live frame of the region, driven by handles alone, shows exactly what the step computes.
 bool is_plain(const DeformStep& step) {
   return step.targets.empty() && step.transforms.empty() && step.settings.refine_boundary == 0 &&
          step.settings.proxy == 0;
@@ -39,7 +39,7 @@ Json key_of(const Document& document, const Object& base) {
   return {base.id, step, selections_used(document.json, step)};
 }
 
-// Whether two steps differ in their regions alone: mesh, settings and welding are the same.
+// Returns whether two steps differ in their regions alone: mesh, settings and welding are the same.
 bool shares_mesh(const Json& key, const Json& other) {
   const auto settings_of = [](const Json& one) {
     return one.is_array() ? one[1].value("settings", Json()) : Json();
@@ -47,8 +47,9 @@ bool shares_mesh(const Json& key, const Json& other) {
   return key.is_array() && other.is_array() && key[0] == other[0] && settings_of(key) == settings_of(other);
 }
 
-// Places that are all but at rest are left there; those that do not tell a turn (fewer than three, or in a
-// line) are only moved along.
+// Returns the similarity nearest to the motion of some points. It is the identity where all points moved by
+// at most `least`. It is a translation where the points do not determine a rotation (fewer than three, or
+// collinear).
 Eigen::Affine3d nearest_similarity(const Points& rest, const Points& shown, double least) {
   Eigen::Affine3d moved = Eigen::Affine3d::Identity();
   if (rest.rows() == 0 || (shown - rest).rowwise().norm().maxCoeff() <= least) return moved;
@@ -60,7 +61,7 @@ Eigen::Affine3d nearest_similarity(const Points& rest, const Points& shown, doub
   return similar.linear().determinant() > 1e-9 ? similar : moved;
 }
 
-// As a pose of an edit file, x' = c + t + s R (x - c).
+// Writes a similarity as a pose of an edit file, x' = c + t + s R (x - c).
 Json motion_json(const Eigen::Affine3d& similarity, const Eigen::Vector3d& pivot) {
   if (similarity.matrix().isIdentity(0)) return Json::object();
   const double scale = std::cbrt(similarity.linear().determinant());
@@ -146,7 +147,8 @@ bool LiveView::show(const Document& document, Plan plan, const Context& context)
   return plan.setup.has_value() && shown_.live != nullptr;
 }
 
-// Whether the memory holds what is shown and what comes after it, with room to choose how.
+// Returns whether memory suffices to keep the current set-up beside the next one, with room to spare for the
+// choice of method.
 bool LiveView::is_roomy() const {
   const Index free = static_cast<Index>(counts().value("free", std::int64_t{0}));
   return available_memory() / 4 > static_cast<std::uint64_t>(estimated_memory(free, shown_.options));
@@ -166,7 +168,7 @@ void LiveView::resume() {
   send_roles();
 }
 
-// Of a set-up that is shown from now on.
+// Sends the roles of the vertices and resets what was told about the set-up.
 void LiveView::send_roles() {
   outbox_.send(roles_frame(*base_, shown_.region), "roles");
   told_.reset();
@@ -236,7 +238,7 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
                                                LiveCallbacks{on_frame, on_failure}, options, context);
 }
 
-// What no frame of the region alone would show: as saving does it.
+// Runs the step as saving does, where a frame of the region alone would not show its result.
 void LiveView::run_exactly(const Document& document, const Context& context) {
   std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
   const EditStep& step = document.edit.steps.back();
@@ -265,7 +267,7 @@ HandlePose LiveView::pose_of(const PoseSpec& spec, const ShownHandle& shown) con
   return pose;
 }
 
-// Moves a handle's twin along, where it has one.
+// Moves a handle's twin, where it has one, with the handle.
 void LiveView::mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector<HandlePose>& poses) const {
   if (!shown_.symmetry) return;
   const std::size_t first = shown_.handles.size() - shown_.symmetry->twin_of.size();
@@ -275,7 +277,7 @@ void LiveView::mirror_pose(const PoseSpec& spec, std::size_t handle, std::vector
                                    base_->selections->mesh.positions, shown_.symmetry->reflection);
 }
 
-// One from a file is what it was.
+// Returns the poses of the step's handles. A pose from a file keeps its value.
 std::vector<HandlePose> LiveView::poses_of(const DeformStep& step) const {
   std::vector<HandlePose> poses = shown_.poses;
   for (std::size_t h = 0; h < step.handles.size(); ++h) {
@@ -310,7 +312,7 @@ void LiveView::ExactFrame::take(std::int64_t number, const LiveFrame& frame) {
   changed.notify_all();
 }
 
-// 0: of all poses.
+// Marks the frame as failed; `number` 0 stands for all poses.
 void LiveView::ExactFrame::fail(std::int64_t number) {
   const std::lock_guard lock(mutex);
   failed = failed || number == 0 || number == pose;
@@ -343,13 +345,14 @@ void LiveView::show_document() {
   drag_to(shown_.poses);
 }
 
-// One that shares an earlier set-up is near those that running the step gives, and not the same bytes.
+// Returns the exact positions of the document's poses, or null. A solve that reuses an earlier set-up is
+// refused: its result is close to that of running the step, but not the same bytes.
 std::shared_ptr<const Points> LiveView::exact_positions(const Context& context) {
   const auto is_known = [&] {
     const std::lock_guard lock(exact_->mutex);
     return exact_->positions != nullptr;
   };
-  if (last_pose_ != exact_->pose && !is_known()) show_document();  // it was dragged away meanwhile
+  if (last_pose_ != exact_->pose && !is_known()) show_document();  // another pose was dragged meanwhile
   std::unique_lock lock(exact_->mutex);
   constexpr auto patience = std::chrono::milliseconds(20);
   while (!exact_->positions && !exact_->failed && shown_.live->stage() != LiveStage::failed &&

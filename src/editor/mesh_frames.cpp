@@ -49,7 +49,7 @@ void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangle
 
 namespace {
 
-// Of the corners of triangles, 2 numbers each.
+// Adds the uv of the corners of triangles, 2 numbers each.
 void add_corner_uv(BinaryFrame& frame, const Object& object) {
   const Mesh& mesh = object.mesh();
   const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
@@ -69,8 +69,8 @@ void add_corner_uv(BinaryFrame& frame, const Object& object) {
   frame.add("corner_uv", numbers);
 }
 
-// The bytes of a picture; empty where it may not be read, cannot, or is larger than any that is meant to be
-// shown.
+// Returns the bytes of a texture image. Returns an empty string where it must not be read, cannot be read, or
+// exceeds the size limit.
 std::string picture_of(const MaterialTexture& texture, const Folders& folders) {
   constexpr std::size_t most = std::size_t{1} << 28;
   if (texture.file.empty()) return texture.bytes.size() <= most ? texture.bytes : std::string();
@@ -82,10 +82,11 @@ std::string picture_of(const MaterialTexture& texture, const Folders& folders) {
   }
 }
 
-// The pictures of faces, by the number that the attribute `numbers` has for each; null: 0 for all.
+// Texture images of faces. The attribute `numbers` holds the index into `textures` per face; null: 0 for all
+// faces.
 struct Pictures {
   const Attribute* numbers = nullptr;
-  std::vector<MaterialTexture> textures;  ///< by that number
+  std::vector<MaterialTexture> textures;  ///< indexed by the values of `numbers`
 };
 
 Pictures pictures_of(const Mesh& mesh) {
@@ -106,10 +107,10 @@ Pictures pictures_of(const Mesh& mesh) {
   return pictures;
 }
 
-// Pictures, and which of them each triangle has.
+// Adds texture images and, per triangle, the number of its image.
 void add_textures(BinaryFrame& frame, const Object& object, const Folders& folders) {
   const auto [numbers, textures] = pictures_of(object.mesh());
-  std::vector<Index> sent;  // its number there, 0 where it cannot be shown
+  std::vector<Index> sent;  // number of the image in the message, or 0 where it cannot be shown
   Index count = 0;
   for (const MaterialTexture& texture : textures) {
     const std::string bytes = picture_of(texture, folders);
@@ -191,7 +192,7 @@ struct Followers {
   std::vector<Index> vertices, rows;
 };
 
-// All vertices of the mesh that are welded to one of `movers`, and that one's place in the list.
+// Returns all vertices of the mesh that are welded to one of `movers`, each with its row in `movers`.
 Followers followers_of(const Object& base, const std::vector<Index>& movers) {
   std::vector<Index> row(static_cast<std::size_t>(base.mesh().vertex_count()), -1);
   for (std::size_t i = 0; i < movers.size(); ++i)

@@ -13,30 +13,32 @@
 
 namespace meshgraft::editor {
 
-/// The mesh of an object: positions, triangles, normals, uv and colour where there are any, and the pictures of
-/// its materials that lie in `folders` or in its own file. `role` is "model" or "part".
+/// Returns the mesh of an object: positions, triangles, normals, uv and colours where it has them, and
+/// texture images. Images are included where they lie in `folders` or in the object's own file. `role` is
+/// "model" or "part".
 std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, const Folders& folders);
 
-/// Positions relative to `offset`, triangles, normals, uv and colours of a mesh.
+/// Adds positions relative to `offset`, triangles, normals, uv and colours of a mesh.
 void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangles,
                  const Eigen::RowVector3d& offset);
 
-/// The boundary loops of an object.
+/// Returns the boundary loops of an object.
 std::vector<std::byte> loops_frame(const Object& object);
 
-/// Which vertices of `base` move with the region (of its welded mesh, where there is one), ascending.
+/// Returns the vertices of `base` that move with the region, ascending. The region is one of the welded mesh,
+/// where there is one.
 std::vector<Index> moving_vertices(const Object& base, const Region& region);
 
-/// Where `moving` are; all vertices are sent where most of them move.
+/// Returns the positions of `moving`; where most vertices move, those of all vertices.
 std::vector<std::byte> position_frame(const Object& base, const std::vector<Index>& moving,
                                       const LiveFrame& frame);
 
-/// What moves the mesh by its handles in a vertex shader.
+/// Returns the weights with which a vertex shader moves the mesh by its handles.
 std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basis);
 
 std::vector<std::byte> selection_frame(const Object& base, const std::vector<Index>& selection);
 
-/// Who is what: the region, what stays, each handle.
+/// Returns the role of each vertex: in the region, fixed, or in a handle.
 std::vector<std::byte> roles_frame(const Object& base, const Region& region);
 
 }  // namespace meshgraft::editor

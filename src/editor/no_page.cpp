@@ -1,4 +1,4 @@
-// In the place of the page where it is left out (MESHGRAFT_WITH_PAGE=OFF): for builds that test the engine.
+// Replaces the page where it is left out (MESHGRAFT_WITH_PAGE=OFF): for builds that test the engine.
 #include <array>
 
 #include "page.h"

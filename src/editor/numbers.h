@@ -5,8 +5,8 @@
 
 namespace meshgraft::editor {
 
-/// What pages know meshes and grafts by. None comes twice, so that what a page keeps of a document that it had
-/// open is never taken for something of the next one.
+/// Numbers that identify meshes and grafts to pages. No number is used twice, so that a page never confuses
+/// data of an earlier document with data of the next one.
 class Numbers {
  public:
   std::int64_t next() const { return ++last_; }

@@ -44,19 +44,19 @@ void find_selections(Object& base) {
   base.loops = base.weld.empty() ? base.selections->loops : boundary_loops(scene.mesh);
 }
 
-// Names of folders may be no UTF-8.
+// Folder names need not be valid UTF-8.
 std::string key_of(const Json& made_from) {
   return sha256(made_from.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-// The meshes that a step starts from.
+// Returns the names of the meshes that a step starts from.
 std::vector<std::string> meshes_of(const EditStep& step) {
   std::vector<std::string> names{mesh_of(step)};
   if (const auto* merge = std::get_if<MergeStep>(&step.action)) names.push_back(merge->source);
   return names;
 }
 
-// Of all meshes that there are, inputs first.
+// Returns the names of all meshes after the first `count` steps, inputs first.
 std::vector<std::string> names_after(const EditFile& edit, std::size_t count) {
   std::vector<std::string> names;
   for (const EditInput& input : edit.inputs) names.push_back(input.name);

@@ -20,43 +20,43 @@
 
 namespace meshgraft::editor {
 
-/// A mesh of a document as the step in work finds it, and what selecting and showing needs to know.
+/// A mesh of a document in the state before the step in work, with the data for selecting and showing it.
 struct Object {
-  std::string name;  ///< in the document
+  std::string name;  ///< unique within the document
   std::shared_ptr<const Scene> shared_scene;
-  int id = 0;  ///< of its mesh, for the page
+  int id = 0;  ///< identifies the mesh to the page
   Weld weld;
   Mesh welded;
-  std::optional<SelectionContext> selections;  ///< on the mesh, or on the welded one
-  std::vector<std::vector<Index>> loops;       ///< of the mesh, as merge steps number them
+  std::optional<SelectionContext> selections;  ///< of the mesh, or of the welded one
+  std::vector<std::vector<Index>> loops;       ///< of the mesh, numbered as in merge steps
   Triangles triangles;                         ///< of the mesh
-  std::vector<Index> triangle_faces;           ///< the face that each is a part of
-  Eigen::RowVector3d offset;                   ///< the middle of its box
-  double diagonal = 0;                         ///< of it
+  std::vector<Index> triangle_faces;           ///< per triangle: the face that contains it
+  Eigen::RowVector3d offset;                   ///< centre of the bounding box
+  double diagonal = 0;                         ///< of the bounding box
 
   const Scene& scene() const { return *shared_scene; }
   const Mesh& mesh() const { return scene().mesh; }
 };
 
-/// What the step in work finds.
+/// The meshes before the step in work.
 struct Stage {
-  std::shared_ptr<const Object> model;  ///< what is deformed, or grafted onto
+  std::shared_ptr<const Object> model;  ///< the mesh that is deformed, or grafted onto
   std::vector<std::shared_ptr<const Object>> parts;
-  /// Of each step before it that is a graft: its `size`, and where its pairs start to meet (`starts`); else
+  /// Per step before the one in work: for a graft, its `size` and the starts of its pairs (`starts`); else
   /// null.
   std::vector<Json> found;
 
-  /// The object of that name. Throws Error(input).
+  /// Returns the object of that name. Throws Error(input).
   const std::shared_ptr<const Object>& named(const std::string& name) const;
 };
 
-/// What a step made, as `run_step` left it, and what of it `Stage::found` tells.
+/// The result of a step, as `run_step` left it, and its element of `Stage::found`.
 struct StepOutcome {
   std::shared_ptr<const Scene> scene;
   Json found = nullptr;
 };
 
-/// Values by what they were made from; those that were not used for longest go.
+/// A cache of values by the hash of their inputs; it drops the least recently used ones.
 template <class Value>
 class Recent {
  public:
@@ -78,7 +78,7 @@ class Recent {
   std::deque<std::pair<std::string, std::shared_ptr<const Value>>> entries_;
 };
 
-/// Reads a document's inputs and runs its steps, each once as long as what it is made from stays the same.
+/// Reads a document's inputs and runs its steps. Each runs once as long as its inputs stay the same.
 class Objects {
  public:
   explicit Objects(const Numbers& numbers) : numbers_(numbers) {}
@@ -86,20 +86,20 @@ class Objects {
   /// Runs the steps before the one in work. Throws what `run_edit` throws.
   Stage before(const Document& document, const Context& context);
 
-  /// A mesh as the first `count` steps leave it. Throws what `run_edit` throws.
+  /// Returns a mesh in the state after the first `count` steps. Throws what `run_edit` throws.
   std::shared_ptr<const Scene> after(const Document& document, std::size_t count, const std::string& name,
                                      const Context& context);
 
-  /// What the last step made: no need to run it again when it is accepted or saved.
+  /// Stores the result of the last step, so that accepting or saving it does not run it again.
   void learn(const Document& document, StepOutcome outcome);
 
  private:
-  /// What each step was made from, and each input.
+  /// The cache keys of each step and each input.
   struct Keys;
 
   std::shared_ptr<const Scene> input(const Document& document, const std::string& name, const Keys& keys,
                                      const Context& context);
-  /// As the first `count` steps leave it.
+  /// Returns a mesh in the state after the first `count` steps.
   std::shared_ptr<const Scene> scene(const Document& document, const std::string& name, std::size_t count,
                                      const Keys& keys, const Context& context);
   std::shared_ptr<const Object> object(const std::string& name, const std::string& key,
@@ -111,7 +111,7 @@ class Objects {
   Recent<Json> found_;
 };
 
-/// The named selections that `json` may use, and those that they use.
+/// Returns the named selections that `json` may use, including those that they use themselves.
 Json selections_used(const Json& document, const Json& json);
 
 }  // namespace meshgraft::editor

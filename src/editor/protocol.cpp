@@ -13,7 +13,7 @@ namespace meshgraft::editor {
 
 namespace {
 
-// Names of files may be no UTF-8.
+// File names need not be valid UTF-8.
 std::string text_of(const Json& message) {
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -16,17 +16,18 @@ namespace meshgraft::editor {
 
 using Json = nlohmann::json;
 
-/// What a page asks for (protocol.schema.json).
+/// A request of a page (protocol.schema.json).
 struct Request {
-  Json id;           ///< a number or a word of the page's choice, which the reply repeats
-  std::string what;  ///< its `do`
-  Json message;      ///< all of it
+  Json id;           ///< a number or a word that the page chooses and the reply repeats
+  std::string what;  ///< the field `do`
+  Json message;      ///< the whole message
 };
 
-/// The request that `text` is. Throws Error(input); what `id` it has is in `id` even then.
+/// Parses a request. Throws Error(input); `id` is set even then, if the text has one.
 Request parse_request(std::string_view text, Json& id);
 
-/// A file is there, or is not what it was, and was not said to be overwritten.
+/// The file to be written exists, or was changed by another program, and the request does not ask to
+/// overwrite it.
 class ReplaceError : public Error {
  public:
   ReplaceError(const Error& error, std::filesystem::path file)
@@ -37,23 +38,23 @@ class ReplaceError : public Error {
   std::shared_ptr<const std::filesystem::path> file_;  // copying must not throw
 };
 
-/// What is sent to one page, from any thread.
+/// Sends messages to one page; callable from any thread.
 class Outbox {
  public:
   explicit Outbox(std::shared_ptr<Channel> channel) : channel_(std::move(channel)) {}
 
   void reply(const Json& id, Json result) const;
   void refuse(const Json& id, const Error& error) const;
-  /// An event with a slot takes the place of an unsent one.
+  /// Sends an event. An event with a slot replaces an unsent event of the same slot.
   void tell(std::string_view event, Json fields, std::string_view slot = {}) const;
-  /// A frame of more than `part_bytes` goes in parts.
+  /// Sends a frame; one of more than `part_bytes` is sent in parts.
   void send(std::vector<std::byte> frame, std::string_view slot = {}) const;
 
  private:
   std::shared_ptr<Channel> channel_;
 };
 
-/// {code, problem, location, remedy}, and the file that would be replaced.
+/// Returns {code, problem, location, remedy}, and the file that would be replaced.
 Json error_json(const Error& error);
 
 }  // namespace meshgraft::editor

@@ -12,29 +12,29 @@
 
 namespace meshgraft::editor {
 
-/// Requests on their way from the page to the thread that works on them. Safe to use from any thread.
+/// Queues requests from the page for the thread that works on them. Safe to use from any thread.
 class RequestQueue {
  public:
-  static constexpr std::size_t limit = 1000;  ///< of waiting requests
+  static constexpr std::size_t limit = 1000;  ///< most waiting requests
 
   struct Work {
     Request request;
-    std::stop_token stop;  ///< of this one
+    std::stop_token stop;  ///< requested when this request is cancelled
   };
 
-  /// Queues a request. Returns those that it makes needless: drags that a newer one supersedes, and models that
-  /// are not yet open when another one is asked for; of the latter the running one is stopped. Throws
-  /// Error(usage) if too many wait.
+  /// Queues a request and returns the waiting requests that it makes needless. A drag supersedes waiting
+  /// drags. A request to open a model supersedes waiting ones and stops the running one. Throws Error(usage)
+  /// if too many requests wait.
   std::vector<Request> push(Request request);
 
-  /// The next request, after at most `patience` nothing. The one before it is then done.
+  /// Ends the previous request and returns the next one, or nothing where none comes within `patience`.
   std::optional<Work> pop(std::chrono::milliseconds patience);
 
-  /// Stops the running request and takes out those that wait: the one with this id, or all for null. Returns
-  /// those that were taken out.
+  /// Stops the running request and removes waiting ones: those with this id, or all for null. Returns the
+  /// removed requests.
   std::vector<Request> cancel(const Json& id);
 
-  /// Wakes who waits, and stops what runs.
+  /// Wakes the waiting thread and stops the running request.
   void close();
 
  private:

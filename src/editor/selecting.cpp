@@ -40,9 +40,9 @@ std::vector<Index> loop_of(const json::Value& value, Index vertex, const Selecti
   value.fail("the vertex lies on no boundary loop");
 }
 
-using Edge = std::array<Index, 3>;  // its ends, and a triangle
+using Edge = std::array<Index, 3>;  // the two ends, and a triangle
 
-// Each edge of each triangle; those of one edge side by side.
+// Returns each edge of each triangle, sorted so that equal edges are adjacent.
 std::vector<Edge> edges_of(const Object& base) {
   std::vector<Edge> edges;
   edges.reserve(static_cast<std::size_t>(3 * base.triangles.rows()));
@@ -55,7 +55,7 @@ std::vector<Edge> edges_of(const Object& base) {
   return edges;
 }
 
-// As an entry of the document, where it may use others and is checked as they are.
+// Resolves a selection as a named one of the document, so that it may use others and is checked like them.
 std::vector<Index> resolve_asked(const json::Value& value, const Document& document, const Object& base,
                                  const Folders& folders) {
   const std::string name = "what is asked for";

@@ -11,7 +11,7 @@
 
 namespace meshgraft::editor {
 
-/// Ends workers away from the server's thread, which has other pages to serve.
+/// Destroys workers on a thread of its own, because the server's thread has other pages to serve.
 class Retirement {
  public:
   void take(std::unique_ptr<Worker> worker);

@@ -26,7 +26,7 @@ void merge_fields(Json& into, const Json& changes) {
       into[name] = value;
 }
 
-// Wherever it stands: {"produced": {"step", "what"}}.
+// Renames the producer in every {"produced": {"step", "what"}}, at any depth.
 void rename_producer(Json& json, const Json& from, const std::string& to) {
   if (!json.is_structured()) return;
   if (json.is_object() && json.contains("produced") && json["produced"].is_object() &&

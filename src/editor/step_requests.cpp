@@ -1,4 +1,4 @@
-// The requests that concern whole steps, and what of them holds for all of a step.
+// Requests that concern whole steps, and fields that apply to a whole step.
 #include <meshgraft/core/error.h>
 
 #include "step_actions.h"
@@ -8,7 +8,7 @@ namespace meshgraft::editor {
 
 namespace {
 
-// Through the middle of the model's box, across its x axis.
+// Returns the plane through the centre of the model's bounding box, across the x axis.
 Json default_plane(const Object& base) {
   return {{"point", {base.offset.x(), base.offset.y(), base.offset.z()}}, {"normal", {1, 0, 0}}};
 }

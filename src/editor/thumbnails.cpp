@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t most_waiting = 10'000;  // as many as a folder's list has entries
 
 #ifdef MESHGRAFT_HAS_RENDER
-// As the page shows a model first: seen from the front and the side, `y` or `z` up.
+// Renders a mesh in the page's first view: from the front and the side, with `y` or `z` up.
 std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, bool y_up, const Context& context) {
   const std::array shapes{render::Shape{&mesh, render::vertex_colours(mesh)}};
   render::RenderOptions options;

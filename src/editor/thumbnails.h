@@ -17,8 +17,8 @@
 
 namespace meshgraft::editor {
 
-/// Makes small pictures one after another on a thread of its own, and answers the requests for them. Safe to
-/// use from any thread.
+/// Renders thumbnails one after another on a thread of its own and answers the requests for them. Safe to use
+/// from any thread.
 class Thumbnails {
  public:
   explicit Thumbnails(Outbox outbox);
@@ -28,14 +28,14 @@ class Thumbnails {
 
   struct Task {
     Request request;
-    std::function<std::shared_ptr<const Mesh>(const Context&)> mesh;  ///< may throw Error, as read_mesh
+    std::function<std::shared_ptr<const Mesh>(const Context&)> mesh;  ///< may throw Error, like read_mesh
     int size = 128;                                                   ///< pixels
     bool y_up = false;
   };
-  /// Throws Error(usage) in a build that makes no pictures, and if too many wait.
+  /// Queues a task. Throws Error(usage) in a build without rendering, and if too many tasks wait.
   void push(Task task);
 
-  /// Stops and takes out as `RequestQueue::cancel`.
+  /// Stops the running task and removes waiting ones, like `RequestQueue::cancel`.
   std::vector<Request> cancel(const Json& id);
 
  private:

@@ -12,7 +12,8 @@ namespace meshgraft::editor {
 
 namespace {
 
-/// A loop from a vertex on, each of its vertices at its share of the loop's length, 0 to below 1.
+/// A loop that begins at a given vertex, with the arc parameter of each vertex: its share of the length, 0 to
+/// below 1.
 struct LoopArcs {
   std::vector<Index> vertices;
   std::vector<double> arcs;
@@ -38,12 +39,12 @@ LoopArcs loop_from(const Mesh& mesh, Index first) {
 
 double to_unit(double arc) { return arc - std::floor(arc); }
 
-// Along the shorter way round.
+// Distance of two arc parameters along the shorter way round.
 double distance(double a, double b) { return std::abs(a - b - std::round(a - b)); }
 
 std::size_t nearest(const std::vector<double>& arcs, double arc) {
   const auto above = static_cast<std::size_t>(std::upper_bound(arcs.begin(), arcs.end(), arc) - arcs.begin());
-  const std::size_t before = above - 1, after = above % arcs.size();  // the first arc is 0
+  const std::size_t before = above - 1, after = above % arcs.size();  // arcs[0] is 0
   return distance(arcs[before], arc) <= distance(arcs[after], arc) ? before : after;
 }
 
@@ -54,7 +55,7 @@ Match twisted_start(const Mesh& source, const Mesh& target, const Match& start, 
   Match best = start;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < from.vertices.size(); ++i) {
-    const double wanted = to_unit(by_deg / 360 - from.arcs[i]);  // loops run opposite ways
+    const double wanted = to_unit(by_deg / 360 - from.arcs[i]);  // loops run in opposite directions
     const std::size_t met = nearest(to.arcs, wanted);
     const double off = distance(to.arcs[met], wanted) + 1e-9 * distance(from.arcs[i], 0);
     if (off >= least) continue;

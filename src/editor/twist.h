@@ -5,9 +5,9 @@
 
 namespace meshgraft::editor {
 
-/// The start that is turned by an angle along the target's loop against `start`: of all vertices of both
-/// boundary loops the two that come nearest, so that coarse loops turn finely, too. Throws Error(input) where
-/// `start` is on no loop of the meshes.
+/// Returns the start that is turned from `start` by an angle along the target's loop. It is the pair of
+/// vertices of both boundary loops that comes nearest to the angle, so that coarse loops can be turned
+/// finely, too. Throws Error(input) where `start` is on no boundary loop.
 Match twisted_start(const Mesh& source, const Mesh& target, const Match& start, double by_deg);
 
 }  // namespace meshgraft::editor

@@ -20,11 +20,11 @@
 
 namespace meshgraft::editor {
 
-/// What all sessions have in common.
+/// State that all sessions share.
 struct Shared {
   Folders folders;
-  std::vector<std::filesystem::path> models;  ///< to offer to the page
-  std::filesystem::path upload_folder;        ///< empty: there are no uploads
+  std::vector<std::filesystem::path> models;  ///< offered to the page
+  std::filesystem::path upload_folder;        ///< empty: uploads are disabled
   Numbers numbers{};
 };
 
@@ -36,7 +36,7 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Queues a message, and answers one that is malformed.
+  /// Queues a message; answers a malformed one at once.
   void receive(std::string_view text);
 
  private:
@@ -60,12 +60,12 @@ class Worker {
   std::filesystem::path mesh_file(const json::Object& fields);
   Json graft_fields_of(const json::Object& fields);
   Json with_graft(Json given);
-  Json shown_graft();  ///< the number of what shows it, and where a part stands that is dropped
+  Json shown_graft();  ///< number of the shown graft, and the placement of a dropped source
   Json change(const std::string& label, const Json& document, const Context& context,
               Json result = Json::object());
-  Json shown(Json result = Json::object());  ///< with the pose whose frames show what was done
+  Json shown(Json result = Json::object());  ///< adds the number of the pose whose frames show the change
 
-  // One for each request; what is discarded, another thread answers.
+  // One function per request. A discarded result means that another thread sends the answer.
   Json open(const json::Value& message, const Context& context);
   Json list(const json::Value& message, const Context& context);
   Json restore(const json::Value& message, const Context& context);

@@ -19,7 +19,7 @@ namespace {
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-// With long lists counted: nobody reads the numbers of a thousand vertices.
+// Replaces long lists by their counts: nobody reads the numbers of a thousand vertices.
 Json without_long_lists(const Json& json) {
   constexpr std::size_t longest = 16;
   if (json.is_array() && json.size() > longest) return {{"count", json.size()}};
@@ -29,7 +29,8 @@ Json without_long_lists(const Json& json) {
   return shortened;
 }
 
-// A step without what every line of a list of steps shows; handles stay a list, however many there are.
+// Returns a step without the fields that every line of a list of steps shows. Handles stay a list of any
+// length.
 Json step_details(const Json& step) {
   Json details = Json::object();
   for (const auto& [name, value] : step.items()) {
@@ -51,7 +52,7 @@ Json step_summary(const Json& step, const Json& found) {
   return summary;
 }
 
-// As the request of this name has it, with the handles' twins.
+// Returns the symmetry in the form of the request `symmetry`, with the handles' twins.
 Json symmetry_summary(const Json& step, const LiveView& view) {
   if (!step.contains("symmetry")) return nullptr;
   const Json& symmetry = step["symmetry"];
@@ -119,7 +120,7 @@ Document Workspace::checked(Document document) const {
   return document;
 }
 
-// Returns whether a set-up begins.
+// Shows a document and returns whether a set-up begins.
 bool Workspace::show(Document next, const Context& context) {
   learn_graft();
   Stage stage = objects_.before(next, context);
@@ -139,7 +140,7 @@ bool Workspace::show(Document next, const Context& context) {
   return begins;
 }
 
-// Those that the page does not have yet.
+// Sends the parts that the page does not have yet.
 void Workspace::show_parts(const Stage& next) {
   const auto is_known = [&](const std::shared_ptr<const Object>& object) {
     return object == stage_.model ||
@@ -149,7 +150,7 @@ void Workspace::show_parts(const Stage& next) {
     if (!is_known(part)) outbox_.send(mesh_frame(*part, "part", folders_));
 }
 
-// What the document's graft came to is not to be run again.
+// Stores the outcome of the document's graft, so that it is not run again.
 void Workspace::learn_graft() {
   StepOutcome outcome = graft_view_.take_outcome();
   if (outcome.scene) objects_.learn(document_, std::move(outcome));
@@ -170,7 +171,7 @@ void Workspace::show_graft(const Document& document, const Stage& stage, bool dr
 std::int64_t Workspace::drag_graft(const Json& changed, const Context& context) {
   const Document asked = make_document(changed, document_.edit.base_folder);
   for (const fs::path& file : referenced_files(asked.edit))
-    folders_.inside(file);  // its inputs were read before
+    folders_.inside(file);  // the inputs were read before
   learn_graft();
   const bool dragged = asked.text != document_.text;
   show_graft(asked, objects_.before(asked, context), dragged);
@@ -198,7 +199,7 @@ const std::shared_ptr<const Object>& Workspace::object(const std::string& name) 
   return name.empty() ? stage_.model : stage_.named(name);
 }
 
-// The selection stays where its object has the same vertices as before.
+// Keeps the selection where its object has as many vertices as before; else clears it.
 void Workspace::carry_selection() {
   const auto is_same = [&](const std::shared_ptr<const Object>& object) {
     return selection.on && object->name == selection.on->name &&
@@ -209,7 +210,7 @@ void Workspace::carry_selection() {
   selection.on = part == stage_.parts.end() ? stage_.model : *part;
 }
 
-// An action goes on where its journal cannot: the page is told, once.
+// Writes to the journal. Where that fails, the action continues without a journal and the page is told once.
 template <class Step>
 void Workspace::write(Step&& step) {
   if (!journal_) return;
@@ -221,7 +222,7 @@ void Workspace::write(Step&& step) {
   }
 }
 
-// Whoever has taken all back, or has come back to what is saved, leaves nothing to restore.
+// Marks the journal as saved where the document equals the saved one: then there is nothing to restore.
 void Workspace::note_whether_saved() {
   if (document_.text == saved_) write([](Journal& journal) { journal.mark_saved(); });
 }
@@ -231,14 +232,14 @@ void Workspace::change(const std::string& label, const Json& changed, const Cont
   if (next.text == document_.text) return;
   const bool begins = show(std::move(next), context);
   write([&](Journal& journal) {
-    if (journal.found()) journal.set_aside();  // going on is an answer to the offer
+    if (journal.found()) journal.set_aside();  // a change declines the offer to restore
     journal.add(label, history_.current(), document_.text);
   });
   note_whether_saved();
   if (begins)
     before_set_up_ = history_.position();
   else if (before_set_up_ && *before_set_up_ > history_.position())
-    before_set_up_.reset();  // what had been undone goes
+    before_set_up_.reset();  // the undone states are dropped
   history_.add(label, document_.text);
 }
 
@@ -262,13 +263,14 @@ void Workspace::redo(const Context& context) {
 
 void Workspace::reset(const Context& context) { change("reset", Json::parse(history_.first()), context); }
 
-// Where `leave_set_up` would go.
+// Returns the history position that `leave_set_up` returns to.
 std::optional<std::size_t> Workspace::set_up_origin() const {
   if (merge_in_work(document_.edit) == nullptr) return before_set_up_;
   return history_.can_undo() ? std::optional(history_.position() - 1) : std::nullopt;
 }
 
-// What led from there to here, or from here to there where that was undone.
+// Returns the label of the change between that position and the current one; after an undo, the label of the
+// undone change.
 Json Workspace::set_up_label() const {
   const auto origin = set_up_origin();
   if (!origin || *origin == history_.position()) return nullptr;
@@ -342,7 +344,7 @@ Workspace::Outcome Workspace::outcome(const Context& context) {
   finish(context);
   const EditFile saved = saved_form(document_, document_.edit.base_folder);
   const auto* only = std::get_if<DeformStep>(&saved.steps.back().action);
-  const bool does_nothing = only != nullptr && !is_ready(*only);  // an edit file has one step at least
+  const bool does_nothing = only != nullptr && !is_ready(*only);  // an edit file has at least one step
   const std::string name = does_nothing           ? mesh_of(saved.steps.back())
                            : saved.output.empty() ? outcome_of(saved.steps.back())
                                                   : saved.output;
@@ -373,7 +375,7 @@ fs::path Workspace::kept_upload(const fs::path& upload) {
 
 fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
 
-// What loading has found already.
+// Loading found these defects; this only formats them.
 std::vector<std::string> Workspace::defects(const std::string& name, const fs::path& uploads) {
   std::vector<std::string> notes;
   for (const EditInput& input : document_.edit.inputs) {

@@ -18,55 +18,57 @@
 
 namespace meshgraft::editor {
 
-/// What a page has open: a document with its history and journal, and what is shown of it. Used on one thread.
+/// An open document with its history, its journal and its view. Call it from one thread only.
 class Workspace {
  public:
   struct Source {
-    std::string name;               ///< what the page calls it
-    std::filesystem::path journal;  ///< the path that the journal is named after; empty: there is none
-    std::filesystem::path edit;     ///< the edit file that it came from; empty: none
-    std::string edit_sha256{};      ///< of that file, as it was read or written last
+    std::string name;               ///< name that the page shows
+    std::filesystem::path journal;  ///< path that the journal is named after; empty: no journal
+    std::filesystem::path edit;     ///< the edit file that was opened; empty: none
+    std::string edit_sha256{};      ///< hash of that file when it was last read or written
   };
 
-  /// Opens a document and shows it. Throws what running the steps before the last throws.
+  /// Opens a document and shows it. Throws what running the steps before the last one throws.
   Workspace(Document document, Source source, const Folders& folders, const Numbers& numbers, Outbox outbox,
             const Context& context);
 
-  /// From now on changes go to a journal. No other workspace of the session has one then.
+  /// Writes changes to a journal from now on. No other workspace of the session may have one then.
   void keep_journal();
 
-  /// Makes `changed` the document, or leaves all as it was and throws what is wrong with it.
+  /// Makes `changed` the document. Where it is invalid, throws and leaves everything unchanged.
   void change(const std::string& label, const Json& changed, const Context& context);
   void undo(const Context& context);
   void redo(const Context& context);
   void reset(const Context& context);
 
-  /// Goes back to before the change whose set-up, or whose graft, goes on. Throws Error(usage) where none does.
+  /// Returns to the state before the change whose set-up or graft is still running. Throws Error(usage) where
+  /// none is running.
   void leave_set_up(const Context& context);
 
-  /// What an earlier session left, if there is any that was not yet taken or declined.
+  /// Describes the unsaved changes of an earlier session, unless they were already restored or declined.
   std::optional<Json> offer() const;
   void restore(const Context& context);
-  /// Returns where it was put.
+  /// Declines to restore the earlier session. Returns the new path of its journal.
   std::filesystem::path decline();
 
-  /// What the document's steps leave, but for last ones that do nothing yet: the edit's output, and where its
-  /// vertices were. What the view shows is not solved again. Throws what `run_edit` throws.
+  /// The output of the edit, without last steps that do nothing yet, and the rest positions of its vertices.
+  /// A result that the view shows is not solved again. Throws what `run_edit` throws.
   struct Outcome {
     Mesh mesh;
     Points rest;
   };
   Outcome outcome(const Context& context);
 
-  /// Has the document's steps run, or what is shown of them kept, for a document that goes on from there.
+  /// Stores the shown result of the last step, so that a following step can start from it without a new
+  /// solve.
   void finish(const Context& context);
 
-  /// `edit_sha256`: of the file as it is now.
+  /// `edit_sha256`: hash of the file as it is now.
   void mark_saved(const std::filesystem::path& edit, std::string edit_sha256);
 
-  /// A file that lasts as long as the journal: the upload itself where there is none.
+  /// Returns a copy of an upload that lasts as long as the journal; without a journal, the upload itself.
   std::filesystem::path kept_upload(const std::filesystem::path& upload);
-  /// Where those are; empty: nowhere.
+  /// Returns the folder of these copies; empty without a journal.
   std::filesystem::path kept_folder() const;
 
   const Document& document() const { return document_; }
@@ -74,7 +76,7 @@ class Workspace {
   LiveView& view() { return view_; }
   const LiveView& view() const { return view_; }
   const Source& source() const { return source_; }
-  /// Whether it is what is open, and all that was done is saved.
+  /// Returns whether this model is open and all changes are saved.
   bool is_saved(const std::filesystem::path& model) const;
 
   /// The page's selection, which lies on one object.
@@ -84,28 +86,28 @@ class Workspace {
   };
   PageSelection selection;
 
-  /// The model and the parts as the step in work finds them.
+  /// The model and the parts in the state before the step in work.
   const Stage& stage() const { return stage_; }
-  /// The object of that name; empty: the model. Throws Error(input).
+  /// Returns the object of that name; empty: the model. Throws Error(input).
   const std::shared_ptr<const Object>& object(const std::string& name) const;
 
-  /// Shows the graft that `changed` ends with, for now; where that is the document, for good. Returns its
-  /// number, 0 where there is none.
+  /// Shows the graft at the end of `changed` temporarily; where `changed` is the document, permanently.
+  /// Returns its number, or 0 where there is no graft.
   std::int64_t drag_graft(const Json& changed, const Context& context);
-  /// The number of what shows the graft that was asked for last, and where a part stands that is dropped, if it
-  /// is. Throws Error(input) for a place that is none.
+  /// `graft_number` is the number of the graft that was requested last. `placement_of_last_drop` is the
+  /// placement of its source where it is a drop; throws Error(input) for an invalid location.
   std::int64_t graft_number() const { return graft_number_; }
   std::optional<Eigen::Affine3d> placement_of_last_drop();
 
-  /// The start of a pair of the graft that a step is, turned by an angle from where it was found or given.
-  /// Throws Error(input) for a step or a pair that is none.
+  /// Returns the start of a pair of an earlier graft, turned by an angle from the start that was found or
+  /// given. Throws Error(input) for a step that is no such graft, and for an unknown pair.
   Match twisted_start(std::size_t step, std::size_t pair, double by_deg, const Context& context);
 
-  /// What stands in the way of editing these inputs, one sentence for each that is not sound; of all where none
-  /// is named. `uploads`: the folder of files whose names are not people's.
+  /// Returns one sentence for each defective input, about the input `name` or, where it is empty, about all.
+  /// `uploads`: the folder of files whose names are generated.
   std::vector<std::string> defects(const std::string& name, const std::filesystem::path& uploads);
 
-  /// What a page needs to know of it (the event `state`).
+  /// Returns the fields of the event `state`.
   Json summary() const;
 
  private:
@@ -135,8 +137,8 @@ class Workspace {
   Document document_;
   History history_;
   std::optional<std::size_t> before_set_up_;  ///< position in the history
-  std::string saved_;                         ///< the document's bytes as they were saved last
-  std::unique_ptr<Journal> journal_;          ///< last: another session may have it while the rest ends
+  std::string saved_;                         ///< bytes of the document when it was last saved
+  std::unique_ptr<Journal> journal_;          ///< last member: released to other sessions first
 };
 
 }  // namespace meshgraft::editor

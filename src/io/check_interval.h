@@ -4,7 +4,7 @@
 
 namespace meshgraft::io {
 
-/// How many elements readers and writers handle between two checks for cancellation.
+/// The number of elements that readers and writers handle between two checks for cancellation.
 inline constexpr Index elements_per_check = 1 << 16;
 
 }  // namespace meshgraft::io

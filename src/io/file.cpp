@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using platform::File;
 using platform::OpenMode;
 
-/// What a person can do about a failed system call on a file.
+/// Returns a remedy for a failed system call on a file.
 std::string remedy_for(const std::error_code& error) {
   if (error == std::errc::no_such_file_or_directory) return "Check the spelling and the folder";
   if (error == std::errc::not_a_directory) return "A part of the path is a file, not a folder";
@@ -42,7 +42,7 @@ void require(const std::error_code& error, const fs::path& path, std::string_vie
   if (error) fail(path, what, error);
 }
 
-/// Names from an edit file or a mesh may be anything.
+/// Refuses empty names and names with a NUL character. Names from an edit file or a mesh may be anything.
 void require_name(const fs::path& path) {
   if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
   if (path.native().find('\0') != fs::path::string_type::npos)
@@ -80,8 +80,8 @@ class PendingFile::TemporaryFile {
     flush_folder();
   }
 
-  /// Unlike rename, link fails where the target exists, so two writers cannot both believe to be the first.
-  /// Returns false on file systems without hard links.
+  /// Links the file to its target. Unlike rename, link fails if the target exists, so two writers cannot both
+  /// believe to be the first. Returns false on file systems without hard links.
   bool become_new_target() {
     std::error_code error;
     fs::create_hard_link(path_, target_, error);
@@ -127,7 +127,7 @@ class PendingFile::TemporaryFile {
 
 namespace {
 
-/// Pipes and devices have no old content to protect: the bytes simply go there.
+/// Writes directly to a pipe or a device, which has no old content to protect.
 void write_through(const fs::path& path, std::string_view content) {
   std::error_code error;
   File file(path, OpenMode::write, error);
@@ -159,7 +159,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
     return;
   }
   if (exists && existing == Existing::refuse) refuse_existing(path);
-  target_ = follow_links(path);  // not before: behind /dev/stdout is no path
+  target_ = follow_links(path);  // not earlier: the link of /dev/stdout leads to no path
   // A rename would replace even a write-protected file.
   if (exists) require(platform::check_may_write(target_), path, "cannot be replaced");
   temporary_ = std::make_unique<TemporaryFile>(target_);
@@ -190,12 +190,12 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
 }
 
 fs::path follow_links(fs::path path) {
-  constexpr int most_links = 40;  // Linux follows as many
+  constexpr int most_links = 40;  // the limit of Linux
   std::error_code error;
   for (int k = 0; k < most_links && fs::is_symlink(path, error); ++k) {
     const fs::path next = fs::read_symlink(path, error);
     if (error) break;
-    path = path.parent_path() / next;  // an absolute one replaces the folder
+    path = path.parent_path() / next;  // an absolute `next` replaces the folder
   }
   return path;
 }
@@ -210,8 +210,8 @@ std::string read_file(const fs::path& path) {
   if (status.type == fs::file_type::directory)
     throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
 
-  // Piece by piece through a buffer that stays in the cache: growing the string to its size first would fill
-  // all of it with zeros.
+  // Reads by pieces through a buffer that stays in the cache. Resizing the string to its full size first
+  // would fill all of it with zeros.
   constexpr std::size_t piece = std::size_t{1} << 17;
   const auto buffer = std::make_unique_for_overwrite<char[]>(piece);
   std::string content;

@@ -6,20 +6,20 @@
 
 namespace meshgraft::io {
 
-/// What `write_file` does where `path` exists already.
+/// The behaviour of `write_file` if `path` exists already.
 enum class Existing { replace, refuse };
 
-/// A file that is written beside its target, flushed to the disk, and has only to be renamed to appear: so
-/// several files appear when all of them could be written. Goes without a trace unless it does.
+/// A file that is written beside its target, flushed to the disk, and appears by a rename. Several files can
+/// thus appear only once all of them have been written. Without `appear`, the file is removed.
 class PendingFile {
  public:
-  /// Throws Error(io). `content` must outlive it.
+  /// Writes the temporary file. Throws Error(io). `content` must outlive this object.
   PendingFile(const std::filesystem::path& path, std::string_view content, Existing existing);
   PendingFile(PendingFile&&) noexcept;
   ~PendingFile();
 
-  /// Renames (or links, for `refuse`) it to the target. A replaced file keeps its permissions, a symbolic link
-  /// keeps pointing where it did; pipes and devices are written to now. Throws Error(io).
+  /// Renames the file to the target, or links it for `refuse`. A replaced file keeps its permissions, and a
+  /// symbolic link keeps its target. Pipes and devices are written to at this point. Throws Error(io).
   void appear();
 
  private:
@@ -30,8 +30,8 @@ class PendingFile {
   std::string_view for_device_;
 };
 
-/// Writes `content` to `path` so that a reader sees either the old file or the whole new one. Throws Error(io)
-/// and leaves nothing behind.
+/// Writes `content` to `path` so that a reader sees either the old file or the whole new one. If it throws
+/// Error(io), it leaves nothing behind.
 void write_file(const std::filesystem::path& path, std::string_view content, Existing existing);
 
 }  // namespace meshgraft::io

@@ -18,7 +18,7 @@ FileDocument::Topology FileDocument::topology_of(const Mesh& mesh) {
   Topology topology{mesh.vertex_count(), mesh.face_count(), mesh.faces.corner_count()};
   auto& [first, second] = topology.hash;
   const auto add = [&](Index number) {
-    // Every step can be undone, so that different numbers never give the same from there on.
+    // Each step is invertible, so different states stay different under the same further numbers.
     first = (std::rotl(first, 23) ^ static_cast<std::uint32_t>(number)) * 0x9E3779B97F4A7C15u;
     second = (std::rotl(second, 29) + static_cast<std::uint32_t>(number)) * 0xD6E8FEB86659FD93u;
   };

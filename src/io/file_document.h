@@ -10,24 +10,25 @@
 
 namespace meshgraft::io {
 
-/// What every format remembers of a file.
+/// The data that every format remembers of a file.
 struct FileDocument : SourceDocument {
   std::filesystem::path path;
 
-  /// Remembers which faces the mesh has, to tell later whether a mesh still belongs to this file.
+  /// Remembers the faces of the mesh, to decide later whether a mesh still belongs to this file.
   void remember_topology(const Mesh& mesh);
   bool has_topology_of(const Mesh& mesh) const;
 
-  /// What of the file neither the mesh nor its attributes hold, e.g. "3 'l' lines"; lost where a file is
-  /// composed anew.
+  /// Lists the file's contents that neither the mesh nor its attributes hold, e.g. "3 'l' lines". They are
+  /// lost if the file is composed anew.
   virtual std::vector<std::string> beside_the_mesh() const = 0;
 
-  /// What a length of 1 means, as the format spells it ("millimeter"); empty where the file does not tell.
+  /// Returns the unit of length as the format spells it ("millimeter"). Returns an empty string if the file
+  /// names none.
   virtual std::string unit() const { return {}; }
 
  private:
-  /// Stands for the faces, which would be as much as the mesh itself: two of 128 bits do not come to be equal
-  /// by chance.
+  /// A fingerprint of the faces, because a copy would take as much memory as the mesh itself. The hash has
+  /// 128 bits, so two meshes do not match by chance.
   struct Topology {
     Index vertices = 0, faces = 0, corners = 0;
     std::array<std::uint64_t, 2> hash{};
@@ -38,10 +39,10 @@ struct FileDocument : SourceDocument {
   Topology topology_;
 };
 
-/// The files behind a mesh, each once.
+/// Returns the files behind a mesh, each once.
 std::vector<const FileDocument*> documents_of(const Mesh& mesh);
 
-/// For a mesh that is composed anew: what its files lose by that, a sentence each.
+/// Returns the losses of a mesh that is composed anew: one sentence per file behind it.
 std::vector<std::string> left_out_notes(const Mesh& mesh);
 
 }  // namespace meshgraft::io

@@ -18,36 +18,36 @@ struct NewFile {
   std::string content;
 };
 
-/// What a writer makes of a mesh.
+/// The files that a writer composes for a mesh, and its notes.
 struct Written {
   std::string content;
-  std::vector<NewFile> companions{};  ///< that the content refers to
-  std::vector<std::string> notes{};   ///< what it could not hold, a sentence each
+  std::vector<NewFile> companions{};  ///< files that the content refers to
+  std::vector<std::string> notes{};   ///< losses, a sentence each
 };
 
-/// A mesh file format: what tells its files apart, and how bytes become a mesh and a mesh bytes. A new
-/// format is a header and a source file that define one of these, and a line in `formats()`.
+/// A mesh file format: how its files are recognised, read and written. A new format needs a header and a
+/// source file that define one of these, and a line in `formats()`.
 struct Format {
-  std::string_view name;                         ///< as people write it, "PLY"
+  std::string_view name;                         ///< display name, e.g. "PLY"
   std::span<const std::string_view> extensions;  ///< lower case with the dot, the usual one first
 
-  /// True if the content can be nothing else; null for formats without a signature.
+  /// Returns true if the content can be of no other format. Null for formats without a signature.
   bool (*has_signature)(std::string_view content);
 
-  /// `name` is the file's name for messages. Throws Error(input) with the place in the file.
+  /// Reads a mesh. `name` is the file's name for messages. Throws Error(input) with the location in the file.
   Mesh (*read)(std::string content, const std::string& name, const Context& context);
 
-  /// What the file `path` is to hold. Throws Error(input) for positions that the format cannot hold.
+  /// Composes the file `path`. Throws Error(input) for positions that the format cannot hold.
   Written (*write)(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
                    const Context& context);
 
-  /// The files that the file `path` refers to, as far as they exist; null for formats that are one file.
+  /// Returns the existing files that the file `path` refers to. Null for formats that consist of one file.
   std::vector<std::filesystem::path> (*companions)(const std::filesystem::path& path) = nullptr;
 
-  bool has_morph_targets = false;  ///< whether `WriteOptions::morph_target` means anything
+  bool has_morph_targets = false;  ///< whether `WriteOptions::morph_target` is supported
 };
 
-/// All formats that can be read and written.
+/// Returns all formats that can be read and written.
 std::span<const Format> formats();
 
 }  // namespace meshgraft::io

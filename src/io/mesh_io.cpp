@@ -22,7 +22,7 @@ namespace io {
 
 std::span<const Format> formats() {
   static const std::vector<Format> all = {
-      stl_format(),  // first: a header of 80 bytes may begin with the signature of any other
+      stl_format(),  // first: its header of 80 bytes may begin with the signature of any other format
       ply_format(),     obj_format(), off_format(), gltf_format(),
 #ifdef MESHGRAFT_HAS_3MF
       threemf_format(),
@@ -53,7 +53,7 @@ std::string known_extensions() {
   return list;
 }
 
-/// The format that the file's extension names, or null.
+/// Returns the format that the file's extension names, or null.
 const io::Format* format_named_by(const std::filesystem::path& path) {
   const std::string extension = lower_case_extension(path);
   for (const io::Format& format : io::formats())
@@ -112,7 +112,7 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
   }
   context.throw_if_stopped();
   WriteResult result{{path}, std::move(written.notes)};
-  // All are on the disk before the first one appears.
+  // All files are written to the disk before the first one appears.
   std::vector<io::PendingFile> files;
   for (const io::NewFile& companion : written.companions) {
     files.emplace_back(companion.path, companion.content, io::Existing::replace);

@@ -34,7 +34,7 @@ Range range_of(ScalarType type) {
 
 bool spells_infinity(std::string_view text) { return text.find_first_of("iI") != std::string_view::npos; }
 
-/// The spellings of Microsoft's older C library: 1.#INF, -1.#IND, 1.#QNAN, 1.#SNAN.
+/// Parses the spellings of Microsoft's older C library: 1.#INF, -1.#IND, 1.#QNAN, 1.#SNAN.
 ParsedNumber parse_legacy_special(std::string_view text) {
   const bool negative = text.starts_with('-');
   const std::string_view special = text.substr(negative ? 1 : 0);
@@ -48,7 +48,7 @@ ParsedNumber parse_legacy_special(std::string_view text) {
   return {0, NumberFault::malformed};
 }
 
-/// True where a text that the parser found out of range is too small rather than too large.
+/// Whether a text that the parser found out of range is too small rather than too large.
 bool is_tiny(std::string_view text) {
   const std::size_t exponent = text.find_first_of("eE");
   if (exponent != std::string_view::npos) return text.substr(exponent + 1).starts_with('-');
@@ -70,7 +70,7 @@ ParsedNumber parse_real(std::string_view text) {
 }  // namespace
 
 ParsedNumber parse_number(std::string_view text, ScalarType type) {
-  // from_chars knows no plus sign, files do.
+  // from_chars accepts no plus sign, but files contain it.
   if (text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
   if (type == ScalarType::float32) return parse_real<float>(text);
   if (type == ScalarType::float64) return parse_real<double>(text);

@@ -21,7 +21,8 @@ std::vector<MaterialTexture> textures_in(const SourceDocument* source) {
   return {};
 }
 
-// Of all faces, or as `texnumber` counts them.
+// Returns the textures of a PLY file, which has no materials: one for all faces, or those that `texnumber`
+// counts.
 std::vector<MaterialTexture> textures_without_material(const SourceDocument* source) {
   std::vector<MaterialTexture> textures;
   const auto* ply = dynamic_cast<const io::PlyDocument*>(source);

@@ -9,7 +9,7 @@ namespace meshgraft::io {
 
 namespace {
 
-// In quotes; with whose it is, where others have the name too.
+// Returns the name in quotes. If other attributes share the name, the domain is added.
 std::string name_of(const Attribute& attribute, const Mesh& mesh) {
   std::string name = "'" + attribute.name + "'";
   if (std::ranges::count(mesh.attributes, attribute.name, &Attribute::name) == 1) return name;

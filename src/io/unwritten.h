@@ -9,8 +9,8 @@
 
 namespace meshgraft::io {
 
-/// Names what a format without a place for them leaves out, a sentence each: the attributes with a value that
-/// are none of `written` (nulls are passed over), and material libraries.
+/// Adds a sentence each for the attributes and the material libraries that a format cannot hold. Attributes
+/// without a value and those in `written` are left out; nulls in `written` are ignored.
 void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_list<const Attribute*> written,
                     std::vector<std::string>& notes);
 

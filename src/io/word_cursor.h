@@ -9,10 +9,11 @@
 
 namespace meshgraft::io {
 
-/// Throws Error(input) naming the first zero byte, which no text has. `format` is the name people know.
+/// Throws Error(input) naming the first zero byte, which no text has. `format` is the common name of the
+/// format.
 void require_text(std::string_view content, const std::string& name, std::string_view format);
 
-/// Walks over the words of a text. Lines end in LF, CRLF or CR; a byte order mark is passed over.
+/// Walks over the words of a text. Lines end in LF, CRLF or CR. A byte order mark is skipped.
 class WordCursor {
  public:
   enum class Comments { none, hash };  ///< hash: '#' makes the rest of a line a comment
@@ -20,16 +21,16 @@ class WordCursor {
   /// `name` is the file's, for messages.
   WordCursor(std::string_view content, const std::string& name, Comments comments, std::size_t offset = 0);
 
-  /// The next word, on whatever line; empty at the end of the file.
+  /// Returns the next word on any line, or an empty one at the end of the file.
   std::string_view next();
 
-  /// The next word of this line; empty where there is none.
+  /// Returns the next word of this line, or an empty one if there is none.
   std::string_view next_on_line();
 
-  /// What is left of this line without surrounding blanks; no comment is looked for.
+  /// Returns the rest of this line without surrounding blanks. Comments are not recognised.
   std::string_view rest_of_line();
 
-  /// The next word as a number. `what` names it in messages: "coordinate of vertex 3".
+  /// Returns the next word as a number. `what` names it in messages: "coordinate of vertex 3".
   template <class What>
   double number(ScalarType type, const What& what) {
     const std::string_view word = next();
@@ -42,7 +43,7 @@ class WordCursor {
   std::size_t word_begin() const { return word_begin_; }
   std::size_t remaining() const { return content_.size() - offset_; }
 
-  /// Throws Error(input) at the line of the word read last.
+  /// Throws Error(input) at the line of the last word.
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
   [[noreturn]] void fail_number(std::string_view word, ScalarType type, const std::string& what) const;
 
@@ -58,12 +59,12 @@ class WordCursor {
   std::size_t word_begin_;
 };
 
-/// Copies a text with other words in some places.
+/// Copies a text and replaces some of its words.
 class WordReplacer {
  public:
   explicit WordReplacer(std::string_view content) : content_(content) { out_.reserve(content.size()); }
 
-  /// Puts `text` in the place of `word`, a part of the content. Words are replaced in order.
+  /// Replaces `word`, a part of the content, by `text`. Words must be replaced in order.
   void replace(std::string_view word, std::string_view text) {
     const auto begin = static_cast<std::size_t>(word.data() - content_.data());
     out_.append(content_, copied_, begin - copied_);

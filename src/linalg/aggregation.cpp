@@ -11,7 +11,8 @@ namespace meshgraft {
 
 namespace {
 
-/// A ball around a node, layer by layer; false where it meets an aggregate, or a hub makes it far too large.
+/// A ball around a node, grown layer by layer. `grow` returns false if the ball meets an aggregate, or if a
+/// node with very many neighbours makes it far too large.
 class Ball {
  public:
   explicit Ball(Index count) : in_ball_of_(static_cast<std::size_t>(count), -1) {}
@@ -36,7 +37,7 @@ class Ball {
   std::vector<Index> in_ball_of_;
 };
 
-/// Memberships of one node; slight ones are not kept.
+/// The memberships of one node. Small ones are dropped.
 struct Membership {
   static constexpr std::size_t most = 8;
   std::uint32_t count = 0;
@@ -44,7 +45,7 @@ struct Membership {
   std::array<double, most> weight{};
 };
 
-/// The mean over a node and its ring, without what is below a twentieth of it.
+/// Computes the mean over a node and its ring, without entries below a twentieth of it.
 class Mean {
  public:
   void clear() { parts_.clear(); }
@@ -99,7 +100,8 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
   }
   context.throw_if_stopped();
 
-  // What lies between the balls is at most a ball's diameter away from one; beyond hubs it can be farther.
+  // Adds the nodes between the balls to the nearest aggregate. They are at most a ball's diameter away from
+  // one, or farther beyond nodes with very many neighbours.
   for (std::vector<Index> next; !front.empty(); front.swap(next)) {
     next.clear();
     for (const Index node : front)
@@ -109,7 +111,7 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
           next.push_back(other);
         }
   }
-  // Components without room for a ball.
+  // Groups the connected components that have no room for a ball.
   constexpr std::size_t enough = 50;
   for (Index node = 0; node < count; ++node) {
     if (left_out[node] || of_node[node] >= 0) continue;

@@ -9,25 +9,27 @@
 
 namespace meshgraft {
 
-/// Nodes in compact groups of some two rings' size, numbered along the nodes.
+/// Aggregates: compact groups of nodes with a radius of about two rings, numbered in the order of their
+/// nodes.
 struct Aggregates {
   Index count = 0;
-  std::vector<Index> of_node;  ///< -1 for nodes that are left out
+  std::vector<Index> of_node;  ///< -1 for excluded nodes
 };
 
-/// Takes, along the nodes, every one whose ball of `radius` edges is untouched as the middle of an aggregate;
-/// nodes in between join the nearest one. `left_out` flags nodes that take no part.
+/// Makes aggregates of nodes. In the order of the nodes, a node is the centre of an aggregate if the ball of
+/// `radius` edges around it is still free. Nodes in between join the nearest aggregate. `left_out` flags
+/// excluded nodes.
 Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t> left_out, int radius,
                      const Context& context = {});
 
-/// How much each node belongs to each aggregate: weights that add up to one and fade from aggregate to
-/// aggregate over some rings, so that what is blended with them is smooth.
+/// The weights by which each node belongs to aggregates. They sum to one and fade over some rings from
+/// aggregate to aggregate, so that a blend with them is smooth.
 struct Blending {
-  IndexLists aggregates;       ///< of each node; none for nodes that are left out
-  std::vector<double> weight;  ///< beside their values
+  IndexLists aggregates;       ///< per node; empty for excluded nodes
+  std::vector<double> weight;  ///< parallel to the values of `aggregates`
 };
 
-/// Averages membership over each node's ring `passes` times, dropping what has become slight.
+/// Averages the membership over each node's ring `passes` times, and drops weights that become small.
 Blending blend(const IndexLists& neighbours, const Aggregates& aggregates, int passes,
                const Context& context = {});
 

@@ -6,7 +6,7 @@
 
 namespace meshgraft {
 
-std::unique_ptr<LinearSolver> make_multifrontal_solver();  // defined where it is built in
+std::unique_ptr<LinearSolver> make_multifrontal_solver();  // defined only if it is built in
 std::unique_ptr<LinearSolver> make_eigen_solver();
 std::unique_ptr<LinearSolver> make_iterative_solver();
 

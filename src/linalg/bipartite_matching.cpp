@@ -6,9 +6,9 @@ namespace meshgraft {
 
 namespace {
 
-/// Finds the matching in phases. Each takes disjoint shortest paths between unmatched vertices, on which edges
-/// outside the matching and in it alternate, and exchanges these edges: one more of them is in the matching
-/// then.
+/// Finds the matching in phases. Each phase finds disjoint shortest paths between unmatched vertices, along
+/// which edges outside and inside the matching alternate. Exchanging these edges adds one edge per path to
+/// the matching.
 class HopcroftKarp {
  public:
   explicit HopcroftKarp(const BipartiteGraph& graph)
@@ -27,9 +27,9 @@ class HopcroftKarp {
   }
 
  private:
-  /// Sets the layers of left vertices: how many edges of the matching a shortest path from an unmatched one
-  /// has. Returns whether any path ends in an unmatched right vertex; no layers are set beyond the first that
-  /// does.
+  /// Sets the layer of each left vertex: the number of matching edges on a shortest path from an unmatched
+  /// left vertex. Returns whether any path ends at an unmatched right vertex. Layers beyond the first such
+  /// layer are not set.
   bool find_layers() {
     std::fill(layer_.begin(), layer_.end(), -1);
     queue_.clear();
@@ -54,7 +54,7 @@ class HopcroftKarp {
     return last_layer < graph_.left_count();
   }
 
-  /// Depth-first along the layers. Each edge is looked at once in a phase.
+  /// Searches depth-first along the layers. Each edge is visited once per phase.
   void augment_from(int unmatched) {
     path_.assign(1, unmatched);
     while (!path_.empty()) {
@@ -72,7 +72,7 @@ class HopcroftKarp {
     }
   }
 
-  /// Matches each left vertex of the path by the edge that was looked at last.
+  /// Matches each left vertex of the path by the edge visited last.
   void exchange_path() {
     for (const int left : path_) {
       const int right = graph_.right_end[next_edge_[left] - 1];
@@ -90,8 +90,9 @@ class HopcroftKarp {
 
 Matching maximum_matching(const BipartiteGraph& graph) { return HopcroftKarp(graph).run(); }
 
-// Kőnig's theorem: left vertices that no alternating path from an unmatched left vertex reaches, and right ones
-// that one does. Every maximum matching gives the same cover (Dulmage & Mendelsohn 1958).
+// By Kőnig's theorem, the cover consists of two sets. They are the left vertices that no alternating path
+// from an unmatched left vertex reaches, and the right vertices that one reaches. Every maximum matching
+// gives the same cover (Dulmage & Mendelsohn 1958).
 VertexCover minimum_vertex_cover(const BipartiteGraph& graph, const Matching& matching) {
   VertexCover cover{Flags(matching.of_left.size(), 1), Flags(matching.of_right.size(), 0)};
   std::vector<int> reached;
@@ -107,7 +108,7 @@ VertexCover minimum_vertex_cover(const BipartiteGraph& graph, const Matching& ma
       const int right = graph.right_end[edge];
       cover.right[right] = 1;
       reach(
-          matching.of_right[right]);  // which has a partner: the path would make the matching larger otherwise
+          matching.of_right[right]);  // it has a partner, or the path could enlarge the matching
     }
   }
   return cover;

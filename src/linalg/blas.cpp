@@ -19,7 +19,7 @@ extern "C" {
 char* openblas_get_corename(void);
 int openblas_get_num_threads(void);
 void openblas_set_num_threads(int count);
-#ifdef __ELF__  // Not of its documented interface, and absent in some builds: weak symbols tell.
+#ifdef __ELF__  // These are undocumented and absent in some builds, hence weak symbols.
 __attribute__((weak)) void* blas_memory_alloc(int unused);
 __attribute__((weak)) void blas_memory_free(void* buffer);
 #endif
@@ -49,8 +49,8 @@ struct Users {
   std::mutex mutex;
   int count = 0;
   int threads_before = 1;
-  int calling = 0;  ///< threads that may call at the same time
-  int buffers = 0;  ///< mapped, and kept by OpenBLAS
+  int calling = 0;  ///< threads that may call BLAS at the same time
+  int buffers = 0;  ///< buffers that OpenBLAS has mapped and keeps
 };
 
 Users& users() {
@@ -58,12 +58,12 @@ Users& users() {
   return instance;
 }
 
-/// Has OpenBLAS map buffers for so many threads, if there is room for them.
+/// Makes OpenBLAS map buffers for this many threads. Throws Error(memory) if there is no room for them.
 void map_buffers([[maybe_unused]] int threads) {
 #ifdef __ELF__
   const int missing = threads - users().buffers;
   if (missing <= 0 || blas_memory_alloc == nullptr) return;
-  constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // and some room for aligning it
+  constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // includes room for alignment
   const std::size_t bytes = static_cast<std::size_t>(missing) * buffer_bytes;
   if (!platform::can_reserve_address_space(bytes))
     throw Error(ErrorCode::memory,

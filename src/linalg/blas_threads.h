@@ -4,13 +4,13 @@
 
 namespace meshgraft {
 
-/// Keeps OpenBLAS on one thread for as long as one of these lives: on several it sums in another order, and
-/// the same edit would give other bytes with another number of threads. OpenBLAS knows this setting for the
-/// whole process only, so the last one out puts it back.
+/// Keeps OpenBLAS on one thread while an instance exists. With several threads OpenBLAS sums in another
+/// order, so the number of threads would change the bytes of a result. The setting is global to the process,
+/// so the last instance restores it.
 class SingleThreadedBlas {
  public:
-  /// Of a caller that calls BLAS on as many threads as the context has. OpenBLAS maps a buffer of 128 MB for
-  /// each, and where it cannot, tries for ever: throws Error(memory) instead.
+  /// For a caller that calls BLAS on as many threads as the context has. OpenBLAS maps a buffer of 128 MB for
+  /// each thread and retries for ever if it cannot. So this throws Error(memory) first.
   explicit SingleThreadedBlas(const Context& context);
   SingleThreadedBlas(const SingleThreadedBlas&) = delete;
   SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;

@@ -9,7 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
-// The loops below have the processor's widest registers to gain from; the library is built for any.
+// The loops below gain from the processor's widest registers, but the library is built for any processor.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define MESHGRAFT_WIDEST_REGISTERS [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int columns = 4;
 
-/// What a sweep reads of the matrix.
+/// The arrays of the matrix that a sweep reads.
 struct Rows {
   const Index* block_offsets;
   const Index* block_nodes;
@@ -35,20 +35,21 @@ struct Rows {
   const double* diagonal_inverse;
 };
 
-/// The four columns of a row: one register, or two (GCC and Clang know how). Anywhere in memory.
+/// The four columns of a row, in one register or two (GCC and Clang choose). The address needs no alignment
+/// beyond that of a double.
 using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
 
-// Blocks are arrays of width×width numbers and nodes' values of `width` rows; the compiler unrolls all that
-// follows.
+// Blocks are arrays of width×width numbers, and a node has values of `width` rows. The compiler unrolls the
+// functions below.
 
-/// y += M x.
+/// Computes y += M x.
 template <int width>
 [[gnu::always_inline]] inline void add_product(const double* M, const Four* x, Four* y) {
   for (int a = 0; a < width; ++a)
     for (int b = 0; b < width; ++b) y[a] += M[width * a + b] * x[b];
 }
 
-/// y -= Mᵀ x.
+/// Computes y -= Mᵀ x.
 template <int width>
 [[gnu::always_inline]] inline void subtract_transposed(const double* M, const Four* x, Four* y) {
   for (int a = 0; a < width; ++a) {
@@ -58,7 +59,7 @@ template <int width>
   }
 }
 
-/// y += L x in the rows of node i.
+/// Computes y += L x in the rows of node i.
 template <int width>
 [[gnu::always_inline]] inline void gather(const Rows& N, Index i, const Four* x, Four* y) {
   for (Index k = N.block_offsets[i]; k < N.block_offsets[i + 1]; ++k)
@@ -68,7 +69,7 @@ template <int width>
     y[0] += N.entries[k] * x[N.entry_nodes[k] * std::ptrdiff_t{width}];
 }
 
-/// y -= Lᵀ x for the x of node i alone.
+/// Computes y -= Lᵀ x for the x of node i alone.
 template <int width>
 [[gnu::always_inline]] inline void scatter(const Rows& N, Index i, const Four* x, Four* y) {
   for (Index k = N.block_offsets[i]; k < N.block_offsets[i + 1]; ++k)
@@ -225,7 +226,8 @@ class BlockMatrixOf final : public BlockMatrix {
         context, 1);
   }
 
-  /// Writes the entries of one column: each into the coupling of its two nodes, transposed where need be.
+  /// Writes the entries of one column, each into the coupling of its two nodes. A block stored for the
+  /// opposite order of the nodes is transposed.
   class ColumnWriter {
    public:
     ColumnWriter(BlockMatrixOf& matrix, int column)

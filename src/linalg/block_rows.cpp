@@ -12,7 +12,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Positions of some nodes, all taken back at once.
+/// Positions assigned to some nodes. All are cleared at once in constant time.
 class NodePositions {
  public:
   explicit NodePositions(Index count)
@@ -29,7 +29,8 @@ class NodePositions {
   std::uint32_t round_ = 1;
 };
 
-/// Lists that `fill(i, out)` appends to, for every i, in parallel; `make_scratch` gives each thread its own.
+/// Makes lists in parallel, where `fill(i, out)` appends to list i. `make_scratch` makes scratch data for
+/// each thread.
 template <class MakeScratch, class Fill>
 IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Context& context) {
   constexpr Index block_size = 2048;
@@ -61,14 +62,14 @@ IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Co
   return lists;
 }
 
-/// A neighbour in the matrix, as a number: twice the node, and one more where entries of other than both nodes'
-/// first rows couple them.
+/// A neighbour in the matrix as a number: twice the node, plus one if other entries than that of both nodes'
+/// first rows couple the two.
 using Coupling = Index;
 Coupling coupling(Index node, bool by_block) { return 2 * node + (by_block ? 1 : 0); }
 Index node_of(Coupling coupling) { return coupling / 2; }
 bool by_block(Coupling coupling) { return coupling % 2 != 0; }
 
-/// Couplings in which j has i wherever i has j.
+/// Returns the couplings extended so that j has i wherever i has j.
 IndexLists symmetric(const IndexLists& half) {
   IndexLists whole;
   whole.offsets.assign(half.offsets.size(), 0);
@@ -97,7 +98,7 @@ BlockRows gather(Index unknowns, const OrderingGraph& graph) {
   for (Index u = 0; u < unknowns; ++u)
     if (const Index group = group_of(u); group >= 0 && ++members[group] > 1) nodes.width = 2;
 
-  std::vector<int> open(static_cast<std::size_t>(groups), -1);  // the next row of each group's last node
+  std::vector<int> open(static_cast<std::size_t>(groups), -1);  // per group: next row of its last node
   nodes.row.resize(static_cast<std::size_t>(unknowns));
   for (Index u = 0; u < unknowns; ++u) {
     const Index group = group_of(u);
@@ -112,7 +113,7 @@ BlockRows gather(Index unknowns, const OrderingGraph& graph) {
   return nodes;
 }
 
-/// Couplings by the matrix's entries; two nodes may be coupled twice.
+/// Returns the couplings given by the matrix's entries. Two nodes may be coupled twice.
 IndexLists matrix_couplings(const NormalMatrix& lower, const BlockRows& nodes, const Context& context) {
   std::vector<std::vector<int>> unknowns(static_cast<std::size_t>(nodes.width));
   for (auto& of_row : unknowns) of_row.assign(static_cast<std::size_t>(nodes.count), -1);
@@ -140,11 +141,11 @@ IndexLists matrix_couplings(const NormalMatrix& lower, const BlockRows& nodes, c
   return symmetric(half);
 }
 
-/// Breadth-first layers, component after component: entries couple nodes of one layer or of two next to each
-/// other.
+/// Breadth-first layers, one connected component after another. Entries couple only nodes of the same or
+/// adjacent layers.
 struct Layers {
   std::vector<Index> order;     ///< nodes
-  std::vector<Index> begin{0};  ///< of each layer in `order`, and the end
+  std::vector<Index> begin{0};  ///< per layer: its first index in `order`; one more at the end
 };
 
 Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings) {
@@ -165,7 +166,7 @@ Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings
   return layers;
 }
 
-/// From a node far out in each component: layers are many and small.
+/// Makes layers from a peripheral node of each connected component, so that they are many and small.
 Layers long_layers(const IndexLists& couplings) {
   std::vector<Index> starts(static_cast<std::size_t>(couplings.size()));
   std::iota(starts.begin(), starts.end(), 0);
@@ -173,8 +174,8 @@ Layers long_layers(const IndexLists& couplings) {
   return layers_from({first.order.rbegin(), first.order.rend()}, couplings);
 }
 
-/// Strips of about the same number of nodes. Of two layers at least, so that the odd strips on both sides of an
-/// even one do not meet in it.
+/// Makes strips with about the same number of nodes. A strip has at least two layers, so that the odd strips
+/// on both sides of an even one do not meet in it.
 SweepColouring make_strips(const Layers& layers) {
   constexpr Index most_strips = 64, fewest_nodes = 256, fewest_layers = 2;
   const auto count = static_cast<Index>(layers.order.size());
@@ -215,8 +216,8 @@ void renumber(BlockRows& nodes, const std::vector<Index>& number, const Ordering
   }
 }
 
-/// For each node in its new number, those couplings that `wanted` takes, in new numbers too; ascending, once
-/// each.
+/// Returns for each node, in the new numbering, its couplings that `wanted` accepts. They are in the new
+/// numbering too, ascending and distinct.
 template <class Wanted>
 IndexLists renumbered(const IndexLists& couplings, const std::vector<Index>& order,
                       const std::vector<Index>& number, Wanted wanted, const Context& context) {
@@ -228,7 +229,7 @@ IndexLists renumbered(const IndexLists& couplings, const std::vector<Index>& ord
           if (const Index new_number = number[node_of(other)]; wanted(node, new_number))
             out.push_back(coupling(new_number, by_block(other)));
         std::sort(out.begin() + start, out.end());
-        // Of two couplings with one node, the later one is by block if any is.
+        // Keeps the later of two couplings with one node, which is by block if either is.
         auto end = out.begin() + start;
         for (auto it = end; it != out.end(); ++it)
           if (it + 1 == out.end() || node_of(*it) != node_of(it[1])) *end++ = *it;
@@ -237,7 +238,7 @@ IndexLists renumbered(const IndexLists& couplings, const std::vector<Index>& ord
       context);
 }
 
-/// The nodes of those couplings that `wanted` takes.
+/// Returns the nodes of the couplings that `wanted` accepts.
 template <class Wanted>
 IndexLists nodes_of(const IndexLists& couplings, Wanted wanted, const Context& context) {
   return make_lists(
@@ -249,7 +250,7 @@ IndexLists nodes_of(const IndexLists& couplings, Wanted wanted, const Context& c
       context);
 }
 
-/// Nodes whose groups are the same or neighbours in the graph.
+/// Returns for each node those of the same group or of neighbouring groups in the graph.
 IndexLists graph_neighbours(const BlockRows& nodes, const OrderingGraph& graph, const Context& context) {
   const Index groups = graph.neighbours->size();
   std::vector<Index> group(static_cast<std::size_t>(nodes.count), -1);
@@ -276,8 +277,8 @@ IndexLists graph_neighbours(const BlockRows& nodes, const OrderingGraph& graph, 
       context);
 }
 
-/// Without a graph, an unknown that is coupled with very many others counts as one that has no group: what is
-/// near it is near everything.
+/// Without a graph, an unknown that is coupled with very many others is treated like one without a group.
+/// Otherwise all its neighbours would count as close to each other.
 void share_hubs(const IndexLists& coupled, BlockRows& nodes) {
   constexpr std::size_t few = 64, times_the_mean = 8;
   const std::size_t mean = coupled.values.size() / static_cast<std::size_t>(std::max<Index>(1, nodes.count));

@@ -13,9 +13,9 @@ namespace meshgraft {
 
 namespace {
 
-/// Edges from the middle of an aggregate to its rim. Entries of the matrix reach some four edges of a mesh: two
-/// give a coarse matrix with a twentieth of the unknowns, whose factor costs less than the sweeps that three
-/// would add.
+/// Returns the radius of an aggregate in edges. Entries of the matrix couple nodes up to about four mesh
+/// edges apart. Radius two gives a coarse matrix with a twentieth of the unknowns. Its factorisation costs
+/// less than the additional sweeps that radius three needs.
 int radius_for(const NodeOrder& order) {
   constexpr Index most_for_two = 3'000'000;
   if (!order.has_graph) return 1;
@@ -46,9 +46,9 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
     }
 }
 
-/// Principal axes about the centroid, each scaled to length one over the aggregate's rows.
+/// Chooses principal axes about the centroid, each scaled to unit length over the aggregate's rows.
 void CoarseSpace::choose_bases(const Aggregates& aggregates) {
-  constexpr double flat = 1e-10;  // smallest/largest squared extent of what still counts as three-dimensional
+  constexpr double flat = 1e-10;  // axes with a smaller squared extent, relative to the largest, are flat
   const BlockRows& nodes = order_.nodes;
   const auto count = static_cast<std::size_t>(aggregates.count);
   std::vector<double> rows(count, 0.0);
@@ -105,15 +105,16 @@ void CoarseSpace::add_shared_unknowns() {
   basis_.resize(static_cast<std::size_t>(count_), Basis::Identity());
 }
 
-/// Adds what rows of L + ½D contribute to Pᵀ N P = C + Cᵀ, C = Pᵀ (L + ½D) P, to blocks (a, b) with a ≥ b.
+/// Adds the contribution of rows of L + ½D to the blocks (a, b), a ≥ b, of Pᵀ N P = C + Cᵀ, where
+/// C = Pᵀ (L + ½D) P.
 template <int width>
 void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, BlockLists& sums) const {
   using Rows = Eigen::Matrix<double, width, 4>;
   using MatrixBlock = Eigen::Matrix<double, width, width, Eigen::RowMajor>;
   const BlockRows& nodes = order_.nodes;
   std::vector<Index> reached, position(static_cast<std::size_t>(count_), -1);
-  std::vector<Rows> product;  // of this row of L + ½D with (p − p_i, 1) w: one entry per aggregate reached
-  // Functions of a node's rows, about an origin near by so that nothing cancels.
+  std::vector<Rows> product;  // one entry per aggregate reached: row i of L + ½D times (p − p_i, 1) w
+  // The functions of a node's rows, about a nearby origin to avoid cancellation.
   const auto functions = [&](Index node, const Eigen::RowVector3d& origin) {
     Rows f = Rows::Zero();
     for (int k = 0; k < width; ++k) {
@@ -125,7 +126,7 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
     }
     return f;
   };
-  // (p, 1) of a basis is (p − origin, 1) times this.
+  // (p, 1) times a basis equals (p − origin, 1) times this.
   const auto basis_about = [&](Index a, const Eigen::RowVector3d& origin) {
     Basis moved = basis_[a];
     if (a < first_shared_) moved.row(3) += origin * basis_[a].template topRows<3>();
@@ -185,7 +186,7 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
 }
 
 NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Context& context) const {
-  // Parts of the nodes, each with its own sums, so that their order does not depend on the threads.
+  // Each part of the nodes has its own sums, so that the order of summation does not depend on the threads.
   constexpr Index most_parts = 64;
   const Index nodes = order_.nodes.count,
               part_size = std::max<Index>(2048, (nodes + most_parts - 1) / most_parts);
@@ -206,7 +207,7 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
       context, 1);
 
   BlockLists rows(static_cast<std::size_t>(count_));
-  std::vector<std::int64_t> entries(static_cast<std::size_t>(count_), 0);  // of each column of blocks
+  std::vector<std::int64_t> entries(static_cast<std::size_t>(count_), 0);  // per column of blocks
   for (Index a = 0; a < count_; ++a) {
     std::vector<BlockEntry>& row = rows[a];
     for (BlockLists& of_part : sums) {
@@ -238,7 +239,8 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
         for (int row = a == b ? column : 0; row < 4; ++row) {
           const std::int64_t at = end[4 * b + column]++;
           coarse.innerIndexPtr()[at] = 4 * std::int64_t{a} + row;
-          // Where an aggregate is flat, a coarse unknown stands for nothing and couples nothing.
+          // In a flat aggregate some coarse unknowns have no function. They couple with nothing and get a
+          // unit diagonal.
           const bool idle = a == b && row == column && !(block(row, row) > 0);
           coarse.valuePtr()[at] = idle ? 1.0 : block(row, column);
         }

@@ -8,7 +8,7 @@
 
 #include <meshgraft/core/parallel.h>
 
-// BLAS and LAPACK as Fortran names them; the lengths of their one-letter strings are not read.
+// BLAS and LAPACK under their Fortran names. The lengths of their one-letter strings are not read.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
@@ -28,7 +28,7 @@ namespace {
 
 constexpr double one = 1, minus_one = -1, zero = 0;
 
-/// Runs `tile(t)` for all t, side by side where there is enough work.
+/// Runs `tile(t)` for all t, in parallel if there is enough work.
 template <class Tile>
 void for_each_tile(int count, const Context& context, const Tile& tile) {
   parallel_blocks(
@@ -39,12 +39,12 @@ void for_each_tile(int count, const Context& context, const Tile& tile) {
       context, 1);
 }
 
-constexpr int panel_width = 192;  ///< columns that are factorised before the others are updated
+constexpr int panel_width = 192;  ///< columns factorised before the remaining ones are updated
 constexpr int tile_size = 384;
 
 int tiles_of(int length) { return (length + tile_size - 1) / tile_size; }
 
-/// C = beta C − A Bᵀ on the lower triangle of tiles, C rows×columns with its diagonal at (0, 0).
+/// Computes C = beta C − A Bᵀ on the lower triangle of tiles. C is rows×columns with its diagonal at (0, 0).
 void update_lower(const double* a, int lda, int rows, int columns, int depth, double beta, double* c, int ldc,
                   const Context& context) {
   struct Tile {
@@ -97,20 +97,20 @@ void form_update(const double* panel, int rows, int columns, double* update, con
 
 namespace {
 
-// A few right-hand sides: the panel is read once, and that is what takes the time. BLAS would pack it first.
+// For few right-hand sides reading the panel takes the time, so it is read once. BLAS would pack it first.
 
-constexpr int strip = 4;  ///< columns of the panel that are taken together
+constexpr int strip = 4;  ///< columns of the panel processed together
 
 constexpr int line = 8;  ///< values in a cache line
 
-/// A line of each column of the strip `by` columns further on: runs are too short for the processor to foresee
-/// it.
+/// Prefetches a cache line of each column of the strip that lies `by` columns further on. The runs are too
+/// short for the hardware prefetcher.
 template <int columns>
 void fetch_strip(const double* panel, int rows, int row, int by) {
   for (int q = 0; q < columns; ++q) __builtin_prefetch(panel + row + static_cast<std::int64_t>(by + q) * rows);
 }
 
-/// x_r −= Σ_q L_rq y_q for the rows from `first` on.
+/// Computes x_r −= Σ_q L_rq y_q for the rows from `first` on.
 template <int width, int columns>
 void subtract_product(const double* panel, int rows, int first, const double (&y)[strip][width], double* x) {
   const double* __restrict l = panel;
@@ -128,7 +128,7 @@ void subtract_product(const double* panel, int rows, int first, const double (&y
   }
 }
 
-/// y_q −= Σ_r L_rq x_r over the rows from `first` on.
+/// Computes y_q −= Σ_r L_rq x_r over the rows from `first` on.
 template <int width, int columns>
 void subtract_dot_products(const double* panel, int rows, int first, const double* x,
                            double (&y)[strip][width]) {

@@ -13,8 +13,8 @@ namespace meshgraft {
 
 namespace {
 
-/// The part of each unknown, at `levels` or, where the graph has been cut fewer times, so many; -1 without a
-/// group.
+/// Returns the part of each unknown, or -1 without a group. `levels` is lowered to the number of cuts of the
+/// graph if the graph is cut fewer times.
 std::vector<int> parts_of_unknowns(const OrderingGraph& graph, int& levels, const Context& context) {
   BisectionTree own;
   BisectionTree& cuts = graph.cuts ? *graph.cuts : own;
@@ -26,7 +26,7 @@ std::vector<int> parts_of_unknowns(const OrderingGraph& graph, int& levels, cons
   return part;
 }
 
-/// An entry of the matrix across a cut.
+/// An entry of the matrix that crosses a cut.
 struct Crossing {
   int left, right;  ///< unknowns
 };
@@ -63,7 +63,7 @@ std::vector<int> fewest_touching(std::span<const Crossing> crossings, std::vecto
   return touching;
 }
 
-/// Numbers the sets of a full binary tree in postorder; `set` has one entry per level and prefix.
+/// Numbers the sets of a full binary tree in postorder. `set` has one entry per level and prefix.
 int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::vector<int>& parent) {
   int left = -1, right = -1;
   if (level + 1 < static_cast<int>(set.size())) {
@@ -89,7 +89,7 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
   while ((lower.rows() >> levels) > most_in_a_leaf && (groups >> levels) > fewest_groups_in_a_leaf) ++levels;
   const std::vector<int> part = parts_of_unknowns(graph, levels, context);
 
-  // The entries across each level's cuts.
+  // Collects the entries that cross the cuts of each level.
   std::vector<std::vector<Crossing>> crossings(static_cast<std::size_t>(levels));
   for (int column = 0; column < static_cast<int>(count); ++column) {
     for (NormalMatrix::InnerIterator entry(lower, column); entry; ++entry) {
@@ -101,7 +101,7 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
     }
   }
 
-  // Separators from the first cut on: what is in one couples no sides of later cuts.
+  // Chooses separators from the first cut on. Unknowns of a separator do not couple the sides of later cuts.
   std::vector<int> level_of(count, levels), position(count, -1);
   for (int level = 0; level < levels; ++level) {
     std::erase_if(crossings[level], [&](const Crossing& crossing) {
@@ -115,7 +115,7 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
   std::vector<std::vector<int>> set(static_cast<std::size_t>(levels) + 1);
   for (int level = 0; level <= levels; ++level) set[level].resize(std::size_t{1} << level);
   const int root = number_sets(0, 0, set, dissection.parent);
-  dissection.parent[root] = root + 1;  // unknowns without a group
+  dissection.parent[root] = root + 1;  // set of the unknowns without a group
   dissection.parent.push_back(-1);
   dissection.unknowns.resize(dissection.parent.size());
   dissection.set_of.resize(count);

@@ -17,8 +17,8 @@ namespace meshgraft {
 
 namespace {
 
-/// Held around every call of METIS: it seeds and draws the C library's random numbers, so its results are the
-/// same every time only while nobody else draws them.
+/// The mutex held around every call of METIS. METIS seeds and draws the C library's random numbers, so its
+/// results are repeatable only if no other thread draws any.
 std::mutex& metis_mutex() {
   static std::mutex mutex;
   return mutex;
@@ -56,7 +56,7 @@ BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context
     input->offsets.push_back(static_cast<idx_t>(input->neighbours.size()));
   }
   input->part.assign(static_cast<std::size_t>(vertices), 0);
-  if (levels > 0)  // METIS does not take a single part
+  if (levels > 0)  // METIS rejects a partition into one part
     run_abandonable(
         [input, vertices, levels]() mutable {
           idx_t constraints = 1, parts = idx_t{1} << levels, cut_edges = 0;
@@ -65,7 +65,7 @@ BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context
           const int status = METIS_PartGraphRecursive(
               &vertices, &constraints, input->offsets.data(), input->neighbours.data(), input->weights.data(),
               nullptr, nullptr, &parts, nullptr, nullptr, options.data(), &cut_edges, input->part.data());
-          // Where nothing is cut, minimum degree is left alone.
+          // On failure nothing is cut, and minimum degree orders all unknowns.
           if (status != METIS_OK) std::fill(input->part.begin(), input->part.end(), 0);
         },
         context);
@@ -104,7 +104,7 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
   input->order.resize(count);
   std::iota(input->order.begin(), input->order.end(), 0);
   input->inverse_permutation = input->order;
-  if (!input->neighbours.empty())  // METIS does not take a graph without edges
+  if (!input->neighbours.empty())  // METIS rejects a graph without edges
     run_abandonable(
         [input] {
           auto vertices = static_cast<idx_t>(input->order.size());

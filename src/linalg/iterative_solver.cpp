@@ -19,10 +19,10 @@ namespace meshgraft {
 
 namespace {
 
-/// One number for each of four columns.
+/// One number per column.
 using FourNumbers = Eigen::Array<double, 1, 4>;
 
-/// Column by column Σ x y, in parts of fixed size so that rounding does not depend on the threads.
+/// Computes Σ x y per column, in parts of fixed size so that rounding does not depend on the threads.
 FourNumbers dot(const FourColumns& x, const FourColumns& y, const Context& context) {
   constexpr Eigen::Index part_size = 8192;
   const auto parts = static_cast<std::size_t>((x.rows() + part_size - 1) / part_size);
@@ -45,7 +45,7 @@ FourNumbers dot(const FourColumns& x, const FourColumns& y, const Context& conte
   return total;
 }
 
-/// y ← factor y + x · scale, column by column.
+/// Computes y ← y_scale y + x_scale x, column by column.
 void combine(const FourNumbers& y_scale, FourColumns& y, const FourNumbers& x_scale, const FourColumns& x,
              const Context& context) {
   parallel_blocks(
@@ -57,9 +57,9 @@ void combine(const FourNumbers& y_scale, FourColumns& y, const FourNumbers& x_sc
       context, 16384);
 }
 
-/// Conjugate gradients (Hestenes and Stiefel 1952) on up to four columns at once, each with its own scalars.
-/// Preconditioned by two grids: a Gauss-Seidel sweep, the exact solution on the coarse grid, a sweep the other
-/// way.
+/// Solves by conjugate gradients (Hestenes and Stiefel 1952) on up to four columns at once, each with its own
+/// scalars. The preconditioner is a two-grid method: a Gauss-Seidel sweep, the exact solution on the coarse
+/// grid, and a backward sweep.
 class IterativeSolver final : public LinearSolver {
  public:
   void analyse(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) override {
@@ -101,7 +101,7 @@ class IterativeSolver final : public LinearSolver {
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
                         const Context& context) const override {
-    const SingleThreadedBlas single_threaded(context);  // once, not in every solve on the coarse grid
+    const SingleThreadedBlas single_threaded(context);  // once, not in every coarse solve
     Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
     int iterations = 0;
     for (Eigen::Index first = 0; first < rhs.cols(); first += 4) {
@@ -127,7 +127,7 @@ class IterativeSolver final : public LinearSolver {
     return rows;
   }
 
-  /// z = M⁻¹ r, symmetric and positive definite.
+  /// The scratch data of the preconditioner z = M⁻¹ r, which is symmetric and positive definite.
   struct Workspace {
     FourColumns s, e;
   };
@@ -139,7 +139,7 @@ class IterativeSolver final : public LinearSolver {
     matrix_->sweep_backward(work.e, work.s, z, context);
   }
 
-  /// Writes the solution for `columns` of `rhs` from `first` on; returns the number of iterations.
+  /// Writes the solution for `columns` columns of `rhs` from `first` on. Returns the number of iterations.
   int solve_four(const Eigen::MatrixXd& rhs, Eigen::Index first, Eigen::Index columns,
                  const SolveOptions& options, Eigen::MatrixXd& solution, const Context& context) const {
     constexpr int most_iterations = 1000;

@@ -42,7 +42,7 @@ double one_norm(const NormalMatrix& lower) {
 double estimate_condition(double norm, const LinearSolver& solver, const Context& context) {
   const Eigen::Index n = solver.statistics().unknowns;
   if (n == 0) return 1;
-  // Hager's ascent for ‖N⁻¹‖₁; N is symmetric, so one kind of solve serves both of its steps.
+  // Hager's ascent for ‖N⁻¹‖₁. N is symmetric, so the same solve serves both of its steps.
   Eigen::VectorXd x = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
   double inverse_norm = 0;
   constexpr int most_steps = 5;

@@ -19,7 +19,8 @@ namespace meshgraft {
 
 namespace {
 
-/// The supernode of each one's first row below its own, -1 where there is none.
+/// Returns the parent of each supernode, or -1 at roots. The parent contains the supernode's first row below
+/// its own.
 std::vector<int> parents(const SupernodalPattern& pattern) {
   std::vector<int> node_at(pattern.order.size()), parent;
   for (int node = 0; node < pattern.supernodes(); ++node)
@@ -33,7 +34,7 @@ std::vector<int> parents(const SupernodalPattern& pattern) {
   return parent;
 }
 
-/// Operations that each supernode takes.
+/// Estimates the operations per supernode.
 std::vector<double> work(const SupernodalPattern& pattern) {
   std::vector<double> operations;
   for (int node = 0; node < pattern.supernodes(); ++node) {
@@ -45,7 +46,7 @@ std::vector<double> work(const SupernodalPattern& pattern) {
   return operations;
 }
 
-/// Memory for update matrices, used again where it can be: pages that were never touched are dear.
+/// A pool of memory for update matrices. Reuse avoids the cost of touching fresh pages.
 class UpdateStore {
  public:
   struct Block {
@@ -58,7 +59,8 @@ class UpdateStore {
     auto fitting = free_.lower_bound(size);
     if (fitting != free_.end() && fitting->first > 2 * size + 10'000) fitting = free_.end();
     if (fitting == free_.end()) {
-      // In the place of the largest one that is too small: sizes grow up the tree.
+      // Frees the largest of the blocks that are too small before the allocation, because sizes grow up the
+      // tree.
       if (auto smaller = free_.lower_bound(size); smaller != free_.begin()) {
         --smaller;
         total_ -= smaller->first;
@@ -92,7 +94,7 @@ class UpdateStore {
 struct MultifrontalFactor::Front {
   int first = 0, columns = 0, rows = 0;
   const int* positions = nullptr;  ///< of its rows
-  double* panel = nullptr;         ///< rows×columns, column by column
+  double* panel = nullptr;         ///< rows×columns, column-major
 
   int below() const { return rows - columns; }
   std::int64_t update_size() const { return static_cast<std::int64_t>(below()) * below(); }
@@ -121,14 +123,14 @@ MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
   }
 }
 
-/// What one factorisation works with.
+/// The data of one factorisation.
 struct MultifrontalFactor::Elimination {
   LowerEntries entries;
   UpdateStore store;
-  std::vector<UpdateStore::Block> updates;  ///< of supernodes whose parent has not taken them yet
+  std::vector<UpdateStore::Block> updates;  ///< per supernode, until its parent has added it
 };
 
-/// The supernode's columns of the matrix; `row_at` tells the front's row of a position.
+/// Copies the supernode's columns of the matrix to the panel. `row_at` gives the front's row of a position.
 void MultifrontalFactor::gather_panel(const Front& f, const LowerEntries& entries,
                                       const std::vector<int>& row_at) const {
   std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
@@ -137,8 +139,8 @@ void MultifrontalFactor::gather_panel(const Front& f, const LowerEntries& entrie
       f.panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] = entries.value[e];
 }
 
-/// Adds the columns of the children's updates that fall into columns [from, to) of the front to `target`, which
-/// holds the front's rows and columns from `shift` on, `stride` rows a column.
+/// Adds the columns of the children's updates that fall into columns [from, to) of the front to `target`.
+/// `target` holds the front's rows and columns from `shift` on, with `stride` rows per column.
 void MultifrontalFactor::add_updates(int node, int from, int to, const std::vector<int>& row_at,
                                      const Elimination& elimination, double* target, int shift,
                                      int stride) const {
@@ -159,8 +161,8 @@ void MultifrontalFactor::add_updates(int node, int from, int to, const std::vect
   }
 }
 
-/// Children's updates that fall into the panel are added before it is factorised, the others once the front's
-/// own update is formed.
+/// Eliminates a supernode. The children's updates in the panel are added before its factorisation, the others
+/// after the front's own update is formed.
 void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Elimination& elimination,
                                    const Context& context) const {
   const Front f = front(node);
@@ -229,10 +231,10 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
   return result;
 }
 
-/// x ← L⁻ᵀ L⁻¹ x, by positions.
+/// Computes x ← L⁻ᵀ L⁻¹ x, with rows indexed by position.
 void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) const {
   const auto width = static_cast<int>(x.cols());
-  // Of each supernode, what its columns subtract from the rows below (in a front of its own).
+  // Per supernode, in its own front: the amounts that its columns subtract from the rows below.
   std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
   forest_.visit_up(
       [&](int node) {

@@ -12,10 +12,11 @@
 
 namespace meshgraft {
 
-/// Cholesky factor P N Pᵀ = L Lᵀ by the multifrontal method (Duff & Reid 1983; Liu 1992): up the elimination
-/// tree, each supernode gathers its columns of N and its children's updates in a dense front, eliminates its
-/// own columns and hands what is left to its parent. Subtrees run at the same time, and so do the tiles of
-/// large fronts. Sums have a fixed order, so the result does not depend on the number of threads.
+/// The Cholesky factor P N Pᵀ = L Lᵀ by the multifrontal method (Duff & Reid 1983; Liu 1992). The
+/// factorisation goes up the elimination tree. Each supernode gathers its columns of N and its children's
+/// updates in a dense front. It eliminates its own columns and passes the remaining update to its parent.
+/// Subtrees run in parallel, and so do the tiles of large fronts. Sums have a fixed order, so the result does
+/// not depend on the number of threads.
 class MultifrontalFactor {
  public:
   explicit MultifrontalFactor(SupernodalPattern pattern);
@@ -23,11 +24,11 @@ class MultifrontalFactor {
   /// Throws Error(unsolvable) if N is not positive definite.
   void factorise(const NormalMatrix& lower, const Context& context);
 
-  /// N⁻¹ of all columns of `rhs`. Safe to call from several threads at once.
+  /// Returns N⁻¹ times all columns of `rhs`. Safe to call from several threads at once.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const;
 
   const SupernodalPattern& pattern() const { return pattern_; }
-  std::int64_t peak_bytes() const { return peak_bytes_; }  ///< of values and updates, at the last factorisation
+  std::int64_t peak_bytes() const { return peak_bytes_; }  ///< values and updates of the last factorisation
 
  private:
   struct Front;
@@ -40,9 +41,9 @@ class MultifrontalFactor {
   void substitute(Eigen::MatrixXd& x, const Context& context) const;
 
   SupernodalPattern pattern_;
-  std::vector<int> inverse_permutation_;   ///< of each unknown
-  std::vector<int> parent_;                ///< of each supernode, -1 at roots
-  std::vector<std::int64_t> panel_begin_;  ///< of each supernode's columns in `values_`; one more at the end
+  std::vector<int> inverse_permutation_;   ///< per unknown: its position
+  std::vector<int> parent_;                ///< per supernode, -1 at roots
+  std::vector<std::int64_t> panel_begin_;  ///< per supernode: index in `values_`; one more at the end
   std::vector<std::vector<int>> children_;
   TaskForest forest_;
   std::unique_ptr<double[]> values_;

@@ -37,7 +37,7 @@ class MultifrontalSolver final : public LinearSolver {
   SolverStatistics statistics() const override { return statistics_; }
 
  private:
-  /// By the ordering that pays for the size of the matrix (docs/performance.md).
+  /// Chooses the ordering that is fastest for the size of the matrix (docs/performance.md).
   SupernodalPattern find_pattern(const NormalMatrix& lower, const OrderingGraph& graph,
                                  const Context& context) {
     constexpr Eigen::Index fewest_to_dissect = 8'000, fewest_for_metis = 50'000;

@@ -27,7 +27,7 @@ void require_countable(std::int64_t entries) {
                 "Choose a smaller region");
 }
 
-/// Sums sparse rows in a dense array and hands the touched columns out sorted.
+/// Sums sparse rows in a dense array. Returns the touched columns sorted.
 class RowAccumulator {
  public:
   explicit RowAccumulator(Eigen::Index columns) : values_(columns, 0.0), touched_in_(columns, -1) {}
@@ -50,7 +50,7 @@ class RowAccumulator {
     return touched_;
   }
   double operator[](int column) const { return values_[column]; }
-  /// As a sparse row whose columns come in the order in which they were first touched.
+  /// Returns a sparse row whose columns are in the order in which they were first touched.
   SparseRow row() {
     gathered_.clear();
     for (const int column : touched_) gathered_.push_back(values_[column]);
@@ -64,11 +64,11 @@ class RowAccumulator {
   std::int64_t row_ = -1;
 };
 
-/// Rows of b that follow each other and have the same columns, as those of one vertex's map have, are taken
-/// together: each place of the sum is then looked up once for all of them.
+/// Consecutive rows of b with the same columns, such as those of one vertex's map, are added together. Each
+/// entry of the sum is then looked up once for all of them.
 constexpr int most_together = 3;
 
-/// For each row, how many from it on (at most three) have the same columns.
+/// Returns for each row the number of rows from it on (at most three) that have the same columns.
 Flags rows_alike(const SparseRows& b, const Context& context) {
   const int* outer = b.outerIndexPtr();
   const int* inner = b.innerIndexPtr();
@@ -101,7 +101,7 @@ SparseRow row_of(const SparseRows& matrix, Eigen::Index row) {
   return {{matrix.innerIndexPtr() + begin, static_cast<std::size_t>(end - begin)}, matrix.valuePtr() + begin};
 }
 
-/// sum += factor · a·b, from column `first` on.
+/// Computes sum += factor · a·b from column `first` on.
 void add_product(const SparseRow& a, const Factor& b, double factor, int first, RowAccumulator& sum) {
   const int* outer = b.rows.outerIndexPtr();
   for (std::size_t k = 0; k < a.columns.size();) {
@@ -130,15 +130,16 @@ void add_product(const SparseRow& a, const Factor& b, double factor, int first, 
   }
 }
 
-/// Rows of a sum of products, in blocks so that no two threads write to the same place.
+/// Rows of a sum of products, stored in blocks so that no two threads write to the same memory.
 struct ProductRows {
   std::vector<std::int64_t> offsets;            // rows + 1
-  std::vector<std::vector<int>> block_columns;  // per block, its rows one after another
+  std::vector<std::vector<int>> block_columns;  // per block: its rows one after another
   std::vector<std::vector<double>> block_values;
   static constexpr std::size_t block_size = 256;
 };
 
-/// `add_row(row, sum, inner)` adds up a row in `sum`; `inner` is a second accumulator for what it needs.
+/// Computes rows of a product: `add_row(row, sum, inner)` adds up a row in `sum`. `inner` is a second
+/// accumulator for intermediate sums.
 template <typename AddRow>
 ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, Eigen::Index inner_columns,
                           const AddRow& add_row, const Context& context) {
@@ -181,7 +182,7 @@ ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, Eigen::Index i
   return result;
 }
 
-/// Moves the blocks into one compressed matrix, freeing each as it goes.
+/// Moves the blocks into one compressed matrix and frees each block once it is copied.
 template <typename Matrix>
 Matrix compress(ProductRows&& product, Eigen::Index rows, Eigen::Index columns, const Context& context) {
   using StorageIndex = typename Matrix::StorageIndex;
@@ -237,7 +238,7 @@ NormalMatrix normal_equations(const SparseRows& A_transposed, const SparseRows& 
                               const SparseRows& G_transposed, const SparseRows& K, const SparseRows& G,
                               const Context& context) {
   const Factor right_A(A, context), right_K(K, context), right_G(G, context);
-  // The upper triangle by rows is the lower one by columns.
+  // The upper triangle by rows is the lower triangle by columns.
   return compress<NormalMatrix>(multiply_rows(
                                     static_cast<std::size_t>(A.cols()), A.cols(), K.cols(),
                                     [&](Eigen::Index row, RowAccumulator& sum, RowAccumulator& inner) {
@@ -253,7 +254,7 @@ NormalMatrix normal_equations(const SparseRows& A_transposed, const SparseRows& 
 
 namespace {
 
-/// Columns [first, first + width) of a·x.
+/// Computes columns [first, first + width) of a·x.
 template <int width>
 void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Columns& y,
                       const Context& context) {
@@ -277,7 +278,7 @@ void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first,
 }  // namespace
 
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context) {
-  // Widths that are known when compiled: sums stay in registers, and nothing is allocated per row.
+  // Widths are compile-time constants, so that sums stay in registers and no row allocates memory.
   Columns y(a.rows(), x.cols());
   Eigen::Index first = 0;
   while (const Eigen::Index left = x.cols() - first) {

@@ -63,8 +63,8 @@ LowerEntries permute(const NormalMatrix& lower, std::span<const int> inverse_per
 
 namespace {
 
-/// For unknowns of leaves, the unknowns of separators with a smaller number that they are coupled with: those
-/// that their own columns of the lower triangle do not have.
+/// Returns for each unknown of a leaf the unknowns of separators with a smaller number that it is coupled
+/// with. These are missing from the leaf's own columns of the lower triangle.
 std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower, const Dissection& dissection) {
   std::vector<std::vector<int>> couplings(static_cast<std::size_t>(lower.cols()));
   for (int set = 0; set < dissection.sets(); ++set) {
@@ -76,8 +76,8 @@ std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower,
   return couplings;
 }
 
-/// Minimum degree within a leaf; what lies around it counts, but is not eliminated. `local` is all -1, before
-/// and after.
+/// Orders a leaf by minimum degree. Unknowns around it add to the degrees but are not eliminated. `local` is
+/// all -1 before and after.
 void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
                 const std::vector<std::vector<int>>& couplings, std::vector<int>& local) {
   std::vector<int> around, begin{0}, rows, constraints;
@@ -99,7 +99,7 @@ void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
   const auto count = own + static_cast<int>(around.size());
   for (const int unknown : around) local[unknown] = -1;
   for (const int unknown : leaf) local[unknown] = -1;
-  if (rows.empty()) return;  // which CAMD does not take
+  if (rows.empty()) return;  // CAMD rejects an empty graph
   begin.resize(static_cast<std::size_t>(count) + 1, begin.back());
   constraints.assign(static_cast<std::size_t>(own), 0);
   constraints.resize(static_cast<std::size_t>(count), 1);
@@ -116,13 +116,13 @@ void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
 struct Supernode {
   int first = 0, columns = 0;
   std::vector<int> rows;  ///< positions, ascending, its own first
-  double zeros = 0;       ///< stored for a simpler structure
+  double zeros = 0;       ///< explicit zeros that merging stores
 
   int below() const { return static_cast<int>(rows.size()) - columns; }
   int parent_position() const { return rows[columns]; }
 };
 
-/// A set of positions that is emptied at no cost.
+/// A set of positions that is cleared in constant time.
 class PlaceSet {
  public:
   explicit PlaceSet(std::size_t count) : stamp_(count, 0) {}
@@ -142,15 +142,15 @@ class PlaceSet {
   int now_ = 0;
 };
 
-/// Supernodes of the positions first … last−1, eliminated one by one (fundamental supernodes). A position joins
-/// the supernode before it if it is that one's parent and has no row that is new.
+/// Returns the fundamental supernodes of the positions first … last−1, eliminated one by one. A position
+/// joins the preceding supernode if it is that supernode's parent and adds no new row.
 std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, PlaceSet& seen) {
   std::vector<Supernode> nodes;
   std::vector<std::vector<int>> children(static_cast<std::size_t>(last - first));
   for (int position = first; position < last; ++position) {
     const bool follows =
         !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_position() == position;
-    if (!follows) seen.clear();  // else these are the rows of the supernode before it
+    if (!follows) seen.clear();  // else the set holds the rows of the preceding supernode
     seen.add(position);
     const std::size_t known = seen.positions().size();
     for (std::int64_t e = entries.begin[position]; e < entries.begin[position + 1]; ++e)
@@ -175,9 +175,9 @@ std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntr
   return nodes;
 }
 
-/// Merges supernodes into the next one, their parent, where few zeros are stored for it.
+/// Merges supernodes into the next one if that is their parent and the merge stores few zeros.
 std::vector<Supernode> merge(std::vector<Supernode> nodes) {
-  std::vector<Supernode> merged;  // last one first
+  std::vector<Supernode> merged;  // in reverse order
   for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
     if (!merged.empty() && node->below() > 0) {
       Supernode& next = merged.back();
@@ -201,7 +201,7 @@ std::vector<Supernode> merge(std::vector<Supernode> nodes) {
   return merged;
 }
 
-/// The nodes of a forest, every subtree in one piece that ends with its root.
+/// Returns the nodes of a forest in postorder: each subtree is contiguous and ends with its root.
 std::vector<int> postorder(const std::vector<int>& parent) {
   const auto count = static_cast<int>(parent.size());
   std::vector<int> last_child(parent.size() + 1, -1), sibling_before(parent.size());
@@ -223,10 +223,11 @@ std::vector<int> postorder(const std::vector<int>& parent) {
   return sequence;
 }
 
-/// The first row below each column of the factor, -1 where there is none (Liu 1990, with compressed paths).
+/// Returns the first row below each column of the factor, or -1 if there is none (Liu 1990, with compressed
+/// paths).
 std::vector<int> elimination_tree(const NormalMatrix& lower, const std::vector<int>& order,
                                   const Context& context) {
-  // With the positions counted from the last, columns of the lower triangle are what rows are otherwise.
+  // With positions counted from the end, columns of the lower triangle take the role of rows.
   const auto count = static_cast<int>(order.size());
   std::vector<int> backwards(order.size());
   for (int position = 0; position < count; ++position) backwards[order[position]] = count - 1 - position;
@@ -246,9 +247,9 @@ std::vector<int> elimination_tree(const NormalMatrix& lower, const std::vector<i
   return parent;
 }
 
-/// The supernodes with every subtree in one piece: between those of a set, some may have parents further up
-/// than the others have. Rows stay ascending, for a supernode's rows are its ancestors' and those keep their
-/// order.
+/// Returns the supernodes in postorder, in which every subtree is contiguous. Supernodes of one set may have
+/// parents at different levels, so they are reordered. Rows stay ascending, because a supernode's rows belong
+/// to its ancestors, which keep their order.
 SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const std::vector<int>& order) {
   const auto count = static_cast<int>(nodes.size());
   std::vector<int> node_at(order.size()), parent(nodes.size(), -1);
@@ -305,7 +306,8 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissec
   first_of_set.push_back(static_cast<int>(count));
   const LowerEntries entries = permute(lower, inverse_permutation, false, context);
 
-  // Up the tree: each set's supernodes, and of all those below it the ones whose parent is still to come.
+  // Goes up the tree. Each set gets its own supernodes, and the supernodes of descendants whose parent is
+  // further up.
   struct Reach {
     int set, node;
   };

@@ -12,7 +12,7 @@ namespace meshgraft {
 
 namespace {
 
-/// Unit tangents of a closed polyline, by central differences.
+/// Returns the unit tangents of a closed polyline, by central differences.
 Points tangents(const Points& points) {
   const Eigen::Index count = points.rows();
   Points result(count, 3);
@@ -21,7 +21,8 @@ Points tangents(const Points& points) {
   return result;
 }
 
-/// Columns: unit tangent, unit normal made orthogonal to it, their cross product.
+/// Returns a tangent frame. Its columns are the unit tangent, the unit normal made orthogonal to it, and
+/// their cross product.
 Eigen::Matrix3d frame(const Eigen::RowVector3d& tangent, const Eigen::RowVector3d& normal) {
   Eigen::Matrix3d axes;
   axes.col(0) = tangent.stableNormalized().transpose();
@@ -31,7 +32,7 @@ Eigen::Matrix3d frame(const Eigen::RowVector3d& tangent, const Eigen::RowVector3
   return axes;
 }
 
-/// Share of the loop's length at each vertex.
+/// Returns the share of the loop's length at each vertex.
 Eigen::VectorXd length_shares(const Points& points) {
   const Eigen::Index count = points.rows();
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(count);
@@ -70,7 +71,7 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
   const LoopSize source_size(source.points), target_size(target.points);
   const Points source_tangents = tangents(source.points), target_tangents = tangents(target.points);
   const Points there = places_of(target.points, correspondence);
-  constexpr double near_centre = 0.1;  // × the radius: ratios of short distances say nothing
+  constexpr double near_centre = 0.1;  // × the radius: ratios of short distances are unreliable
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index i = 0; i < there.rows(); ++i) {
     const double parameter = correspondence.loop_parameter[static_cast<std::size_t>(i)];
@@ -82,7 +83,7 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
     Eigen::Matrix3d transform = scale * Eigen::Matrix3d::Identity();
     if (options.pose == MergePose::find) {
       const Eigen::RowVector3d listed =
-          at(target_tangents, parameter);  // the matched direction is the other one
+          at(target_tangents, parameter);  // the matched direction runs against it
       Eigen::RowVector3d normal = at(target.normals, parameter);
       if (options.normal_angle_deg != 0)
         normal = normal * Eigen::AngleAxisd(options.normal_angle_deg * std::numbers::pi / 180,

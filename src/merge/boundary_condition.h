@@ -10,20 +10,22 @@
 
 namespace meshgraft {
 
-/// What a pair of loops asks of each source loop vertex, in its order: the place v' on the target loop and the
-/// local transform W = S R (FT05 5.1). R turns the frame at v (tangent, normal, their cross product) into the
-/// frame at v', S is the ratio of their distances to the loops' centres; with `MergePose::keep` R = I (5.2).
+/// Options of the constraints that a pair of loops puts on each source loop vertex v, in loop order. The
+/// position is the point v' on the target loop, the local transform is W = S R (FT05 5.1). R turns the
+/// tangent frame at v (tangent, normal, their cross product) into that at v'. S is the ratio of the distances
+/// of v' and v to the centres of their loops. With `MergePose::keep`, R = I (5.2).
 struct BoundaryOptions {
   MergePose pose = MergePose::find;
-  std::optional<double> scale{};  ///< S, where it is given
-  double normal_angle_deg = 0;    ///< turns the target's normals, right hand about its listed direction
+  std::optional<double> scale{};  ///< S, if prescribed
+  double normal_angle_deg = 0;    ///< rotates the target's normals, right hand about its listed direction
 };
 std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const LoopGeometry& source,
                                                    const LoopGeometry& target,
                                                    const Correspondence& correspondence,
                                                    const BoundaryOptions& options);
 
-/// The similarity that takes loops with their normals to their places best. I where they leave it open.
+/// Returns the similarity that best maps the source loops with their normals onto the target loops. Returns I
+/// where the loops do not determine it.
 Similarity pose_of_boundary(std::span<const LoopGeometry> sources, std::span<const LoopGeometry> targets,
                             std::span<const Correspondence> correspondences, std::optional<double> scale);
 

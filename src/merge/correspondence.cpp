@@ -26,13 +26,14 @@ Index place_in(const std::vector<Index>& loop, Index vertex) {
   return found == loop.end() ? -1 : static_cast<Index>(found - loop.begin());
 }
 
-/// A matched pair of vertices by their numbers on the loops.
+/// A matched pair of vertices, as loop indices.
 struct Knot {
   Index source = -1, target = -1;
   auto operator<=>(const Knot&) const = default;
 };
 
-/// Between matched vertices both loops are measured by length (FT05 5.1); the target is run along backwards.
+/// Returns a loop parameter on the target per source loop vertex. Between matched vertices both loops are
+/// parametrised by arc length (FT05 5.1). The target loop is traversed backwards.
 std::vector<double> parameters_between(std::span<const Knot> knots, const LoopCurve& source,
                                        const LoopCurve& target) {
   std::vector<double> parameters(static_cast<std::size_t>(source.size()));
@@ -132,8 +133,8 @@ Samples sample(const LoopGeometry& loop, bool backwards) {
   return samples;
 }
 
-/// What a start costs: 0 where a similarity maps the loops, with their normals, onto one another, 2 at worst.
-/// Position k of the profile: source sample i meets target sample i + k.
+/// The cost of each start: 0 where a similarity maps the loops, with their normals, onto one another, at most
+/// 2. At index k of the profile, source sample i meets target sample i + k.
 using Profile = std::vector<double>;
 
 constexpr double normal_weight = 0.5;
@@ -145,7 +146,7 @@ Eigen::Matrix3d covariance(const Points& source, const Points& target, int shift
   return sum / sample_count;
 }
 
-/// Largest trace of Rᵀ H over rotations R.
+/// Returns the largest trace of Rᵀ H over rotations R.
 double best_trace(const Eigen::Matrix3d& H) { return (nearest_rotation(H).transpose() * H).trace(); }
 
 Profile similarity_profile(const Samples& source, const Samples& target) {
@@ -158,7 +159,7 @@ Profile similarity_profile(const Samples& source, const Samples& target) {
   return profile;
 }
 
-/// The same where the similarity is known: x ↦ scale · rotation · x + translation.
+/// Returns the profile for a given similarity: x ↦ scale · rotation · x + translation.
 Profile posed_profile(const Samples& source, const Samples& target, const Similarity& pose) {
   const Points points = (pose.scale * source.radius * source.points * pose.rotation.transpose()).rowwise() +
                         (pose.scale * pose.rotation * source.centre.transpose() + pose.translation).transpose();
@@ -178,15 +179,15 @@ Profile posed_profile(const Samples& source, const Samples& target, const Simila
 
 struct Start {
   int shift = 0;
-  double confidence = 0;  ///< 1 where no other start is any good, 0 where one costs as much
+  double confidence = 0;  ///< 1: every other start is bad; 0: another one costs as much
 };
 
-/// The best shift, and how far the next best one stands behind: another least value a twelfth of a turn away or
-/// farther, as a share of the profile's range. Near 0 for a circle, which has no range, and for an ellipse,
-/// which fits as well turned by half.
+/// Returns the best shift and its confidence. The confidence is the distance to the next best local minimum,
+/// at least a twelfth of a turn away, relative to the profile's range. It is near 0 for a circle, whose
+/// profile has no range, and for an ellipse, which fits equally well after half a turn.
 Start best_start(const Profile& profile) {
   constexpr int apart = sample_count / 12;
-  constexpr double noise = 1e-3;  // what different tessellations of one curve may differ by
+  constexpr double noise = 1e-3;  // differences that tessellations of one curve may cause
   const auto value = [&](int k) {
     return profile[static_cast<std::size_t>((k + sample_count) % sample_count)];
   };
@@ -204,11 +205,11 @@ Start best_start(const Profile& profile) {
   return start;
 }
 
-/// Confidence below which a start is no better than a guess.
+/// Confidence below which a start is considered a guess.
 constexpr double distinguished = 0.03;
 
-/// The similarity that several pairs share: from the middles and axes of all, and the shapes of those whose
-/// start is distinguished. False where that leaves it open.
+/// Computes the similarity that several pairs share. It uses the centres and axes of all pairs, and the
+/// shapes of those whose start is distinguished. Returns false where they do not determine it.
 bool common_similarity(std::span<const Samples> sources, std::span<const Samples> targets,
                        std::span<const Start> starts, Similarity& common) {
   const auto rows = static_cast<Eigen::Index>(sources.size() * (sample_count + 2));
@@ -230,8 +231,8 @@ bool common_similarity(std::span<const Samples> sources, std::span<const Samples
   return fit_similarity(from, to, weights, common);
 }
 
-/// Source loop vertices, where they come to lie for a start at a pair of vertices, and what that costs:
-/// exactly, where the profile was sampled.
+/// Returns the cost of a start at a pair of vertices, evaluated at the source loop vertices and their target
+/// points. It is the exact value that the profile samples.
 double cost_of(const std::vector<double>& parameters, const LoopGeometry& source, const LoopGeometry& target,
                const Similarity* pose) {
   const Eigen::Index count = source.points.rows();
@@ -266,7 +267,7 @@ double cost_of(const std::vector<double>& parameters, const LoopGeometry& source
   return 1 - best_trace(H + normal_weight * normals) / (1 + normal_weight);
 }
 
-/// The best start at a pair of vertices near a sampled shift.
+/// Returns the best start at a pair of vertices near a sampled shift.
 Correspondence start_at_vertices(int shift, const LoopGeometry& source, const LoopGeometry& target,
                                  const Similarity* pose) {
   constexpr Index candidates = 64;
@@ -290,7 +291,7 @@ Correspondence start_at_vertices(int shift, const LoopGeometry& source, const Lo
   return best;
 }
 
-/// The start that turns the source least from where it is now.
+/// Returns the start that turns the source least from its current pose.
 int least_turn(const Samples& source, const Samples& target) {
   int best = 0;
   double most = -2;

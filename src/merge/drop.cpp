@@ -21,7 +21,7 @@ std::int64_t count_pairs(const Mesh& mesh, std::span<const Index> vertices, cons
   return count_self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
 }
 
-/// One try in one size.
+/// One attempt at one size.
 struct Trial {
   OpenedHole hole;
   DropResult drop;
@@ -99,7 +99,7 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
       best = std::move(other);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
-      continue;  // this size does not fit
+      continue;  // the source does not fit in this size
     }
     best.drop.notes.push_back(fmt::format(
         "the part is scaled by {:.3g}: larger, it turns inside out or cuts into the target", *trying.size));
@@ -109,7 +109,7 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
                 fmt::format("the part turns inside out at {} vertices beside the hole, at size {:.3g}",
                             best.inverted(), best.hole.size),
                 "surface_point", "Name another place, or a smaller size");
-  // From the closed target on.
+  // Composes the target's map from the closed target, before the hole was cut.
   IndexMap& map = best.drop.merge.target;
   IndexMap from_closed = best.hole.vertex;
   for (Index& v : from_closed.new_index)

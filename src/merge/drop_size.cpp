@@ -13,7 +13,7 @@ namespace meshgraft {
 
 namespace {
 
-constexpr double roomy = 0.85;  // a hole of this width × the outline's is flat enough for it
+constexpr double roomy = 0.85;  // × the outline's width: a hole at least this wide is flat enough for it
 
 double rounded_to_three_digits(double size) { return std::stod(fmt::format("{:.3g}", size)); }
 

@@ -10,7 +10,7 @@
 
 namespace meshgraft {
 
-/// Sizes are tried in this ratio, each to the one before.
+/// Ratio of each size that is tried to the previous one.
 inline constexpr double next_size_ratio = std::numbers::sqrt2 / 2;
 
 /// An outline on a target that has room for it.
@@ -21,29 +21,31 @@ struct FitResult {
   double size = 1;
 };
 
-/// What came of trying a size.
+/// The result of trying a size.
 struct SizeTrial {
-  std::shared_ptr<const FitResult> fit;  ///< null where there is no room
-  std::string misfit;                    ///< why there is none
+  std::shared_ptr<const FitResult> fit;  ///< null where the outline has no room
+  std::string misfit;                    ///< reason, where `fit` is null
 };
 
-/// Sizes that a loop may have on a target at all.
+/// The range of sizes that are tried for a loop on a target.
 struct SizeRange {
   SizeRange(const Mesh& target, const FlatLoop& loop);
   double least, largest;
 };
 
-/// Tries sizes of a loop at one point of a target. Keeps references to them.
+/// Tries sizes of a loop at one point of a target. Keeps references to its arguments.
 class SizeSearch {
  public:
-  /// The chart is made once, for sizes up to `largest`.
+  /// Makes the chart once, for sizes up to `largest`.
   SizeSearch(const Mesh& target, const FlatLoop& loop, const Drop& drop, double largest,
              const Context& context);
 
-  /// Without `may_widen` the hole has to be as wide as the loop without having been widened much.
+  /// Tries a size. Without `may_widen` the hole must be as wide as the loop without widening the outline
+  /// much.
   SizeTrial at(double size, bool may_widen) const;
 
-  /// The largest size below one that does not fit, to three digits; 0 where none does.
+  /// Returns the largest size below `size` that fits, to three digits. Returns 0 where none from `least` on
+  /// fits.
   double largest_below(double size, double least) const;
 
  private:

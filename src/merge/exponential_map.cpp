@@ -13,7 +13,7 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-// A vector turned into another tangent plane the shortest way.
+// Turns a vector into another tangent plane by the smallest rotation.
 Vector transported(const Vector& vector, const Vector& from_normal, const Vector& to_normal) {
   return Eigen::Quaterniond::FromTwoVectors(from_normal.transpose(), to_normal.transpose()) *
          vector.transpose();
@@ -23,7 +23,7 @@ struct Frame {
   Vector point, normal, first_axis;
   Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();
 
-  // Where a point beside it lies: in its direction, at its whole distance.
+  // Returns the coordinates of a neighbouring point: its direction is projected, its distance is kept.
   Eigen::RowVector2d uv_of(const Vector& other) const {
     const Vector way = other - point;
     const Vector second_axis = normal.transpose().cross(first_axis.transpose()).transpose();

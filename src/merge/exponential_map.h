@@ -12,15 +12,16 @@
 
 namespace meshgraft {
 
-/// The tangent plane that a surface is spread out on.
+/// The tangent plane of an exponential map.
 struct ChartOrigin {
-  Eigen::RowVector3d point, normal, first_axis;  ///< unit vectors, orthogonal to each other
+  Eigen::RowVector3d point, normal, first_axis;  ///< unit normal and axis, orthogonal to each other
   std::vector<Index> seeds;                      ///< vertices at the point or around it
 };
 
-/// A surface of triangles around a point, spread out on the tangent plane there: distance and direction from
-/// the point along the surface (Schmidt, Grimm and Wyvill 2006). n×2; NaN for vertices that are more than an
-/// edge farther than `reach`. Places come from all neighbours that are nearer, weighted by nearness.
+/// Computes the discrete exponential map of a triangulated surface around a point: distance and direction
+/// from the point along the surface (Schmidt, Grimm and Wyvill 2006). Returns n×2; NaN for vertices that are
+/// more than an edge farther than `reach`. The coordinates of a vertex average the predictions of all nearer
+/// neighbours, weighted by inverse distance.
 PlanePoints exponential_map(const Points& positions, const Points& normals, const IndexLists& rings,
                             const ChartOrigin& origin, double reach, const Context& context);
 

@@ -19,7 +19,7 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-/// Moves a polygon's centre of area to the origin, and returns where it was.
+/// Moves a polygon's centre of area to the origin and returns its previous position.
 Eigen::RowVector2d centre(PlanePoints& polygon) {
   Eigen::RowVector2d sum = Eigen::RowVector2d::Zero();
   const Eigen::RowVector2d mean = polygon.colwise().mean();
@@ -33,7 +33,7 @@ Eigen::RowVector2d centre(PlanePoints& polygon) {
   return mean + shift;
 }
 
-/// Rounds a polygon off until it does not cross itself, and gives it its width back.
+/// Smooths a polygon until it does not cross itself, then restores its width.
 bool smooth_until_simple(PlanePoints& polygon) {
   constexpr int most_passes = 400, passes_at_once = 8;
   const double width = Outline(polygon).width();
@@ -53,7 +53,7 @@ bool smooth_until_simple(PlanePoints& polygon) {
 }
 
 FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
-  constexpr double least_area = 0.02;  // × that of a circle of the loop's length
+  constexpr double least_area = 0.02;  // × the area of a circle of the loop's length
   Points points(static_cast<Eigen::Index>(loop.size()), 3);
   for (std::size_t i = 0; i < loop.size(); ++i)
     points.row(static_cast<Eigen::Index>(i)) = source.positions.row(loop[i]);
@@ -80,7 +80,7 @@ FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
 
 FlatLoop flatten_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop) {
   std::vector<Index> loop = checked_loop(source, "source", source_loop);
-  if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // as it will be turned over
+  if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // it will be turned over
   return flatten(source, std::move(loop));
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-/// The vertices within the outline that hang together with the deepest one.
+/// Returns the vertices within the outline that are connected to the deepest one.
 std::vector<Index> connected_inside(const std::vector<double>& values, const IndexLists& rings) {
   const auto deepest = std::min_element(values.begin(), values.end());
   if (deepest == values.end() || *deepest >= 0) return {};
@@ -39,7 +39,7 @@ Footprint cover(const Outline& outline, double scale, const PlanePoints& uv, con
   std::vector<double> values(static_cast<std::size_t>(uv.rows()), scale * outline.reach());
   const double surely_outside = most_widened * scale * outline.reach();
   for (Eigen::Index v = 0; v < uv.rows(); ++v)
-    if (uv.row(v).norm() <= surely_outside)  // and not NaN
+    if (uv.row(v).norm() <= surely_outside)  // false for NaN
       values[static_cast<std::size_t>(v)] = scale * outline.signed_distance(uv.row(v) / scale);
   Footprint footprint{uv, values, connected_inside(values, rings), scale};
   for (double& value : footprint.values) value = std::abs(value);
@@ -47,7 +47,8 @@ Footprint cover(const Outline& outline, double scale, const PlanePoints& uv, con
   return footprint;
 }
 
-/// Covers with the outline as wide as it is, by widening it where the surface curves away under it.
+/// Widens the outline where the surface curves away under it, until the footprint is as wide as the outline
+/// in the plane.
 Footprint cover_as_wide(const PreparedTarget& target, const Outline& outline, double size,
                         const PlanePoints& uv) {
   constexpr int steps = 4;
@@ -60,7 +61,8 @@ Footprint cover_as_wide(const PreparedTarget& target, const Outline& outline, do
   }
 }
 
-/// Of the vertices, edges and triangles that lie wholly within the outline: 1 for a disc.
+/// Returns the Euler characteristic of the vertices, edges and triangles that lie wholly within the outline:
+/// 1 for a disc.
 std::ptrdiff_t inner_euler_characteristic(const PreparedTarget& target, const Footprint& footprint) {
   const auto is_inside = [&](Index v) { return footprint.is_inside(v); };
   std::ptrdiff_t half_edges = 0, faces = 0;

@@ -12,10 +12,10 @@ namespace meshgraft {
 
 namespace {
 
-// One loop's edges and places, opened at a start vertex.
+// One loop of a gap, opened at a start vertex.
 struct Side {
-  Points points;   // of the loop's vertices from the start on, which is repeated at the end
-  Points normals;  // of the faces beyond the edges
+  Points points;   // n+1×3, from the start vertex on, which is repeated at the end
+  Points normals;  // n×3, unit normals of the faces beyond the edges
   std::vector<Index> vertices;
   Index edges() const { return static_cast<Index>(normals.rows()); }
 };
@@ -39,20 +39,20 @@ struct Candidate {
   Eigen::RowVector3d normal;
 };
 
-// What a fold adds: 0 where flat. The weight makes a right angle about as bad as a triangle of 12°, 12° and
-// 156°.
+// Returns the cost of the fold between two unit normals: 0 where flat. The weight makes a right angle about
+// as bad as a triangle of 12°, 12° and 156°.
 double fold_cost(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b) {
   constexpr double weight = 6;
   const double cosine = a.dot(b);
-  return weight * (std::isfinite(cosine) ? 1 - cosine : 2);  // beside a face that is not finite
+  return weight * (std::isfinite(cosine) ? 1 - cosine : 2);  // 2 where a normal is not finite
 }
 
-// The sum of the angles' cotangents (the harmonic index), which Delaunay triangulations make least, and the
-// fold towards the surface beyond the edge.
+// Returns the cost of a triangle. It is the sum of its angles' cotangents (the harmonic index), which
+// Delaunay triangulations minimise, plus the cost of the fold towards the surface beyond its edge.
 Candidate candidate(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b, const Eigen::RowVector3d& c,
                     const Eigen::RowVector3d& beyond) {
   constexpr double worst = 1e6;                          // of a triangle without area
-  const Eigen::RowVector3d area = (b - a).cross(c - a);  // twice
+  const Eigen::RowVector3d area = (b - a).cross(c - a);  // twice the area
   const double length = area.norm();
   const double squares = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
   if (!(2 * length * worst > squares)) return {worst, Eigen::RowVector3d::Zero()};
@@ -60,8 +60,8 @@ Candidate candidate(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b, co
   return {squares / (2 * length) + fold_cost(normal, beyond), normal};
 }
 
-// The strips between two opened loops are the monotone paths on a grid: at (i, j) the strip ends with the cross
-// edge between vertex i of the first and vertex j of the second.
+// The strips between two opened loops are the monotone paths on a grid. At (i, j) the strip ends with the
+// cross edge between vertex i of the first loop and vertex j of the second.
 class Gap {
  public:
   Gap(Side first, Side second) : first_(std::move(first)), second_(std::move(second)) {}
@@ -75,8 +75,9 @@ class Gap {
                      second_.normals.row(j));
   }
 
-  /// Whether a strip may pass (i, j). Keeps it from going once round one loop at a single vertex of the other,
-  /// which would use a cross edge twice: then no row and no column can be crossed at once.
+  /// Returns whether a strip may pass (i, j). A strip must not go round one whole loop at a single vertex of
+  /// the other, because that would use a cross edge twice. Therefore no row and no column may be traversed
+  /// completely.
   bool is_strip(Index i, Index j) const {
     const Index n = first_.edges(), m = second_.edges();
     if (i > n || j > m) return false;
@@ -110,8 +111,8 @@ std::vector<Move> Gap::greedy() const {
   return moves;
 }
 
-// Per vertex of the first loop the vertices of the second that it may meet: all, or for large loops those
-// near the same fraction of the length.
+// Returns, per vertex of the first loop, the range of vertices of the second that it may meet. The range is
+// the whole loop; for large loops, the vertices near the same fraction of the length.
 std::vector<std::array<Index, 2>> Gap::windows() const {
   constexpr Index cells = 1 << 20;
   const Index n = first_.edges(), m = second_.edges();
@@ -142,7 +143,7 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
     Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();
     Move before = on_first;  // the move before the last one
   };
-  using Cell = std::array<State, 2>;  // by the last move
+  using Cell = std::array<State, 2>;  // indexed by the last move
   const Index n = first_.edges(), m = second_.edges();
   const std::vector<std::array<Index, 2>> window = windows();
   std::vector<std::size_t> row_begin{0};
@@ -151,7 +152,7 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
   }
   std::vector<std::array<Move, 2>> before(row_begin.back());
 
-  // Cells hold the least cost of a strip that ends there with each of the two moves.
+  // Each cell holds, for each last move, the least cost of a strip that ends at the cell.
   std::vector<Cell> row(static_cast<std::size_t>(m) + 1), next_row(row.size());
   row[0][on_first] = {0, normal_before, on_first};
   const auto relax = [&](Cell& to, Move move, const Cell& from, const Candidate& triangle) {
@@ -228,7 +229,8 @@ std::vector<std::array<Index, 3>> fill_gap(const GapSide& first, const GapSide& 
   const Gap gap(opened_at(first, i), opened_at(second, j));
   if (method == StripMethod::greedy) return gap.triangles(gap.greedy());
 
-  // The cross edge at the closest pair was taken for granted. One halfway round from there need not be.
+  // The first pass fixes the cross edge at the closest pair, which need not be optimal. The second pass starts
+  // at the cross edge halfway round, which the first pass chose.
   const std::vector<Move> moves = gap.optimal(Eigen::RowVector3d::Zero(), context);
   Index di = 0, dj = 0;
   Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();

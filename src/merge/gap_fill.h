@@ -19,8 +19,9 @@ struct GapSide {
   Points face_normals;      ///< k×3: row i is the unit normal of the face beyond the edge from i to i + 1
 };
 
-/// The triangles that fill the gap between two loops. Both run alike; the first along its mesh's half-edges,
-/// the second against. Each triangle has an edge of one loop and a vertex of the other.
+/// Returns the triangles that fill the gap between two loops. Both loops run in the same direction: the first
+/// along its mesh's half-edges, the second against them. Each triangle has an edge of one loop and a vertex
+/// of the other.
 std::vector<std::array<Index, 3>> fill_gap(const GapSide& first, const GapSide& second, StripMethod method,
                                            const Context& context);
 

@@ -12,10 +12,10 @@ namespace meshgraft {
 
 namespace {
 
-// Why a vertex is not simply free.
+// Bits of `taken`, for vertices that are not simply free: the vertex belongs to a feature, or stays in place.
 constexpr std::uint8_t of_feature = 1, stays = 2;
 
-/// So many times the loop's own radius, and no more than half of the way to the farthest vertex.
+/// Returns `radii` × the loop's own radius, limited to half the distance to the farthest vertex.
 double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
                      double radii) {
   double farthest = 0;
@@ -24,7 +24,8 @@ double default_reach(const Points& points, const IndexLists& rings, const std::v
   return std::min(radii * loop_radius(points, loop), farthest / 2);
 }
 
-/// One similarity for the far part of each component; its scale is that of the posed source if it is given.
+/// Adds one similarity feature for the far part of each component. Its scale is that of the posed source if
+/// the scale is given.
 void add_far_parts(std::span<const Index> far, const std::vector<Index>& component, bool scale_given,
                    std::vector<Feature>& features) {
   std::vector<Index> sorted(far.begin(), far.end());
@@ -82,7 +83,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   std::vector<Feature> features;
   for (const MergeFeature& feature : options.features) {
     const auto is_in_source = [&](Index v) { return v >= 0 && v < static_cast<Index>(source.rows()); };
-    // What reaches into a part that stays has that part's map: it stays as a whole.
+    // A feature that reaches into a fixed part has the map of that part, so all of it stays.
     const bool all_stays = std::any_of(feature.vertices.begin(), feature.vertices.end(),
                                        [&](Index v) { return is_in_source(v) && (taken[v] & stays) != 0; });
     for (const Index v : feature.vertices)

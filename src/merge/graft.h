@@ -12,24 +12,25 @@
 
 namespace meshgraft {
 
-/// The solve of a graft: the source with its loops on the target's.
+/// The result of a graft's solve: the source with its loops on the target's loops.
 struct Graft {
   Points positions;  ///< n×3
   DeformerSummary summary;
   EvaluationReport evaluation;
 };
 
-/// Root mean square distance of a loop's vertices from their centre.
+/// Returns the root mean square distance of a loop's vertices from their centre.
 double loop_radius(const Points& points, const std::vector<Index>& loop);
 
-/// The vertices of a source beyond reach of its loops, ascending: by `reach`, or, where it names none, by
-/// `radii` × each loop's own radius (half the way to the farthest vertex at most).
+/// Returns the vertices of a source beyond the influence radius of its loops, ascending. The radius is `reach`,
+/// or, where it is not set, `radii` × each loop's own radius (at most half the distance to the farthest
+/// vertex).
 std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
                                 std::span<const std::vector<Index>> loops, const Reach& reach, double radii);
 
-/// Deforms the source so that its loops meet their constraints. `source` is posed (the constraints are near
-/// it); with the shape `similar` the vertices `far` follow one similarity per component, with a kept pose they
-/// stay. Throws Error(unsolvable) where a part of the source is held too little.
+/// Deforms the source so that its loops meet their constraints. `source` is already posed near the
+/// constraints. With the shape `similar`, the vertices `far` follow one similarity per component; with a kept
+/// pose they stay. Throws Error(unsolvable) where a part of the source has too few constraints.
 Graft solve_graft(const Points& source, const Triangles& triangles,
                   std::span<const VertexConstraint> constraints, std::span<const Index> far,
                   const std::vector<Index>& component, const MergeOptions& options, const Context& context);

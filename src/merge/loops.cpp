@@ -19,7 +19,7 @@ namespace meshgraft {
 
 namespace {
 
-/// The boundary loops of one of the two meshes, and which one a vertex is on.
+/// The boundary loops of one of the two meshes, with a lookup of the loops at a vertex.
 class MeshLoops {
  public:
   MeshLoops(const Mesh& mesh, const char* role) : mesh_(mesh), role_(role), loops_(boundary_loops(mesh)) {
@@ -27,7 +27,7 @@ class MeshLoops {
       for (const Index v : loops_[l]) at_[v].push_back(l);
   }
 
-  /// The list as the mesh's loop runs. Throws where it is not one whole simple loop.
+  /// Returns the list in the direction of the mesh's loop. Throws where it is not one whole simple loop.
   std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& location) const {
     if (loops_.empty())
       throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop, its surface is closed", role_),
@@ -80,7 +80,7 @@ class MeshLoops {
     if (!points.allFinite())
       throw Error(ErrorCode::input, fmt::format("a vertex of the {}'s loop is not finite", role_), location);
     const double size = points.cwiseAbs().maxCoeff();
-    constexpr double least = 1e-60, most = 1e60;  // squares and volumes of lengths are taken
+    constexpr double least = 1e-60, most = 1e60;  // keeps squares and cubes of lengths in range
     if (LoopCurve(points).length() > 0 && !(LoopCurve(points).length() > least && size < most))
       throw Error(ErrorCode::input,
                   fmt::format("the {}'s loop at vertex {} is {:.1e} long in coordinates up to {:.1e}", role_,
@@ -190,7 +190,7 @@ double mean_turn(const Points& loop) {
 }  // namespace
 
 Points smoothed_loop(const Points& loop) {
-  // Steps forth and back (Taubin 1995), so that the loop does not shrink.
+  // Alternates steps forwards and backwards (Taubin 1995), so that the loop does not shrink.
   constexpr int passes = 10;
   const Eigen::Index count = loop.rows();
   Points points = loop, next = loop;

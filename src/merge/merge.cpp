@@ -70,14 +70,14 @@ void validate_options(const MergeOptions& options, const Mesh& source, const Mes
     require(v >= 0 && v < source.vertex_count(), fmt::format("source vertex {} does not exist", v), "fixed");
 }
 
-/// The source in the course of a merge: refined at its loops, turned over.
+/// The source during a merge: refined at its loops, and turned over where necessary.
 struct Source {
   Mesh mesh;
   std::vector<LoopPair> pairs;
   Index added = 0;
 };
 
-/// The vertices of a refined loop: those that halve its edges between the old ones.
+/// Returns the vertices of a refined loop: the old ones and, between them, those that halve its edges.
 std::vector<Index> refined_loop(const std::vector<Index>& loop,
                                 const std::map<std::array<Index, 2>, Index>& middle) {
   std::vector<Index> refined;
@@ -100,8 +100,8 @@ void take_refined(Source& source, RefineResult refined) {
   for (LoopPair& pair : source.pairs) pair.source = refined_loop(pair.source, middle);
 }
 
-/// Halves the source's edges around loops that have less than 1/ratio as many as what they meet (design: "few
-/// boundary vertices for a large region").
+/// Halves the source's edges around loops that have less than 1/ratio as many vertices as their target loops
+/// (design: "few boundary vertices for a large region").
 void refine_source(Source& source, double ratio, const Context& context) {
   constexpr int around = 2, most_levels = 6;
   for (int level = 0; level < most_levels; ++level) {
@@ -117,8 +117,8 @@ void refine_source(Source& source, double ratio, const Context& context) {
   }
 }
 
-/// Halves the source's edges within its loops' radii that are too long for the part to bend there; along the
-/// loops only where they have hardly any vertices.
+/// Halves the source's edges within its loops' radii that are too long for the source to bend there. Edges of
+/// a loop are halved only where the loop has very few vertices.
 void refine_within_reach(Source& source, const Context& context) {
   constexpr double longest_rel = 0.35;  // × the loop's radius
   constexpr std::size_t fewest_around = 12;
@@ -146,7 +146,7 @@ void refine_within_reach(Source& source, const Context& context) {
   }
 }
 
-/// `match_automatically`, with the numbers of all pairs in what it throws.
+/// Calls `match_automatically`; errors carry the indices among all pairs.
 std::vector<Correspondence> match_members(const std::vector<std::size_t>& members,
                                           std::span<const LoopPair> pairs,
                                           std::span<const LoopGeometry> sources,
@@ -161,8 +161,8 @@ std::vector<Correspondence> match_members(const std::vector<std::size_t>& member
   }
 }
 
-/// One correspondence per pair: from the matches where there are some, else found, for each component of the
-/// source over all its pairs without any.
+/// Returns one correspondence per pair. It follows the pair's matches where there are any. Else it is found
+/// automatically, for each component of the source over all its pairs without matches.
 std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::span<const MergePair> pairs,
                                         std::span<const LoopGeometry> sources,
                                         std::span<const LoopGeometry> targets,
@@ -194,7 +194,7 @@ std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::sp
   return found;
 }
 
-/// Brings each component near its place: the graft must not depend on where it was.
+/// Moves each component near its final pose, because the graft must not depend on the source's pose.
 Points posed_by_boundary(const Points& source, const std::vector<Index>& component,
                          std::span<const LoopPair> pairs, std::span<const Correspondence> correspondences,
                          std::optional<double> size, std::vector<LoopGeometry>& sources,
@@ -233,7 +233,7 @@ struct Part {
   const std::vector<std::vector<Index>>& loops;
 };
 
-/// What stays in place, without the loops, which go to the target's.
+/// Returns the fixed vertices without those of the loops, which move to the target's loops.
 std::vector<Index> fixed_beside_loops(const std::vector<Index>& fixed,
                                       const std::vector<std::vector<Index>>& loops) {
   std::set<Index> staying(fixed.begin(), fixed.end());
@@ -246,13 +246,14 @@ std::vector<Index> fixed_beside_loops(const std::vector<Index>& fixed,
   return {staying.begin(), staying.end()};
 }
 
-/// The solve, within the reach that was asked for. Where none was and the pose is to be found, each loop's own
-/// radius is tried first, and doubled as long as the part is squeezed there and that helps.
+/// Solves within the requested influence radius. Where none is requested and the pose is to be found, the
+/// first radius is each loop's own. It is doubled as long as the source is squeezed within it and doubling
+/// helps.
 Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> constraints,
                          const MergeOptions& options, MergeReport& report, const Context& context) {
   constexpr double roomy = 0.7, better = 0.03, fewest_far = 0.05;
   constexpr int most_doublings = 3;
-  constexpr std::size_t most_near = 20000;  // vertices; a longer reach takes many seconds
+  constexpr std::size_t most_near = 20000;  // vertices; a larger radius takes many seconds
   const IndexLists rings = vertex_rings(static_cast<Index>(part.rest.rows()), part.triangles, context);
   const bool by_list = options.pose == MergePose::keep && !options.fixed.empty();
   const bool given = options.reach.rings || options.reach.length || options.shape == MergeShape::ft05 ||
@@ -285,7 +286,8 @@ Graft graft_within_reach(const Part& part, std::span<const VertexConstraint> con
   return best;
 }
 
-/// Where a source's loop comes to lie on the target's, for those of its vertices that the source had as given.
+/// Reports the points of the target's loop that the source's loop vertices meet. Vertices that refinement
+/// added are left out.
 void report_meetings(const LoopPair& pair, const Correspondence& correspondence, const Points& target,
                      Index given, PairReport& report) {
   report.target_points.resize(static_cast<Eigen::Index>(pair.source.size()), 3);
@@ -310,12 +312,12 @@ PairReport report_pair(const LoopPair& pair, const Correspondence& correspondenc
   report.start = {pair.source.front(), pair.target[nearest % pair.target.size()]};
   report.confidence = correspondence.confidence;
   report.raggedness_deg = std::max(raggedness_deg(source.points), raggedness_deg(target.points));
-  // Matched loops are equally long, whatever the units of their meshes.
+  // Counts are compared, because matched loops coincide whatever the units of their meshes.
   report.edge_ratio = static_cast<double>(pair.source.size()) / static_cast<double>(pair.target.size());
   return report;
 }
 
-/// How far a posed loop is from its places, × their radius.
+/// Returns the distance of a posed loop from its target points, × their radius.
 double misfit_rel(const Points& posed, std::span<const VertexConstraint> held) {
   Points there(posed.rows(), 3);
   for (Eigen::Index i = 0; i < there.rows(); ++i)
@@ -370,7 +372,7 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
                     report.shape.inverted));
 }
 
-/// Kept normals are of use on the loops that are still open.
+/// Removes stored cut normals of loops that are no longer open.
 void drop_used_cut_normals(Mesh& mesh) {
   const auto kept =
       std::find_if(mesh.attributes.begin(), mesh.attributes.end(), [](const Attribute& attribute) {
@@ -397,7 +399,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   MergeResult result;
   MergeReport& report = result.report;
 
-  // Loops, and which of their points meet.
+  // Find the loops and their correspondences.
   context.step("match");
   validate_options(options, source_mesh, target);
   const bool turn = windings_disagree(target, source_mesh);
@@ -433,7 +435,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   }
   report.match_seconds = watch.lap();
 
-  // The source near its place, then bent so that its loops meet the target's.
+  // Pose the source near the target, then deform it so that its loops meet the target's.
   context.step("graft");
   const bool found = options.pose == MergePose::find;
   const Points posed = found ? posed_by_boundary(source.mesh.positions, component, source.pairs,
@@ -456,7 +458,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   report.solve_seconds = watch.lap() - report.assemble_seconds - report.factorise_seconds;
   report.source_vertices_added = source.added;
 
-  // Both as one mesh.
+  // Join both meshes.
   context.step("seam");
   Mesh grafted = std::move(source.mesh);
   const Points rest = std::exchange(grafted.positions, graft.positions);
@@ -470,7 +472,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
                                   [](Index v) { return v >= 0; });
   report.target_vertices_added = result.mesh.vertex_count() - grafted.vertex_count() - static_cast<Index>(kept);
   result.source = std::move(seam.source);
-  result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // not those refined in
+  result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // original ones only
   result.new_faces = std::move(seam.new_faces);
   result.band = std::move(seam.band);
   report.notes = std::move(seam.notes);

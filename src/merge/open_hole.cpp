@@ -29,7 +29,8 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-/// Vertices of the two loops that meet: of each stretch of the outline those that are nearest along it.
+/// Returns matched vertices of the two loops: for each section of the outline, the pair that is nearest along
+/// the outline.
 std::vector<Match> matches_along(const Outline& outline, const std::vector<Index>& source_loop,
                                  const std::vector<Index>& target_loop,
                                  const std::vector<double>& target_arcs) {
@@ -39,7 +40,7 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
   const Index stretches =
       std::clamp(std::min(count, target_count) / vertices_per_stretch, Index{1}, most_stretches);
   struct Meeting {
-    Index source = -1, target = -1;  // indices in the loops
+    Index source = -1, target = -1;  // loop indices
     double apart = std::numeric_limits<double>::infinity();
   };
   std::vector<Meeting> best(static_cast<std::size_t>(stretches));
@@ -51,7 +52,7 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
       if (apart < best[stretch].apart) best[stretch] = {i, j, apart};
     }
   }
-  // The target's loop runs backwards; what would cross the matches before it is left out.
+  // The target's loop runs backwards. Matches that would cross an earlier one are left out.
   std::vector<Match> matches;
   Index turned_back = -1;
   std::optional<Index> first;
@@ -67,7 +68,7 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
   return matches;
 }
 
-/// The place, at the mean height of the hole's rim.
+/// Returns the drop's surface point, moved along the normal to the mean height of the hole's boundary.
 Vector rim_centre(const FitResult& fit) {
   const PreparedTarget& target = fit.chart->target;
   const Vector centre = fit.chart->point.point;
@@ -84,7 +85,8 @@ Vector rim_centre(const FitResult& fit) {
   return centre + height / static_cast<double>(count) * fit.placement.normal;
 }
 
-/// Whether the source, as it would stand there undeformed, cuts through the target beyond its loop's radius.
+/// Returns whether the undeformed source in this placement intersects the target outside the radius around
+/// the source's loop.
 bool cuts_through(const Mesh& source, const FlatLoop& loop, const FitResult& fit, const Context& context) {
   const PreparedTarget& target = fit.chart->target;
   const Eigen::Affine3d map = placement_map(loop, fit.placement, fit.size, rim_centre(fit));
@@ -116,10 +118,10 @@ bool cuts_through(const Mesh& source, const FlatLoop& loop, const FitResult& fit
                      [&](const TrianglePair& pair) { return pair[0] < of_target && pair[1] >= of_target; });
 }
 
-/// Cuts the outline's inside away.
+/// Cuts out the inside of the outline.
 std::variant<OpenedHole, Misfit> cut_open(const FitResult& fit, const FlatLoop& loop, Index target_vertices,
                                           const Context& context) {
-  constexpr double snap = 0.25;  // the ring around the hole goes anyway
+  constexpr double snap = 0.25;  // the ring around the hole is removed anyway
   const PlanePoints& uv = fit.footprint.uv;
   CutResult cut = cut_at_zero(fit.chart->target.mesh, fit.footprint.values,
                               {.keep = CutKeep::above, .snap = snap}, context);
@@ -142,7 +144,7 @@ std::variant<OpenedHole, Misfit> cut_open(const FitResult& fit, const FlatLoop& 
 
 constexpr int most_tries_to_clear = 4;
 
-/// What to do where the part reaches into the target.
+/// Returns advice for a part that reaches into the target.
 std::string advice_to_clear(const Mesh& source, const FlatLoop& loop, const SizeSearch& search, double size,
                             const Context& context) {
   double other = size;
@@ -186,7 +188,8 @@ OpenedHole open_at_size(const Mesh& target, const Mesh& source, const FlatLoop& 
                        : "Name another place");
 }
 
-/// In the part's own size, or the largest smaller one that has room and does not cut through the target.
+/// Opens a hole in the part's own size, or in the largest smaller one that has room and keeps the part clear
+/// of the target.
 OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const FlatLoop& loop, const Drop& drop,
                                 const Context& context) {
   constexpr double least_width = 1e-3;  // × the target's diagonal
@@ -207,7 +210,7 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
     why = std::get<Misfit>(opened).what;
     return std::nullopt;
   };
-  std::shared_ptr<const FitResult> widest;  // that has room, but reaches into the target
+  std::shared_ptr<const FitResult> widest;  // largest one with room, though the part reaches into the target
   std::string why_widest;
   int tries = 0;
   for (double size = 1; size >= least && tries < most_tries_to_clear; size *= next_size_ratio) {
@@ -236,7 +239,7 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
   throw Error(ErrorCode::input, why, "surface_point", "Name another place");
 }
 
-/// A hole around a vertex of the boundary would reach it at any size.
+/// Refuses a boundary vertex: a hole around it would reach the boundary at any size.
 void require_inner_point(const Mesh& target, const Drop& drop) {
   const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex == nullptr) return;

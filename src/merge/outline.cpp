@@ -11,7 +11,7 @@ namespace {
 
 double cross(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// Whether two segments meet, touching included.
+// Returns whether two segments intersect or touch.
 bool segments_meet(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b, const Eigen::RowVector2d& c,
                    const Eigen::RowVector2d& d) {
   if ((a.cwiseMax(b).array() < c.cwiseMin(d).array()).any()) return false;

@@ -8,7 +8,8 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-/// The outline's first axis on the plane with this normal: turned there the shortest way, then spun.
+/// Returns the outline's first axis on the plane with this normal: turned there by the smallest rotation,
+/// then spun.
 Vector laid_axis(const FlatLoop& loop, const Vector& normal, double spin_deg) {
   const Eigen::AngleAxisd spin(spin_deg * std::numbers::pi / 180, normal.transpose());
   return spin * turned(loop.first_axis, loop.axis, normal).transpose();

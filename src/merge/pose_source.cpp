@@ -20,7 +20,7 @@ void transform_normals(Attribute& normals, const Eigen::Matrix3d& linear) {
   for (std::size_t k = 0; k + 2 < normals.values.size(); k += 3) {
     Eigen::Map<Eigen::Vector3d> normal(&normals.values[k]);
     const double length = normal.norm();
-    if (!(length > 0)) continue;  // none there
+    if (!(length > 0)) continue;  // no normal is stored
     normal = (cofactors * normal).normalized() * length;
   }
 }
@@ -40,7 +40,7 @@ Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* s
   return points;
 }
 
-// Points that (nearly) lie on a line leave a turn about it open.
+// Returns whether points (nearly) lie on a line, so that the rotation about the line is undetermined.
 bool on_a_line(const Points& points) {
   const Points centred = points.rowwise() - points.colwise().mean();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(centred.transpose() * centred,

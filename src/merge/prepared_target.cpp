@@ -20,7 +20,7 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-/// The point of a triangle nearest to another one.
+/// Returns the point of a triangle nearest to `p`.
 Vector nearest_in_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
   const Vector ab = b - a, ac = c - a, normal = ab.transpose().cross(ac.transpose()).transpose();
   const double square = normal.squaredNorm();

@@ -12,7 +12,7 @@
 
 namespace meshgraft {
 
-/// A target with what is asked of it for every drop.
+/// A target with the data that every drop needs.
 struct PreparedTarget {
   PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Context& context);
 
@@ -23,7 +23,7 @@ struct PreparedTarget {
   Points normals;
 };
 
-/// A point of a surface, with the vertex there or the corners of the triangle around it.
+/// A point of a surface, with its vertex or the corners of its triangle.
 struct SurfacePoint {
   Eigen::RowVector3d point;
   std::vector<Index> corners;
@@ -32,12 +32,12 @@ struct SurfacePoint {
 /// Throws Error(input) for numbers of a drop that are not finite or out of range.
 void validate(const Drop& drop, const Mesh& target);
 
-/// The point that a drop names. Throws Error(input), naming `surface_point`, for a vertex without a face and
-/// for a point farther from the surface than a twentieth of the target's diagonal.
+/// Returns the surface point that a drop names. Throws Error(input) at `surface_point` for a vertex without a
+/// face, and for a point farther from the surface than a twentieth of the target's diagonal.
 SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop);
 
-/// The unit normal around a point, averaged over a distance along the surface; that of the point itself where
-/// the surface curves right round within it.
+/// Returns the unit normal averaged over a distance along the surface around a point. Where the surface
+/// curves right round within that distance, returns the normal at the point.
 Eigen::RowVector3d mean_normal(const PreparedTarget& target, const SurfacePoint& point, double distance);
 
 }  // namespace meshgraft

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What the edges and triangles of a patch cost, for one place of its vertices or another.
+// The cost of the edges and triangles of a patch, as a function of its vertex positions.
 class Cost {
  public:
   Cost(const Points& points, const SeamPatch& patch, double largest_deg)
@@ -24,7 +24,7 @@ class Cost {
       return patch.side[edge.triangles[0]] == SeamSide::strip ||
              patch.side[edge.triangles[1]] == SeamSide::strip;
     };
-    std::vector<double> brought(patch.vertex.size(), largest);  // by the sharpest edge off the strips
+    std::vector<double> brought(patch.vertex.size(), largest);  // per vertex: the sharpest edge off the strips
     for (const SeamEdge& edge : edges) {
       if (of_strip(edge)) continue;
       for (const Index v : edge.ends) brought[v] = std::max(brought[v], bend(points, edge.triangles));
@@ -49,7 +49,7 @@ class Cost {
     }
   }
 
-  /// The vertices of the triangles at the strips' edges that are bent too far, ascending.
+  /// Returns the vertices of the triangles at those edges of the strips that are bent too far, ascending.
   std::vector<Index> at_folds(const Points& points) const {
     std::vector<Index> vertices;
     for (const Index e : of_strip_) {
@@ -63,7 +63,7 @@ class Cost {
     return vertices;
   }
 
-  /// What depends on a vertex.
+  /// Returns the cost terms that depend on a vertex.
   double around(const Points& points, Index v) const {
     double sum = 0;
     for (const Index e : edges_at_[v]) {
@@ -123,9 +123,9 @@ class Cost {
   std::vector<std::vector<Index>> edges_at_, triangles_at_;
 };
 
-// Down the slope (central differences), with shorter steps until one helps.
+// Moves a vertex down the gradient (central differences), halving the step until the cost decreases.
 bool descend(Points& points, const Cost& cost, Index v) {
-  constexpr double difference = 1e-3, longest = 0.1;  // of the mean edge
+  constexpr double difference = 1e-3, longest = 0.1;  // × the mean edge
   constexpr int tries = 8;
   const double before = cost.around(points, v);
   if (!(before > 0)) return false;

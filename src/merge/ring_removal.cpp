@@ -51,13 +51,14 @@ class Rings {
 
   bool is_kept(Index face) const { return ring_of_[face] == no_ring; }
 
-  /// Of the edges along a loop.
+  /// Returns the mean length of the edges along a loop.
   double mean_edge_length(std::size_t ring) const {
     double sum = 0;
     int count = 0;
     for (const Index c : corners_[ring]) {
       const auto& [a, b] = table_.ends[table_.edge[c]];
-      // Along the loop: how far faces reach across it (long walls) says nothing of the loop's own fineness.
+      // Edges along the loop only: faces that reach far across it (long walls) say nothing about the loop's
+      // own resolution.
       if (loop_of_[a] == no_ring || loop_of_[b] == no_ring) continue;
       sum += (mesh_.positions.row(a) - mesh_.positions.row(b)).norm();
       ++count;
@@ -65,8 +66,8 @@ class Rings {
     return count > 0 ? sum / count : 0;
   }
 
-  /// The loop that is left when the ring is taken away, in the direction of the kept faces' half-edges; empty
-  /// where that would do more than move the border.
+  /// Returns the loop that remains when the ring is removed, in the direction of the kept faces' half-edges.
+  /// Returns an empty list where removing the ring would do more than move the boundary.
   std::vector<Index> outer_loop(std::size_t ring) const {
     const auto number = static_cast<Index>(ring);
     std::unordered_map<Index, Index> next;
@@ -81,7 +82,7 @@ class Rings {
       const auto along = table_.half_edges[table_.edge[c]];
       if (along.size() > 2) return {};
       if (along.size() == 1) {
-        if (loop_of_[tail] != number || loop_of_[head] != number) return {};  // another border
+        if (loop_of_[tail] != number || loop_of_[head] != number) return {};  // another boundary
         continue;
       }
       const Index beyond = ring_of_[face_of_[along[0] == c ? along[1] : along[0]]];
@@ -90,7 +91,7 @@ class Rings {
     }
     sort_unique(vertices);
     sort_unique(edges);
-    // An annulus between the two loops: no other vertices, and V − E + F = 0.
+    // The ring must be an annulus between the two loops: no other vertices, and V − E + F = 0.
     if (next.empty() || vertices.size() != loop_sizes_[ring] + next.size()) return {};
     if (vertices.size() + faces != edges.size()) return {};
     return one_cycle(next);
@@ -108,7 +109,7 @@ class Rings {
       if (table_.next[c] < 0) continue;
       if (ring >= 0) corners_[ring].push_back(c);
       if (ring != several_rings) continue;
-      // Of every loop that it has a vertex on, so that each knows.
+      // A face with vertices of several loops is listed for each of them, so that each loop's check finds it.
       const Index loop = loop_of_[mesh_.faces.corners()[c]];
       if (loop != no_ring) corners_[loop].push_back(c);
     }
@@ -135,10 +136,10 @@ class Rings {
   Flags on_border_;             // per vertex
   std::vector<Index> ring_of_;  // per face
   std::vector<Index> face_of_;  // per corner
-  Loops corners_;               // per ring, those of its faces that take part
+  Loops corners_;               // per ring: the corners of its faces that have edges
 };
 
-// The loops after their edges were halved: each middle between its ends.
+// Inserts the midpoints of halved edges between their ends into a loop.
 void insert_middles(const RefineResult& refined, std::vector<Index>& loop) {
   const Index old_count = static_cast<Index>(refined.vertex.new_index.size());
   std::map<std::array<Index, 2>, Index> middle;
@@ -169,7 +170,7 @@ void drop_touching(Loops& loops) {
   }
 }
 
-// The mesh without the faces of the rings and the vertices of the loops.
+// Returns the mesh without the faces of the rings and the vertices of the loops.
 RingRemoval without(const Mesh& mesh, const Rings& rings, const Loops& loops) {
   Flags removed(static_cast<std::size_t>(mesh.vertex_count()), false);
   for (const auto& loop : loops) {
@@ -220,7 +221,7 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
     drop_touching(outer);
     std::vector<std::size_t> to_halve;
     for (std::size_t k = 0; k < loops.size(); ++k) {
-      constexpr double rounding = 1 + 1e-9;  // even loops meet the bound exactly, however they are summed
+      constexpr double rounding = 1 + 1e-9;  // even loops meet the bound exactly, in any order of summation
       if (rings.mean_edge_length(k) > rounding * requests[k].longest_edge &&
           for_length[k] < most_halvings_for_length) {
         ++for_length[k];
@@ -239,12 +240,12 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
       RingRemoval result = without(fine, rings, loops);
       for (std::size_t k = 0; k < loops.size(); ++k) {
         for (Index& v : outer[k]) v = result.vertex.new_index[v];
-        // Their numbers ascend as before, so each still begins with its smallest vertex.
+        // New indices keep the order, so each loop still begins with its smallest vertex.
         result.loops.push_back(std::move(outer[k]));
         result.halvings.push_back(for_length[k] + for_shape[k]);
       }
       result.vertex.new_index.resize(static_cast<std::size_t>(mesh.vertex_count()));
-      result.mesh.source = mesh.source;  // a writer takes what does not depend on the topology
+      result.mesh.source = mesh.source;  // a writer uses the data that does not depend on the topology
       return result;
     }
     std::vector<Index> at;

@@ -10,25 +10,25 @@
 
 namespace meshgraft {
 
-/// A loop of a target whose ring is to be taken away.
+/// A loop of a target whose ring is to be removed.
 struct RingRequest {
   std::vector<Index> loop;  ///< in the direction of the mesh's half-edges
-  double longest_edge = 0;  ///< the mean edge length that the edges at the loop should not exceed
+  double longest_edge = 0;  ///< upper bound on the mean edge length along the loop
   std::string location;     ///< names the pair in messages
 };
 
 /// A mesh without the rings of its loops.
 struct RingRemoval {
   Mesh mesh;        ///< kept vertices in their order, then those that halving the rings' edges added
-  IndexMap vertex;  ///< of the mesh that came in
+  IndexMap vertex;  ///< from the vertices of the given mesh
   std::vector<std::vector<Index>> loops;  ///< in place of the given ones, beginning with the smallest vertex
-  std::vector<int> halvings;              ///< per loop: how often the edges at it were halved first
+  std::vector<int> halvings;              ///< per loop: how often its edges were halved first
 };
 
-/// Takes the vertices of boundary loops away with the faces at them. The edges at a loop are halved first
-/// (nothing beyond its ring changes) until they are short enough, and until each ring is an annulus: what
-/// remains has one simple loop in place of each old one and is else the same surface. Throws Error(input),
-/// naming the place, where four halvings for that are not enough.
+/// Removes the vertices of boundary loops and the faces at them. First halves the edges at a loop (nothing
+/// beyond its ring changes) until they are short enough and each ring is an annulus. The remaining surface
+/// has one simple loop in place of each old one and is otherwise the same. Throws Error(input), naming the
+/// pair, where four halvings do not make a ring an annulus.
 RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests, const Context& context);
 
 }  // namespace meshgraft

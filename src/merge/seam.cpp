@@ -38,7 +38,7 @@ void check_options(const SeamOptions& options) {
     fail("the sharp angle must lie between 0 and 180 degrees");
 }
 
-// The half-edges without a partner: from vertex to vertex.
+// Returns the half-edges without a partner, from vertex to vertex.
 std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
   const EdgeTable table(mesh.vertex_count(), mesh.faces);
   std::unordered_map<Index, std::vector<Index>> steps;
@@ -49,7 +49,8 @@ std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
   return steps;
 }
 
-// Each loop must be a simple boundary loop, run along its mesh's half-edges, and meet no other one.
+// Throws unless each loop is a simple boundary loop in the direction of its mesh's half-edges and shares no
+// vertex with another.
 void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vector<const Loop*>& loops) {
   const auto steps = border_steps(mesh);
   std::unordered_map<Index, std::size_t> owner;
@@ -107,7 +108,7 @@ double mean_edge_length(const Points& positions, const Loop& loop) {
   return sum / static_cast<double>(loop.size());
 }
 
-// The pairs in an order of their own, so that the given one does not matter.
+// Returns the pairs in a canonical order, so that the given order does not matter.
 std::vector<std::size_t> canonical_order(std::span<const LoopPair> pairs) {
   std::vector<std::size_t> order(pairs.size());
   std::iota(order.begin(), order.end(), 0);
@@ -123,7 +124,7 @@ Loop beginning_with_smallest(Loop loop) {
   return loop;
 }
 
-// The faces at the borders, by the two vertices in the order of the face's half-edge.
+// The faces at the boundaries, by the two vertices in the order of the face's half-edge.
 class BorderFaces {
  public:
   explicit BorderFaces(const Mesh& mesh) : mesh_(mesh) {
@@ -151,7 +152,7 @@ class BorderFaces {
   std::unordered_map<std::uint64_t, Index> face_;
 };
 
-// A loop as a side of the gap. `with_half_edges`: passed as it is listed, else backwards.
+// Returns a loop as a side of the gap. `with_half_edges`: in its listed order, else reversed.
 GapSide gap_side(const Mesh& mesh, const BorderFaces& faces, Loop loop, bool with_half_edges) {
   if (!with_half_edges) std::reverse(loop.begin(), loop.end());
   const auto n = static_cast<Eigen::Index>(loop.size());
@@ -164,7 +165,8 @@ GapSide gap_side(const Mesh& mesh, const BorderFaces& faces, Loop loop, bool wit
   return side;
 }
 
-// Per triangle of a strip the target's face beside it: at its edge, else at the edge from its vertex.
+// Returns, per triangle of a strip, the adjacent face of the target: the face at the triangle's edge, else
+// the face at the edge from its vertex.
 std::vector<Index> neighbours(const std::vector<std::array<Index, 3>>& triangles, const Loop& target_loop,
                               const BorderFaces& faces, Index target_vertices) {
   std::unordered_map<Index, Index> face_from;
@@ -173,7 +175,7 @@ std::vector<Index> neighbours(const std::vector<std::array<Index, 3>>& triangles
   }
   std::vector<Index> result;
   for (const auto& [a, b, c] : triangles) {
-    // With a target edge, the triangle is (i + 1, i, j); else its last vertex is the target's.
+    // A triangle with a target edge is (i + 1, i, j); otherwise its last vertex is the target's.
     result.push_back(face_from.at(b < target_vertices ? b : c));
   }
   return result;
@@ -194,7 +196,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   check_loops(source, "source", source_loops);
   const std::vector<std::size_t> order = canonical_order(pairs);
 
-  // The rings go.
+  // Remove the rings.
   context.step("seam", 0.1);
   std::vector<RingRequest> requests;
   for (const std::size_t k : order) {
@@ -216,7 +218,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   result.source = std::move(joined.second);
   const SeamLayout layout{opened.mesh.vertex_count(), opened.mesh.face_count(), source.face_count()};
 
-  // Strips fill the gaps.
+  // Fill the gaps with strips.
   context.step("seam", 0.4);
   label_sides(mesh, layout);
   std::vector<std::array<Index, 3>> strips;
@@ -246,7 +248,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   context.step("seam", 0.8);
   result.report = measure_seam(mesh, layout, unsmoothed);
   constexpr double folded_deg = 120;
-  if (result.report.dihedral_p99_deg > folded_deg) {  // fairing is of no use to faces of extreme shape
+  if (result.report.dihedral_p99_deg > folded_deg) {  // fairing does not help faces of extreme shape
     Mesh unfaired = mesh;
     unfaired.positions = unsmoothed;
     unfaired.attributes = attributes;

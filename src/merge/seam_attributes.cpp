@@ -23,7 +23,7 @@ Attribute* find_groups(Mesh& mesh) {
   return nullptr;
 }
 
-// The number of a label, which is added where it is new.
+// Returns the index of a label; adds the label where it is new.
 double number_of(Attribute& attribute, const std::string& label) {
   const auto found = std::find(attribute.labels.begin(), attribute.labels.end(), label);
   const auto number = static_cast<double>(found - attribute.labels.begin());
@@ -40,7 +40,7 @@ Eigen::RowVector3d face_normal(const Mesh& mesh, Index triangle) {
   return a.cross(b).normalized();
 }
 
-// The strip is smooth; so are the corners beside it that were smooth before.
+// Writes smooth normals to the corners of the strip and to those corners beside it that were smooth before.
 void renew_corner_normals(const Mesh& mesh, const Points& normals, Index first_new, Attribute& attribute) {
   constexpr double smooth = 0.7;  // cosine
   Flags on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);

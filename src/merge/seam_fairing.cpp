@@ -18,13 +18,13 @@ namespace meshgraft {
 
 namespace {
 
-// The patch with what each of its vertices is to the band.
+// The patch, with the role of each of its vertices in the band.
 struct Band {
   SeamPatch patch;
   IndexLists rings;
   IndexLists triangles;       // per vertex
   Flags is_sharp;             // on a sharp edge of the target or of the source
-  std::vector<Index> column;  // per vertex its unknown, or -1 where it stays
+  std::vector<Index> column;  // per vertex: index of its unknown, or -1 where it is fixed
   Index unknowns = 0;
 };
 
@@ -40,7 +40,8 @@ Flags on_sharp_edges(const SeamPatch& patch, double sharp_angle_deg) {
   return sharp;
 }
 
-// Ring by ring from the strip, on each side as far as it may move; on the target never past a sharp edge.
+// Numbers the vertices that may move, ring by ring from the strip, on each side up to its number of rings. On
+// the target they never lie beyond a sharp edge.
 void number_free_vertices(Band& band, const SeamOptions& options) {
   const SeamPatch& patch = band.patch;
   band.column.assign(patch.vertex.size(), -1);
@@ -70,10 +71,10 @@ Band make_band(const Mesh& mesh, const SeamLayout& layout, const SeamOptions& op
   return band;
 }
 
-// The surface's shape at some places of its vertices.
+// Differential quantities of the surface for given vertex positions.
 struct Shape {
   Points normals;        // n×3, unit
-  SparseRows stiffness;  // n×n, of cotangents
+  SparseRows stiffness;  // n×n, cotangent weights
   std::vector<double> areas;
   Eigen::VectorXd curvature;  // n, twice the mean curvature: n_i · (S x)_i / m_i
 
@@ -88,8 +89,9 @@ struct Shape {
   }
 };
 
-// The curvature that the band should have: what each surface brings along and, on the strips' vertices, its
-// harmonic continuation from both sides. Sharp edges keep theirs and tell their neighbours nothing.
+// Returns the wanted curvature of the band: that of each surface and, on the strips' vertices, its harmonic
+// continuation from both sides. Sharp edges keep their curvature and do not contribute to that of their
+// neighbours.
 Eigen::VectorXd continued_curvature(const Band& band, Eigen::VectorXd curvature) {
   constexpr int sweeps = 200;
   std::vector<Index> on_strip;
@@ -112,10 +114,10 @@ Eigen::VectorXd continued_curvature(const Band& band, Eigen::VectorXd curvature)
   return curvature;
 }
 
-// min over u of Σ_i m_i |(S N u)_i / m_i − (h_i − H_i) n_i|²: u moves the free vertices along their normals n,
-// so that triangles keep their shape, and turns the mean curvature H into the wanted one. The rows are the
-// vertices whose curvature changes; borders have none. What u does along the surface counts too, which tames
-// folds.
+// Solves min over u of Σ_i m_i |(S N u)_i / m_i − (h_i − H_i) n_i|². u moves the free vertices along their
+// normals n, so that triangles keep their shape, and changes the mean curvature H to the wanted one, h. The
+// rows belong to the vertices whose curvature changes; boundary vertices have none. The tangential components
+// of the residual count, too, which limits folds.
 void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const Context& context) {
   const Shape shape(band, points, context);
   std::vector<Eigen::Triplet<double>> entries;
@@ -137,7 +139,7 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   rows.setFromTriplets(entries.begin(), entries.end());
   const SparseRows columns = transpose(rows);
   auto lower = NormalMatrix(multiply(columns, rows, context).triangularView<Eigen::Lower>());
-  // A vertex without a normal, or amid triangles without area, has no equation: it stays.
+  // A vertex without a normal, or amid triangles without area, has no equation. This term keeps it in place.
   constexpr double attachment = 1e-9;
   const double scale = lower.diagonal().maxCoeff();
   lower.diagonal().array() += scale > 0 ? attachment * scale : 1.0;
@@ -150,9 +152,9 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   }
 }
 
-// The free vertices next to the strips, which may leave their normals.
+// The free vertices next to the strips, which may move off their normals.
 struct NearStrips {
-  Flags all, but_sharp;  // also those on the source's sharp edges, which are its folds, or not
+  Flags all, but_sharp;  // with and without those on sharp edges, which are folds on the source
 
   explicit NearStrips(const Band& band) {
     constexpr int rings = 2;
@@ -176,7 +178,8 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
                 "Repair the mesh that it comes from");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
-    // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it went far.
+    // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it moves vertices
+    // far.
     const NearStrips near(band);
     relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);
     for (int step = 0; step < options.smoothing_steps; ++step) {

@@ -15,7 +15,8 @@ namespace meshgraft {
 
 namespace {
 
-// Per vertex the ring it lies on, 0 beyond the last one. The outermost vertices are one ring further out.
+// Returns the ring of each vertex, or 0 beyond the last one. The outermost vertices have the number `rings` +
+// 1.
 std::vector<int> count_rings(const Mesh& mesh, const SeamLayout& layout, int rings) {
   std::vector<int> ring(static_cast<std::size_t>(mesh.vertex_count()), 0);
   for (Index f = layout.target_faces + layout.source_faces; f < mesh.face_count(); ++f) {
@@ -69,7 +70,8 @@ SeamPatch make_seam_patch(const Mesh& mesh, const SeamLayout& layout, int rings)
     part.faces.push_back(corners);
   }
 
-  // The patch's own rim has faces beyond it: only borders within it are the mesh's.
+  // The patch's outer boundary is marked, too. Only marked edges within the patch are boundary edges of the
+  // whole mesh.
   const EdgeTable table(part.vertex_count(), part.faces);
   patch.on_border.assign(patch.vertex.size(), false);
   for (Index e = 0; e < table.edge_count(); ++e) {

@@ -7,10 +7,10 @@
 
 namespace meshgraft {
 
-/// Where a face of a joined mesh comes from.
+/// The origin of a face of a joined mesh.
 enum class SeamSide { target, source, strip };
 
-/// How the faces of a joined mesh are ordered: the target's, the source's, the strips'.
+/// The order of the faces of a joined mesh: the target's, the source's, the strips'.
 struct SeamLayout {
   Index target_vertices = 0;
   Index target_faces = 0, source_faces = 0;
@@ -23,19 +23,19 @@ struct SeamLayout {
   }
 };
 
-/// The surroundings of the strips, as triangles with numbers of their own, so that work on a seam does not grow
-/// with the meshes that it joins.
+/// The surroundings of the strips as triangles with local indices, so that the cost of work on a seam does
+/// not grow with the joined meshes.
 struct SeamPatch {
-  std::vector<Index> vertex;   ///< in the whole mesh, ascending
+  std::vector<Index> vertex;   ///< indices in the whole mesh, ascending
   Points points;               ///< n×3
-  Triangles triangles;         ///< m×3, of local indices
+  Triangles triangles;         ///< m×3, local indices
   std::vector<SeamSide> side;  ///< per triangle
   std::vector<SeamSide> of;    ///< per vertex: the mesh that it comes from
   std::vector<int> ring;       ///< per vertex: 1 on a strip, then one more per ring of faces
-  Flags on_border;             ///< per vertex: on a boundary edge of the whole mesh
+  Flags on_border;             ///< per vertex: on a boundary edge of the whole mesh or of the patch
 };
 
-/// The faces within `rings` rings of the strips.
+/// Returns the faces within `rings` rings of the strips.
 SeamPatch make_seam_patch(const Mesh& mesh, const SeamLayout& layout, int rings);
 
 /// An edge between two triangles of a patch.

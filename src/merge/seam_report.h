@@ -7,7 +7,7 @@
 namespace meshgraft {
 
 /// Measures a finished seam. `unsmoothed`: the mesh's positions before its band was smoothed. Leaves the
-/// fields that speak of the inputs alone.
+/// fields about the inputs unset.
 SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed);
 
 }  // namespace meshgraft

@@ -25,7 +25,8 @@ Points rows_of(const Points& points, const std::vector<Index>& rows) {
   return chosen;
 }
 
-/// Two axes in the plane of a triangle, and its second and third corner along them.
+/// Returns the second and third corner of a triangle in coordinates of its plane, relative to the first
+/// corner.
 Eigen::Matrix2d flat(const Eigen::RowVector3d& u, const Eigen::RowVector3d& v) {
   Eigen::Matrix2d corners;
   const double length = u.norm();
@@ -34,7 +35,7 @@ Eigen::Matrix2d flat(const Eigen::RowVector3d& u, const Eigen::RowVector3d& v) {
   return corners;
 }
 
-/// The smaller in-plane singular value of the map of a triangle; negative where it tells nothing.
+/// Returns the smaller in-plane singular value of the map of a triangle; -1 where it is undefined.
 double smallest_stretch(const Points& rest, const Points& grafted, const Eigen::RowVector3i& t) {
   const Eigen::Matrix2d before = flat(rest.row(t[1]) - rest.row(t[0]), rest.row(t[2]) - rest.row(t[0]));
   const Eigen::Matrix2d after =

@@ -8,9 +8,9 @@
 
 namespace meshgraft {
 
-/// What became of a source's shape: `rest` and `grafted` n×3, `far` the vertices beyond reach, `component`
-/// their connected component. Where a source has several components, the worst numbers and the largest one's
-/// similarity.
+/// Measures the distortion of a source: `rest` and `grafted` n×3, `far` the vertices beyond the influence
+/// radius, `component` their connected component. For a source of several components, returns the worst
+/// numbers and the similarity of the largest one.
 ShapeReport measure_shape(const Points& rest, const Points& grafted, const Triangles& triangles,
                           std::span<const Index> far, const std::vector<Index>& component);
 

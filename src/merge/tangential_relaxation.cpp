@@ -16,21 +16,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What a triangle should be like.
+// The goal for a triangle.
 struct Goal {
-  Vector3d normal;        // the side that should be up
-  double index = 0;       // the harmonic index that it may have
+  Vector3d normal;        // the side that should face up
+  double index = 0;       // the largest accepted harmonic index
   double small_area = 0;  // twice the area below which it counts as turned over
 };
 
-// A triangle as its vertex p sees it: the two others in the triangle's direction.
+// A triangle seen from its vertex p: the other two corners in the triangle's direction.
 struct Corner {
   Vector3d b, c;
   Goal goal;
 
-  /// q - r with q = Σ |edge|² / (2 · twice the area), and its gradient. The area A is replaced by
-  /// (A + √(A² + 4 δ²)) / 2, which is about A where A ≫ δ and positive everywhere, so that a triangle that lies
-  /// upside down has a slope that turns it over (Escobar et al. 2003).
+  /// Returns q - r with q = Σ |edge|² / (2 · twice the area), and computes its gradient. The area A is
+  /// replaced by (A + √(A² + 4 δ²)) / 2, which is about A where A ≫ δ and positive everywhere. An inverted
+  /// triangle therefore has a gradient that turns it over (Escobar et al. 2003).
   double excess(const Vector3d& p, Vector3d& gradient) const {
     const double area = (b - p).cross(c - p).dot(goal.normal);
     const double root = std::hypot(area, 2 * goal.small_area);
@@ -64,9 +64,9 @@ std::vector<Corner> corners_at(const Points& points, const Triangles& triangles,
   return corners;
 }
 
-// Down the slope in the tangent plane, with shorter steps until one helps.
+// Moves a vertex down the gradient in the tangent plane, halving the step until the cost decreases.
 bool slide(Points& points, Index v, const std::vector<Corner>& corners, const Vector3d& normal) {
-  constexpr double longest = 0.2;  // of the mean edge
+  constexpr double longest = 0.2;  // × the mean edge
   constexpr int tries = 6;
   const Vector3d p = points.row(v);
   Vector3d slope, unused;
@@ -85,7 +85,7 @@ bool slide(Points& points, Index v, const std::vector<Corner>& corners, const Ve
   return false;
 }
 
-// The normals of the surface at large, in which a triangle upside down does not show.
+// Returns normals of the surface at large, smoothed so that inverted triangles do not affect them.
 Points smooth_normals(const Points& points, const Triangles& triangles, const IndexLists& vertex_triangles,
                       const Context& context) {
   constexpr int rounds = 3;

@@ -8,8 +8,8 @@
 
 namespace meshgraft {
 
-/// Newell's normal of a face, twice its area long. Taken about the first corner, to keep the digits far from
-/// the origin.
+/// Returns Newell's normal of a face, whose length is twice the area. It is computed relative to the first
+/// corner, to keep precision far from the origin.
 inline Eigen::Vector3d area_vector(std::span<const Index> face, const Points& positions) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t c = 2; c < face.size(); ++c) {
@@ -24,7 +24,7 @@ inline Eigen::Vector3d area_vector(const Triangles& triangles, Eigen::Index t, c
   return area_vector({triangles.row(t).data(), 3}, positions);
 }
 
-/// Twice the signed area of the triangle 0, a, b in the plane.
+/// Returns twice the signed area of the triangle 0, a, b in the plane.
 inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }

@@ -4,10 +4,10 @@
 
 namespace meshgraft {
 
-/// The diagonal of the bounding box of points; those that are not finite do not count. 0 without any.
+/// Returns the diagonal of the bounding box of the finite points, or 0 if there are none.
 double box_diagonal(const Points& points);
 
-/// The same of the vertices that faces have: a stray vertex does not count.
+/// Returns the diagonal of the bounding box of the vertices that faces use; isolated vertices do not count.
 double box_diagonal_of_faces(const Mesh& mesh);
 
 }  // namespace meshgraft

@@ -46,7 +46,8 @@ Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
       },
       context, 4096);
 
-  // Level by level where nodes are large, then one subtree after another, while it is in the cache.
+  // Large nodes are split level by level. Small subtrees follow one after another, each while it fits in the
+  // cache.
   constexpr int shared_levels = 7;
   const auto split_nodes = [&](Node first, Node count, const auto& work) {
     parallel_blocks(
@@ -84,7 +85,7 @@ Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
   }
 }
 
-// Parts a node's items at their median.
+// Splits a node's items at their median.
 void Bvh::split(std::vector<Entry>& entries, Node node) const {
   const Range range = positions(node);
   BoundingBox centres;

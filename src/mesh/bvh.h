@@ -14,7 +14,7 @@
 
 namespace meshgraft {
 
-/// A closed box whose sides are parallel to the axes; empty to begin with.
+/// A closed axis-aligned box, empty on construction.
 struct BoundingBox {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   Point3 low{infinity, infinity, infinity};
@@ -27,19 +27,20 @@ struct BoundingBox {
     }
   }
   void include(const Point3& p) { include(BoundingBox{p, p}); }
-  /// Touching is overlapping.
+  /// Returns whether the boxes overlap or touch.
   bool overlaps(const BoundingBox& other) const {
     return (low[0] <= other.high[0]) & (other.low[0] <= high[0]) & (low[1] <= other.high[1]) &
            (other.low[1] <= high[1]) & (low[2] <= other.high[2]) & (other.low[2] <= high[2]);
   }
 };
 
-/// Bounding volume hierarchy: a balanced binary tree of the boxes that bound its items, each node split at the
-/// median along the longest side of the box of its items' centres. The same tree for any number of threads.
+/// Bounding volume hierarchy: a balanced binary tree of the boxes that bound its items. Each node is split at
+/// the median along the longest side of the bounding box of its items' centres. The tree is the same for any
+/// number of threads.
 ///
-/// Nodes are numbered as in a heap: the root is 1, the children of i are 2i and 2i + 1. A node's items are a
-/// range of positions, in which items that are near each other in space come near each other. Boxes are kept in
-/// doubles: no scale is chosen, so a stray item far away does not blur the others.
+/// Nodes are numbered as in a heap: the root is 1, the children of i are 2i and 2i + 1. The items of a node
+/// occupy a range of positions; items near each other in space have nearby positions. Boxes are stored as
+/// doubles rather than quantised, so that an outlier does not reduce the precision of the others.
 class Bvh {
  public:
   using Node = std::int64_t;
@@ -48,7 +49,7 @@ class Bvh {
     Index begin, end;
   };
 
-  /// One item per box, whose number is that of the box. Boxes must be finite.
+  /// Builds the tree with one item per box; item k is box k. Boxes must be finite.
   explicit Bvh(const std::vector<BoundingBox>& boxes, const Context& context = {});
 
   Index size() const { return static_cast<Index>(items_.size()); }
@@ -57,14 +58,14 @@ class Bvh {
 
   static constexpr Node root = 1;
   Node first_leaf() const { return Node{1} << depth_; }
-  Node node_count() const { return 2 * first_leaf(); }  ///< node 0 is none
+  Node node_count() const { return 2 * first_leaf(); }  ///< including the unused node 0
   bool is_leaf(Node node) const { return node >= first_leaf(); }
   const BoundingBox& box(Node node) const { return node_boxes_[static_cast<std::size_t>(node)]; }
-  /// Positions of the items below a node.
+  /// Returns the positions of the items below a node.
   Range positions(Node node) const;
 
-  /// Calls `visit(leaf)`, in ascending order, for the leaves from `from` on whose boxes overlap `box`, where
-  /// `enter(node)` is true for them and for all nodes above them.
+  /// Calls `visit(leaf)`, in ascending order, for the leaves ≥ `from` whose boxes overlap `box`. Visits a
+  /// leaf only if `enter(node)` is true for the leaf and all nodes above it.
   template <class Enter, class Visit>
   void visit_leaves(const BoundingBox& box, Node from, const Enter& enter, const Visit& visit) const {
     if (size() > 0) descend(root, depth_, box, from, enter, visit);

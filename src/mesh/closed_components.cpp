@@ -25,7 +25,8 @@ struct Box {
   }
 };
 
-// One entry per part, at its smallest vertex.
+// Measures of the connected components. Entries are indexed by the smallest vertex of the component, except
+// `component`.
 struct Components {
   std::vector<Index> component;
   Flags closed;
@@ -60,7 +61,7 @@ Components measure(const Mesh& mesh, const EdgeTable& table) {
   return components;
 }
 
-// How many times the faces wind around the point (van Oosterom and Strackee, 1983).
+// Returns the winding number of the faces around a point (van Oosterom and Strackee, 1983).
 double winding_number(const Mesh& mesh, const std::vector<Index>& faces, const Eigen::RowVector3d& point) {
   double solid_angle = 0;
   for (const Index f : faces) {
@@ -81,7 +82,7 @@ double winding_number(const Mesh& mesh, const std::vector<Index>& faces, const E
 
 InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, const Context& context) {
   Components components = measure(mesh, table);
-  constexpr double flat = 1e-9;  // × area^1.5: no volume to speak of
+  constexpr double flat = 1e-9;  // × area^1.5: smaller volumes count as zero
   std::vector<Index> closed, inward;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     if (components.component[v] != v || !components.closed[v] || !(components.area[v] > 0)) continue;

@@ -9,11 +9,11 @@
 
 namespace meshgraft {
 
-/// The connected parts of a mesh that face inward: closed, consistently oriented, of negative volume, and not
-/// the wall of a cavity, that is inside no other closed part.
+/// The connected components of a mesh that face inward: closed, consistently oriented and of negative volume.
+/// A component inside another closed component is excluded, because it is the wall of a cavity.
 struct InwardComponents {
-  std::vector<Index> component;   ///< per vertex the smallest vertex that is connected with it by edges
-  std::vector<Index> components;  ///< those that face inward, by their smallest vertex, ascending
+  std::vector<Index> component;   ///< per vertex: the smallest vertex of its connected component
+  std::vector<Index> components;  ///< inward-facing ones, by their smallest vertex, ascending
 };
 
 InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, const Context& context = {});

@@ -9,8 +9,9 @@ namespace meshgraft {
 
 namespace {
 
-// Equal for equal places; adding 0 makes -0 the same as 0. Vertices that are not finite have no place in common
-// with any other, and must not have their hash either: there may be millions of them.
+// Returns equal hashes for equal positions; adding 0 turns -0 into 0. Non-finite vertices coincide with no
+// other vertex. Each gets a hash of its own, because millions of equal hashes would make the comparison
+// quadratic.
 std::uint64_t hash_of(const Points& positions, Index vertex) {
   std::uint64_t hash = 0;
   if (!positions.row(vertex).allFinite()) return static_cast<std::uint64_t>(vertex) * 0x9E3779B97F4A7C15ull;
@@ -22,7 +23,7 @@ std::uint64_t hash_of(const Points& positions, Index vertex) {
   return hash;
 }
 
-// Hashes with the places in `vertices` that they are of, sorted: by buckets first, which takes linear time.
+// Returns pairs of a hash and an index into `vertices`, sorted. Bucketing first makes the sort linear.
 std::vector<std::pair<std::uint64_t, Index>> by_hash(const Points& positions, std::span<const Index> vertices) {
   const auto bits = static_cast<int>(std::bit_width(vertices.size() / 4));
   const auto bucket = [bits](std::uint64_t hash) { return bits == 0 ? 0 : hash >> (64 - bits); };
@@ -52,7 +53,7 @@ std::vector<Index> coincident_classes(const Points& positions, std::span<const I
   for (std::size_t begin = 0; begin < order.size();) {
     std::size_t end = begin + 1;
     while (end < order.size() && order[end].first == order[begin].first) ++end;
-    for (std::size_t k = begin + 1; k < end; ++k) {  // equal hashes: nearly always one place
+    for (std::size_t k = begin + 1; k < end; ++k) {  // equal hashes: nearly always one position
       for (std::size_t first = begin; first < k; ++first) {
         if (representative(first) != representative(k)) continue;
         classes[order[k].second] = classes[order[first].second];
@@ -75,7 +76,7 @@ std::vector<Index> boundary_vertices(Index vertex_count, const EdgeTable& table)
 }
 
 IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Index> representative) {
-  // Buckets by the smaller place, each then sorted by (larger place, half-edge).
+  // Buckets by the smaller representative, each sorted by (larger representative, half-edge).
   const auto positions_of = [&](Index e) {
     return std::minmax(representative[table.ends[e][0]], representative[table.ends[e][1]]);
   };

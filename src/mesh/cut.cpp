@@ -43,7 +43,7 @@ bool is_crossed(std::span<const Index> face, std::span<const double> values) {
   return above && below;
 }
 
-// A crossing that rounds to an end of its edge is one through that end.
+// Moves crossings that round to an end of their edge onto that end.
 void round_to_ends(const Faces& faces, const Points& positions, std::vector<double>& values) {
   for (Index f = 0; f < faces.size(); ++f) {
     const auto face = faces[f];
@@ -60,8 +60,8 @@ void round_to_ends(const Faces& faces, const Points& positions, std::vector<doub
   }
 }
 
-// The side of each face; 0 where it is crossed. Faces that lie in the cut, as far as they hang together, go to
-// the side of their neighbours, and below where they have both.
+// Returns the side of each face, or 0 if the cut crosses it. A connected set of faces that lie in the cut
+// takes the side of its neighbours. It goes below if its neighbours are on both sides.
 std::vector<Side> face_sides(const Faces& faces, const EdgeTable& table, std::span<const double> values) {
   std::vector<Side> side(faces.size(), 0);
   Flags in_the_cut(faces.size(), false);
@@ -97,7 +97,7 @@ std::vector<Side> face_sides(const Faces& faces, const EdgeTable& table, std::sp
   return side;
 }
 
-// Draws the cut into faces of which the crossed ones are triangles.
+// Draws the cut into the faces; all crossed faces must be triangles.
 class Drawing {
  public:
   Drawing(const TracedFaces& coarse, std::span<const double> values, DrawnCut& out)
@@ -164,7 +164,7 @@ class Drawing {
   void split(Index face) {
     Index c = coarse_.faces.first_corner(face);
     if (table_.next[c] < 0) return;  // two corners only: no surface
-    // First the corner on the cut, or else the one that is alone on its side.
+    // Start at the corner on the cut, or otherwise at the corner that is alone on its side.
     while (value_at(c) != 0 && opposite(value_at(table_.next[c]), value_at(table_.previous[c])))
       c = table_.next[c];
     for (const Index other : {table_.next[c], table_.previous[c]})
@@ -192,7 +192,7 @@ class Drawing {
 
   Side side_at(Index c) const { return value_at(c) > 0 ? 1 : -1; }
 
-  // Area over longest edge squared.
+  // Returns the area over the longest edge squared.
   double shape(const Corner& a, const Corner& b, const Corner& c) const {
     const Eigen::RowVector3d u = out_.positions.row(b.vertex) - out_.positions.row(a.vertex);
     const Eigen::RowVector3d v = out_.positions.row(c.vertex) - out_.positions.row(a.vertex);

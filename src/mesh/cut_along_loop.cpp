@@ -19,9 +19,9 @@ namespace meshgraft {
 
 namespace {
 
-constexpr double least_gap_rel = 1e-9;  // of an edge's length, between two crossings of it
+constexpr double least_gap_rel = 1e-9;  // between two crossings of an edge, × its length
 
-// A point of the curve, as SurfacePaths makes them, and the vertex listed before it.
+// A point of the curve, as SurfacePaths returns it, and the index of the listed vertex before it.
 struct CurvePoint {
   EdgePoint at;
   std::size_t leg = 0;
@@ -89,7 +89,8 @@ class LoopCut {
     }
   }
 
-  // A point on an edge beside a point at an end of that edge, and a vertex twice in a row, add nothing.
+  // Drops points that add nothing: a point on an edge next to a point at an end of that edge, and a repeated
+  // vertex.
   void drop_detours() {
     for (bool dropped = true; dropped;) {
       dropped = false;
@@ -145,11 +146,12 @@ class LoopCut {
 
   // --- snapping ---
 
-  // Where the curve passes a vertex within `snap` of an edge's length, the vertex moves onto it, and stands for
-  // all crossings of its edges. Not where the curve passes it twice, or the faces around would suffer.
+  // Moves vertices onto the curve where it passes within `limit` of an edge's length. A moved vertex replaces
+  // all crossings of its edges. A vertex stays if the curve passes it twice, or if the faces around it would
+  // lose their shape.
   void snap(double limit) {
     const FacesAround around(coarse_.faces, mesh_.vertex_count());
-    std::map<Index, std::vector<std::size_t>> near;  // per vertex the points on its edges
+    std::map<Index, std::vector<std::size_t>> near;  // per vertex: the points on its edges
     std::set<Index> fixed;
     for (std::size_t k = 0; k < curve_.size(); ++k) {
       for (const Index v : {curve_[k].at.from, curve_[k].at.to}) {
@@ -191,7 +193,7 @@ class LoopCut {
     curve_.resize(kept);
   }
 
-  // Whether the points follow one another along the curve.
+  // Returns whether the points are consecutive along the curve.
   bool passes_once(const std::vector<std::size_t>& points) const {
     int breaks = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -240,10 +242,10 @@ class LoopCut {
     return curve_[std::find(number_.begin(), number_.end(), vertex) - number_.begin()];
   }
 
-  // A piece of the curve across a face, between two of its vertices or inserted ones.
+  // A piece of the curve across a face, between two of the face's original or inserted vertices.
   struct Chord {
     Index from = 0, to = 0;
-    std::size_t point = 0;  // of the curve, where it begins
+    std::size_t point = 0;  // index of the curve point where it begins
   };
 
   void draw_chords() {
@@ -277,7 +279,7 @@ class LoopCut {
     fail_crossing(a, b);
   }
 
-  // Emits the triangles around the curve with the curve drawn in, all other faces as they were.
+  // Emits the triangles split along the curve, and all other faces unchanged.
   void split_faces() {
     std::set<Index> touched;  // faces of the mesh
     for (const auto& [face, chords] : chords_) touched.insert(coarse_.face_origin[face]);
@@ -327,7 +329,7 @@ class LoopCut {
     for (const Polygon& piece : pieces) emit(piece, origin);
   }
 
-  // Divides the piece that has both ends of the chord; no piece has them where chords cross.
+  // Divides the piece that contains both ends of the chord. No piece contains both if chords cross.
   void divide(std::vector<Polygon>& pieces, const std::vector<Chord>& chords, std::size_t k) const {
     for (Polygon& piece : pieces) {
       const auto corner_at = [&](Index v) {
@@ -338,7 +340,7 @@ class LoopCut {
       if (b < a) std::swap(a, b);
       Polygon one(a, b + 1), other(b, piece.end());
       other.insert(other.end(), piece.begin(), a + 1);
-      if (one.size() < 3 || other.size() < 3) break;  // it runs along an edge
+      if (one.size() < 3 || other.size() < 3) break;  // the chord runs along an edge
       piece = std::move(one);
       pieces.push_back(std::move(other));
       return;
@@ -401,16 +403,16 @@ class LoopCut {
 
   const Mesh& mesh_;
   std::span<const Index> stations_;
-  const TracedFaces coarse_;  // all of triangles
+  const TracedFaces coarse_;  // triangles only
   const EdgeTable table_;
   const Context& context_;
-  std::vector<Index> face_;  // per corner of `coarse_`
+  std::vector<Index> face_;  // per corner of `coarse_`: its face
   std::vector<CurvePoint> curve_;
   std::vector<Index> number_;                                       // per point of the curve: its vertex
   std::map<Index, std::vector<std::pair<double, Index>>> on_edge_;  // inserted vertices along each edge
   std::map<Index, std::vector<Chord>> chords_;                      // per face of `coarse_`
   std::set<std::pair<Index, Index>> run_;                           // the curve, from vertex to vertex
-  std::set<Index> on_diagonal_;                                     // faces of the mesh with a diagonal on it
+  std::set<Index> on_diagonal_;                                     // mesh faces with a diagonal on the curve
   DrawnCut cut_;
 };
 

@@ -13,8 +13,8 @@ namespace meshgraft {
 
 namespace {
 
-constexpr double least_turn_cos = 0.5;   // between a face's normals before and after a move
-constexpr double least_shape_rel = 0.3;  // × the shape (area over longest edge squared) before it
+constexpr double least_turn_cos = 0.5;   // of the angle between a face's normals before and after a move
+constexpr double least_shape_rel = 0.3;  // × the shape (area over longest edge squared) before the move
 
 struct Move {
   double distance = 0;
@@ -73,8 +73,9 @@ class Snap {
     return false;
   }
 
-  // With the vertex on it, does the cut still pass it once, from one side of its fan of faces to the other? So
-  // no loops meet in it, none vanishes, and no face comes to lie in the cut.
+  // Returns whether the cut, with the vertex on it, still passes the vertex once, from one side of its fan of
+  // faces to the other. This keeps loops from meeting in the vertex or vanishing, and faces from lying in the
+  // cut.
   bool keeps_cut(Index vertex) {
     if (fans_[vertex] != 1) return false;
     const double rest = values_[vertex];
@@ -84,8 +85,8 @@ class Snap {
     return passes == (on_boundary(vertex) ? 1 : 2);
   }
 
-  // How often the cut leaves the vertex, which lies on it; -1 where a face lies in the cut or an edge has more
-  // than two faces.
+  // Counts how often the cut leaves a vertex that lies on it. Returns -1 if a face lies in the cut or an edge
+  // has more than two faces.
   int passes_through(Index vertex) const {
     int passes = 0;
     for (const Index c : around_.corners(vertex)) {
@@ -128,7 +129,7 @@ class Snap {
 }  // namespace
 
 struct FacesAround::FaceShape {
-  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // normal, twice the area long
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();  // normal, as long as twice the area
   double longest_squared = 0;
 };
 

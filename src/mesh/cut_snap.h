@@ -10,15 +10,17 @@
 
 namespace meshgraft {
 
-/// Whether one lies above and the other below.
+/// Returns whether one vertex lies above the cut and the other one below it.
 inline bool opposite(double value_a, double value_b) {
   return (value_a > 0 && value_b < 0) || (value_a < 0 && value_b > 0);
 }
 
-/// Where an edge between opposite vertices is cut: the fraction of the way from a to b.
+/// Returns where the cut crosses an edge between vertices on opposite sides: the fraction of the way from a
+/// to b.
 double crossing(double value_a, double value_b);
 
-/// Whether the faces around a vertex neither turn over nor become slivers if it moves to `target`.
+/// Tests whether a vertex can move to `target` without turning over the faces around it or making them
+/// slivers.
 class FacesAround {
  public:
   FacesAround(const Faces& faces, Index vertex_count);
@@ -37,10 +39,10 @@ class FacesAround {
   IndexLists corners_at_;    // per vertex
 };
 
-/// Moves vertices onto the place where one of their edges is cut, if it lies within `snap` of the edge's
-/// length, the nearest first; their value becomes 0. A vertex stays where a face around would turn over or
-/// become a sliver, where the cut would touch itself, and a boundary vertex moves along its boundary only.
-/// `positions`, `origin` and `values` are updated.
+/// Moves vertices onto the cut. A vertex moves to a crossing of one of its edges within `snap` of the edge's
+/// length, the nearest crossings first, and its value becomes 0. A vertex stays if a face around it would
+/// turn over or become a sliver, or if the cut would touch itself. A boundary vertex moves only along its
+/// boundary. Updates `positions`, `origin` and `values`.
 void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<EdgePoint>& origin,
                  std::vector<double>& values);
 

@@ -18,7 +18,7 @@ namespace meshgraft {
 
 namespace {
 
-// Looks at blocks in parallel; the order does not depend on them.
+// Tests blocks in parallel; the order of the result does not depend on them.
 template <class Predicate>
 std::vector<Index> indices_where(Index count, const Predicate& predicate, const Context& context) {
   constexpr std::size_t grain = 16384;
@@ -50,9 +50,9 @@ std::vector<Index> ends_of(const EdgeTable& table, std::span<const Index> edges)
   return ends;
 }
 
-// Whether some two faces go on alike after a common edge, as faces that have all corners in common do.
+// Returns whether two faces at a common edge have the same next corner, as all duplicate faces do.
 bool may_repeat_faces(const Mesh& mesh, const EdgeTable& table) {
-  constexpr std::size_t crowd = 16;  // beyond, comparing all faces costs less than those of an edge
+  constexpr std::size_t crowd = 16;  // above this, comparing all faces costs less than those of an edge
   const std::vector<Index>& corners = mesh.faces.corners();
   for (Index e = 0; e < table.edge_count(); ++e) {
     const auto along = table.half_edges[e];

@@ -24,7 +24,7 @@ bool is_kept(Side side, CutKeep keep) {
   return side == 0 || keep == CutKeep::both || (side > 0) == (keep == CutKeep::above);
 }
 
-// The corners that hang together around a vertex on the cut, and their side of it.
+// Corners around a vertex on the cut that are connected by edges, and their side of the cut.
 struct Fan {
   Index vertex = 0, first_corner = 0;
   Side side = 0;
@@ -67,7 +67,7 @@ class Separation {
     }
   }
 
-  // Half-edges along one edge hold their faces together unless the cut runs between them.
+  // Joins the fans of two half-edges along one edge, unless the cut runs between them.
   void join_fans(Index a, Index b) {
     if (cut_.side[a] != cut_.side[b]) return;
     const bool same_tail = corners()[a] == corners()[b];
@@ -75,11 +75,11 @@ class Separation {
     fan_of_.unite(table_.next[a], same_tail ? table_.next[b] : b);
   }
 
-  // The fans around the vertices on the cut that have a face to keep: those above, then those below, each in
-  // the order of the vertices.
+  // Returns the fans around vertices on the cut that have a face to keep. Those above come first, then those
+  // below, each in vertex order.
   std::vector<Fan> kept_fans() {
     std::vector<Fan> fans;
-    std::vector<std::size_t> number(corners().size(), 0);  // 1 + its place in `fans`, at its first corner
+    std::vector<std::size_t> number(corners().size(), 0);  // 1 + its index in `fans`, at its first corner
     const Faces& faces = cut_.faces.faces;
     for (Index f = 0; f < faces.size(); ++f) {
       if (!is_kept(cut_.face_side[f], keep_)) continue;
@@ -173,7 +173,7 @@ class Separation {
     }
   }
 
-  // Where a vertex was moved along an edge, its corners' values move too.
+  // Interpolates the values of corners whose vertex was moved along an edge.
   Attribute carry_corners(const Attribute& attribute) const {
     std::vector<EdgePoint> origin = corner_origin_;
     for (EdgePoint& element : origin)
@@ -181,8 +181,9 @@ class Separation {
     return interpolate_attribute(attribute, origin);
   }
 
-  // In the faces at that edge they go along it; in the others with a corner there that has the same value, so
-  // that what hangs together still does. Beyond a seam they stay.
+  // In the faces at that edge a corner value is interpolated along it. In other faces it follows a corner at
+  // the vertex with the same value, so that continuous values stay continuous. Beyond an attribute seam it
+  // stays unchanged.
   EdgePoint moved_corner(const Attribute& attribute, Index corner) const {
     const EdgePoint& move = cut_.origin[mesh_.faces.corners()[corner]];
     if (move.t == 0) return same(corner);
@@ -211,7 +212,7 @@ class Separation {
                : mesh_.faces.first_corner(face) + static_cast<Index>(found - corners.begin());
   }
 
-  // The mesh's faces that have the edge along which a vertex was moved.
+  // Returns the faces of the mesh at the edge along which a vertex was moved.
   std::vector<Index> faces_at(const EdgePoint& move) const {
     std::vector<Index> found;
     const std::array<Index, 2> ends{std::min(move.from, move.to), std::max(move.from, move.to)};
@@ -269,7 +270,7 @@ class Separation {
 }  // namespace
 
 void check(const Mesh& mesh, const CutOptions& options) {
-  constexpr double most = 1e60;  // products of lengths are taken
+  constexpr double most = 1e60;  // products of lengths must stay finite
   if (mesh.face_count() == 0)
     throw Error(ErrorCode::input, "the mesh has no faces", {}, "Export it with its faces.");
   for (Index v = 0; v < mesh.vertex_count(); ++v)

@@ -11,25 +11,27 @@ namespace meshgraft {
 
 using Side = std::int8_t;  // 1 above, -1 below, 0 neither
 
-/// A surface with a cut drawn along its edges, before it comes apart. The vertices are the mesh's own, some of
-/// them moved along an edge, then inserted ones.
+/// A surface with a cut drawn along its edges, before it is separated. Its vertices are those of the mesh,
+/// some of them moved along an edge, followed by inserted ones.
 struct DrawnCut {
   TracedFaces faces;
   std::vector<EdgePoint> origin;  ///< per vertex
   Points positions;               ///< per vertex
-  Points normals;                 ///< per vertex: the whole surface's unit normals, zero where it has none
-  std::vector<Side> side;         ///< per corner: where its half-edge borders on the cut, from which side
-  std::vector<Side> face_side;    ///< per face; 0 stays whatever is kept
-  std::vector<Side> vertex_side;  ///< per vertex of the mesh, for those without a face; 0 stays
+  Points normals;                 ///< per vertex: unit normals of the whole surface, or zero where undefined
+  /// Per corner: side of its half-edge if that lies on the cut, otherwise 0
+  std::vector<Side> side;
+  std::vector<Side> face_side;    ///< per face; faces with 0 are always kept
+  std::vector<Side> vertex_side;  ///< per vertex of the mesh, for isolated ones; those with 0 are always kept
 };
 
 /// Throws Error(input) for options out of range.
 void check(const Mesh& mesh, const CutOptions& options);
 
-/// The whole surface's normals at all vertices, those that the cut inserted included.
+/// Returns the normals of the whole surface at all vertices, including those inserted by the cut.
 Points whole_normals(const Mesh& mesh, const DrawnCut& cut);
 
-/// Takes the surface apart along the cut. A vertex on the cut becomes one per fan of faces around it.
+/// Separates the surface along the cut. A vertex on the cut is duplicated, with one copy per fan of faces
+/// around it.
 CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context);
 
 }  // namespace meshgraft

@@ -7,7 +7,7 @@ namespace meshgraft {
 
 namespace {
 
-// Links the corners of one face into a cycle; false if the face cannot take part.
+// Links the corners of one face into a cycle. Returns false if the face is unusable.
 bool link_face(std::span<const Index> face, Index first_corner, Index vertex_count, EdgeTable& table) {
   std::array<Index, 2> seen{-1, -1};  // first and latest corner that is kept
   Index kept = 0;
@@ -45,7 +45,7 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
     if (link_face(faces[f], faces.first_corner(f), vertex_count, *this)) ++usable_faces;
   }
 
-  // Buckets by the smaller end, each then sorted by (larger end, half-edge): linear for bounded valence.
+  // Buckets by the smaller end, each sorted by (larger end, half-edge): linear for bounded valence.
   const std::vector<Index>& corners = faces.corners();
   const auto ends_of = [&](Index c) { return std::minmax(corners[c], corners[next[c]]); };
   std::vector<Index> start(static_cast<std::size_t>(vertex_count) + 1, 0);

@@ -8,8 +8,8 @@
 namespace meshgraft {
 
 /// The edges of a polygon mesh and the half-edges along them, for any input. Half-edge c starts at corner c
-/// and ends at corner next[c]. A corner that repeats the one before it is skipped; a face with an index out of
-/// range, or with fewer than three corners after that, takes no part (its corners have next = edge = -1).
+/// and ends at corner next[c]. A corner that repeats the preceding one is skipped. A face with an index out
+/// of range, or with fewer than three corners left, is unusable: its corners have next = edge = -1.
 struct EdgeTable {
   EdgeTable(Index vertex_count, const Faces& faces);
 
@@ -21,7 +21,7 @@ struct EdgeTable {
   std::vector<Index> edge;                 ///< per corner: the edge of its half-edge
   IndexLists half_edges;                   ///< per edge: its half-edges, ascending
   std::vector<std::array<Index, 2>> ends;  ///< per edge: smaller and larger vertex; edges ascend in them
-  Index usable_faces = 0;                  ///< faces that take part
+  Index usable_faces = 0;                  ///< faces with links
 };
 
 }  // namespace meshgraft

@@ -28,13 +28,14 @@ bool is_degenerate(std::span<const Index> face) {
 namespace {
 
 constexpr double area_rel = 1e-12;
-constexpr double precision_rel = 4 * std::numeric_limits<double>::epsilon();  // of coordinates
+constexpr double precision_rel = 4 * std::numeric_limits<double>::epsilon();  // relative to the coordinates
 
 bool is_lost(double double_area, double longest, double precision) {
   return double_area <= std::max(area_rel * longest, precision) * longest;
 }
 
-// A power of two that brings a length near 1, so that products of four lengths neither overflow nor underflow.
+// Returns a power of two that scales a length to about 1, so that products of four lengths neither overflow
+// nor underflow.
 double unit_scale(double length) {
   constexpr int most = 1000;
   return length > 0 && std::isfinite(length) ? std::ldexp(1, std::clamp(-std::ilogb(length), -most, most)) : 1;

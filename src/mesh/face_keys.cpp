@@ -10,7 +10,8 @@ namespace meshgraft {
 
 namespace {
 
-// The face from its smallest corner on, towards the smaller of that one's neighbours.
+// Writes the corners of a face in canonical order: from its smallest corner on, towards that corner's smaller
+// neighbour.
 void canonical(std::span<const Index> face, std::span<const Index> number, std::vector<Index>& out) {
   out.clear();
   for (const Index v : face) out.push_back(number.empty() ? v : number[v]);

@@ -7,9 +7,9 @@
 
 namespace meshgraft {
 
-/// Groups of faces that have the same corners in the same cyclic order, in either direction, each of two faces
-/// or more and ascending, in the order of their first one. `number` renames the vertices first (empty: as they
-/// are). Faces with an index out of range or a vertex twice are in none.
+/// Returns groups of two or more faces with the same corners in the same cyclic order, in either direction.
+/// Each group is ascending, and groups are ordered by their first face. `number` renames the vertices first,
+/// unless it is empty. Faces with an index out of range or a repeated vertex are excluded.
 std::vector<std::vector<Index>> same_faces(const Faces& faces, Index vertex_count,
                                            std::span<const Index> number = {});
 

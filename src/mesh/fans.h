@@ -9,11 +9,12 @@
 
 namespace meshgraft {
 
-/// Per vertex the number of fans: groups of faces around it that hang together by edges at it. 0 for an
-/// isolated vertex, 1 on a manifold.
+/// Returns per vertex the number of fans: groups of faces around it that are connected by edges at the
+/// vertex. The number is 0 for an isolated vertex and 1 on a manifold.
 std::vector<Index> fan_counts(const Mesh& mesh, const EdgeTable& table);
 
-/// Whether the two faces at an edge run along it in opposite directions; empty if there are not two.
+/// Returns whether the two faces at an edge traverse it in opposite directions, or nothing if there are not
+/// two.
 std::optional<bool> consistently_oriented(const Mesh& mesh, const EdgeTable& table, Index edge);
 
 }  // namespace meshgraft

@@ -16,19 +16,19 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// The clamped cotangent at a corner, for the edge opposite of it.
+// Returns the clamped cotangent at a corner, the weight of the opposite edge.
 double edge_weight(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  constexpr double most = 1e3;  // of slivers
+  constexpr double most = 1e3;  // limit for slivers
   const double area = (a - apex).cross(b - apex).norm(), dot = (a - apex).dot(b - apex);
   return std::clamp(area > 0 ? dot / area : most, -most, most);
 }
 
-// The new faces, with the vertices within and around them numbered apart.
+// The new faces, with separate numbers for the vertices inside and around them.
 struct Fills {
   std::vector<Index> corners;  // first corner of each new triangle
   std::vector<Index> inner, around;
-  std::vector<Index> row;         // per vertex of the mesh: in `inner`, or -1
-  std::vector<Index> around_row;  // per vertex of the mesh: in `around`, or -1
+  std::vector<Index> row;         // per vertex of the mesh: index in `inner`, or -1
+  std::vector<Index> around_row;  // per vertex of the mesh: index in `around`, or -1
 
   Fills(const Mesh& mesh, std::span<const std::uint8_t> is_new)
       : row(static_cast<std::size_t>(mesh.vertex_count()), -1), around_row(row) {
@@ -50,7 +50,7 @@ struct Fills {
   }
 };
 
-// A solve of the Laplace equation in the fills, for many columns.
+// Solves the Laplace equation in the fills for many columns.
 class HarmonicFills {
  public:
   HarmonicFills(const Mesh& mesh, const Fills& fills, const Context& context)

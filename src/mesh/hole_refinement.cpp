@@ -20,8 +20,8 @@ namespace {
 using Eigen::RowVector3d;
 
 constexpr int most_refinement_rounds = 60;  // of splitting and flipping
-constexpr int most_sweeps = 100;            // of flips, which are far fewer
-constexpr int fairings = 2;                 // the second one has the weights of a shape that is nearly right
+constexpr int most_sweeps = 100;            // of flips, which usually end far earlier
+constexpr int fairings = 2;                 // the second pass uses the weights of the first pass's shape
 
 double smallest_angle(const RowVector3d& a, const RowVector3d& b, const RowVector3d& c) {
   const auto angle = [](const RowVector3d& u, const RowVector3d& v) {
@@ -79,7 +79,7 @@ class Refinement {
     return faces_.size() > count;
   }
 
-  // Two points of the loop that the corners are near, each by its weight.
+  // Returns the two loop points with the largest weights at the triangle's corners.
   EdgePoint nearest_of_loop(const HoleTriangle& face) const {
     std::vector<std::pair<Index, double>> weights;
     const auto add = [&](Index k, double weight) {
@@ -102,14 +102,14 @@ class Refinement {
 
   struct Corner {
     HoleChord edge;
-    Index face, corner;  // the edge is that behind the corner
+    Index face, corner;  // the edge from the corner to the next one
     bool operator<(const Corner& other) const {
       return std::pair(edge, face) < std::pair(other.edge, other.face);
     }
   };
 
-  // Sweeps over all edges, each face in at most one flip a sweep. A flip makes the smallest angle of two
-  // triangles larger, so that this ends.
+  // Flips edges in sweeps over all edges, with each face in at most one flip per sweep. Each flip increases
+  // the smallest angle of two triangles, so the sweeps end.
   void flip_edges(const Context& context) {
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
       context.throw_if_stopped();
@@ -148,7 +148,7 @@ class Refinement {
     made.insert(edge);
   }
 
-  // Whether the two new triangles would look away from the old ones.
+  // Returns whether a new triangle would face away from the old ones.
   bool folds(Index a, Index b, Index c, Index d) const {
     const auto area = [&](Index i, Index j, Index k) {
       return RowVector3d((points_[j] - points_[i]).cross(points_[k] - points_[i]));
@@ -174,12 +174,12 @@ class Refinement {
 using Sparse = Eigen::SparseMatrix<double>;
 
 double cotangent(const RowVector3d& apex, const RowVector3d& a, const RowVector3d& b) {
-  constexpr double most = 1e3;  // of slivers
+  constexpr double most = 1e3;  // limit for slivers
   const double area = (a - apex).cross(b - apex).norm(), dot = (a - apex).dot(b - apex);
   return std::clamp(area > 0 ? dot / area : most, -most, most);
 }
 
-// M^{-1/2} K for the new points and the points of the loop, with a column for every point.
+// Returns M^{-1/2} K with rows for the new and the loop points and a column for every point.
 Sparse laplacian(const Points& points, const std::vector<HoleTriangle>& faces, Index rows,
                  const Flags& is_row) {
   std::vector<double> area(rows, 0);
@@ -207,7 +207,7 @@ Sparse laplacian(const Points& points, const std::vector<HoleTriangle>& faces, I
   return matrix;
 }
 
-// The factorisation owns this while it cannot be interrupted.
+// Data that the uninterruptible factorisation owns, so that a cancelled caller can leave it behind.
 struct FairingSystem {
   Sparse matrix;
   Eigen::MatrixXd right;
@@ -230,7 +230,7 @@ void fair_hole(HolePatch& patch, const Points& outside, std::span<const HoleTria
   points << patch.points, outside;
   std::vector<HoleTriangle> faces = patch.faces;
   faces.insert(faces.end(), around.begin(), around.end());
-  // A point of the loop has a Laplacian where faces are all around it.
+  // A loop point has a Laplacian only if faces surround it.
   Flags is_row(inside, 1);
   std::vector<std::pair<HoleChord, Index>> open;
   for (const HoleTriangle& face : faces)

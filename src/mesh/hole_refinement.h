@@ -12,32 +12,33 @@
 
 namespace meshgraft {
 
-/// A filled hole: the n points of its loop, new ones behind them, and triangles between all of these.
+/// A filled hole: the n points of its loop, then m new ones, and triangles between all of them.
 struct HolePatch {
   Points points;                    ///< (n + m)×3
-  std::vector<HoleTriangle> faces;  ///< wound along the loop, corners in any order
-  /// Per new point two of the loop, and how far it is from the first one to the second: for attributes.
+  std::vector<HoleTriangle> faces;  ///< oriented along the loop, corners in any order
+  /// Per new point: two loop points and the parameter between them, for interpolating attributes.
   std::vector<EdgePoint> between;
 };
 
 struct HoleRefinementOptions {
-  /// n, per point of the loop the mean length of the edges there, model units.
+  /// Mean edge length at each loop point, n, model units.
   std::vector<double> scale{};
-  /// Edges that the surface has between points of the loop (the smaller index first, ascending).
+  /// Edges of the surface between loop points, smaller index first, ascending.
   std::vector<HoleChord> forbidden{};
 };
 
-/// Inserts points into the triangles of a hole until its edges are about as long as those around it, and flips
-/// edges so that smallest angles grow (Liepa 2003, section 3: a triangle is split at its centroid where √2 ×
-/// the distances to its corners exceed the scale there). The loop's edges stay. Throws Error(cancelled).
+/// Inserts points into the triangles of a hole until its edges are about as long as those around it. A
+/// triangle is split at its centroid if √2 × the distances to its corners exceed the scale there (Liepa 2003,
+/// section 3). Flips edges to increase the smallest angles. The edges of the loop stay. Throws
+/// Error(cancelled).
 HolePatch refine_hole(const Points& loop, const std::vector<HoleTriangle>& triangles,
                       const HoleRefinementOptions& options, const Context& context = {});
 
-/// Moves the new points of a hole so that the surface bends as little as it can: the smallest sum of squared
-/// Laplacians ‖M^{-1/2} K x‖² (K with cotangent weights, M areas) over the new points and those of the loop,
-/// the rest being fixed (Botsch & Kobbelt 2004, Eq. 4). `around` has triangles of the surface about the loop,
-/// whose corners are points of the loop (< n) or, from n + m on, rows of `outside`: with them the tangent
-/// planes at the loop go on, too. Throws Error(cancelled).
+/// Moves the new points of a hole to minimise bending, with all other points fixed (Botsch & Kobbelt 2004,
+/// Eq. 4). Minimises the sum of squared Laplacians ‖M^{-1/2} K x‖² over the new and the loop points (K with
+/// cotangent weights, M areas). `around` has the surface's triangles at the loop; they continue the tangent
+/// planes at the loop. Their corners are loop points (< n) or, from n + m on, rows of `outside`. Throws
+/// Error(cancelled).
 void fair_hole(HolePatch& patch, const Points& outside, std::span<const HoleTriangle> around,
                const Context& context = {});
 

@@ -21,14 +21,14 @@ using Direction = Eigen::Vector2d;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double no_cap = 5;             // above the largest bend, which is 4
-constexpr double bend_floor = 2.5e-19;   // (5e-10 rad)²: bends below it are none
-constexpr double bend_rel = 1e-10;       // how far bends may differ and be equal
-constexpr double length_weight = 1e-13;  // of squared chords beside areas: settles what is equal
+constexpr double bend_floor = 2.5e-19;   // (5e-10 rad)²: smaller bends count as none
+constexpr double bend_rel = 1e-10;       // relative tolerance for equal bends
+constexpr double length_weight = 1e-13;  // of squared chord lengths, added to areas to break ties
 constexpr double flat_penalty = 1e6;     // × the loop's size squared, for a triangle without area
 
-// The triangle on the inner side of a side, and what the best triangulation below it costs.
+// A candidate triangle on the inner side of a side, and the cost of the best triangulation below it.
 struct Tip {
-  Direction direction;  // to the apex, seen along the side; zero where the triangle has no area
+  Direction direction;  // to the apex, seen along the side; zero if the triangle has no area
   double cost;
   Index apex;
   Index left, right;  // the sides from the side's ends to the apex
@@ -43,8 +43,8 @@ struct Side {
 
 bool is_none(const Direction& direction) { return direction[0] == 0 && direction[1] == 0; }
 
-// 4 sin²(φ/2) for the angle φ between the normals of two triangles on the two sides of an edge: as good as the
-// angle to compare, and precise where it is small.
+// Returns 4 sin²(φ/2) for the angle φ between the normals of two triangles on the two sides of an edge. The
+// value orders angles as φ does, and is precise for small angles.
 double bend(const Direction& inner, const Direction& outer) {
   if (is_none(inner) || is_none(outer)) return 0;
   const double result = (inner + outer).squaredNorm();
@@ -109,9 +109,9 @@ class Search {
   }
 
   Eigen::Vector3d point(Index k) const { return loop_.points.row(k).transpose(); }
-  bool is_loop_edge(Index side) const { return side < n_ - 1; }  // but the last, which has all inside
+  bool is_loop_edge(Index side) const { return side < n_ - 1; }  // not the last: the hole is inside it
 
-  // A repair would take such a triangle out again.
+  // Flat triangles are avoided because a repair would remove them again.
   bool is_flat(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) const {
     return has_no_area(a, b, c, largest_);
   }
@@ -123,7 +123,8 @@ class Search {
     return length > 0 ? Direction(direction / length) : Direction::Zero();
   }
 
-  // No triangulation has less, as every edge of the loop has a triangle.
+  // Returns a lower bound on the largest bend of any triangulation, because every edge of the loop has a
+  // triangle.
   double least_bend() const {
     std::vector<std::vector<Index>> neighbours(n_);
     for (const Side& side : sides_) {
@@ -154,7 +155,8 @@ class Search {
     return std::max(bend_floor, *std::max_element(least.begin(), least.end()));
   }
 
-  // A cap makes the search small. It starts a little above what is needed at least.
+  // A cap on the bends keeps the search small. The cap starts a little above the lower bound and grows until
+  // a triangulation is found.
   std::vector<HoleTriangle> least_angle() {
     const double least = least_bend();
     if (least == infinity) return {};
@@ -181,7 +183,7 @@ class Search {
     return trace([&](Index side, const Direction& outer) { return smoothest(side, outer).first; });
   }
 
-  // Visits the sides from the short to the long ones; those that get no triangle are not there for longer ones.
+  // Visits the sides from short to long. A side that gets no triangle is not available to longer ones.
   template <class Gather>
   void gather_all(const Gather& gather) {
     from_.assign(n_, {});
@@ -200,8 +202,8 @@ class Search {
     }
   }
 
-  // The smallest largest bend of a triangulation, at least `least`; infinity where it is above the cap. Leaves
-  // at each side the triangles that take part in one within the cap.
+  // Returns the smallest possible largest bend of a triangulation, at least `least`, or infinity if it
+  // exceeds the cap. Leaves at each side the triangles whose triangulation below them stays within the cap.
   double smallest_bend(double least, double cap) {
     const auto below = [&](Index side, const Direction& outer) {
       if (is_loop_edge(side)) return std::max(least, bend(beyond_[side], outer));
@@ -221,7 +223,8 @@ class Search {
     return best <= cap ? best : infinity;
   }
 
-  // The triangle on a side that bends least with what is below it, and how much.
+  // Returns the triangle on a side with the least bending, including the triangulation below it, and that
+  // cost.
   std::pair<const Tip*, double> smoothest(Index s, const Direction& outer) const {
     const Side& side = sides_[s];
     const double length = (point(side.to) - point(side.from)).norm();
@@ -235,13 +238,13 @@ class Search {
     return best;
   }
 
-  // The triangles on a side, by cost, from the sides that are shorter.
+  // Gathers the triangles on a side from the shorter sides, sorted by cost.
   template <class Below, class Join>
   void gather_tips(Side& side, double cap, const Below& below, const Join& join) const {
     const std::vector<Link>& out = from_[side.from];
     const std::vector<Link>& in = to_[side.to];
     auto left = out.begin();
-    auto right = in.rbegin();  // ascending, too
+    auto right = in.rbegin();  // reversed, so ascending too
     while (left != out.end() && right != in.rend()) {
       if (left->vertex < right->vertex) {
         ++left;
@@ -280,7 +283,7 @@ class Search {
 
   template <class Visit>
   void for_each_side(const std::vector<Index>& level, const Visit& visit) {
-    constexpr std::size_t grain = 64;  // threads are not worth waiting for with fewer
+    constexpr std::size_t grain = 64;  // with fewer sides, threads cost more than they save
     parallel_blocks(
         level.size(),
         [&](std::size_t begin, std::size_t end) {
@@ -289,14 +292,14 @@ class Search {
         context_, grain);
   }
 
-  // The first triangle on a side that bends no more than allowed against what is outside.
+  // Returns the first triangle on a side whose bend against the outside is within the limit.
   const Tip* first_within(Index side, const Direction& outer) const {
     for (const Tip& tip : sides_[side].tips)
       if (bend(tip.direction, outer) <= limit_) return &tip;
     return nullptr;
   }
 
-  // Of the triangulations with the smallest largest bend the one with the smallest area.
+  // Returns the triangulation with the smallest area among those with the smallest largest bend.
   std::vector<HoleTriangle> smallest_area(double largest) {
     limit_ = std::max(bend_floor, largest * (1 + bend_rel));
     const auto below = [&](Index side, const Direction& outer) {
@@ -323,7 +326,8 @@ class Search {
     return trace([&](Index side, const Direction& outer) { return first_within(side, outer); });
   }
 
-  // Goes down from the whole hole by what is the best triangle on a side for what is outside.
+  // Collects the triangles from the whole hole downwards, taking on each side the best one for the direction
+  // outside.
   template <class Best>
   std::vector<HoleTriangle> trace(const Best& best) const {
     std::vector<HoleTriangle> triangles;
@@ -350,10 +354,10 @@ class Search {
   double size_squared_ = 0, largest_ = 0;
   double limit_ = 0;
   bool may_be_flat_ = false;
-  std::vector<Side> sides_;  // the loop's edges first; the last of these, from 0 to n − 1, has all of the hole
+  std::vector<Side> sides_;  // loop edges first; the last of them, from 0 to n − 1, has the whole hole inside
   std::vector<std::vector<Index>> of_length_;
-  std::vector<Direction> beyond_;             // per edge of the loop, zero where nothing is known
-  std::vector<std::vector<Link>> from_, to_;  // per vertex its sides with triangles: ascending, descending
+  std::vector<Direction> beyond_;             // per edge of the loop, zero if unknown
+  std::vector<std::vector<Link>> from_, to_;  // per vertex: sides with triangles, ascending and descending
 };
 
 }  // namespace

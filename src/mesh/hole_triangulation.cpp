@@ -17,10 +17,10 @@ namespace meshgraft {
 
 namespace {
 
-constexpr Index corridor_width = 3;  // how far the ends of a chord may move from one level to the next
-constexpr Index coarsest = 80;       // edges of a loop whose smooth triangulation is found in full
+constexpr Index corridor_width = 3;  // how many vertices the ends of a chord may move between levels
+constexpr Index coarsest = 80;       // loops of at most this many edges are searched in full
 
-// Without those that are forbidden, which are sorted.
+// Removes the forbidden chords; `forbidden` is sorted.
 std::vector<HoleChord> allowed(std::vector<HoleChord> chords, const std::vector<HoleChord>& forbidden) {
   std::erase_if(chords, [&](const HoleChord& chord) {
     return std::binary_search(forbidden.begin(), forbidden.end(), chord);
@@ -36,7 +36,7 @@ std::vector<HoleChord> all_chords(Index n) {
   return chords;
 }
 
-// All chords with both ends near those of an edge of the triangles.
+// Returns all chords whose two ends are near those of an edge of the triangles.
 std::vector<HoleChord> corridor(Index n, const std::vector<HoleTriangle>& triangles, Index width) {
   std::vector<HoleChord> chords;
   const auto add_around = [&](Index a, Index b) {
@@ -58,13 +58,14 @@ std::vector<HoleChord> corridor(Index n, const std::vector<HoleTriangle>& triang
   return chords;
 }
 
-// A loop without some of the vertices of the one below, and their indices there.
+// A coarsened loop, and for each of its vertices the index in the finer loop.
 struct CoarseLoop {
   HoleLoop loop;
   std::vector<Index> kept;
 };
 
-// Half of the vertices, those that matter least to the shape, no two of them neighbours.
+// Returns the vertices to keep. Drops up to half of them, those that matter least to the shape, and never two
+// neighbours.
 std::vector<Index> choose_kept(const Points& points) {
   const auto n = static_cast<Index>(points.rows());
   std::vector<double> weight(n);
@@ -94,7 +95,8 @@ CoarseLoop coarsen(const HoleLoop& fine) {
   if (fine.beyond.rows() == 0) return coarse;
   coarse.loop.beyond.resize(n, 3);
   for (Index k = 0; k < n; ++k) {
-    // As far from the coarse edge's middle as they are from those of the fine edges, in the mean.
+    // The offset sums the vectors from the fine edges' midpoints to their outer corners, and is applied at
+    // the coarse edge's midpoint.
     Eigen::RowVector3d offset = Eigen::RowVector3d::Zero();
     const Index end = coarse.kept[(k + 1) % n];
     for (Index j = coarse.kept[k]; j != end; j = (j + 1) % fine.size())
@@ -104,7 +106,8 @@ CoarseLoop coarsen(const HoleLoop& fine) {
   return coarse;
 }
 
-// The same triangles between the vertices of the finer loop, and one at each vertex that the coarser one lacks.
+// Returns the same triangles between vertices of the finer loop, plus one triangle at each vertex dropped in
+// the coarser one.
 std::vector<HoleTriangle> refine_triangles(const CoarseLoop& coarse, Index fine_size,
                                            std::vector<HoleTriangle> triangles) {
   for (HoleTriangle& triangle : triangles)
@@ -120,7 +123,7 @@ std::vector<HoleTriangle> refine_triangles(const CoarseLoop& coarse, Index fine_
   return triangles;
 }
 
-// The neighbours of triangles across their edges.
+// Finds the neighbours of triangles across their edges.
 class Neighbours {
  public:
   explicit Neighbours(const std::vector<HoleTriangle>& triangles) {
@@ -130,13 +133,13 @@ class Neighbours {
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // The edge of a triangle behind its k-th corner, the smaller vertex first.
+  // Returns the edge after the k-th corner of a triangle, smaller vertex first.
   static HoleChord edge_of(const HoleTriangle& triangle, int k) {
     const auto [low, high] = std::minmax(triangle[k], triangle[(k + 1) % 3]);
     return {low, high};
   }
 
-  // On the other side of an edge; -1 where there is none.
+  // Returns the triangle on the other side of an edge, or -1.
   Index across(const HoleChord& edge, Index triangle) const {
     const auto first = std::lower_bound(edges_.begin(), edges_.end(), std::pair{edge, Index{-1}});
     const auto second = first + 1;
@@ -152,7 +155,7 @@ Index third_corner(const HoleTriangle& triangle, const HoleChord& edge) {
   return triangle[0] + triangle[1] + triangle[2] - edge[0] - edge[1];
 }
 
-// Some triangles that hang together, as a loop of their own with what is beyond it.
+// A connected set of triangles, with its border as a loop and the triangles beyond that loop.
 struct Window {
   std::vector<Index> triangles;
   std::vector<Index> vertices;  // ascending, which is along the loop
@@ -164,7 +167,8 @@ class Folds {
   Folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden, std::vector<HoleTriangle>& triangles)
       : loop_(loop), forbidden_(forbidden), triangles_(triangles), neighbours_(triangles) {}
 
-  // The triangle with the largest angle to a neighbour or to what is beyond the loop, and that bend.
+  // Returns the triangle with the largest bend against a neighbour or the faces beyond the loop, and that
+  // bend.
   std::pair<Index, double> worst() const {
     std::pair<Index, double> worst{0, 0};
     for (Index t = 0; t < static_cast<Index>(triangles_.size()); ++t)
@@ -177,7 +181,7 @@ class Folds {
     return worst;
   }
 
-  // Triangulates what is around a triangle anew, as well as can be.
+  // Triangulates the neighbourhood of a triangle again, with the smallest possible largest angle.
   void improve(Index start, Index size, const Context& context) {
     const Window window = window_around(start, size);
     const auto n = static_cast<Index>(window.vertices.size());
@@ -213,7 +217,7 @@ class Folds {
         const Index other = neighbours_.across(Neighbours::edge_of(triangles_[t], k), t);
         if (other >= 0 && reached.insert(other).second) window.triangles.push_back(other);
       }
-    std::map<HoleChord, Index> border;  // edges with one triangle in the window, and that one
+    std::map<HoleChord, Index> border;  // edges with one triangle in the window, and that triangle
     for (const Index t : window.triangles)
       for (int k = 0; k < 3; ++k) {
         const HoleChord edge = Neighbours::edge_of(triangles_[t], k);
@@ -239,7 +243,7 @@ class Folds {
   Neighbours neighbours_;
 };
 
-// Where the largest angle is, triangulates the neighbourhood anew, as long as that makes it smaller.
+// Triangulates the neighbourhood of the largest angle again, as long as that reduces the angle.
 void improve_folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden,
                    std::vector<HoleTriangle>& triangles, const Context& context) {
   constexpr Index smallest = 24, largest = 96;
@@ -259,19 +263,19 @@ void improve_folds(const HoleLoop& loop, const std::vector<HoleChord>& forbidden
   std::sort(triangles.begin(), triangles.end());
 }
 
-// Triangles of the loop near which good ones are: those of a coarser loop, with the vertices that it lacks.
+// Returns triangles near which good ones lie: those of a coarser loop, plus one at each dropped vertex.
 std::vector<HoleTriangle> guide(const HoleLoop& loop, HoleAim aim, const Context& context) {
   const CoarseLoop coarse = coarsen(loop);
   const Index n = coarse.loop.size();
   const std::vector<HoleChord> chords =
       n <= coarsest ? all_chords(n) : corridor(n, guide(coarse.loop, aim, context), corridor_width);
   std::vector<HoleTriangle> triangles = search_triangulation(coarse.loop, chords, aim, context);
-  // A fold would lead finer levels astray. The smallest area may need its folds.
+  // A fold would mislead the finer levels, but the smallest area may need its folds.
   if (aim == HoleAim::smooth) improve_folds(coarse.loop, {}, triangles, context);
   return refine_triangles(coarse, loop.size(), std::move(triangles));
 }
 
-// The best triangulation near a guide.
+// Returns the best triangulation near a guide.
 std::vector<HoleTriangle> search_near(const HoleLoop& loop, const std::vector<HoleTriangle>& guide,
                                       const std::vector<HoleChord>& forbidden, const Context& context) {
   const Index n = loop.size();
@@ -283,7 +287,7 @@ std::vector<HoleTriangle> search_near(const HoleLoop& loop, const std::vector<Ho
   return {};
 }
 
-// The loop times a power of two, so that no product of lengths overflows or underflows.
+// Scales the loop by a power of two, so that no product of lengths overflows or underflows.
 HoleLoop near_unit_size(const HoleLoop& loop) {
   const double extent = (loop.points.rowwise() - loop.points.row(0)).cwiseAbs().maxCoeff();
   if (!(extent > 0) || !std::isfinite(extent)) return loop;
@@ -305,10 +309,11 @@ double area_of(const HoleLoop& loop, const std::vector<HoleTriangle>& triangles)
   return area;
 }
 
-// Of two triangulations of a loop the one with the smaller largest angle, then the smaller area.
+// Returns the triangulation with the smaller largest angle, or for equal angles the one with the smaller
+// area.
 std::vector<HoleTriangle> better(const HoleLoop& loop, std::vector<HoleTriangle> first,
                                  std::vector<HoleTriangle> second) {
-  constexpr double bend_rel = 1e-9;  // how far bends may differ and be equal
+  constexpr double bend_rel = 1e-9;  // relative tolerance for equal bends
   if (first.empty() || second.empty()) return first.empty() ? second : first;
   const double first_bend = largest_bend(loop, first), second_bend = largest_bend(loop, second);
   if (first_bend < second_bend * (1 - bend_rel)) return first;

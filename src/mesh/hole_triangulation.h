@@ -10,20 +10,22 @@
 namespace meshgraft {
 
 struct HoleTriangulationOptions {
-  /// Edges that the surface has already between vertices of the loop, the smaller index of each first: they are
-  /// not made again. Edges of the loop do not count.
+  /// Edges that the surface already has between vertices of the loop, smaller index first; they are not made
+  /// again. Edges of the loop itself are ignored.
   std::vector<HoleChord> forbidden{};
-  /// Loops of at most this many edges are searched in full; larger ones from coarse to fine. A full search
+  /// Loops of at most this many edges are searched in full, larger ones from coarse to fine. A full search
   /// takes O(n³): 0.1 s for 200 edges, up to 50 s for 500.
   Index full_search = 200;
 };
 
-/// Triangulates a closed polyline of n ≥ 3 points: n − 2 triangles, wound as it runs. The largest angle between
-/// the normals of neighbouring triangles, the faces beyond the loop included, is the smallest possible, and the
-/// area then the smallest (after Barequet & Sharir 1995 and Liepa 2003). Triangles without area are avoided
-/// where that can be. The optimum for loops of up to `full_search` edges; for larger ones the best near that of
-/// a coarser loop, which is nearly always as good. Empty for points that are not finite, and where forbidden
-/// edges leave nothing. The result does not depend on the number of threads. Throws Error(cancelled).
+/// Triangulates a closed polyline of n ≥ 3 points with n − 2 triangles, oriented along it. Minimises the
+/// largest angle between the normals of neighbouring triangles, including the faces beyond the loop, and then
+/// the area (after Barequet & Sharir 1995 and Liepa 2003). Avoids triangles without area if possible.
+///
+/// The result is optimal for loops of up to `full_search` edges. For larger loops it is the best one near
+/// that of a coarser loop, which is nearly always as good. Returns no triangles if points are not finite or
+/// the forbidden edges allow none. The result does not depend on the number of threads. Throws
+/// Error(cancelled).
 std::vector<HoleTriangle> triangulate_hole(const HoleLoop& loop, const HoleTriangulationOptions& options = {},
                                            const Context& context = {});
 

@@ -30,7 +30,7 @@ bool is_usable(const Mesh& mesh, const Attribute& attribute) {
              element_count(mesh, attribute.domain) * static_cast<std::size_t>(attribute.components);
 }
 
-// A value per vertex as a value per corner.
+// Converts an attribute from one value per vertex to one value per corner.
 Attribute per_corner(const Mesh& mesh, const Attribute& attribute) {
   Attribute result = attribute;
   result.domain = Domain::corner;
@@ -47,7 +47,8 @@ Attribute per_corner(const Mesh& mesh, const Attribute& attribute) {
   return result;
 }
 
-// The attributes of `mesh`, those per vertex that `other` has per corner (UVs, normals) as such.
+// Returns the attributes of `mesh`. Vertex attributes that `other` has per corner (UVs, normals) become
+// corner attributes.
 std::vector<Attribute> attributes_like(const Mesh& mesh, const Mesh& other) {
   std::vector<Attribute> result;
   for (const Attribute& attribute : mesh.attributes) {
@@ -64,7 +65,8 @@ double largest_of(ScalarType type) {
   return type == ScalarType::uint8 ? 255 : type == ScalarType::uint16 ? 65535 : 1;
 }
 
-// Colours in files are whole numbers up to the type's largest, or fractions; alpha may be left out.
+// Scales a colour by its type's largest value, because files store either whole numbers up to it or
+// fractions.
 void to_unit_colour(Attribute& colour) {
   const double largest = largest_of(colour.type);
   for (double& value : colour.values) value /= largest;
@@ -91,7 +93,7 @@ void match_colours(Attribute& first, Attribute& second) {
   if (first.components == 4 && second.components == 3) add_alpha(second);
 }
 
-// Numbers that stand for things get the names that a writer would give them.
+// Gives the values of an attribute without labels the names that a writer would give them.
 void name_values(Attribute& attribute) {
   if (!attribute.labels.empty()) return;
   std::map<double, double> number;
@@ -116,8 +118,8 @@ std::string free_name(const std::string& name, const std::set<std::string>& take
   return candidate;
 }
 
-// Numbers the second's labels behind the first's. Equal ones are the same thing, unless told `apart`. Returns
-// those that got another name, with it.
+// Renumbers the second's labels to follow the first's. Equal labels denote the same thing, unless `apart` is
+// set. Returns the renamed labels with their new names.
 std::vector<std::pair<std::string, std::string>> join_labels(Attribute& first, Attribute& second, bool apart) {
   name_values(first);
   name_values(second);
@@ -151,13 +153,13 @@ std::vector<std::pair<std::string, std::string>> join_labels(Attribute& first, A
 
 bool is_floating(ScalarType type) { return type == ScalarType::float32 || type == ScalarType::float64; }
 
-// A type that holds the values of both.
+// Returns a type that holds the values of both.
 ScalarType common_type(ScalarType a, ScalarType b) {
   if (a == b) return a;
   return is_floating(a) || is_floating(b) ? ScalarType::float64 : ScalarType::int32;
 }
 
-// Nothing known: missing; but a part without colours is white, which files can hold.
+// Returns missing values; but a source without colours becomes white, which files can store.
 Attribute missing_like(const Attribute& attribute, std::size_t elements) {
   const double white = is_floating(attribute.type) ? 1 : 255;
   Attribute result = attribute;
@@ -260,7 +262,7 @@ class Joiner {
     result_.mesh.attributes.push_back(std::move(a));
   }
 
-  // Two parts of one file name the same materials.
+  // Returns whether both meshes come from one file, and so name the same materials.
   bool same_source() const {
     const auto one_file = [](const JoinedSources* sources) -> const SourceDocument* {
       return sources && sources->parts.size() == 1 ? sources->parts.front().source.get() : nullptr;
@@ -291,7 +293,7 @@ class Joiner {
   const Mesh& first_;
   const Mesh& second_;
   const std::shared_ptr<const JoinedSources> first_sources_, second_sources_;
-  std::map<std::string, std::string> renamed_materials_;  // of the second
+  std::map<std::string, std::string> renamed_materials_;  // of the second mesh
   JoinResult result_;
 };
 

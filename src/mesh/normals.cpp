@@ -23,7 +23,7 @@ Eigen::Vector3d unit_or_zero(const Eigen::Vector3d& vector) {
   return length > 0 && std::isfinite(length) ? Eigen::Vector3d(vector / length) : Eigen::Vector3d::Zero();
 }
 
-// The rotation (det +1) that takes a face's corners, centred, nearest to their new places.
+// Returns the rotation (det +1) that best maps a face's centred rest corners to the moved ones.
 Eigen::Matrix3d face_rotation(std::span<const Index> face, const Points& rest, const Points& moved) {
   Eigen::Vector3d rest_centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d moved_centre = Eigen::Vector3d::Zero();
@@ -72,8 +72,8 @@ Points sum_area_vectors(const Faces& faces, const Points& positions) {
   return sums;
 }
 
-// A vertex normal is turned as the faces around it turn, weighted by their area: so a file keeps its own
-// weighting and its own side, and a small move changes it little.
+// Rotates each vertex normal as the faces around it rotate, weighted by their area. This keeps the weighting
+// and the side of a file's own normals, and changes them little for a small move.
 void update_vertex_normals(const Mesh& mesh, const Points& rest, const Flags& moved, Attribute& normals) {
   Points sums = Points::Zero(mesh.vertex_count(), 3);
   Flags touched(mesh.vertex_count(), false);
@@ -105,8 +105,8 @@ void update_face_normals(const Mesh& mesh, const Points& rest, const Flags& move
   }
 }
 
-// Corners of a vertex that share one normal form a smooth group. It keeps sharing: its new normal is the
-// area-weighted mean of the old one as each of its faces turns it.
+// Corners of a vertex that share one normal form a smooth group, which keeps sharing one. The new normal is
+// the area-weighted mean of the old normal rotated by each face of the group.
 void update_corner_normals(const Mesh& mesh, const Points& rest, const Flags& moved, Attribute& normals) {
   std::vector<Index> face_of(mesh.faces.corner_count());
   IndexLists corners;  // per vertex
@@ -145,7 +145,7 @@ void update_corner_normals(const Mesh& mesh, const Points& rest, const Flags& mo
       group.clear();
       bool any_moved = false;
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      Eigen::Vector3d plain = Eigen::Vector3d::Zero();  // where every face of the group has no area
+      Eigen::Vector3d plain = Eigen::Vector3d::Zero();  // unweighted sum, for a group of faces without area
       for (const Index c : corners[v]) {
         if (Eigen::Map<const Eigen::Vector3d>(old.values.data() + 3 * std::ptrdiff_t{c}) != normal) continue;
         done[c] = true;

@@ -33,11 +33,11 @@ DoubleParts double_parts(double x) {
 
 int sign_of(auto value) { return (value > 0) - (value < 0); }
 
-// The exact sum of products of up to three doubles, in fixed point: two's complement over the exponents that
-// the products have. Decides always, at the price of hundreds of operations.
+// The exact sum of products of up to three doubles, in fixed point: two's complement over the exponents of
+// the products. Always decides the sign, at the cost of hundreds of operations.
 class ProductSum {
  public:
-  // `products` have exponents from `least` to `largest`, and there are at most 24.
+  // The `products`, at most 24, have exponents from `least` to `largest`.
   ProductSum(int least, int largest) : least_(least) {
     constexpr int product_bits = 3 * 53, carry_bits = 6;
     size_ = static_cast<std::size_t>(largest - least + product_bits + carry_bits) / 32 + 1;
@@ -96,7 +96,7 @@ class ProductSum {
   std::array<std::uint32_t, most_limbs> limbs_;
 };
 
-// Smallest and largest exponent along one axis, of what is not zero.
+// Smallest and largest exponent of the nonzero coordinates along one axis.
 struct Exponents {
   int least = std::numeric_limits<int>::max(), largest = std::numeric_limits<int>::min();
   void include(const DoubleParts& number) {
@@ -111,8 +111,8 @@ struct Exponents {
 __extension__ using Int128 = __int128;
 __extension__ using UnsignedInt128 = unsigned __int128;
 
-// The differences x_k − x_0 of coordinates along one axis, as integers in a unit of their own: a power of two,
-// which does not change the sign of a determinant. Empty where they need more than 62 bits.
+// Returns the differences x_k − x_0 of coordinates along one axis as integers, in units of a power of two.
+// The unit does not change the sign of a determinant. Returns nothing if they need more than 62 bits.
 template <std::size_t n>
 std::optional<std::array<std::int64_t, n - 1>> integer_differences(const std::array<double, n>& x) {
   constexpr int most_bits = 61;
@@ -140,7 +140,7 @@ std::optional<std::array<std::int64_t, n - 1>> integer_differences(const std::ar
   return differences;
 }
 
-// The sign of w · m over three components, |w| < 2^62 and |m| < 2^125: 189 bits.
+// Returns the sign of w · m over three components, |w| < 2^62 and |m| < 2^125: 189 bits.
 int sign_of_dot(const std::array<std::int64_t, 3>& w, const std::array<Int128, 3>& m) {
   Int128 high = 0;
   UnsignedInt128 low = 0;
@@ -165,7 +165,7 @@ int exact_orient2d(const Point2& a, const Point2& b, const Point2& c) {
 }
 
 int exact_orient3d(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
-  // Flat faces across an axis are what this is asked about most.
+  // Flat faces perpendicular to an axis are the most frequent query.
   for (std::size_t k = 0; k < 3; ++k)
     if (a[k] == b[k] && a[k] == c[k] && a[k] == d[k]) return 0;
 #ifdef __SIZEOF_INT128__

@@ -12,7 +12,7 @@ namespace meshgraft {
 
 namespace {
 
-// The middle of two elements.
+// Returns the midpoint of two elements.
 EdgePoint midpoint_of(Index a, Index b) { return {a, b, 0.5}; }
 
 Flags mark(Index vertex_count, std::span<const Index> vertices) {
@@ -36,9 +36,9 @@ bool has_split_edge(const Mesh& mesh, Index face, const EdgeTable& table, const 
   return false;
 }
 
-// One triangle with its split edges; corner c is followed by the middle of its edge to corner c + 1.
+// One triangle with its split edges; corner c is followed by the midpoint of its edge to corner c + 1.
 struct Piece {
-  std::array<Index, 6> vertex;  // corners 0 1 2, then the middles of 01, 12, 20 (-1: not split)
+  std::array<Index, 6> vertex;  // corners 0 1 2, then the midpoints of 01, 12, 20 (-1: not split)
   std::array<EdgePoint, 6> corner;
 };
 
@@ -50,7 +50,7 @@ void emit(const Piece& piece, std::initializer_list<std::array<int, 3>> triangle
   }
 }
 
-// Turns the corners so that corner `first` comes first.
+// Rotates the corners so that corner `first` comes first.
 Piece turned(const Piece& piece, int first) {
   Piece result = piece;
   for (int c = 0; c < 3; ++c) {
@@ -71,7 +71,7 @@ void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& 
   if (splits == 3) {
     emit(piece, {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}, origin, out);
   } else if (splits == 2) {
-    while (piece.vertex[5] >= 0) piece = turned(piece, 1);  // edge 20 is the whole one
+    while (piece.vertex[5] >= 0) piece = turned(piece, 1);  // edge 20 is the unsplit one
     emit(piece, {{3, 1, 4}}, origin, out);
     if (length(0, 4) < length(2, 3)) {
       emit(piece, {{0, 3, 4}, {0, 4, 2}}, origin, out);
@@ -153,7 +153,7 @@ RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const 
   }
 
   context.step("refine", 0.8);
-  result.mesh.source = mesh.source;  // a writer takes what does not depend on the topology
+  result.mesh.source = mesh.source;  // a writer uses the data that does not depend on the topology
   result.face_parent = fine.face_origin;
   std::vector<EdgePoint> face_origin;
   for (const Index f : fine.face_origin) face_origin.push_back(same(f));

@@ -20,7 +20,7 @@ void check(const RepairOptions& options) {
     throw Error(ErrorCode::input, "must be 0 or more", "hole_edges");
 }
 
-// Nothing else works where these are.
+// Throws for invalid elements, because no other step works with them.
 void require_valid(const Mesh& mesh) {
   triangulate(mesh);  // throws for an index out of range
   for (const Index v : mesh.faces.corners())
@@ -30,7 +30,7 @@ void require_valid(const Mesh& mesh) {
                   "Let the repair remove invalid faces.");
 }
 
-// All but what needs the rest to be in order. Returns whether anything changed.
+// Runs all steps except those that need a clean surface. Returns whether anything changed.
 bool mend(RepairSurface& surface, const RepairOptions& options) {
   const bool join = options.weld;
   bool changed = false;
@@ -57,8 +57,8 @@ const RepairChange* RepairResult::find(std::string_view name) const {
   return found == changes.end() ? nullptr : &*found;
 }
 
-// Until no step changes anything: what one step leaves may be work for an earlier one, and a second repair is
-// one round more.
+// Repeats until no step changes anything, because a step may leave work for an earlier one. A second repair
+// then has nothing left to do.
 RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Context& context) {
   check(options);
   if (!options.remove_invalid) require_valid(mesh);

@@ -1,4 +1,4 @@
-// Repair of whole connected parts: those that lie on another one, and floating bits.
+// Repair of whole connected components: those that lie on another one, and floating debris.
 
 #include <algorithm>
 #include <map>
@@ -15,7 +15,7 @@ ConnectedComponents components_of(const RepairSurface& surface) {
   for (const auto& ends : surface.edges().ends) sets.unite(ends[0], ends[1]);
   ConnectedComponents components;
   const Index vertices = surface.mesh().vertex_count();
-  std::vector<Index> number(static_cast<std::size_t>(vertices) + 1, -1);  // the last for faces without corners
+  std::vector<Index> number(static_cast<std::size_t>(vertices) + 1, -1);  // last: faces without corners
   for (Index f = 0; f < surface.faces().size(); ++f) {
     const auto face = surface.faces()[f];
     Index& component = number[face.empty() ? vertices : sets.root(face[0])];
@@ -63,7 +63,7 @@ bool remove_duplicate_shells(RepairSurface& surface) {
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (const Index f : groups[g]) groups_of[components.of_face[f]].push_back(static_cast<Index>(g));
 
-  // Larger parts first: one goes if each of its faces lies on a face of a part that stays.
+  // Larger components first: one is removed if each of its faces lies on a face of a component that stays.
   std::vector<Index> order(components.faces.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),

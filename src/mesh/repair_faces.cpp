@@ -1,4 +1,4 @@
-// Repair of single faces: what is invalid, repeated or flat to a line.
+// Repair of single faces: invalid, duplicate or without area.
 
 #include <algorithm>
 #include <cmath>
@@ -48,8 +48,8 @@ struct Corners {
   std::vector<EdgePoint> values;
 };
 
-// Cuts a face where it comes to a vertex again into faces that have each vertex once; those with fewer than
-// three corners are dropped.
+// Splits a face that repeats a vertex into faces that have each vertex once. Drops those with fewer than
+// three corners.
 std::vector<Corners> simple_faces(std::span<const Index> face, std::span<const EdgePoint> values) {
   std::vector<Corners> simple;
   Corners open;
@@ -109,9 +109,9 @@ bool remove_duplicate_faces(RepairSurface& surface) {
   return true;
 }
 
-// A needle has a side without length: its ends become one vertex, and what was its two long sides meets. In a
-// cap a vertex lies on the side opposite: the cap is taken away, and the face beyond that side is split at the
-// vertex by the step for T-junctions.
+// A needle has a side without length. Its ends are merged into one vertex, so that its two long sides meet.
+// In a cap one vertex lies on the opposite side. The cap is removed, and the step for T-junctions splits the
+// face beyond that side at the vertex.
 bool remove_zero_area(RepairSurface& surface, bool may_split_edges) {
   constexpr double needle = 1e-6;  // shortest side over longest
   const Mesh& mesh = surface.mesh();

@@ -20,13 +20,13 @@ namespace meshgraft {
 namespace {
 
 constexpr Index default_edges = 24;
-constexpr double default_area_rel = 0.005;  // of the part: a larger opening is taken to be meant
+constexpr double default_area_rel = 0.005;  // of the component: larger openings are taken as intended
 
-// A loop with the half-edges along it, turned to run as the faces that are to close it.
+// A loop and the half-edges along it, in the direction of the faces that will close it.
 struct Hole {
   std::vector<Index> vertices;
   std::vector<Index> outside;  // the half-edge of the surface from vertices[k+1] to vertices[k]
-  /// Copies of vertices of the hole, with the index of those: where another hole touches it.
+  /// Copies of the hole's vertices, made where another hole touches it, with the index of the copied vertex.
   std::vector<std::pair<Index, Index>> copies;
 
   std::map<Index, Index> index_of_vertices() const {
@@ -50,8 +50,9 @@ double fan_area(const Points& positions, const std::vector<Index>& loop) {
   return area;
 }
 
-// Where holes touch, a vertex was given a copy, which made one loop of them. Parts it there again: into loops
-// that pass each vertex, or copies of it, once. Loops are lists of half-edges along the boundary.
+// Splits a loop where holes touch. Copies of the vertex at which the holes touch had joined them into one
+// loop. Each result passes each vertex, or its copies, once. Loops are lists of half-edges along the
+// boundary.
 std::vector<std::vector<Index>> parted_at_copies(const RepairSurface& surface, const std::vector<Index>& loop) {
   const std::vector<Index>& corners = surface.faces().corners();
   std::vector<std::vector<Index>> parts;
@@ -71,7 +72,7 @@ std::vector<std::vector<Index>> parted_at_copies(const RepairSurface& surface, c
   return parts;
 }
 
-// A hole from the half-edges along it.
+// Makes a hole from the half-edges along it.
 Hole hole_along(const RepairSurface& surface, const std::vector<Index>& loop) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
@@ -85,7 +86,7 @@ Hole hole_along(const RepairSurface& surface, const std::vector<Index>& loop) {
   return hole;
 }
 
-// The holes to be filled. Counts loops within a given limit whose border is no simple one in `unsound`.
+// Returns the holes to fill. Counts in `unsound` the loops within a given limit whose border is not simple.
 std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optional<Index> most_edges,
                                       Index& unsound) {
   const EdgeTable& table = surface.edges();
@@ -128,7 +129,7 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
   return holes;
 }
 
-// The neighbours of vertices, from the faces that have them.
+// Finds the faces and edges around vertices.
 class Surroundings {
  public:
   explicit Surroundings(const RepairSurface& surface)
@@ -144,7 +145,7 @@ class Surroundings {
       if (is_vertex(corners[c])) corners_[next[static_cast<std::size_t>(corners[c])]++] = c;
   }
 
-  // The faces that have one of the vertices, ascending.
+  // Returns the faces that have one of the vertices, ascending.
   std::vector<Index> faces_at(const std::map<Index, Index>& vertices) const {
     std::vector<Index> faces;
     for (const auto& [v, k] : vertices)
@@ -154,7 +155,7 @@ class Surroundings {
     return faces;
   }
 
-  // The mean length of the edges at a vertex.
+  // Returns the mean length of the edges at a vertex.
   double edge_length(Index vertex) const {
     const EdgeTable& table = surface_.edges();
     const std::vector<Index>& corners = surface_.faces().corners();
@@ -181,7 +182,7 @@ class Surroundings {
   std::vector<Index> corners_;
 };
 
-// Chords of a hole that are edges of the surface, the smaller index first.
+// Returns the chords of a hole that are edges of the surface, smaller index first.
 std::vector<HoleChord> edges_across(const RepairSurface& surface, const Hole& hole) {
   const auto n = static_cast<Index>(hole.vertices.size());
   const auto& ends = surface.edges().ends;
@@ -209,13 +210,13 @@ HoleLoop loop_of(const RepairSurface& surface, const Hole& hole) {
   return loop;
 }
 
-// Faces without area would be taken out again.
+// Returns whether all faces have area; a later step would remove the others.
 bool have_area(const HolePatch& patch) {
   return std::none_of(patch.faces.begin(), patch.faces.end(),
                       [&](const HoleTriangle& face) { return has_no_area(face, patch.points); });
 }
 
-// A fan about a new vertex in the middle: it makes no edge that can be there already.
+// Makes a fan around a new vertex in the middle. None of its edges can exist already.
 HolePatch fan_over(const HoleLoop& loop) {
   const Index n = loop.size();
   HolePatch patch{Points(n + 1, 3), {}, {{0, n / 2, 0.5}}};
@@ -224,7 +225,7 @@ HolePatch fan_over(const HoleLoop& loop) {
   return patch;
 }
 
-// Moves the new vertices so that the surface around the hole goes on in it.
+// Moves the new vertices so that the patch continues the surrounding surface.
 void fair(const RepairSurface& surface, const Surroundings& surroundings, const Hole& hole, HolePatch& patch) {
   std::map<Index, Index> row_of = hole.index_of_vertices();
   std::vector<HoleTriangle> around;
@@ -245,11 +246,11 @@ void fair(const RepairSurface& surface, const Surroundings& surroundings, const 
   fair_hole(patch, points, around, surface.context());
 }
 
-// No faces where nothing can fill the hole.
+// Fills a hole. Returns no faces if nothing can fill the hole.
 HolePatch fill(const RepairSurface& surface, const Surroundings& surroundings, const Hole& hole, HoleFill how) {
   const auto beside = [&](Index k) { return surface.face_of(hole.outside[k]); };
   if (hole.vertices.size() == 3 && beside(0) == beside(1) && beside(1) == beside(2))
-    return {};  // the other side of a lone face
+    return {};  // the other side of a single face
   const HoleLoop loop = loop_of(surface, hole);
   const std::vector<HoleChord> forbidden = edges_across(surface, hole);
   HolePatch patch{loop.points, triangulate_hole(loop, {.forbidden = forbidden}, surface.context()), {}};
@@ -266,7 +267,7 @@ HolePatch fill(const RepairSurface& surface, const Surroundings& surroundings, c
   return have_area(patch) ? patch : plain;
 }
 
-// Adds the faces; their attributes continue those of the faces beside them.
+// Adds the faces and continues the attributes of the faces beside them.
 void add_patch(const RepairSurface& surface, const Hole& hole, const HolePatch& patch, RepairFaces& filled,
                std::vector<NewVertex>& added) {
   const auto n = static_cast<Index>(hole.vertices.size());
@@ -286,7 +287,7 @@ void add_patch(const RepairSurface& surface, const Hole& hole, const HolePatch& 
                origin, true);
 }
 
-// Makes one vertex of copies again, where the holes that touched there are closed.
+// Merges copies with their vertices again, after the holes that touched there are closed.
 void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& copies) {
   DisjointSets sets(surface.mesh().vertex_count());
   std::vector<Index> given;
@@ -308,7 +309,7 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
   RepairFaces filled = surface.traced();
   std::vector<NewVertex> added;
   std::vector<Index> given;
-  std::vector<std::pair<Index, Index>> rejoined;  // copies with what they are copies of
+  std::vector<std::pair<Index, Index>> rejoined;  // copies and the vertices that they copy
   Index count = 0, left = 0, unsound = 0;
   const std::vector<TouchingHoles> holes = find_holes(surface, options.hole_edges, unsound);
   const Surroundings surroundings(surface);

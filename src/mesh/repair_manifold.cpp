@@ -1,4 +1,4 @@
-// Repair of what keeps a surface from being an oriented manifold: crowded edges and vertices, and winding.
+// Repair of non-manifold edges and vertices, and of inconsistent orientation.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace meshgraft {
 
 namespace {
 
-// The corners at each vertex that belong to one fan: faces that stay joined over an edge at it.
+// Unites the corners at each vertex into fans: faces that stay connected across an edge at the vertex.
 DisjointSets joined_corners(const RepairSurface& surface) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
@@ -28,7 +28,7 @@ DisjointSets joined_corners(const RepairSurface& surface) {
   return sets;
 }
 
-// Gives each fan but the first a copy of its vertex.
+// Gives each fan except the first its own copy of the vertex.
 bool part_fans(RepairSurface& surface) {
   DisjointSets sets = joined_corners(surface);
   const EdgeTable& table = surface.edges();
@@ -68,7 +68,8 @@ bool part_fans(RepairSurface& surface) {
   return true;
 }
 
-// Where the faces of a crowded edge hang together around both its ends nothing can be parted: all but two go.
+// Removes all but two faces of each edge with three or more. The faces of such an edge are connected around
+// both its ends, so that splitting vertices cannot separate them.
 bool thin_crowded_edges(RepairSurface& surface) {
   const EdgeTable& table = surface.edges();
   Flags doomed(surface.faces().size(), 0);
@@ -114,12 +115,12 @@ void turn_faces(RepairSurface& surface, const Flags& turn) {
   surface.replace_faces(std::move(turned));
 }
 
-// The faces that hang together with `seed` by edges, and how each has to be turned to run as the seed does.
-// Edges count from both sides.
+// Faces connected by edges, with counts of the edges between inconsistently oriented ones. Each edge counts
+// from both sides.
 struct OrientedComponent {
   std::vector<Index> faces;
-  Index against = 0;         // edges whose faces run against each other now
-  Index contradictions = 0;  // and after turning: there are none on a surface with two sides
+  Index against = 0;         // edges whose faces are inconsistently oriented now
+  Index contradictions = 0;  // the same after turning; 0 on an orientable surface
 };
 
 OrientedComponent follow_winding(const RepairSurface& surface, Index seed, Flags& reached, Flags& turn) {
@@ -149,7 +150,7 @@ OrientedComponent follow_winding(const RepairSurface& surface, Index seed, Flags
   return component;
 }
 
-// Faces to turn so that neighbours run alike, the fewer ones of each part.
+// Returns the faces to turn so that neighbours are consistently oriented: the minority in each component.
 Flags faces_against_the_rest(const RepairSurface& surface, Index& contradictions) {
   Flags turn(surface.faces().size(), 0), reached(surface.faces().size(), 0);
   contradictions = 0;
@@ -160,7 +161,7 @@ Flags faces_against_the_rest(const RepairSurface& surface, Index& contradictions
         std::count_if(component.faces.begin(), component.faces.end(), [&](Index f) { return turn[f] != 0; });
     const bool helps = component.contradictions < component.against;
     contradictions +=
-        (helps ? component.contradictions : component.against) / 2;  // each was seen from both sides
+        (helps ? component.contradictions : component.against) / 2;  // each edge was seen from both sides
     const bool most = 2 * turned > static_cast<std::ptrdiff_t>(component.faces.size());
     for (const Index f : component.faces) turn[f] = helps && (most ? !turn[f] : turn[f]);
   }

@@ -1,4 +1,4 @@
-// Repair of what is torn: boundary edges that lie on each other, and vertices that lie on an edge.
+// Repair of torn surfaces: boundary edges that lie on each other, and vertices that lie on an edge.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ namespace meshgraft {
 
 namespace {
 
-// For each boundary vertex the smallest one that it is at one place with: exactly, or within reach.
+// Returns for each boundary vertex the smallest one at its position, either exactly or within reach.
 std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<double> distance) {
   const double largest_share = distance ? 0.5 : 0.1;  // of the shortest edge
   const Points& positions = surface.positions();
@@ -40,7 +40,7 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
   if (!(widest > 0)) return representative;
 
   const VertexTree tree(positions, representatives);
-  std::vector<std::vector<Index>> near(representatives.size());  // smaller ones within reach of both
+  std::vector<std::vector<Index>> near(representatives.size());  // smaller ones, within reach of both
   parallel_blocks(
       representatives.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -69,8 +69,8 @@ double weld_reach(const RepairSurface& surface, std::optional<double> distance) 
 
 namespace {
 
-// Which of many half-edges around one place may belong together, each pair once: all pairs, or in a crowd of
-// each those whose faces lie most nearly opposite.
+// Returns the pairs of half-edges at one position that may belong together, each pair once. Returns all
+// pairs, or for many half-edges only those whose faces lie most nearly opposite.
 std::vector<std::pair<std::size_t, std::size_t>> possible_pairs(const std::vector<Eigen::RowVector3d>& inward,
                                                                 const Eigen::RowVector3d& axis) {
   constexpr std::size_t crowd = 32, nearest = 8;
@@ -108,8 +108,8 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
   if (half_edges.size() == 2) return {{half_edges[0], half_edges[1]}};
-  std::vector<Eigen::RowVector3d> along, inward;  // into the face, at right angles to the edge
-  // A face that hangs by this edge alone is more likely what does not belong here.
+  std::vector<Eigen::RowVector3d> along, inward;  // unit vectors into the face, perpendicular to the edge
+  // A face that is connected by this edge alone more likely does not belong here.
   std::vector<double> loose;
   for (const Index c : half_edges) {
     along.emplace_back(
@@ -124,7 +124,7 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
     std::size_t i, k;
   };
   std::vector<Candidate> candidates;
-  constexpr double against = 6;  // more than any angle and loose side counts
+  constexpr double against = 6;  // more than any sum of the other terms
   for (const auto& [i, k] : possible_pairs(inward, along[0])) {
     const bool run_alike = along[i].dot(along[k]) > 0;
     candidates.push_back(
@@ -142,7 +142,8 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
   return pairs;
 }
 
-// Edges are joined, not vertices: parts that meet in a vertex alone stay apart, and no edge gets a third face.
+// Joins edges, not vertices: components that meet only in a vertex stay separate, and no edge gets a third
+// face.
 bool stitch(RepairSurface& surface, std::optional<double> distance) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
@@ -175,7 +176,7 @@ bool stitch(RepairSurface& surface, std::optional<double> distance) {
 
 namespace {
 
-// A vertex on a half-edge, `t` of its length from its start.
+// A vertex on a half-edge, at the fraction `t` of its length from its start.
 struct OnEdge {
   double t = 0;
   Index vertex = -1;
@@ -183,11 +184,11 @@ struct OnEdge {
 
 struct TornEdges {
   std::vector<std::vector<OnEdge>> on;  // per half-edge, ascending in t
-  std::vector<Index> vertices;          // that lie on one
+  std::vector<Index> vertices;          // all vertices that lie on a half-edge
 };
 
-// How far along a half-edge a point lies, if it is on it (at most `aside` from it) and farther than `apart`
-// from its ends.
+// Returns the fraction of a half-edge at which a point lies. Returns nothing unless the point is at most
+// `aside` from the half-edge and farther than `apart` from its ends.
 std::optional<double> place_on(const Points& positions, Index a, Index b, const Eigen::RowVector3d& point,
                                double apart, double aside) {
   const Eigen::RowVector3d from = positions.row(a), way = positions.row(b) - from;
@@ -199,10 +200,10 @@ std::optional<double> place_on(const Points& positions, Index a, Index b, const 
   return t;
 }
 
-// Boundary vertices by their places, so that a place with thousands of them is looked at once.
+// Boundary vertices grouped by position, so that a position with thousands of vertices is searched once.
 struct BoundaryPositions {
-  std::vector<Index> first;                           // of each place, the smallest vertex
-  std::vector<std::pair<Index, Index>> first_vertex;  // of each vertex the first of its place, and the vertex
+  std::vector<Index> first;                           // per position: the smallest vertex
+  std::vector<std::pair<Index, Index>> first_vertex;  // per vertex: the first at its position, and the vertex
 
   BoundaryPositions(const Points& positions, const std::vector<Index>& boundary) {
     const std::vector<Index> classes = coincident_classes(positions, boundary);
@@ -247,7 +248,7 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
         if (std::find(face.begin(), face.end(), v) != face.end()) continue;
         const double reach = std::min(widest, 0.1 * shortest[v]);
         const auto t = place_on(positions, a, b, positions.row(v), reach, reach);
-        // A boundary edge must run along this one too: surfaces that touch in a place stay as they are.
+        // A boundary edge must run along this one too, so that surfaces touching in a point stay unchanged.
         const bool runs_along = t && std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](Index w) {
                                   const Eigen::RowVector3d point = positions.row(w);
                                   return (point - positions.row(a)).norm() <= reach ||
@@ -259,7 +260,7 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
     }
     std::sort(torn.on[c].begin(), torn.on[c].end(), [](const OnEdge& x, const OnEdge& y) { return x.t < y.t; });
   };
-  if (!corners.empty()) surface.face_of(0);  // makes the table, before threads ask
+  if (!corners.empty()) surface.face_of(0);  // builds the table before several threads read it
   parallel_blocks(
       static_cast<std::size_t>(table.edge_count()),
       [&](std::size_t begin, std::size_t end) {
@@ -280,7 +281,7 @@ struct SplitCorner {
   EdgePoint value;
 };
 
-// Between two corners that may lie between others themselves.
+// Interpolates between two corner values that may be interpolated themselves.
 EdgePoint value_at(const EdgePoint& a, const EdgePoint& b, double t) {
   if (a.from == a.to && b.from == b.to) return {a.from, b.from, t};
   if (a.from == b.from && a.to == b.to) return {a.from, a.to, (1 - t) * a.t + t * b.t};
@@ -289,7 +290,7 @@ EdgePoint value_at(const EdgePoint& a, const EdgePoint& b, double t) {
   return t <= 0.5 ? a : b;
 }
 
-// A triangle whose sides carry vertices, as triangles of which none has three corners on one side.
+// Splits a triangle with vertices on its sides into triangles, none of which has three corners on one side.
 using Side = std::vector<SplitCorner>;
 void split_triangle(std::array<SplitCorner, 3> corner, std::array<Side, 3> on, std::vector<SplitCorner>& out) {
   for (int k = 0; k < 3 && on[0].empty(); ++k) {

@@ -189,7 +189,7 @@ std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairRes
   result.mesh.positions.resize(count, 3);
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (new_index[v] >= 0) result.mesh.positions.row(new_index[v]) = mesh_.positions.row(v);
-  // Where the vertex that one became is gone, a copy that a fan got may live on.
+  // If the vertex that one was united with is gone, a copy that a fan received may remain.
   const auto became = [&](Index v) {
     while (stands_for_[v] != v) v = stands_for_[v];
     return v;
@@ -217,7 +217,7 @@ bool same_values(const Attribute& attribute, Index a, Index b) {
   return true;
 }
 
-// A value per corner of the new faces from one per vertex of the given mesh.
+// Converts the origins of corners in the given mesh to origins of vertices.
 std::vector<EdgePoint> vertices_of(const std::vector<EdgePoint>& corners, const Faces& given) {
   std::vector<EdgePoint> vertices;
   vertices.reserve(corners.size());
@@ -234,7 +234,7 @@ bool is_normal(const Attribute& attribute) {
 
 }  // namespace
 
-// Normals of faces that were turned over, as far as they point to the other side now.
+// Flips the normals of turned faces that now point to the wrong side.
 void RepairSurface::turn_normals(Attribute& attribute, const RepairResult& result) const {
   const Faces& faces = result.mesh.faces;
   Points side = Points::Zero(attribute.domain == Domain::vertex ? result.mesh.vertex_count() : 0, 3);
@@ -270,7 +270,7 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
       std::any_of(traced_.is_turned.begin(), traced_.is_turned.end(), [](char is) { return is != 0; });
 
   for (const Attribute& attribute : given_.attributes) {
-    bool parted = false;  // united vertices differ
+    bool parted = false;  // whether united vertices have different values
     if (attribute.domain == Domain::vertex) {
       for (Index c = 0; c < mesh_.faces.corner_count() && !parted; ++c) {
         const EdgePoint& own = corner_vertex[c];

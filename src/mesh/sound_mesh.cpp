@@ -70,8 +70,8 @@ void SoundMesh::require_beyond(std::span<const Index> reach) const {
   if (!usable_) return;
   Flags within(given_.vertex_count(), 0);
   for (const Index v : reach)
-    if (is_vertex_of(given_, v)) within[v] = 1;  // what does not exist is said where it is used
-  // A finding may be of the one vertex that a face has beyond reach.
+    if (is_vertex_of(given_, v)) within[v] = 1;  // a missing vertex is reported where it is used
+  // A finding may name only the face's one vertex beyond reach, so all corners of the face count.
   std::vector<Index> touched;
   for (const Index f : faces_) {
     const auto face = given_.faces[f];

@@ -17,12 +17,12 @@ namespace meshgraft {
 
 namespace {
 
-constexpr double shorter_rel = 1 - 1e-12;  // what counts as shorter
-constexpr double at_end = 1e-6;            // a crossing this near to an end of its edge goes through that end
+constexpr double shorter_rel = 1 - 1e-12;  // factor below which a length counts as shorter
+constexpr double at_end = 1e-6;            // a crossing this near to an end of its edge is at that end
 
 }  // namespace
 
-// Where the path turns: at a vertex of the strip's border, an end of the half-edge `strip[portal]`.
+// A turn of the path: a vertex on the border of the strip, at an end of the half-edge `strip[portal]`.
 struct SurfacePaths::Turn {
   Index vertex = 0;
   std::size_t portal = 0;
@@ -45,8 +45,8 @@ SurfacePaths::SurfacePaths(const Points& positions, const Faces& triangles, cons
     if (table.next[c] >= 0) next_at_[c] = std::exchange(corner_at_[vertex(c)], c);
 }
 
-// The half-edge along the same edge in the neighbouring face, or -1 where there is not one that is consistently
-// oriented.
+// Returns the half-edge along the same edge in the neighbouring face. Returns -1 without exactly one,
+// consistently oriented neighbour.
 Index SurfacePaths::twin(Index half_edge) const {
   const auto along = table_.half_edges[table_.edge[half_edge]];
   if (along.size() != 2) return -1;
@@ -59,10 +59,10 @@ bool SurfacePaths::face_has(Index half_edge, Index v) const {
          vertex(table_.previous[half_edge]) == v;
 }
 
-// Dijkstra from triangle to triangle, through the middles of their edges.
+// Runs Dijkstra's algorithm from triangle to triangle, through the midpoints of their edges.
 SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Context& context) const {
   std::unordered_map<Index, double> reached;      // per face
-  std::unordered_map<Index, Index> entered_over;  // per face: the half-edge, in the face before it
+  std::unordered_map<Index, Index> entered_over;  // per face: half-edge crossed into it, in the face before
   using Entry = std::pair<double, Index>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
   for (Index c = corner_at_[from]; c >= 0; c = next_at_[c]) {
@@ -105,7 +105,7 @@ SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Contex
               {}, "Choose vertices of one connected component.");
 }
 
-// Takes out what leads back to a triangle where the strip has been, and the triangles at its ends that lie
+// Removes detours that return to an earlier triangle of the strip, and the triangles at its ends that lie
 // around the end vertices.
 void SurfacePaths::remove_detours(Strip& strip, Index from, Index to) const {
   Strip kept;
@@ -131,7 +131,8 @@ void SurfacePaths::remove_detours(Strip& strip, Index from, Index to) const {
                kept.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-// The strip led past a vertex on its border at the other side; empty where there is a boundary in the way.
+// Returns the strip rerouted around the other side of a vertex on its border, or an empty one if a boundary
+// is in the way.
 SurfacePaths::Strip SurfacePaths::around_other_side(const Strip& strip, const Turn& turn) const {
   const Index v = turn.vertex;
   const auto touches = [&](Index half_edge) {
@@ -143,7 +144,7 @@ SurfacePaths::Strip SurfacePaths::around_other_side(const Strip& strip, const Tu
 
   Strip result(strip.begin(), strip.begin() + static_cast<std::ptrdiff_t>(first));
   const Index goal = face_[twin(strip[last])];
-  const bool turns_left = vertex(strip[first]) == v;  // the edges at v in the face: one begins, one ends there
+  const bool turns_left = vertex(strip[first]) == v;  // one of the face's edges at v begins there
   for (Index half_edge = strip[first];;) {
     half_edge = turns_left ? table_.previous[half_edge] : table_.next[half_edge];
     const Index other = twin(half_edge);
@@ -156,7 +157,7 @@ SurfacePaths::Strip SurfacePaths::around_other_side(const Strip& strip, const Tu
   return result;
 }
 
-// Unfolds the strip and pulls a string through it (the funnel algorithm: Lee and Preparata 1984).
+// Unfolds the strip and finds the shortest path within it by the funnel algorithm (Lee and Preparata 1984).
 SurfacePaths::Path SurfacePaths::shortest_within(const Strip& strip, Index from, Index to) const {
   struct FunnelPoint {
     Index vertex;
@@ -164,7 +165,7 @@ SurfacePaths::Path SurfacePaths::shortest_within(const Strip& strip, Index from,
   };
   std::vector<FunnelPoint> left, right;
   const auto distance = [&](Index a, Index b) { return (positions_.row(a) - positions_.row(b)).norm(); };
-  // The coordinates of x beyond the directed edge from a to b, at its right hand.
+  // Returns the coordinates of x beyond the directed edge from a to b, to its right.
   const auto unfold = [&](const FunnelPoint& a, const FunnelPoint& b, Index x) -> FunnelPoint {
     const Eigen::RowVector3d edge = positions_.row(b.vertex) - positions_.row(a.vertex);
     const Eigen::RowVector3d offset = positions_.row(x) - positions_.row(a.vertex);
@@ -175,7 +176,7 @@ SurfacePaths::Path SurfacePaths::shortest_within(const Strip& strip, Index from,
     return {x, a.at + along * u + height * Eigen::Vector2d(u.y(), -u.x())};
   };
 
-  // Seen along the strip, a half-edge begins at its right post.
+  // Seen along the strip, a half-edge begins at its right end.
   const Index c = strip.front();
   FunnelPoint r{vertex(c), {0, 0}}, l{vertex(table_.next[c]), {distance(vertex(c), vertex(table_.next[c])), 0}};
   const FunnelPoint start{from, unfold(l, r, from).at};
@@ -187,7 +188,7 @@ SurfacePaths::Path SurfacePaths::shortest_within(const Strip& strip, Index from,
     if (k + 1 == strip.size()) {
       left.push_back({to, beyond.at});
       right.push_back({to, beyond.at});
-    } else if (strip[k + 1] == table_.next[other]) {  // from the right post to the new vertex
+    } else if (strip[k + 1] == table_.next[other]) {  // from the right end to the new vertex
       l = beyond;
     } else {
       r = beyond;

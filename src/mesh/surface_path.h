@@ -10,15 +10,16 @@
 
 namespace meshgraft {
 
-/// Shortest paths between vertices of a surface of triangles (faces that are none take no part).
+/// Computes shortest paths between vertices of a triangle surface, ignoring unusable faces.
 ///
-/// A strip of triangles from one vertex to the other is unfolded into the plane, where a funnel finds the
-/// shortest path within it. Where that turns at a vertex, the strip is led around the vertex's other side if
-/// the path becomes shorter, until no turn can be undone (Xin and Wang 2007, "Efficiently determining a locally
-/// exact shortest path on polyhedral surfaces"). The result is a geodesic: no small change makes it shorter.
+/// A strip of triangles from one vertex to the other is unfolded into the plane. There the funnel algorithm
+/// finds the shortest path within it. At a turn the strip is rerouted around the other side of the vertex if
+/// that shortens the path, until no turn can be removed (Xin and Wang 2007, "Efficiently determining a
+/// locally exact shortest path on polyhedral surfaces"). The result is a geodesic: no small change makes it
+/// shorter.
 class SurfacePaths {
  public:
-  /// References are kept.
+  /// Keeps references to the arguments.
   SurfacePaths(const Points& positions, const Faces& triangles, const EdgeTable& table);
 
   /// Returns the points between two vertices, in order: on edges, with 0 < t < 1 and from < to, or at vertices
@@ -27,7 +28,7 @@ class SurfacePaths {
   std::vector<EdgePoint> between(Index from, Index to, const Context& context = {}) const;
 
  private:
-  using Strip = std::vector<Index>;  // the half-edges that it crosses
+  using Strip = std::vector<Index>;  // half-edges that the strip crosses
   struct Turn;
   struct Path;
 
@@ -42,7 +43,7 @@ class SurfacePaths {
   const Points& positions_;
   const Faces& triangles_;
   const EdgeTable& table_;
-  std::vector<Index> face_;       // per corner
+  std::vector<Index> face_;       // per corner: its face
   std::vector<Index> corner_at_;  // per vertex: its corners, chained through `next_at_`
   std::vector<Index> next_at_;
 };

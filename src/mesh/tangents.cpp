@@ -17,12 +17,13 @@ namespace meshgraft {
 namespace {
 
 struct FaceMap {
-  Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();  ///< of the surface's directions
+  Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();  ///< applied to directions in the surface
   double area = 0;                                       ///< at rest
 };
 
-/// The map that takes a face's edges to the new ones (of a polygon's, the best fit), and its normal to the new
-/// one, scaled as lengths within the face are on average: a smooth tangent leans out of its faces.
+/// Returns the linear map from a face's rest edges to the moved ones (the best fit for a polygon). The map
+/// takes the normal to the new one, scaled by the mean stretch within the face. The normal matters because a
+/// smooth tangent is not quite parallel to its faces.
 FaceMap face_map(std::span<const Index> face, const Points& rest, const Points& moved) {
   const Eigen::Vector3d area_before = area_vector(face, rest);
   const Eigen::Vector3d area_after = area_vector(face, moved);
@@ -116,7 +117,7 @@ class TangentUpdate {
     bool is_moved = false;
   };
 
-  /// Faces with a vertex that some moved face has: all that count for a tangent that changes.
+  /// Flags the faces that share a vertex with a moved face, because they all affect the tangents that change.
   Flags near_moved_vertices() const {
     Flags touched(static_cast<std::size_t>(mesh_.vertex_count()), false);
     for (Index f = 0; f < mesh_.face_count(); ++f)

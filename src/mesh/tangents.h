@@ -8,8 +8,8 @@
 
 namespace meshgraft {
 
-/// The tangents' part of `update_normals`, to be called when the normals are new. `moved` tells the faces of
-/// which a vertex moved.
+/// Updates the tangents as part of `update_normals`, after the normals. `moved` flags the faces with a moved
+/// vertex.
 void update_tangents(Mesh& mesh, const Points& rest, const Flags& moved);
 
 }  // namespace meshgraft

@@ -43,10 +43,10 @@ void check_seeds(std::span<const Index> seeds, Index vertex_count) {
 
 void prefix_sum(std::vector<Index>& counts) { std::partial_sum(counts.begin(), counts.end(), counts.begin()); }
 
-// A boundary edge as it is met on the way along a loop.
+// One boundary edge of a walk along a loop.
 struct BoundaryStep {
-  Index half_edge = -1;  // -1: there is no way on
-  bool forward = true;   // along the half-edge; false only where faces are wound against each other
+  Index half_edge = -1;  // -1: the walk cannot continue
+  bool forward = true;   // along the half-edge; false only between inconsistently oriented faces
 };
 
 class BoundaryWalk {
@@ -87,7 +87,8 @@ class BoundaryWalk {
       const BoundaryStep last = step;
       step = across_fan(last);
       if (step.half_edge >= 0) continue;
-      // The fan ends at an edge of three or more faces: go on where another such fan leaves this vertex.
+      // The fan ends at an edge of three or more faces, so continue where another such fan leaves this
+      // vertex.
       if (head(last) == corners_[start] && begins_chain(start)) return true;
       step = begin_at(head(last));
     }
@@ -98,8 +99,8 @@ class BoundaryWalk {
     return step.forward ? turn(table_.next[step.half_edge], true) : turn(step.half_edge, false);
   }
 
-  // Turns around the vertex of `corner`, leaving its face over the outgoing or the incoming half-edge, until a
-  // boundary edge is met. The sides of the faces around a vertex form paths, so this ends.
+  // Rotates around the vertex of `corner` until it meets a boundary edge, leaving its face over the outgoing
+  // or the incoming half-edge. Ends because the sides of the faces around a vertex form paths.
   BoundaryStep turn(Index corner, bool outgoing) const {
     const Index vertex = corners_[corner];
     for (;;) {
@@ -127,11 +128,12 @@ class BoundaryWalk {
   const std::vector<Index>& corners_;
   const EdgeTable& table_;
   std::vector<Index> boundary_;  // half-edges with one face, ascending
-  std::vector<Index> by_tail_;   // the same by the vertex they leave
+  std::vector<Index> by_tail_;   // the same, sorted by the vertex they leave
   Flags used_;
 };
 
-// Rotates a loop to begin with its smallest vertex; one that passes there twice takes the smaller second one.
+// Rotates a loop to begin with its smallest vertex. If the loop passes it twice, the occurrence with the
+// smaller next vertex leads.
 void begin_with_smallest(std::vector<Index>& loop) {
   const std::size_t n = loop.size();
   std::size_t best = 0;
@@ -172,7 +174,7 @@ IndexLists vertex_rings(Index vertex_count, const Triangles& triangles, const Co
 
 IndexLists vertex_rings(const Triangles& triangles, const IndexLists& vertex_triangles,
                         const Context& context) {
-  // Each triangle offers at most two neighbours: gather them with repeats, then close the gaps.
+  // Each triangle contributes at most two neighbours: collects them with repeats, then closes the gaps.
   const Index count = vertex_triangles.size();
   std::vector<Index> gathered(2 * vertex_triangles.values.size());
   IndexLists rings;
@@ -216,7 +218,8 @@ IndexLists rings_of(Index vertex_count, const EdgeTable& table) {
   prefix_sum(rings.offsets);
   rings.values.resize(rings.offsets.back());
   std::vector<Index> cursor(rings.offsets.begin(), rings.offsets.end() - 1);
-  // Edges ascend in (smaller, larger): the smaller neighbours of a vertex come first, both kinds in order.
+  // Edges ascend in (smaller, larger), so each vertex gets its smaller neighbours first, and both kinds in
+  // order.
   for (const auto& ends : table.ends) rings.values[cursor[ends[1]]++] = ends[0];
   for (const auto& ends : table.ends) rings.values[cursor[ends[0]]++] = ends[1];
   return rings;
@@ -241,7 +244,7 @@ std::vector<Index> components_of(Index vertex_count, const EdgeTable& table, Ind
   components = 0;
   for (Index v = 0; v < vertex_count; ++v) {
     if (!used[v]) continue;
-    const Index root = sets.root(v);  // the smallest vertex of the set, so it has its number already
+    const Index root = sets.root(v);  // the smallest vertex of the set, which is numbered already
     component[v] = root == v ? components++ : component[root];
   }
   return component;

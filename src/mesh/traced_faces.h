@@ -9,10 +9,10 @@
 
 namespace meshgraft {
 
-/// An element of a new mesh that is an old one.
+/// Returns the origin of an element that equals an element of the old mesh.
 inline EdgePoint same(Index element) { return {element, element, 0}; }
 
-/// Faces with, per face and per corner, where they come from.
+/// Faces with their origins, per face and per corner.
 struct TracedFaces {
   Faces faces;
   std::vector<Index> face_origin;
@@ -21,7 +21,8 @@ struct TracedFaces {
   void add(std::span<const Index> face, std::span<const EdgePoint> corners, Index origin);
 };
 
-/// The mesh's faces in their order, those with more than three corners that are `chosen` as triangles.
+/// Returns the mesh's faces in their order, with those `chosen` of more than three corners split into
+/// triangles.
 TracedFaces triangulate_chosen(const Mesh& mesh, const std::function<bool(Index face)>& chosen,
                                const TriangulateOptions& options = {});
 

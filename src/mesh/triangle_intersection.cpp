@@ -12,7 +12,8 @@ namespace {
 
 using Signs = std::array<int, 3>;
 
-// Sides of the plane of `t` that the corners of `other` lie on, from the corner `first` on; 0 before it.
+// Returns on which side of the plane of `t` each corner of `other` lies, from the corner `first` on; 0 before
+// it.
 Signs plane_sides(const Triangle3& t, const Triangle3& other, std::size_t first) {
   Signs sides{};
   for (std::size_t k = first; k < 3; ++k) sides[k] = orient3d(t[0], t[1], t[2], other[k]);
@@ -26,7 +27,7 @@ bool strictly_on_one_side(const Signs& sides, std::size_t first) {
 
 Point2 project(const Point3& p, std::size_t axis) { return {p[(axis + 1) % 3], p[(axis + 2) % 3]}; }
 
-// A triangle seen along an axis that does not flatten it, turning to the left.
+// A triangle projected along an axis that does not flatten it, in counter-clockwise order.
 struct PlaneView {
   std::size_t axis = 0;
   std::array<Point2, 3> corners;
@@ -42,7 +43,7 @@ struct PlaneView {
   }
 };
 
-// Whether an edge of the convex `polygon`, which turns to the left, has all `points` strictly beyond it.
+// Returns whether an edge of the convex, counter-clockwise `polygon` has all `points` strictly beyond it.
 bool an_edge_separates(std::span<const Point2> polygon, std::span<const Point2> points) {
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Point2& from = polygon[k];
@@ -53,7 +54,8 @@ bool an_edge_separates(std::span<const Point2> polygon, std::span<const Point2> 
   return false;
 }
 
-// Of two disjoint convex polygons in a plane, an edge of one separates them. A segment is one of two edges.
+// Tests for a separating line: two disjoint convex polygons in a plane are separated by an edge of one of
+// them. A segment counts as a polygon with two edges.
 bool intersect_in_plane(const Triangle3& t, std::span<const Point3> other) {
   PlaneView first(t);
   std::array<Point2, 3> projected;
@@ -64,10 +66,11 @@ bool intersect_in_plane(const Triangle3& t, std::span<const Point3> other) {
   return !an_edge_separates(first.corners, second) && !an_edge_separates(second, first.corners);
 }
 
-// Whether the segment from t's side `from_side` to `to_side` meets the triangle.
+// Returns whether a segment meets the triangle. Its ends lie on the sides `from_side` and `to_side` of the
+// triangle's plane.
 bool segment_meets(const Triangle3& t, const Point3& from, const Point3& to, int from_side, int to_side) {
   if (from_side == to_side) return from_side == 0 && intersect_in_plane(t, std::array{from, to});
-  // The line crosses the plane within the triangle if it passes all edges on one side.
+  // The line crosses the plane within the triangle if it passes all edges on the same side.
   bool left = false, right = false;
   for (std::size_t k = 0; k < 3 && !(left && right); ++k) {
     const int side = orient3d(from, to, t[k], t[(k + 1) % 3]);
@@ -77,9 +80,9 @@ bool segment_meets(const Triangle3& t, const Point3& from, const Point3& to, int
   return !(left && right);
 }
 
-// Brings the corner to the front that lies alone on its side of the other triangle's plane, so that both edges
-// from it meet the plane, by turning the corners. Returns on which side it is, -1 or 1. A corner in the plane
-// with the others on one side is alone, too, and counts as across from them.
+// Rotates the corners so that the one alone on its side of the other triangle's plane comes first. Both edges
+// from that corner meet the plane. Returns its side, -1 or 1. A corner in the plane also counts as alone if
+// the others lie on one side, and its side is then the opposite one.
 int bring_apex_to_front(Triangle3& t, const Signs& sides) {
   const auto positive = std::count(sides.begin(), sides.end(), 1);
   const auto negative = std::count(sides.begin(), sides.end(), -1);
@@ -89,13 +92,13 @@ int bring_apex_to_front(Triangle3& t, const Signs& sides) {
   return apex != 0 ? apex : positive == 2 ? -1 : 1;
 }
 
-// Guigue and Devillers 2003, section 3. The sides are those of each one's corners, against the other's plane;
-// none of the two is strictly on one side, and they are not coplanar. Both meet the line of the two planes in
-// an interval each, from the edge p₁q₁ to p₁r₁, and from p₂r₂ to p₂q₂; the intervals overlap if each begins
-// before the other one's end.
+// Implements Guigue and Devillers 2003, section 3. The sides are those of each triangle's corners against the
+// other's plane. Neither triangle lies strictly on one side, and they are not coplanar. Each triangle meets
+// the line of the two planes in an interval: from the edge p₁q₁ to p₁r₁, and from p₂r₂ to p₂q₂. The intervals
+// overlap if each begins before the end of the other.
 bool intervals_overlap(Triangle3 a, Triangle3 b, const Signs& a_sides, const Signs& b_sides) {
   const int a_apex = bring_apex_to_front(a, a_sides), b_apex = bring_apex_to_front(b, b_sides);
-  // Winds each one so that the other one's apex is on its positive side.
+  // Orients each triangle so that the apex of the other one is on its positive side.
   if (a_apex < 0) std::swap(b[1], b[2]);
   if (b_apex < 0) std::swap(a[1], a[2]);
   const auto& [p1, q1, r1] = a;
@@ -103,8 +106,8 @@ bool intervals_overlap(Triangle3 a, Triangle3 b, const Signs& a_sides, const Sig
   return orient3d(p1, q1, p2, q2) <= 0 && orient3d(p1, r1, r2, p2) <= 0;
 }
 
-// Whether p is on the side of the plane through `origin` that the normal points to, beyond doubt: the bound is
-// that of the rounding of three differences, products and two sums, and of underflow.
+// Returns whether p is certainly on the side of the plane through `origin` that the normal points to. The
+// bound covers the rounding of three differences, three products and two sums, and underflow.
 bool clearly_above(const Point3& origin, const Point3& normal, const Point3& p) {
   double height = 0, magnitude = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -115,8 +118,9 @@ bool clearly_above(const Point3& origin, const Point3& normal, const Point3& p) 
   return height > 8 * predicates::epsilon * magnitude + predicates::underflow;
 }
 
-// Whether the first corner, which both have, is clearly all that they have in common: the plane through it
-// across the way from one's middle to the other one's parts them. A quick answer for most neighbours.
+// Returns whether two triangles certainly meet only in their first corner, which both have. The plane through
+// it, perpendicular to the line between the midpoints of the opposite sides, must separate them. This settles
+// most neighbours quickly.
 bool clearly_part_at_first(const Triangle3& a, const Triangle3& b) {
   Point3 towards_a, towards_b;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -149,11 +153,13 @@ bool intersect_beyond_shared(const Triangle3& a, const Triangle3& b, int shared)
   if (strictly_on_one_side(a_sides, first)) return false;
   const bool coplanar = b_sides == Signs{};
   if (shared == 0) return coplanar ? intersect_in_plane(a, b) : intervals_overlap(a, b, a_sides, b_sides);
-  // What begins in a common corner ends where the side opposite of it, of one, meets the other.
+  // An intersection that begins in the common corner ends where the opposite side of one triangle meets the
+  // other triangle.
   if (shared == 1)
     return segment_meets(a, b[1], b[2], b_sides[1], b_sides[2]) ||
            segment_meets(b, a[1], a[2], a_sides[1], a_sides[2]);
-  // Over a common edge the planes agree now, and the triangles overlap if both lie on its same side.
+  // The triangles have a common edge and lie in one plane. They overlap if both are on the same side of the
+  // edge.
   const PlaneView view(a);
   const auto turn = [&](const Point3& p) {
     return orient2d(project(a[0], view.axis), project(a[1], view.axis), project(p, view.axis));

@@ -20,9 +20,9 @@ namespace meshgraft {
 namespace {
 
 using Polygon = std::vector<Eigen::Vector2d>;
-using Corners = std::array<Index, 3>;  // positions within one face
+using Corners = std::array<Index, 3>;  // indices within one face
 
-constexpr double flat_rel = 1e-12;  // twice an area below this × longest edge² counts as none
+constexpr double flat_rel = 1e-12;  // twice the area below this × longest edge² counts as none
 
 double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   return cross(b - a, c - a);
@@ -32,14 +32,15 @@ double longest_edge_squared(const Eigen::Vector2d& a, const Eigen::Vector2d& b, 
   return std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
 }
 
-// Twice the area over the longest edge squared: 0.87 for an equilateral triangle, negative for a reflex corner.
+// Returns twice the area over the longest edge squared: 0.87 for an equilateral triangle, negative for a
+// reflex corner.
 double shape(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const double size = longest_edge_squared(a, b, c);
   return size > 0 ? turn(a, b, c) / size : 0;
 }
 
-// Whether q lies in the closed triangle. A point on one of its corners does not (polygons may touch
-// themselves).
+// Returns whether q lies in the closed triangle. A point at a corner does not count, because polygons may
+// touch themselves.
 bool covers(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
             const Eigen::Vector2d& q) {
   if (q == a || q == b || q == c) return false;
@@ -47,8 +48,8 @@ bool covers(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
   return turn(a, b, q) >= slack && turn(b, c, q) >= slack && turn(c, a, q) >= slack;
 }
 
-// The polygon in the plane of Newell's normal, counter-clockwise, about its first corner; empty where it has no
-// area and so no plane.
+// Projects the polygon into the plane of Newell's normal, counter-clockwise, relative to its first corner.
+// Returns an empty polygon if it has no area and so no plane.
 Polygon project(const std::vector<Index>& face, const Points& positions) {
   std::vector<Eigen::Vector3d> centred;
   for (const Index v : face) centred.emplace_back(positions.row(v) - positions.row(face[0]));
@@ -75,7 +76,7 @@ bool strictly_convex(const Polygon& polygon) {
 void split_quad(const std::vector<Index>& face, const Points& positions, std::vector<Corners>& out) {
   const double first = (positions.row(face[2]) - positions.row(face[0])).norm();
   const double second = (positions.row(face[3]) - positions.row(face[1])).norm();
-  // Rounding must not decide between equal diagonals, or a turned scene would be split differently.
+  // Rounding must not decide between equal diagonals, otherwise a rotated scene would be split differently.
   constexpr double tie = 1 - 1e-9;
   if (second < tie * first) {
     out.insert(out.end(), {Corners{0, 1, 3}, Corners{1, 2, 3}});
@@ -84,7 +85,7 @@ void split_quad(const std::vector<Index>& face, const Points& positions, std::ve
   }
 }
 
-// The corners of a polygon that are left, to be found by their place: a grid of about as many cells as corners.
+// The remaining corners of a polygon, found by position in a grid of about as many cells as corners.
 class CornerGrid {
  public:
   void build(const Polygon& polygon, std::vector<Index> corners) {
@@ -108,7 +109,7 @@ class CornerGrid {
     for (std::size_t k = 0; k < corners.size(); ++k) corners_[next[cell[k]]++] = corners[k];
   }
 
-  /// Whether any corner in the box is one `that` holds for.
+  /// Returns whether `that` holds for any corner in the box.
   template <class Predicate>
   bool any_in(const Eigen::Vector2d& low, const Eigen::Vector2d& high, const Predicate& that) const {
     for (Index y = column(1, low.y()); y <= column(1, high.y()); ++y) {
@@ -169,7 +170,7 @@ class EarClip {
   struct Rated {
     double quality;
     Index corner;
-    // The best last, the first corner among equals.
+    // Orders the best last; among equals, the first corner is the best.
     bool operator<(const Rated& other) const {
       return quality != other.quality ? quality < other.quality : corner > other.corner;
     }
@@ -188,7 +189,7 @@ class EarClip {
     }
   }
 
-  // Corners that were clipped stay in it until half of them are.
+  // Clipped corners stay in the grid until they make up half of it.
   void rebuild_grid() {
     std::vector<Index> corners;
     for (Index c = 0; c < static_cast<Index>(after_.size()); ++c)
@@ -197,9 +198,9 @@ class EarClip {
     grid_.build(polygon_, std::move(corners));
   }
 
-  // How good an ear corner c is. Ears come first, the best-shaped leading; then corners on a straight line, for
-  // a triangle without area is better than one outside; then whatever a tangled polygon leaves, so that the
-  // loop always ends.
+  // Rates corner c as an ear. Proper ears come first, led by the best-shaped. Corners on a straight line
+  // follow, because a triangle without area is better than one outside. The remaining corners of a
+  // self-intersecting polygon come last, so that the loop always ends.
   void rate(Index c) {
     const double s = shape(polygon_[before_[c]], polygon_[c], polygon_[after_[c]]);
     if (s > flat_rel && !blocked(c)) {
@@ -213,7 +214,7 @@ class EarClip {
   bool blocked(Index c) const {
     const auto& [a, b, d] = std::tie(polygon_[before_[c]], polygon_[c], polygon_[after_[c]]);
     const Eigen::Vector2d low = a.cwiseMin(b).cwiseMin(d), high = a.cwiseMax(b).cwiseMax(d);
-    const double slack = 1e-9 * (high - low).maxCoeff();  // `covers` has some
+    const double slack = 1e-9 * (high - low).maxCoeff();  // `covers` has a tolerance
     return grid_.any_in(low.array() - slack, high.array() + slack, [&, a = a, b = b, d = d](Index q) {
       return after_[q] != gone && covers(a, b, d, polygon_[q]);
     });
@@ -221,9 +222,9 @@ class EarClip {
 
   const Polygon& polygon_;
   Index left_;                         // corners not yet clipped
-  std::vector<Index> before_, after_;  // among them; `after_` says which are gone
-  std::vector<double> quality_;        // of each as an ear
-  std::priority_queue<Rated> ears_;    // an entry is stale where the quality is another by now
+  std::vector<Index> before_, after_;  // neighbours among them; `after_` marks clipped corners
+  std::vector<double> quality_;        // per corner: quality as an ear
+  std::priority_queue<Rated> ears_;    // an entry is stale if its quality has changed since
   CornerGrid grid_;
   Index in_grid_ = 0;
 };

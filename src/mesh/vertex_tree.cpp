@@ -12,7 +12,7 @@ namespace meshgraft {
 
 namespace {
 
-// What nanoflann asks of a point set.
+// The interface that nanoflann requires of a point set.
 struct PointSet {
   const Points& positions;
   std::vector<Index> vertices;
@@ -27,12 +27,12 @@ struct PointSet {
   }
 };
 
-// A straight way, from 0 to 1.
+// A straight segment, with parameters from 0 to 1.
 struct Way {
   Eigen::RowVector3d from, along;
   double per_length = along.isZero(0) ? 0 : 1 / along.squaredNorm();  // squared
 
-  // The part of [begin, end] where a coordinate is at most (at least) `bound`; empty: begin > end.
+  // Clips [begin, end] to where a coordinate is at most (or at least) `bound`; begin > end means empty.
   void clip(int axis, double bound, bool at_most, double& begin, double& end) const {
     const double start = from[axis] - bound, speed = along[axis];
     if (speed == 0) {
@@ -62,14 +62,14 @@ struct VertexTree::Tree {
 
   void collect(const Eigen::RowVector3d& point, double radius, std::vector<Index>& found) const {
     std::vector<std::pair<std::uint32_t, double>> near;
-    // The search takes the distance squared, and leaves out what is at it.
+    // The search takes a squared distance and excludes points exactly at it.
     const double squared = std::nextafter(radius * radius, 1e300);
     search.radiusSearch(point.data(), squared, near, nanoflann::SearchParams(32, 0, false));
     for (const auto& [k, distance] : near) found.push_back(points.vertices[k]);
   }
 
-  // Down to the leaves that the way comes near, a side's share of it at a time; nanoflann has searches around
-  // points alone, and a ball around a long way holds far more than is near it.
+  // Descends to the leaves near the segment, with the segment clipped to each side. nanoflann searches only
+  // around points, and a ball around a long segment contains far more vertices than lie near it.
   void collect_near(const Search::Node* node, const Way& way, double begin, double end, double reach,
                     std::vector<Index>& found) const {
     if (!(begin <= end)) return;
@@ -114,7 +114,7 @@ std::vector<Index> VertexTree::within(const Eigen::RowVector3d& point, double ra
 std::vector<Index> VertexTree::near_segment(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
                                             double reach) const {
   std::vector<Index> found;
-  // Rounding may put what is on the way beside it.
+  // Rounding may place a vertex slightly beside a segment on which it lies.
   constexpr double rounding = 1e-14;
   const double widened = reach + rounding * (a.cwiseAbs() + b.cwiseAbs()).maxCoeff();
   if (tree_) tree_->collect_near(tree_->search.root_node, {a, b - a}, 0, 1, widened, found);

@@ -8,10 +8,10 @@
 
 namespace meshgraft {
 
-/// Some vertices of a mesh, to be found by their place: a k-d tree.
+/// A k-d tree of some vertices of a mesh, for searches by position.
 class VertexTree {
  public:
-  /// Refers to `positions`, which have to be finite at `vertices`.
+  /// Keeps a reference to `positions`, which must be finite at `vertices`.
   VertexTree(const Points& positions, std::vector<Index> vertices);
   ~VertexTree();
 
@@ -19,14 +19,14 @@ class VertexTree {
     Index vertex = -1;
     double distance = 0;
   };
-  /// The nearest; the first in the list among several. None without vertices.
+  /// Returns the nearest vertex, the first in the list among several, or nothing if the tree is empty.
   std::optional<Found> nearest(const Eigen::RowVector3d& point) const;
 
-  /// Those at most `radius` away, ascending.
+  /// Returns the vertices at most `radius` away, ascending.
   std::vector<Index> within(const Eigen::RowVector3d& point, double radius) const;
 
-  /// Those, ascending, that may lie on the way from `a` to `b`, at most `reach` aside of it; some of them do
-  /// not. Around the hub of a fan of edges it is few of them for each.
+  /// Returns the vertices, ascending, at most `reach` from the segment from `a` to `b`, and a few slightly
+  /// farther ones. Few vertices are returned per edge even around the hub of a fan of edges.
   std::vector<Index> near_segment(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b, double reach) const;
 
  private:

@@ -13,7 +13,8 @@ namespace {
 
 bool is_vertex(Index v, Index count) { return v >= 0 && v < count; }
 
-// Names are unique within a domain: where a corner attribute has the name already, the vertices keep theirs.
+// Returns whether a vertex attribute becomes a corner attribute. Names are unique within a domain, so it
+// stays per vertex if a corner attribute has the same name.
 bool moves_to_corners(const Mesh& mesh, const Attribute& attribute) {
   return attribute.domain == Domain::vertex && mesh.find_attribute(Domain::corner, attribute.name) == nullptr;
 }

@@ -59,7 +59,7 @@ double enclosed_volume(const Mesh& mesh) {
     for (std::size_t i = 0; i < loop.size(); ++i)
       add(centre, mesh.positions.row(loop[(i + 1) % loop.size()]), mesh.positions.row(loop[i]));
   }
-  constexpr double widest_opening = 0.5;  // of the surface: half a sphere's
+  constexpr double widest_opening = 0.5;  // of the surface area, as for half a sphere
   if (!(area - surface <= widest_opening * surface * (1 + 1e-6))) return 0;
   const double ball = std::pow(area / std::numbers::pi, 1.5) * std::numbers::pi / 6;
   return std::isfinite(volume) ? volume / ball : 0;

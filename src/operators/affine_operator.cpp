@@ -13,8 +13,8 @@ namespace meshgraft {
 
 namespace {
 
-/// Unit vector between two normals. Opposite ones (the two sides of a thin edge, or of a sheet) have nothing
-/// between them, but agree on a line: the second is then taken the other way round.
+/// Returns the unit vector halfway between two normals. Opposite normals (the two sides of a thin edge, or of
+/// a sheet) have no mean but agree on a line, so the second is reversed.
 Eigen::RowVector3d normal_between(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b) {
   constexpr double opposite = -0.6;
   return (a.dot(b) < opposite ? Eigen::RowVector3d(a - b) : Eigen::RowVector3d(a + b)).normalized();
@@ -24,7 +24,7 @@ Flags flags_or_all(const Flags& flags, Index count) {
   return flags.empty() ? Flags(static_cast<std::size_t>(count), 1) : flags;
 }
 
-/// ℓ̄/ℓ, bounded: extreme ratios would drown all other rows in rounding.
+/// Returns ℓ̄/ℓ, bounded, because extreme ratios would drown all other rows in rounding errors.
 constexpr double largest_density_scale = 1e3;
 double density_scale(double length_ratio) {
   return std::clamp(length_ratio, 1 / largest_density_scale, largest_density_scale);
@@ -40,14 +40,14 @@ std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
                                                    const IndexLists& vertex_triangles, const IndexLists& rings,
                                                    std::span<const std::uint8_t> active, bool opposite_pairs,
                                                    const Context& context) {
-  // Of each vertex its partners with a larger number, by blocks of vertices.
+  // Lists for each vertex its partners with a larger number, by blocks of vertices.
   constexpr std::size_t block_size = 1024;
   const auto count = static_cast<std::size_t>(rings.size());
   std::vector<std::vector<std::array<Index, 2>>> blocks((count + block_size - 1) / block_size);
   const auto list_partners = [&](Index i, std::vector<Index>& partners) {
     partners.assign(rings[i].begin(), rings[i].end());
     for (const Index t : vertex_triangles[i]) {
-      // The third corners of the other faces on the edge opposite.
+      // Adds the third corners of the other faces at the opposite edge.
       std::array<Index, 2> edge{-1, -1};
       for (int corner = 0, end = 0; corner < 3; ++corner)
         if (triangles(t, corner) != i && end < 2) edge[end++] = triangles(t, corner);
@@ -104,13 +104,14 @@ AffineOperator::AffineOperator(const Points& points, const Triangles& triangles,
   build_smoothness_rows(normals, options, context);
 }
 
-/// FT05 equation 9: (D x)_i − M_i δ_i, with D applied `laplacian_order` times on both sides.
+/// Builds the rows of FT05 equation 9: (D x)_i − M_i δ_i, with D applied `laplacian_order` times on both
+/// sides.
 void AffineOperator::build_laplacian_rows(const Points& points, const Triangles& triangles,
                                           const OperatorOptions& options, const Flags& rows,
                                           const Context& context) {
   const auto n = static_cast<Index>(points.rows());
   const Eigen::Index node_count = nodes_.positions.rows();
-  const Points shifted = nodes_.positions.topRows(n);  // p' where a vertex was moved, else p
+  const Points shifted = nodes_.positions.topRows(n);  // p' for vertices that were moved, else p
   const SparseRows D = umbrella_operator(shifted, triangles, rings_, options.weights, context);
   SparseRows power = D;
   for (int order = 1; order < options.laplacian_order; ++order) power = multiply(D, power, context);
@@ -140,8 +141,8 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
   delta_.makeCompressed();
 }
 
-/// FT05 equation 11: (M_i − M_j) d for d = p_i − p_j and, with apexes, for d = |p_i − p_j| times the normal
-/// between the two; an unordered pair stands for both ordered ones, hence √2.
+/// Builds the rows of FT05 equation 11: (M_i − M_j) d for d = p_i − p_j. With apexes, it adds d = |p_i − p_j|
+/// times the normal between the two. An unordered pair stands for both ordered ones, hence √2.
 void AffineOperator::build_smoothness_rows(const Points& normals, const OperatorOptions& options,
                                            const Context& context) {
   const bool with_normals = options.degenerate != DegenerateTreatment::ft05_noise;
@@ -157,7 +158,7 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
       values[3 + k] = -d[k];
     }
   };
-  // Where the faces around a vertex cancel (a two-sided sheet), its apex still has a direction.
+  // If the faces around a vertex cancel (a two-sided sheet), its apex still has a direction.
   const auto direction = [&](Index v) -> Eigen::RowVector3d {
     const Index apex = nodes_.apex[v];
     if (apex < 0) return normals.row(v);
@@ -184,7 +185,7 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
 
 SparseRows AffineOperator::coupling(const Context& context) const {
   const Index n = rings_.size();
-  // Pairs by their second vertex; by their first they are in order.
+  // Indexes the pairs by their second vertex; they are sorted by their first.
   IndexLists to_smaller;
   std::vector<Index> first_pair(static_cast<std::size_t>(n) + 1, 0), next;
   to_smaller.offsets.assign(static_cast<std::size_t>(n) + 1, 0);
@@ -206,7 +207,7 @@ SparseRows AffineOperator::coupling(const Context& context) const {
   }
   SparseRows K = rows_of_lengths(lengths, 3 * n);
   const auto rows_per_pair = pairs_.empty() ? 0 : P_.rows() / static_cast<Eigen::Index>(pairs_.size());
-  // Σ d dᵀ over the rows of a pair.
+  // Returns Σ d dᵀ over the rows of a pair.
   const auto block_of = [&](Index pair) {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
     for (Eigen::Index row = pair * rows_per_pair; row < (pair + 1) * rows_per_pair; ++row) {

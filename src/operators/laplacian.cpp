@@ -11,14 +11,14 @@ namespace meshgraft {
 
 namespace {
 
-/// Position of entry (row, column) in the values of a matrix with sorted rows.
+/// Returns the index of entry (row, column) in the values of a matrix with sorted rows.
 int entry_of(const SparseRows& matrix, Index row, Index column) {
   const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[row];
   const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[row + 1];
   return static_cast<int>(std::lower_bound(begin, end, column) - matrix.innerIndexPtr());
 }
 
-/// One row per vertex with a ring: the ring and the vertex itself, sorted, values 0.
+/// Returns one row per vertex with a ring: the ring and the vertex itself, sorted, with values 0.
 SparseRows umbrella_pattern(const IndexLists& rings) {
   const Index n = rings.size();
   SparseRows pattern(n, n);
@@ -40,7 +40,7 @@ SparseRows umbrella_pattern(const IndexLists& rings) {
   return pattern;
 }
 
-/// ½(cot α + cot β) on every edge of the pattern.
+/// Adds ½(cot α + cot β) on every edge of the pattern.
 void add_half_cotangents(const Points& points, const Triangles& triangles, SparseRows& matrix) {
   double* values = matrix.valuePtr();
   for (Index t = 0; t < triangles.rows(); ++t) {

@@ -14,15 +14,15 @@ namespace meshgraft {
 
 namespace {
 
-/// n×3; with a dynamic width, as a thin singular value decomposition wants it.
+/// n×3, with a dynamic width as required by a thin singular value decomposition.
 using Centred = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Eigen::Dynamic, 3>;
 
-/// Smallest singular value, relative to the largest, that a stencil must have to carry a local map. Far below
-/// what thin but sound triangles reach (1:1000 gives 1e-3).
+/// Smallest singular value, relative to the largest, of a stencil that determines a local map. The tolerance
+/// is far below what thin but valid triangles reach (1:1000 gives 1e-3).
 constexpr double rank_tolerance = 1e-8;
 constexpr int most_widenings = 3;
 
-/// SplitMix64 (Steele et al. 2014): a sign per vertex that depends on the seed and the vertex alone.
+/// SplitMix64 (Steele et al. 2014). Returns a sign per vertex that depends only on the seed and the vertex.
 double random_sign(std::uint64_t seed, std::uint64_t index) {
   std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15ULL;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -36,7 +36,7 @@ Eigen::RowVector3d mean_of(const Points& points, std::span<const Index> vertices
   return sum / static_cast<double>(vertices.size());
 }
 
-/// Stencil rows relative to `centre`.
+/// Returns the stencil rows relative to `centre`.
 Centred centred_rows(const Points& points, std::span<const Index> stencil, const Eigen::RowVector3d& centre) {
   Centred rows(static_cast<Eigen::Index>(stencil.size()), 3);
   for (std::size_t s = 0; s < stencil.size(); ++s)
@@ -44,15 +44,15 @@ Centred centred_rows(const Points& points, std::span<const Index> stencil, const
   return rows;
 }
 
-/// {i} ∪ N(i).
+/// Returns {i} ∪ N(i).
 std::vector<Index> bare_stencil(Index vertex, std::span<const Index> ring) {
   std::vector<Index> stencil{vertex};
   stencil.insert(stencil.end(), ring.begin(), ring.end());
   return stencil;
 }
 
-/// Eigenvalues (ascending) and directions of P Pᵀ over the bare stencil: flatness and, at flat places whose
-/// faces give no normal, a substitute for it.
+/// Returns the eigenvalues (ascending) and eigenvectors of P Pᵀ over the bare stencil. They measure flatness,
+/// and give a substitute for the normal at flat vertices whose faces give none.
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Index vertex, const Points& points,
                                                       std::span<const Index> ring) {
   const Centred rows = centred_rows(points, bare_stencil(vertex, ring), mean_of(points, ring));
@@ -61,13 +61,13 @@ Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Index vertex, const Points
   return solver;
 }
 
-/// A normal has unit length, or none where the faces around the vertex cancel.
+/// Returns whether the normal has unit length. It is zero if the faces around the vertex cancel.
 bool has_direction(const Points& normals, Index vertex) { return normals.row(vertex).squaredNorm() >= 0.5; }
 
 /// The stencil of vertex i, widened by whole rings until it spans space.
 struct Stencil {
   std::vector<Index> nodes;
-  std::vector<Index> ring;  ///< the part that the centre is the mean of
+  std::vector<Index> ring;  ///< the nodes whose mean is the centre
 };
 
 Stencil spanning_stencil(Index vertex, const StencilNodes& nodes, const IndexLists& rings,
@@ -87,19 +87,19 @@ Stencil spanning_stencil(Index vertex, const StencilNodes& nodes, const IndexLis
     std::sort(wider.begin(), wider.end());
     wider.erase(std::unique(wider.begin(), wider.end()), wider.end());
     std::erase(wider, vertex);
-    if (wider.size() == stencil.ring.size()) return stencil;  // the whole component is in it
+    if (wider.size() == stencil.ring.size()) return stencil;  // it contains the whole component
     stencil.ring = std::move(wider);
   }
 }
 
-/// The rows h_{i,s} of the fit: (Pᵀ)⁺ by its singular values, less the share that centring takes.
+/// Returns the rows h_{i,s} of the fit: (Pᵀ)⁺ by singular values, minus the share that centring removes.
 Centred fit_coefficients(const Stencil& stencil, const Eigen::JacobiSVD<Centred>& svd) {
   const auto& sigma = svd.singularValues();
   Eigen::Vector3d inverse = Eigen::Vector3d::Zero();
   for (Eigen::Index k = 0; k < sigma.size(); ++k)
     if (sigma[k] > rank_tolerance * sigma[0]) inverse[k] = 1 / sigma[k];
   Centred h = svd.matrixU() * inverse.head(sigma.size()).asDiagonal() * svd.matrixV().transpose();
-  // X is centred on the ring's mean too: each ring node passes on its share of Σ_s h_s.
+  // X is also centred on the mean of the ring, so each ring node passes on its share of Σ_s h_s.
   const Eigen::RowVector3d share = h.colwise().sum() / static_cast<double>(stencil.ring.size());
   for (std::size_t s = 0; s < stencil.ring.size(); ++s) h.row(static_cast<Eigen::Index>(s) + 1) -= share;
   return h;
@@ -143,7 +143,7 @@ StencilNodes make_stencil_nodes(const Points& points, const Points& normals, con
           points.row(i) + options.apex_height_rel * edge_lengths[i] * directions.row(i);
     } else if (!with_apexes && nodes.flat[i] && choices.movable[i]) {
       const Index number = choices.numbers.empty() ? i : choices.numbers[i];
-      // FT05 equation 7, with a random side: all on one side leaves a flat sheet rough.
+      // FT05 equation 7, with a random side, because noise on one side leaves a flat sheet rough.
       nodes.positions.row(i) += random_sign(options.seed, static_cast<std::uint64_t>(number)) *
                                 options.noise_length_rel * edge_lengths[i] * directions.row(i);
       nodes.moved.push_back(i);

@@ -63,8 +63,8 @@ bool dot(char character, int column, int row) {
   return glyph[static_cast<std::size_t>(column)] >> row & 1;
 }
 
-// Distance from (x, y), in grid units, to the pen's way through the dots: neighbouring ones are joined, along
-// a diagonal only where no straight joint does the same.
+// Returns the distance from (x, y), in grid units, to the pen strokes that join neighbouring dots. Dots are
+// joined along a diagonal only if no straight joint connects them.
 double distance_to_glyph(char character, double x, double y) {
   double nearest = 1e9;
   for (int column = 0; column < 5; ++column)
@@ -173,7 +173,7 @@ void write_png(const Image& image, const std::filesystem::path& path) {
   };
   const std::vector<std::uint8_t> bytes = png_bytes(image);
 
-  // Beside the target, so that the rename stays within one file system.
+  // Written beside the target, so that the rename stays within one file system.
   std::filesystem::path partial = path;
   partial += ".partial";
   std::FILE* file = std::fopen(partial.c_str(), "wb");

@@ -24,7 +24,7 @@ using Vec3 = Eigen::Vector3f;
 constexpr float pi = std::numbers::pi_v<float>;
 constexpr int tile_side = 16;
 
-// The look: warm clay on light grey.
+// Colours: warm clay on light grey.
 const Vec3 clay(0.50f, 0.395f, 0.32f);
 const Vec3 wire(0.05f, 0.05f, 0.06f);
 const Vec3 key_light(2.05f, 1.93f, 1.75f);
@@ -71,13 +71,13 @@ struct Surface {
   Triangles triangles;
   std::vector<Vec3> corner_normals;
   std::vector<Vec3> colours;           // per vertex, or empty
-  std::vector<std::uint8_t> outlines;  // per triangle, bit c: the edge that faces corner c is the face's own
+  std::vector<std::uint8_t> outlines;  // per triangle, bit c: the edge opposite corner c belongs to the face
 };
 
 std::vector<Vec3> corner_normals(const Points& positions, const Triangles& triangles,
                                  const RenderOptions& options, const Context& context) {
   const auto count = static_cast<std::size_t>(triangles.rows());
-  std::vector<Vec3> flat(count);  // times twice the area
+  std::vector<Vec3> flat(count);  // unit normal times twice the area
   for (std::size_t t = 0; t < count; ++t) {
     const auto row = triangles.row(static_cast<Eigen::Index>(t));
     const Eigen::RowVector3d p = positions.row(row[0]), q = positions.row(row[1]), r = positions.row(row[2]);
@@ -105,7 +105,7 @@ std::vector<Vec3> corner_normals(const Points& positions, const Triangles& trian
   return out;
 }
 
-// Diagonals of polygons are not drawn.
+// Marks the edges to draw; diagonals of polygons are not drawn.
 std::vector<std::uint8_t> outlines(const Mesh& mesh, const Triangulation& triangulation) {
   std::vector<std::uint8_t> bits(static_cast<std::size_t>(triangulation.triangles.rows()), 0);
   for (std::size_t t = 0; t < bits.size(); ++t) {
@@ -135,8 +135,8 @@ Surface prepare(const Shape& shape, const RenderOptions& options, const Context&
   return surface;
 }
 
-// Where a picture is taken from and where the light comes from; everything in units of the scene's radius,
-// about its centre, so that single precision suffices anywhere.
+// The camera and the lights. Coordinates are relative to the scene's centre in units of its radius, so that
+// single precision suffices anywhere.
 struct View {
   Eigen::Vector3d centre;
   double scale = 1.0;
@@ -167,7 +167,8 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   const Eigen::Vector3d right = camera.up.cross(back).normalized();
   const Eigen::Vector3d up = back.cross(right);
 
-  // As near as lets every point (or corner of the given box) be seen, and centred between the extreme ones.
+  // Places the camera as near as possible with every point (or corner of the given box) visible, centred
+  // between the extreme ones.
   std::vector<Eigen::Vector3d> points;
   if (fit) {
     for (const Surface& surface : surfaces)
@@ -183,7 +184,7 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   constexpr double margin = 1.10;
   const double tangent_y = std::tan(0.5 * camera.field_of_view_deg * std::numbers::pi / 180.0) / margin;
   const double tangent_x = tangent_y * options.width / options.height;
-  // Along each axis the four frustum planes bound the eye: |q·axis − e| ≤ tangent·(distance − q·back).
+  // Along each axis the four frustum planes bound the camera: |q·axis − e| ≤ tangent·(distance − q·back).
   double r_max = -1e30, r_min = -1e30, u_max = -1e30, u_min = -1e30;
   for (const Eigen::Vector3d& q : points) {
     const double depth = q.dot(back);
@@ -205,7 +206,7 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   return view;
 }
 
-// The rays' side of Embree: owns its device and scene.
+// Embree's device and scene, with the ray queries.
 class Tracer {
  public:
   Tracer(std::span<const Surface> surfaces, const View& view) : device_(rtcNewDevice("threads=1")) {
@@ -280,8 +281,9 @@ class Tracer {
   std::unique_ptr<RTCSceneTy, Release<rtcReleaseScene>> scene_;
 };
 
-// What a pixel shows is plain + open·by_open + key·by_key. The two shares of light are found by few random
-// rays; kept apart, they can be smoothed over their surroundings without blurring the picture.
+// A pixel's colour is plain + open·by_open + key·by_key. The two shares of light come from few random rays.
+// They are stored separately, so that they can be smoothed over neighbouring pixels without blurring the
+// picture.
 struct Pixel {
   Vec3 plain = Vec3::Zero(), by_open = Vec3::Zero(), by_key = Vec3::Zero();
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
@@ -336,7 +338,7 @@ class Painter {
   }
 
  private:
-  // Where a sample's rays begin in the pixel's low-discrepancy sequence.
+  // Offsets of a sample's rays in the pixel's low-discrepancy sequence.
   struct Strata {
     int first;
     float shift, turn;
@@ -356,7 +358,7 @@ class Painter {
     const Vec3 point = view_.eye + (view_.ground - view_.eye.z()) / direction.z() * direction;
     const float distance2 = point.squaredNorm();
     if (distance2 > 36.0f) return out;
-    // The ground shows only its shadow; that fades out with the distance.
+    // The ground shows only its shadow, which fades out with the distance.
     const float fade = std::exp(-0.12f * std::max(0.0f, distance2 - 1.0f));
     out.by_open = 0.58f * fade * out.plain;
     out.by_key = 0.20f * fade * out.plain;
@@ -368,7 +370,7 @@ class Painter {
     return out;
   }
 
-  // Light grey, a little darker towards the rim.
+  // Light grey, a little darker towards the edges of the picture.
   static Vec3 backdrop(float x, float y) {
     const float r2 = (x - 0.5f) * (x - 0.5f) + (y - 0.45f) * (y - 0.45f);
     return Vec3(0.885f, 0.89f, 0.90f) * (1.0f - 0.22f * r2);
@@ -381,8 +383,9 @@ class Painter {
     return !tracer_.blocked(point, to_light, 1e30f);
   }
 
-  // The cosine-weighted share of directions that are free up to `reach`. The pixel's rays follow the plastic
-  // sequence (Roberts 2018), shifted by a hash of the pixel: even over the hemisphere, uneven between pixels.
+  // Returns the cosine-weighted share of directions that are free up to `reach`. The pixel's rays follow the
+  // plastic sequence (Roberts 2018), shifted by a hash of the pixel. The rays are even over the hemisphere
+  // and differ between pixels.
   float openness(const Vec3& point, const Vec3& normal, float reach, const Strata& strata) const {
     const Basis basis(normal);
     int open = 0;
@@ -430,7 +433,7 @@ class Painter {
     const Vec3 sky = 0.62f * (up * sky_light + (1.0f - up) * ground_light);
     const Vec3 fill = 0.42f * std::max(0.0f, normal.dot(view_.to_fill)) * fill_light;
     out.plain = colour.cwiseProduct(0.35f * fill);
-    // A rim where the surface turns away from the eye.
+    // Brightens the silhouette, where the surface turns away from the camera.
     const float grazing = std::pow(1.0f - std::max(0.0f, -normal.dot(direction)), 4.0f);
     out.by_open = colour.cwiseProduct(sky + 0.65f * fill) + 0.10f * grazing * sky_light;
     const float key = std::max(0.0f, normal.dot(view_.to_key));
@@ -444,7 +447,8 @@ class Painter {
     return out;
   }
 
-  // How much of a thin line along the triangle's edges covers the point; about one pixel wide.
+  // Returns how much of the point a thin line along the triangle's edges covers; the line is about one pixel
+  // wide.
   float wire_coverage(const Surface& surface, const RTCRayHit& hit, const Vec3& direction,
                       const float* weights) const {
     const std::size_t t = hit.hit.primID;
@@ -489,17 +493,17 @@ void for_each_pixel(const RenderOptions& options, const Context& context, Body b
       context, 1);
 }
 
-// What the filter looks at of a pixel: the two shares, and where they were found.
+// The data of a pixel that the filter uses: the two shares of light, and the normal and point of the surface.
 struct Shares {
   Vec3 normal, point;
   float open, key;
 };
 
-// One pass of an edge-avoiding wavelet filter (Dammertz et al. 2010) over the two shares of light: means over
-// neighbours `step` pixels apart that look alike and lie in one plane.
+// Runs one pass of an edge-avoiding wavelet filter (Dammertz et al. 2010) over the two shares of light.
+// Averages neighbours `step` pixels apart that have similar shares and lie in one plane.
 std::array<float, 2> smoothed_shares(const std::vector<Shares>& shares, const RenderOptions& options,
                                      const View& view, int step, std::array<int, 2> xy) {
-  constexpr float negligible = 9;  // the cost of a weight of 1e-4
+  constexpr float negligible = 9;  // the cost that gives a weight of 1e-4
   const auto at = [&](int i, int j) -> const Shares& {
     return shares[static_cast<std::size_t>(j) * static_cast<std::size_t>(options.width) +
                   static_cast<std::size_t>(i)];
@@ -520,7 +524,7 @@ std::array<float, 2> smoothed_shares(const std::vector<Shares>& shares, const Re
       float cost = 0.35f * static_cast<float>(dx * dx + dy * dy);
       cost += 25.0f * (here.normal - there.normal).squaredNorm();
       cost += square(plane * here.normal.dot(there.point - here.point));
-      // Later passes reach further and must trust what the earlier ones have found.
+      // Later passes reach further and must respect the differences that earlier passes have established.
       if (step > 1) cost += square((here.open - there.open) / 0.16f) + square((here.key - there.key) / 0.5f);
       if (cost > negligible) continue;
       const float weight = std::exp(-cost);

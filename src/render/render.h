@@ -22,10 +22,11 @@ struct Shape {
 };
 
 struct Camera {
-  Eigen::Vector3d from_direction{0.5, -1.0, 0.35};  ///< seen from there; fitted to the shapes
+  Eigen::Vector3d from_direction{0.5, -1.0, 0.35};  ///< towards the camera; fitted to the shapes
   Eigen::Vector3d up{0, 0, 1};
   double field_of_view_deg = 26.0;  ///< vertical
-  /// The box that the picture shows; where low > high, the shapes' own. Pictures to be compared share one.
+  /// The box that the picture shows; if low > high, the bounding box of the shapes. Pictures for comparison
+  /// share one.
   Eigen::Vector3d low{1, 1, 1}, high{0, 0, 0};
 };
 
@@ -40,31 +41,31 @@ struct RenderOptions {
   bool ground = true;  ///< a soft contact shadow below
 };
 
-/// Ray-traced picture, 8-bit sRGB, height×width×3.
+/// A ray-traced picture, 8-bit sRGB, height×width×3.
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
 };
 
-/// The mesh's vertex attribute "colour" as linear n×3; empty where it has none.
+/// Returns the mesh's vertex attribute "colour" as linear n×3, or an empty array without one.
 Points vertex_colours(const Mesh& mesh);
 
 /// Renders the shapes as clay under a key and a fill light, with ambient occlusion. The same input gives the
-/// same bytes whatever the number of threads. Throws Error(usage) for an empty picture or a camera without
-/// direction, Error(input) for shapes without a face or colours of another size, Error(cancelled).
+/// same bytes for any number of threads. Throws Error(usage) for an empty picture or a camera without
+/// direction, Error(input) for shapes without a face or with colours of another size, and Error(cancelled).
 Image render(std::span<const Shape> shapes, const RenderOptions& options = {}, const Context& context = {});
 
 /// Places images side by side with equal heights and optional captions below (printable ASCII).
 /// Throws Error(usage) if the heights differ or there are captions, but not one per image.
 Image side_by_side(std::span<const Image> images, std::span<const std::string> captions = {});
 
-/// Places images below each other, each at the left edge. Throws Error(usage) where there are none.
+/// Places images below each other, each at the left edge. Throws Error(usage) without images.
 Image stacked(std::span<const Image> images);
 
-/// The image as the bytes of a PNG file.
+/// Returns the image as the bytes of a PNG file.
 std::vector<std::uint8_t> png_bytes(const Image& image);
 
-/// Writes a PNG file, which appears whole or not at all. Throws Error(io).
+/// Writes a PNG file atomically: it appears whole or not at all. Throws Error(io).
 void write_png(const Image& image, const std::filesystem::path& path);
 
 }  // namespace meshgraft::render

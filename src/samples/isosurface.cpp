@@ -22,7 +22,7 @@ Surface::Surface(std::vector<Vec3> points_in, std::vector<std::array<int, 3>> tr
   outgoing.assign(points.size(), -1);
   on_cut.assign(points.size(), 0);
   twin.assign(3 * triangles.size(), -1);
-  // Half-edges grouped by their smaller vertex; within the few of a group, partners are found by looking.
+  // Groups half-edges by their smaller vertex; within a small group, a linear search finds the partners.
   std::vector<int> offsets(points.size() + 1, 0);
   const int half_edges = static_cast<int>(twin.size());
   for (int h = 0; h < half_edges; ++h) ++offsets[at(std::min(from(h), to(h))) + 1];
@@ -112,7 +112,7 @@ int Surface::split(int h, const Vec3& point) {
 bool Surface::may_collapse(int h) const {
   const int a = from(h), b = to(h);
   const int c = from(previous(h)), d = from(previous(twin[at(h)]));
-  // Triangles must not lose their last neighbours: a tetrahedron cannot shrink, nor a vertex of valence 3.
+  // A collapse must leave each triangle its neighbours: tetrahedra and valence-3 vertices cannot shrink.
   if (valence(c) <= 3 || valence(d) <= 3 || valence(a) + valence(b) < 8) return false;
   int common = 0;
   for_each_outgoing(a, [&](int g) {
@@ -135,7 +135,7 @@ void Surface::collapse(int h) {
   link(bc, ca);
   link(ad, db);
   outgoing[at(a)] = -1;
-  // ca left a, now b; bc leaves c, ad leaves d.
+  // ca left a and now leaves b; bc leaves c, and ad leaves d.
   outgoing[at(b)] = ca;
   outgoing[at(c)] = bc;
   outgoing[at(d)] = ad;
@@ -143,14 +143,14 @@ void Surface::collapse(int h) {
 
 namespace {
 
-// A triangle whose corners are points on lattice edges, named by keys.
+// A triangle with its corners on lattice edges; the keys identify them.
 struct CutTriangle {
   std::uint64_t key[3];
   Vec3 point[3];
 };
 
-// Cuts the lattice's tetrahedra. Corners of cells have even coordinates (in half cells), centres odd ones;
-// each tetrahedron joins two neighbouring centres with an edge of the face between them.
+// Cuts the tetrahedra of the lattice. Corners of cells have even coordinates (in half cells), centres have
+// odd ones. Each tetrahedron joins two neighbouring centres with an edge of the face between them.
 class LatticeBlock {
  public:
   LatticeBlock(const SparseField& field, const SparseField::Block& block)
@@ -194,12 +194,13 @@ class LatticeBlock {
     return at(((odd * n + local.z() / 2) * n + local.y() / 2) * n + local.x() / 2);
   }
 
-  // The positively oriented tetrahedron's part of the surface, its normal towards the outside.
+  // Emits the surface in a positively oriented tetrahedron, with its normal towards the outside.
   void cut_tetrahedron(std::array<Eigen::Vector3i, 4> v, std::vector<CutTriangle>& out) const {
     int inside = 0;
     for (const auto& p : v) inside += values_[slot(p)] < 0.0;
     if (inside == 0 || inside == 4) return;
-    // Bring the rarer kind to the front by exchanges; each pair of exchanges keeps the orientation.
+    // Bring the corners of the rarer sign to the front by exchanges; each pair of exchanges keeps the
+    // orientation.
     const bool front_inside = inside <= 2;
     const int front = inside == 2 ? 2 : 1;
     bool mirrored = false;
@@ -228,7 +229,7 @@ class LatticeBlock {
       const auto& edge = edges[at(mirrored ? 2 - c : c)];
       Eigen::Vector3i a = v[at(edge[0])], b = v[at(edge[1])];
       const Eigen::Vector3i step = b - a;
-      // From the end that comes first in (z, y, x) order, so that both users of an edge agree to the bit.
+      // Starts at the end first in (z, y, x) order, so that both users of an edge agree to the bit.
       if (std::array{step.z(), step.y(), step.x()} < std::array{0, 0, 0}) std::swap(a, b);
       const double fa = values_[slot(a)], fb = values_[slot(b)];
       const double t = fa / (fa - fb);
@@ -320,7 +321,7 @@ class Remesher {
     }
   }
 
-  // Towards valence 6, where that does not fold the surface.
+  // Flips edges towards valence 6, unless that folds the surface.
   void flip_edges() {
     for (int h = 0; h < static_cast<int>(s_.twin.size()); ++h) {
       if (!s_.alive(h) || h > s_.twin[at(h)]) continue;
@@ -344,7 +345,7 @@ class Remesher {
     }
   }
 
-  // The surface is never far: one Newton step per pass, and more at the end.
+  // The surface is never far away: one Newton step per pass suffices, with more at the end.
   void relax(int newton_steps) {
     std::vector<Vec3> moved(s_.points.size());
     parallel_blocks(
@@ -372,7 +373,7 @@ class Remesher {
       const int v = s_.to(g);
       if (v == b) return;
       if ((point(v) - point(b)).squaredNorm() > longest2) good = false;
-      // No chord between two vertices of the cut.
+      // Forbids a chord between two vertices of the cut.
       if (s_.on_cut[at(v)] && s_.on_cut[at(b)] && !s_.on_cut[at(a)] && v != c && v != d) good = false;
       const int w = s_.from(Surface::previous(g));
       if (w == b) return;
@@ -383,7 +384,7 @@ class Remesher {
     return good;
   }
 
-  // Towards the centre of the ring; along the curve on a cut.
+  // Returns a position nearer to the centre of the ring, or along the curve for vertices of a cut.
   Vec3 relaxed(int v) const {
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
     double weight = 0.0;
@@ -410,7 +411,7 @@ class Remesher {
     return point(v) + move - normal * normal.dot(move);
   }
 
-  // Newton steps along the gradient, within the plane for vertices of a cut.
+  // Runs Newton steps along the gradient, within the plane for vertices of a cut.
   Vec3 project(Vec3 x, int steps, bool in_plane) const {
     for (int step = 0; step < steps; ++step) {
       Vec3 gradient;
@@ -449,7 +450,7 @@ void remesh(Surface& surface, const SparseField& field, const RemeshOptions& opt
 
 void mark_cut(Surface& surface, double height, const RemeshOptions& options) {
   auto& points = surface.points;
-  // Vertices very near the plane move into it, unless a whole triangle would.
+  // Vertices very near the plane move into it, unless a whole triangle would lie in the plane.
   for (std::size_t v = 0; v < points.size(); ++v) {
     if (surface.outgoing[v] < 0 || std::abs(points[v].z() - height) > 0.15 * options.edge_length) continue;
     bool whole = false;

@@ -19,14 +19,14 @@ class Surface {
   std::vector<std::array<int, 3>> triangles;  ///< removed ones begin with -1
   std::vector<int> twin;                      ///< per half-edge
   std::vector<int> outgoing;                  ///< per vertex, one half-edge; -1 for a removed vertex
-  Flags on_cut;                               ///< per vertex: lies on the loop where the surface is to be cut
+  Flags on_cut;                               ///< per vertex: whether it lies on the loop of the cut
 
   static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
   int from(int h) const { return triangles[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)]; }
   int to(int h) const { return from(next(h)); }
   bool alive(int h) const { return triangles[static_cast<std::size_t>(h / 3)][0] >= 0; }
-  /// The next half-edge that leaves the same vertex.
+  /// Returns the next half-edge that leaves the same vertex.
   int around(int h) const { return twin[static_cast<std::size_t>(previous(h))]; }
 
   template <typename Visit>
@@ -41,20 +41,21 @@ class Surface {
 
   int valence(int vertex) const;
   bool adjacent(int a, int b) const;
-  /// Replaces an edge by the other diagonal of its two triangles.
+  /// Replaces an edge with the other diagonal of its two triangles.
   void flip(int h);
-  /// Puts a vertex into an edge; returns it.
+  /// Inserts a vertex into an edge and returns its index.
   int split(int h, const Vec3& point);
   /// Merges from(h) into to(h).
   void collapse(int h);
-  /// Whether a collapse leaves a manifold of the same kind (link condition).
+  /// Returns whether a collapse keeps the surface a manifold of the same topology (link condition).
   bool may_collapse(int h) const;
 
  private:
   void link(int g, int h);
 };
 
-/// Marching tetrahedra over a body-centred cubic lattice: always a closed manifold, but of uneven triangles.
+/// Runs marching tetrahedra over a body-centred cubic lattice. The result is always a closed manifold, but
+/// its triangles are uneven.
 Surface polygonise(const SparseField& field, const Context& context);
 
 struct RemeshOptions {
@@ -62,11 +63,11 @@ struct RemeshOptions {
   int iterations = 6;
 };
 
-/// Makes the triangles of a surface near-equilateral with edges of about the given length (Botsch & Kobbelt,
-/// "A remeshing approach to multiresolution modeling", 2004), and its vertices lie on the field's zero set.
+/// Makes the triangles of a surface near-equilateral, with edges of about the given length (Botsch & Kobbelt,
+/// "A remeshing approach to multiresolution modeling", 2004). Places its vertices on the field's zero set.
 void remesh(Surface& surface, const SparseField& field, const RemeshOptions& options, const Context& context);
 
-/// Puts a line of edges where the surface meets the plane z = height; `remesh` keeps it.
+/// Inserts a line of edges where the surface meets the plane z = height; `remesh` keeps it.
 void mark_cut(Surface& surface, double height, const RemeshOptions& options);
 
 }  // namespace meshgraft::samples

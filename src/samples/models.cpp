@@ -19,7 +19,7 @@ Eigen::Matrix3d turned(double angle_deg, const Vec3& axis) {
   return Eigen::AngleAxisd(radians(angle_deg), axis.normalized()).toRotationMatrix();
 }
 
-// A Catmull-Rom curve through the knots, their radii included.
+// Returns a Catmull-Rom curve through the knots, including their radii.
 std::vector<Knot> smooth_chain(const std::vector<Knot>& knots, int pieces = 5) {
   std::vector<Knot> out;
   const auto knot = [&](int i) {
@@ -50,8 +50,8 @@ std::vector<Knot> mirrored(std::vector<Knot> knots, int side) {
   return knots;
 }
 
-// An arm of the octopus: sinks to the ground, snakes outwards, curls up at its tip. Its suckers stand in two
-// rows on the underside.
+// Adds an arm of the octopus, which sinks to the ground, winds outwards and curls up at its tip. Its suckers
+// form two rows on the underside.
 void octopus_arm(Sculpture& sculpture, int arm) {
   const Vec3 skin(0.80, 0.36, 0.27), pale(0.95, 0.78, 0.66);
   const double azimuth = radians(22.5 + 45.0 * arm);
@@ -83,7 +83,7 @@ void octopus_arm(Sculpture& sculpture, int arm) {
   }
   sculpture.chain(knots, {.colour = skin, .blend = 0.16});
 
-  // The paler underside, just proud of the arm.
+  // The paler underside, slightly raised from the arm.
   std::vector<Knot> belly;
   for (int i = 3; i <= pieces; ++i) {
     const double r = knots[static_cast<std::size_t>(i)].radius;
@@ -203,7 +203,7 @@ void ear(Sculpture& s, int side) {
 void mouth(Sculpture& s) {
   const Vec3 lips(0.80, 0.46, 0.42);
   s.ellipsoid({0, -0.29, 0.20}, {0.115, 0.085, 0.075}, {.colour = human_skin, .blend = 0.06});
-  // The upper lip in two wings, the lower one, the line between, its corners turned up a little.
+  // The upper lip in two wings, the lower lip and the line between, with slightly raised corners.
   s.chain(smooth_chain({{{-0.110, -0.320, 0.206}, 0.008},
                         {{-0.055, -0.368, 0.217}, 0.018},
                         {{-0.018, -0.387, 0.226}, 0.021},
@@ -226,7 +226,8 @@ void mouth(Sculpture& s) {
           {.colour = 0.7 * lips, .blend = 0.024, .carve = true});
 }
 
-// A cap of locks, combed from the forehead over the top to the nape: half sunk tubes along the cap.
+// Adds a cap of hair locks, combed from the forehead over the top to the nape. The locks are half-sunk tubes
+// along the cap.
 void hair(Sculpture& s) {
   const Vec3 brown(0.42, 0.27, 0.18), centre(0, 0.115, 0.650), radii(0.372, 0.405, 0.400);
   const Eigen::Matrix3d tilt = turned(-15.0, Vec3::UnitX());
@@ -302,7 +303,7 @@ SculptedModel bust() {
     stroke({{{0.73, 0.12, -0.90}, 0.205}, {{0.81, 0.12, -1.15}, 0.195}, {{0.84, 0.10, -1.45}, 0.165}}, 0.10);
     s.ellipsoid(mirrored({0.29, -0.09, -1.02}, side), {0.30, 0.125, 0.20}, skin(0.22),
                 turned(side * 14.0, Vec3::UnitY()));
-    // Collar bone, and the muscle from behind the ear to the pit of the throat.
+    // The collar bone, and the muscle from behind the ear to the pit of the throat.
     stroke({{{0.045, -0.135, -0.73}, 0.036}, {{0.25, -0.115, -0.705}, 0.031}, {{0.50, -0.01, -0.675}, 0.034}},
            0.08);
     stroke({{{0.165, 0.06, -0.12}, 0.04}, {{0.11, -0.04, -0.42}, 0.047}, {{0.045, -0.125, -0.70}, 0.04}}, 0.10);
@@ -321,7 +322,7 @@ SculptedModel dinosaur() {
   Sculpture& s = model.sculpture;
   const Vec3 skin(0.45, 0.58, 0.42), belly(0.80, 0.80, 0.62), plate(0.72, 0.46, 0.30);
   const Brush soft{.colour = skin, .blend = 0.18};
-  // It looks along −x.
+  // The model looks along −x.
   s.ellipsoid({0, 0, 1.30}, {0.95, 0.52, 0.56}, soft);
   s.ellipsoid({0.45, 0, 1.32}, {0.62, 0.50, 0.54}, soft);
   s.chain(smooth_chain({{{-0.55, 0, 1.42}, 0.42},
@@ -359,7 +360,7 @@ SculptedModel dinosaur() {
                 {.colour = Vec3(0.05, 0.05, 0.05), .blend = 0.004});
     s.ellipsoid(flank(-2.385, 0.060, 3.330), Vec3::Constant(0.022),
                 {.colour = 0.5 * skin, .blend = 0.025, .carve = true});
-    // Legs: fore, hind; each ends in a foot with three toes.
+    // Fore and hind legs, each with a foot of three toes.
     const auto leg = [&](const std::vector<Knot>& knots) {
       s.chain(smooth_chain(knots), {.colour = skin, .blend = 0.14});
       const Vec3 foot = knots.back().point;
@@ -457,8 +458,8 @@ SculptedModel cactus() {
 
 namespace {
 
-// A grid of nu×nv vertices, closed in the directions that wrap around; near-equilateral where the rows are
-// staggered (odd rows shifted by half a step), which the point function does.
+// Builds a grid of nu×nv vertices, closed in the directions that wrap around. A staggered grid shifts odd
+// rows by half a step, so that the point function can make near-equilateral triangles.
 template <typename Point>
 Mesh grid_mesh(int nu, int nv, bool wrap_u, bool wrap_v, bool staggered, Point point) {
   Mesh mesh;
@@ -482,10 +483,11 @@ Mesh grid_mesh(int nu, int nv, bool wrap_u, bool wrap_v, bool staggered, Point p
   return mesh;
 }
 
-// A tube of unit arc-length grid steps around a closed curve.
+// Builds a tube of unit arc-length grid steps around a closed curve.
 template <typename Curve>
 Mesh closed_tube(int resolution, double length, double radius, Curve curve) {
-  // Rows along the curve, columns around, for about resolution² near-equilateral triangles' corners.
+  // Rows run along the curve and columns around it, for about resolution² vertices of near-equilateral
+  // triangles.
   const double area = length * 2.0 * pi * radius;
   const double edge = std::sqrt(area / (std::sqrt(0.75) * resolution * resolution));
   const int around = std::max(3, static_cast<int>(std::lround(2.0 * pi * radius / edge)));
@@ -563,7 +565,7 @@ Mesh bumpy_plane(int resolution) {
 }
 
 Mesh bar(int resolution) {
-  // 1 × 1 × 4, the sides as one grid around, closed by two square caps that share its rims.
+  // The sides of the 1 × 1 × 4 bar are one grid around, closed by two square caps that share the grid's ends.
   const int side = std::max(1, static_cast<int>(std::lround(resolution / 4.24)));
   const int along = 4 * side, around = 4 * side;
   Mesh mesh = grid_mesh(around, along + 1, true, false, false, [&](double u, double v) {
@@ -620,7 +622,7 @@ Mesh torus(int resolution) {
 }
 
 Mesh knot(int resolution) {
-  // The trefoil, its frame taken from the torus that it winds around.
+  // The trefoil; its frame comes from the torus that it winds around.
   const auto axis = [](double t) {
     return Vec3((2.0 + std::cos(3.0 * t)) * std::cos(2.0 * t), (2.0 + std::cos(3.0 * t)) * std::sin(2.0 * t),
                 std::sin(3.0 * t));

@@ -7,15 +7,15 @@
 
 namespace meshgraft::samples {
 
-/// A modelled solid and how it becomes a mesh.
+/// A modelled solid, and the options for meshing it.
 struct SculptedModel {
   Sculpture sculpture;
-  double area = 0.0;         ///< of the surface, about; relates the resolution to the edge length
-  double finest_cell = 0.0;  ///< cells of the first polygonisation, at most; finer than the thinnest part
+  double area = 0.0;         ///< approximate surface area; relates the resolution to the edge length
+  double finest_cell = 0.0;  ///< largest cell of the first polygonisation; finer than the thinnest detail
   bool cut = false;          ///< leave a boundary loop at z = cut_height
   double cut_height = 0.0;
   bool keep_above = true;
-  int parts = 1;  ///< how many of its connected parts are kept, the largest first
+  int parts = 1;  ///< number of connected components to keep, the largest first
 };
 
 SculptedModel octopus();

@@ -59,7 +59,7 @@ const Entry& find_entry(std::string_view name) {
               "sample \"" + std::string(name) + '"', "The models are: " + names);
 }
 
-// The triangles to keep: on the right side of the cut, and of the largest connected parts.
+// Flags the triangles to keep: those on the right side of the cut, in the largest connected components.
 Flags kept_triangles(const Surface& surface, const SculptedModel& model) {
   const auto& triangles = surface.triangles;
   Flags keep(triangles.size(), 0);
@@ -148,7 +148,7 @@ void add_colours(Mesh& mesh, const SparseField& field, const Context& context) {
   mesh.attributes.push_back(std::move(colour));
 }
 
-// Coarser, the edges would be longer than the parts are thick.
+// At a lower resolution the edges would be longer than the thinnest details.
 constexpr int smallest_sculpture = 24;
 
 Mesh mesh_sculpture(const SculptedModel& model, int resolution, const Context& context) {

@@ -15,10 +15,11 @@ namespace meshgraft::samples {
 
 namespace {
 
-// The distances are approximate; no stroke's changes faster than this per unit of length.
+// The distances are approximate, but no stroke's distance changes faster than this per unit of length.
 constexpr double lipschitz = 1.2;
 
-// The smaller of a and b, rounded where they differ by less than k: lower by at most k/6, twice differentiable.
+// Returns the smaller of a and b, rounded if they differ by less than k: lower by at most k/6, twice
+// differentiable.
 double smooth_min(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0);
   return k > 0.0 ? std::min(a, b) - h * h * h / (6.0 * k * k) : std::min(a, b);
@@ -51,7 +52,7 @@ void Sculpture::chain(std::span<const Knot> knots, const Brush& brush, const Rib
     stroke.inverse_length2 = 1.0 / stroke.b.squaredNorm();
     stroke.ribs = ribs;
     const Vec3 tangent = stroke.b.normalized();
-    // Carrying the normal along keeps the ribs from twisting.
+    // Transporting the normal along the chain keeps the ribs from twisting.
     normal = k == 0 ? any_normal_to(tangent) : (normal - tangent * tangent.dot(normal)).normalized();
     stroke.axes << normal, tangent.cross(normal), tangent;
     strokes_.push_back(std::move(stroke));
@@ -174,7 +175,7 @@ std::vector<int> Sculpture::prune(const Vec3& centre, double radius, std::span<c
   const double reach = lipschitz * radius;
   std::vector<int> kept;
   std::vector<double> distances;
-  double upper = 1e9;  // no point of the ball is further outside than this
+  double upper = 1e9;  // upper bound on the distance over the ball
   for (std::size_t begin = 0; begin < active.size();) {
     const Stroke& first = strokes_[active[begin]];
     std::size_t end = begin;
@@ -184,7 +185,8 @@ std::vector<int> Sculpture::prune(const Vec3& centre, double radius, std::span<c
       distances.push_back(stroke_distance(strokes_[active[end]], centre));
       nearest = std::min(nearest, distances.back());
     }
-    // An added stroke matters where it comes within its blend of the rest; a carving one near the surface.
+    // An added stroke matters if it comes within its blend radius of the rest; a carving stroke, near the
+    // surface.
     const double limit = first.brush.carve ? reach + first.brush.blend : upper + first.brush.blend;
     for (std::size_t i = begin; i < end; ++i)
       if (distances[i - begin] - reach <= std::min(limit, nearest + reach)) kept.push_back(active[i]);
@@ -204,8 +206,9 @@ SparseField::SparseField(const Sculpture& sculpture, double cell, const Context&
   while (blocks_per_side_ * block_side < (high - low).maxCoeff() + 4.0 * cell) blocks_per_side_ *= 2;
   origin_ = 0.5 * (low + high) - Vec3::Constant(0.5 * blocks_per_side_ * block_side);
 
-  // One level at a time: cells that cannot meet the surface are dropped, the rest keep only the strokes that
-  // matter in them. The ball reaches half a lattice cell beyond the block, as its tetrahedra do.
+  // Builds one level at a time. Drops cells that cannot meet the surface, and keeps in the others only the
+  // strokes that matter there. The ball reaches half a lattice cell beyond the block, as the block's
+  // tetrahedra do.
   std::vector<Block> level{{Eigen::Vector3i::Zero(), everything_}};
   for (int side = blocks_per_side_; side > 1; side /= 2) {
     const int half = side / 2;

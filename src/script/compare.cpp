@@ -34,7 +34,7 @@ void require_deform_step(const EditFile& edit) {
                 edit.location);
 }
 
-// Progress that names the method, too.
+// Returns a context whose progress also names the method.
 Context context_of(const Method& method, std::size_t number, std::size_t count, const Context& context) {
   Context own = context;
   if (context.progress)
@@ -45,7 +45,7 @@ Context context_of(const Method& method, std::size_t number, std::size_t count, 
   return own;
 }
 
-// Seconds before the first solve; published methods do not tell them apart.
+// Returns the seconds before the first solve. Published methods do not measure them separately.
 std::optional<double> set_up_seconds(const MethodOutcome& outcome) {
   if (std::holds_alternative<Baseline>(outcome.method)) return std::nullopt;
   const StageSeconds& seconds = outcome.result->report.seconds;
@@ -98,7 +98,7 @@ Row row_of(const MethodOutcome& outcome) {
           seconds(outcome.result->report.seconds.solve)};
 }
 
-// Code points, which is how many columns these texts take.
+// Counts code points, which equals the number of columns for these texts.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
@@ -109,7 +109,7 @@ std::string padded(const std::string& text, std::size_t width, bool left) {
   return left ? text + space : space + text;
 }
 
-// A message within a table's cell.
+// Escapes a message for a cell of a table.
 std::string cell_text(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

@@ -22,7 +22,7 @@ namespace {
 using json::Object;
 using json::Value;
 
-// The kinds of step and their parsers; one without belongs to the format, not to this version.
+// Parses a step by its kind. A kind without a parser belongs to the format but not to this version.
 EditStep parse_step(const Value& value) {
   if (!value.is_object()) Object(value, {});
   if (!value.raw().contains("kind")) value.fail("the field 'kind' is missing");
@@ -83,7 +83,7 @@ std::string parse_colour(const Value& value) {
   return colour;
 }
 
-// Calls `visit` with every selection below and including `selection`.
+// Calls `visit` with `selection` and every selection below it.
 void for_each_selection(const SelectionSpec& selection,
                         const std::function<void(const SelectionSpec&)>& visit) {
   visit(selection);
@@ -128,7 +128,7 @@ void for_each_step_selection(const EditStep& step,
   std::visit([&](const auto& action) { for_each_step_selection(action, visit); }, step.action);
 }
 
-// The fields of a step that name a mesh.
+// Returns the fields of a step that name a mesh.
 std::vector<std::pair<std::string, std::string>> mesh_fields(const EditStep& step) {
   if (const auto* merge = std::get_if<MergeStep>(&step.action))
     return {{"target", merge->target}, {"source", merge->source}};
@@ -152,7 +152,7 @@ std::vector<std::string> names_of(const List& list) {
   throw Error(ErrorCode::input, fmt::format("there is no {} named '{}'", what, name), location, remedy);
 }
 
-// Selections may use each other, but not in a circle, and only so deep that resolving them is safe.
+// Checks that selections refer to each other without cycles and with a depth that is safe to resolve.
 class ReferenceCheck {
  public:
   explicit ReferenceCheck(const EditFile& edit) : edit_(edit), names_(names_of(edit.selections)) {}
@@ -194,7 +194,7 @@ class ReferenceCheck {
   std::map<std::string, int> depths_;
 };
 
-// Every name that is used must mean something at that point of the edit.
+// Throws unless every name refers to something that exists at that point of the edit.
 void require_names(const EditFile& edit) {
   ReferenceCheck references(edit);
   for (const NamedSelection& selection : edit.selections) references.depth(selection);

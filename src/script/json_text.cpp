@@ -14,7 +14,7 @@ std::string scalar_text(const Document& value) {
   return value.dump(-1, ' ', false, Document::error_handler_t::replace);
 }
 
-// Appends the value in one line; gives up once the text is longer than a line.
+// Appends the value in one line. Stops once the text is longer than a line.
 bool append_in_line(std::string& text, const Document& value, std::size_t limit) {
   if (!value.is_structured()) {
     text += scalar_text(value);

@@ -23,7 +23,7 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
   return fmt::format("line {}, column {}", line, column);
 }
 
-// The parser's own words without its identifiers, which mean nothing to a person.
+// Returns the parser's message without its identifiers, which mean nothing to a user.
 std::string reason(std::string_view what) {
   const std::size_t end =
       what.rfind(": ", what.find(" - ") == std::string_view::npos ? what.size() : what.find(" - "));

@@ -22,16 +22,16 @@ using Json = nlohmann::json;
 /// deeper than `depth_limit`.
 Json parse(std::string_view text, const std::string& location, int depth_limit);
 
-/// The candidate that a reader most likely meant, or nothing if none is near.
+/// Returns the candidate that is most similar to `name`, or nothing if none is similar.
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates);
 
-/// A JSON value that knows where in the document it stands, so that every message can name its path. Paths are
-/// only put together when they are asked for. A value must not outlive the one it was taken from.
+/// A JSON value that knows its path in the document, so that every error message can name it. Paths are only
+/// assembled when they are asked for. A value must not outlive the one it was taken from.
 class Value {
  public:
   Value(const Json& root, const std::string& document) : json_(&root), document_(&document) {}
 
-  /// "edit.json: steps[0].mesh", or "edit.json" for the root.
+  /// Returns "edit.json: steps[0].mesh", or "edit.json" for the root.
   std::string location() const;
   [[noreturn]] void fail(std::string problem, std::string remedy = {}) const;
 
@@ -43,7 +43,7 @@ class Value {
   bool is_null() const { return json_->is_null(); }
 
   const std::string& string() const;
-  /// A string that is not empty.
+  /// Returns a string that is not empty.
   const std::string& name() const;
   bool boolean() const;
   double number() const;
@@ -53,20 +53,20 @@ class Value {
   std::uint64_t unsigned_integer() const;
   Index vertex() const;
   Eigen::Vector3d vector3() const;
-  /// A vector3 with a length.
+  /// Returns a vector3 of non-zero length.
   Eigen::Vector3d direction() const;
   Eigen::Matrix3d matrix3() const;
-  /// Rows of an affine map; the last one must be 0 0 0 1.
+  /// Returns the rows of an affine map; the last one must be 0 0 0 1.
   Eigen::Matrix4d affine_matrix() const;
-  /// A list of points, at least `min_count`.
+  /// Returns a list of at least `min_count` points.
   Points points(std::size_t min_count) const;
   std::vector<Index> vertices() const;
 
   std::size_t size() const;  ///< of a list; fails for anything else
   Value operator[](std::size_t index) const;
-  Value member(std::string_view key) const;  ///< of an object that has it
+  Value member(std::string_view key) const;  ///< of an object that has the key
 
-  /// The value that belongs to a word.
+  /// Returns the value that belongs to a word.
   template <class T>
   T choice(std::initializer_list<std::pair<std::string_view, T>> choices) const {
     const std::string& word = string();
@@ -91,17 +91,17 @@ class Value {
   std::size_t index_ = 0;
 };
 
-/// An object of which all fields are known.
+/// An object whose fields are all known.
 class Object {
  public:
-  /// Fails if `value` is not an object or has a field that is not among `known`.
+  /// Fails if `value` is not an object or has a field that is not in `known`.
   Object(const Value& value, std::initializer_list<std::string_view> known)
       : Object(value, std::span<const std::string_view>(known.begin(), known.size())) {}
   Object(const Value& value, std::span<const std::string_view> known);
 
   bool has(std::string_view key) const { return value_->raw().contains(key); }
   Value required(std::string_view key) const;
-  /// Calls `read` with the field's value if it is there.
+  /// Calls `read` with the field's value if the field exists.
   template <class F>
   void optional(std::string_view key, F&& read) const {
     if (has(key)) read(value_->member(key));

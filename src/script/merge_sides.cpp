@@ -35,7 +35,8 @@ void require_loops(const MergeSide& side, const std::string& location) {
               "Cut it open first: 'meshgraft cut'.");
 }
 
-// Refuses a loop along which the surface is no oriented manifold: nothing can be welded there.
+// Refuses a loop along which the surface is not an oriented manifold, because it cannot be joined to another
+// one.
 void require_sound(const MergeSide& side, std::size_t number, const std::string& location) {
   const std::vector<Index>& loop = side.context.loops[number];
   for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
@@ -56,7 +57,7 @@ void require_sound(const MergeSide& side, std::size_t number, const std::string&
   }
 }
 
-// The boundary loop that has exactly the selected vertices.
+// Returns the boundary loop that consists of exactly the selected vertices.
 std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::string& location) {
   require_loops(side, location);
   const auto& loops = side.context.loops;
@@ -86,7 +87,7 @@ std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::strin
   throw Error(ErrorCode::input, problem, location, fmt::format("Its loops are {}.", loop_list(side)));
 }
 
-// The boundary loop that a matched vertex lies on.
+// Returns the boundary loop that contains a matched vertex.
 std::size_t loop_through(const MergeSide& side, Index vertex, const std::string& location) {
   require_loops(side, location);
   const auto& loops = side.context.loops;
@@ -100,7 +101,8 @@ std::size_t loop_through(const MergeSide& side, Index vertex, const std::string&
               location, fmt::format("Its loops are {}.", loop_list(side)));
 }
 
-// The vertex of a loop that is meant, or of any loop.
+// Returns the vertex that `vertex` specifies; a point stands for the nearest vertex of `loop`, or of all
+// loops.
 Index loop_vertex(const MergeSide& side, const VertexSpec& vertex, std::optional<std::size_t> loop,
                   const std::string& location) {
   if (const auto* number = std::get_if<Index>(&vertex)) return *number;
@@ -112,7 +114,7 @@ Index loop_vertex(const MergeSide& side, const VertexSpec& vertex, std::optional
   return nearest(side.scene.mesh, candidates, std::get<Eigen::Vector3d>(vertex));
 }
 
-/// Loops that meet, by their numbers.
+/// A pair of loops, by their numbers.
 struct LoopNumbers {
   std::size_t source = 0, target = 0;
   std::vector<Match> matches;
@@ -134,7 +136,8 @@ std::vector<LoopNumbers> listed_pairs(const MergeStep& step, MergeSide& source, 
   return pairs;
 }
 
-// Puts each match of the step to the pair on whose loops it lies; makes that pair where none is listed.
+// Assigns each match of the step to the pair whose loops contain it. Creates that pair where no pairs are
+// listed.
 void add_matches(const MergeStep& step, const MergeSide& source, const MergeSide& target,
                  std::vector<LoopNumbers>& pairs, const std::string& location) {
   for (std::size_t i = 0; i < step.matches.size(); ++i) {

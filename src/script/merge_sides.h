@@ -12,11 +12,11 @@
 
 namespace meshgraft {
 
-/// One of the two meshes of a merge step, as the step sees it.
+/// One of the two meshes of a merge step.
 struct MergeSide {
-  std::string name;  ///< "source" or "target", as fields and messages call it
+  std::string name;  ///< "source" or "target", as in fields and messages
   const Scene& scene;
-  SoundMesh usable;  ///< what is merged; loops and selections are the scene's
+  SoundMesh usable;  ///< the mesh to merge; loops and selections are the scene's
   SelectionContext context;
   SelectionResolver selections;
 
@@ -27,7 +27,7 @@ struct MergeSide {
         context(scene.mesh),
         selections(edit, context, scene.produced) {}
 
-  /// Refuses a vertex that is meant by its number and has no place, or a bad face.
+  /// Refuses a vertex given by its number if it is not finite or belongs to a defective face.
   void require_usable(Index vertex, const std::string& location) const {
     try {
       usable.require_beyond(std::vector<Index>{vertex});
@@ -36,7 +36,7 @@ struct MergeSide {
     }
   }
 
-  /// The vertices that the merge removed, or that faces of the seam have.
+  /// Returns the vertices that the merge removed or that belong to faces of the seam.
   std::vector<Index> reached(const IndexMap& map, const Mesh& result,
                              const std::vector<Index>& new_faces) const {
     Flags at_seam(result.vertex_count(), 0);
@@ -50,7 +50,8 @@ struct MergeSide {
     return vertices;
   }
 
-  /// Once it is merged: nothing that was left out may lie where the result is new.
+  /// Checks after the merge that no excluded element lies where the result is new. Then puts the excluded
+  /// elements back.
   void finish(const IndexMap& map, MergeResult& result, std::vector<std::string>& notes) const {
     if (!usable.any()) return;
     usable.require_beyond(reached(map, result.mesh, result.new_faces));
@@ -59,14 +60,14 @@ struct MergeSide {
   }
 };
 
-/// The loops that meet, and vertices of them that do. Throws Error(input) naming the field of the step.
+/// Returns the pairs of loops with their matches. Throws Error(input) naming the field of the step.
 std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
                                      const std::string& location);
 
-/// The number of the source's loop that is dropped on the target. Throws Error(input).
+/// Returns the number of the source's loop that is dropped on the target. Throws Error(input).
 std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& location);
 
-/// Of some vertices, the one nearest to a point.
+/// Returns the one of some vertices that is nearest to a point.
 Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Vector3d& point);
 
 }  // namespace meshgraft

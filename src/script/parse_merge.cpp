@@ -14,13 +14,13 @@ namespace {
 using json::Object;
 using json::Value;
 
-// A number, or a point that stands for the nearest vertex.
+// Parses a vertex number, or a point that stands for the nearest vertex.
 VertexSpec parse_vertex(const Value& value) {
   if (value.is_array()) return value.vector3();
   return value.vertex();
 }
 
-// Source and target vertex, in this order.
+// Parses a source and a target vertex, in this order.
 MatchSpec parse_match(const Value& value) {
   if (value.size() != 2) value.fail("expected a vertex of the source and one of the target");
   return {parse_vertex(value[0]), parse_vertex(value[1])};
@@ -110,7 +110,7 @@ MergeSettings parse_merge_settings(const Value& value) {
   return settings;
 }
 
-// What both versions call alike.
+// Reads the counts that both versions name alike.
 void read_mesh_counts(const Object& fields, MergeCounts& counts) {
   read_count(fields, "source_vertices", counts.source_vertices);
   read_count(fields, "source_faces", counts.source_faces);
@@ -130,7 +130,7 @@ MergeCounts parse_merge_counts(const Value& value) {
   return counts;
 }
 
-// Fields that exclude or need each other.
+// Checks fields that exclude or require each other.
 void require_sense(const MergeStep& step, const Object& fields) {
   for (const std::string_view loops : {"pairs", "matches"})
     if (step.at && fields.has(loops))
@@ -147,7 +147,7 @@ void require_sense(const MergeStep& step, const Object& fields) {
     fields.required("size").fail("the size is kept with the pose", "Scale the source with 'source_transform'.");
 }
 
-// A version 1 pair: its lists of loop vertices begin with the start.
+// Parses a version 1 pair, whose lists of loop vertices begin with the start.
 MergePairSpec parse_pair_version_1(const Value& value) {
   const Object fields(value, {"source_loop", "target_loop", "same_direction", "start", "correspondences"});
   MergePairSpec pair;

@@ -15,20 +15,20 @@
 
 namespace meshgraft {
 
-// Parts of an edit file that several of its parsers read.
+// Parsers of fields that several parts of an edit file have.
 
 inline constexpr int max_rings = 1'000'000;
 
 SelectionSpec parse_selection(const json::Value& value);
 
-/// A handle's pose; a course of its own only for a curve.
+/// Parses a handle's pose. Only a curve may have a redrawn course.
 PoseSpec parse_pose(const json::Value& value, HandleShape shape);
 
 inline void read_count(const json::Object& fields, std::string_view key, std::optional<Index>& count) {
   fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
 }
 
-/// What both kinds of version 1 files say of themselves.
+/// Reads the heading that both kinds of version 1 files have.
 inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
   fields.optional("name", [&](const json::Value& v) { edit.name = v.string(); });
   fields.optional("about", [&](const json::Value& v) { edit.about = v.string(); });
@@ -45,7 +45,7 @@ inline constexpr std::array<std::string_view, 15> deformer_fields = {
     "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
 DeformerOptions parse_deformer(const json::Object& fields);
 
-/// The backend `multifrontal` has this name in older edit files, which are still read, with a note.
+/// Former name of the backend `multifrontal`. Edit files with it are still read, with a note.
 inline constexpr std::string_view former_multifrontal = "cholmod";
 
 /// Refuses an element whose name an earlier one of its list has.

@@ -89,7 +89,7 @@ SelectionSpec::Kind parse_produced(const Value& value) {
 
 }  // namespace
 
-// One field says what kind of selection it is; `take` goes with `sel`.
+// Parses a selection. One field names its kind; only `sel` needs a second field, `take`.
 SelectionSpec parse_selection(const Value& value) {
   if (value.is_string()) {
     if (value.string() == "all") return {Selection::All{}};

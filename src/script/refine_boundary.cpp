@@ -14,7 +14,7 @@ namespace {
 
 constexpr int neighbourhood_rings = 2;
 
-// What holds a vertex: a handle's number, or one of these.
+// The holder of a vertex: the index of a handle, or one of these.
 constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
 
 std::vector<int> holders(const DeformProblem& problem) {
@@ -28,7 +28,7 @@ std::vector<int> holders(const DeformProblem& problem) {
   return holder;
 }
 
-// The vertices around every place where something free meets something held.
+// Returns the vertices around each held vertex that has a free neighbour.
 std::vector<Index> boundary_neighbourhood(const std::vector<int>& holder, const IndexLists& rings) {
   std::vector<Index> seeds;
   for (Index v = 0; v < rings.size(); ++v) {
@@ -42,8 +42,8 @@ std::vector<Index> boundary_neighbourhood(const std::vector<int>& holder, const 
 
 bool stays(int holder) { return holder == fixed || holder == outside; }
 
-// Follows a curve handle and inserts the new vertices that lie between its consecutive ones, in the handle and
-// in its redrawn course.
+// Inserts new vertices between consecutive vertices of a curve handle, both into the handle and into its
+// redrawn course.
 void refine_curve(Handle& handle, HandlePose& pose, const std::map<std::array<Index, 2>, Index>& middle) {
   std::vector<Index> vertices;
   std::vector<Eigen::RowVector3d> course;

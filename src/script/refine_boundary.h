@@ -6,16 +6,17 @@
 
 namespace meshgraft {
 
-/// A deformation on a mesh: what the solver needs to know.
+/// A deformation on a mesh: the data that the solver needs.
 struct DeformProblem {
   Points rest;          ///< n×3
   Triangles triangles;  ///< m×3
   ResolvedDeform deform;
 };
 
-/// The same deformation on a mesh whose edges are halved `levels` times where free vertices meet handles, fixed
-/// vertices or constraints (FT05 section 6: sparse boundaries). The old vertices come first and keep their
-/// places. A new vertex between two of a handle, or between two that stay, is held as they are.
+/// Returns the same deformation on a mesh whose edges are halved `levels` times where free vertices meet
+/// handles, fixed vertices or constraints (FT05 section 6: sparse boundaries). The old vertices come first
+/// and keep their positions. A new vertex between two vertices of one handle, or between two fixed ones, is
+/// held like them.
 DeformProblem refine_boundary(DeformProblem problem, int levels, const Context& context);
 
 }  // namespace meshgraft

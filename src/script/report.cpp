@@ -76,7 +76,7 @@ Json diagnostics_json(const Diagnostics& diagnostics, std::size_t index_limit) {
   return findings;
 }
 
-// The fields that a step and a whole edit share.
+// Adds the fields that a step and a whole edit share.
 template <class Report>
 void add_measures(Json& json, const Report& report) {
   json["counts"] = counts_json(report.counts);
@@ -146,7 +146,7 @@ Json merge_settings_json(const MergeOptions& options) {
   return json;
 }
 
-// All fields of a merge step after those that every step has.
+// Adds the fields of a merge step after those that all steps have.
 void add_merge(Json& json, const MergeOutcome& merge) {
   const MergeReport& report = merge.report;
   json["source"] = merge.source;
@@ -175,7 +175,7 @@ void add_cut(Json& json, const CutOutcome& cut) {
   json["map"] = cut.map.new_index;
 }
 
-// Published methods run by their own defaults.
+// Returns the settings that were used. Published methods use their own defaults.
 Json settings_in_force(const StepReport& step) {
   if (std::holds_alternative<DeformMethod>(step.method)) return settings_json(step.settings);
   return {{"backend", backend_word(step.settings.deformer.backend)},

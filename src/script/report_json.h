@@ -6,7 +6,7 @@
 
 namespace meshgraft {
 
-// Parts of a report, as docs/report.md has them.
+// Parts of a report, as specified in docs/report.md.
 nlohmann::ordered_json counts_json(const DeformCounts& counts);
 nlohmann::ordered_json quality_json(const Quality& quality);
 

@@ -19,7 +19,7 @@ namespace meshgraft {
 
 namespace {
 
-// Who holds each vertex of the region, so that no vertex gets two roles.
+// The role of each vertex of the region. A vertex cannot get two roles.
 class Roles {
  public:
   Roles(Index vertex_count, const std::vector<Index>& region)
@@ -32,7 +32,7 @@ class Roles {
 
   void take(Index vertex, int owner) { owner_[vertex] = owner; }
 
-  /// Makes `vertices` those of the handle of that name, or says what is in the way.
+  /// Assigns `vertices` to the handle of that name. Throws where one of them has a role already.
   void take_all(const std::vector<Index>& vertices, const std::string& name, const std::string& location) {
     const int handle = static_cast<int>(handles_.size());
     handles_.push_back(name);
@@ -130,7 +130,7 @@ HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const Select
   return pose;
 }
 
-// Targets and transforms joined per vertex.
+// Per-vertex constraints that join targets and transforms.
 class OwnConstraints {
  public:
   OwnConstraints(const SelectionContext& context, Roles& roles) : context_(context), roles_(roles) {}
@@ -149,7 +149,7 @@ class OwnConstraints {
     constraint.transform = transform.matrix;
   }
 
-  /// Those behind the mirror; a vertex that is its own partner has what was asked of it.
+  /// Adds the mirror images of the constraints. A vertex that is its own partner keeps its constraint.
   void add_images(const MirrorMatch& symmetry, const std::string& location) {
     const Eigen::Affine3d& reflection = symmetry.reflection();
     const Eigen::Matrix3d& s = reflection.linear();
@@ -163,7 +163,7 @@ class OwnConstraints {
     }
   }
 
-  /// Ascending by vertex.
+  /// Returns the constraints ascending by vertex.
   std::vector<VertexConstraint> list() const {
     std::vector<VertexConstraint> list;
     for (const auto& [vertex, constraint] : constraints_) list.push_back(constraint);
@@ -209,7 +209,7 @@ void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found,
   require(expected.free, found.free, "free");
 }
 
-// A step on its way to what it means.
+// Resolves a deform step to vertices and numbers.
 class DeformResolver {
  public:
   DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
@@ -229,7 +229,7 @@ class DeformResolver {
     hold_handles(roles);
     if (symmetry_) hold_twins(roles);
     resolved_.constraints = find_constraints(roles);
-    // A rim that nobody asked for gives way to handles and targets.
+    // Vertices of a default rim that handles or targets do not use are fixed.
     for (const Index v : rim) {
       if (!roles.is_free(v)) continue;
       resolved_.region.fixed.push_back(v);
@@ -262,7 +262,7 @@ class DeformResolver {
     return inside;
   }
 
-  // Returns the rim that is fixed where nobody says what is.
+  // Returns the rim that is fixed by default where the step names no fixed vertices.
   std::vector<Index> find_fixed(const std::vector<Index>& inside, Roles& roles) {
     if (step_.fixed) {
       for (const Index v : vertices_of(*step_.fixed, location_ + ".fixed"))
@@ -311,7 +311,8 @@ class DeformResolver {
     }
   }
 
-  // What a twin meets is nobody's mistake in the selection.
+  // Throws where a twin meets another role, with a message about the symmetry: the selections themselves are
+  // correct.
   void require_free(const Handle& twin, const Roles& roles, std::size_t i) const {
     for (const HandleSpec& other : step_.handles)
       if (other.name == twin.name)
@@ -342,7 +343,7 @@ class DeformResolver {
     for (std::size_t i = 0; i < step_.anchors.size(); ++i) {
       const std::string where = fmt::format("{}.anchors[{}].select", location_, i);
       for (const Index v : vertices_of(step_.anchors[i].select, where)) {
-        if (!roles.is_free(v)) continue;  // what is held or never moves needs no anchor
+        if (!roles.is_free(v)) continue;  // held and immovable vertices need no anchor
         if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
           throw Error(ErrorCode::input, fmt::format("vertex {} is anchored twice", v), where);
       }
@@ -372,7 +373,7 @@ class DeformResolver {
   const std::string& location_;
   SelectionResolver selections_;
   std::optional<MirrorMatch> symmetry_;
-  std::vector<std::optional<Handle>> twins_;  ///< of each handle of the step
+  std::vector<std::optional<Handle>> twins_;  ///< one per handle of the step
   ResolvedDeform resolved_;
 };
 

@@ -30,7 +30,8 @@ std::vector<Index> vertices_beside(const CutResult& result, int side) {
   return vertices;
 }
 
-// "loop" where the cut made one, "loop 0" and so on in any case, "above" and "below".
+// Returns the named sets of a cut: "loop" where there is one loop, "loop 0" and so on always, "above" and
+// "below".
 std::map<std::string, std::vector<Index>> sets_of(const CutResult& result) {
   std::map<std::string, std::vector<Index>> sets;
   for (std::size_t k = 0; k < result.loops.size(); ++k) sets[fmt::format("loop {}", k)] = result.loops[k];

@@ -27,7 +27,7 @@ namespace meshgraft {
 
 namespace {
 
-// Rings around the region that the solve looks at beyond it: stencils of stencils, and their normals.
+// Returns how many rings around the region the solve uses: stencils of stencils, and their normals.
 int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
 
 void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionContext& selections,
@@ -38,12 +38,12 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
     std::iota(vertices.begin(), vertices.end(), Index{0});
   }
   vertices = grow_rings(vertices, reach, selections.rings);
-  // No equation has what no face has.
+  // Vertices without a face have no equations.
   std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
   if (!vertices.empty()) require_usable(scene.diagnostics, selections.mesh, vertices, scene.label);
 }
 
-// All that a step holds, vertex by vertex: what stays, what handles hold, what is constrained by itself.
+// Returns all constraints of a step per vertex: fixed vertices, handles, and constraints of single vertices.
 std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, const Context& context) {
   const Region& region = problem.deform.region;
   const std::vector<HandlePose>& poses = problem.deform.poses;
@@ -70,7 +70,7 @@ struct Solution {
   std::vector<Index> free;
 };
 
-// What a published method solves for: as `Deformer::free_vertices`.
+// Returns the vertices that a published method solves for, like `Deformer::free_vertices`.
 std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const VertexConstraint> constraints) {
   const Region& region = problem.deform.region;
   Flags is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
@@ -103,7 +103,7 @@ Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const 
   return solution;
 }
 
-// The solve of what `options` are for: the region itself, or a proxy of it.
+// Makes the deformer that `options` ask for: of the region itself, or of a proxy.
 Deformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
                        const DeformerOptions& options, const Context& context) {
   const Region& region = problem.deform.region;
@@ -128,7 +128,8 @@ const DeformerSummary& note_facts(const ProxyDeformer& deformer, StepReport& rep
   return summary.deformer;
 }
 
-// Factorises, solves and measures: by handles, or vertex by vertex where some are constrained by themselves.
+// Factorises, solves and measures. Solves by handles, or by vertex constraints where the step has constraints
+// of single vertices.
 template <class Options>
 Solution solve_by(const Options& deformer_options, const DeformProblem& problem, const RunOptions& options,
                   StepReport& report, const Context& context) {
@@ -158,7 +159,7 @@ Solution solve_by(const Options& deformer_options, const DeformProblem& problem,
   return solution;
 }
 
-// Those of the region whose position nothing tells.
+// Counts the vertices of the region without a prescribed position.
 Index count_free_vertices(const DeformProblem& problem) {
   const Region& region = problem.deform.region;
   const bool whole = region.whole || region.vertices.empty();
@@ -222,7 +223,7 @@ Index count_handle_vertices(const Region& region) {
       [](Index sum, const Handle& h) { return sum + static_cast<Index>(h.vertices.size()); });
 }
 
-// Puts a solution into the scene; returns where the vertices that the problem was about were.
+// Writes a solution into the scene and returns the previous positions of the problem's vertices.
 Points keep_solution(Solution& solution, DeformSetup& setup, Scene& scene) {
   const Weld& weld = setup.weld;
   Mesh& mesh = weld.empty() ? scene.mesh : setup.welded;

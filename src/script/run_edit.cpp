@@ -69,8 +69,8 @@ void sum_up(EditReport& report) {
   }
 }
 
-// The quality of what deform steps made of the result since its faces were what they are; of a single step it
-// is known already.
+// Measures the effect of all deform steps since the faces last changed. For a single step the quality is
+// known already.
 void measure_result(EditReport& report, const Scene& scene, const Context& context) {
   Stopwatch watch;
   const bool same_faces = std::none_of(report.steps.begin(), report.steps.end(),

@@ -44,7 +44,7 @@ void require_merge_counts(const MergeCounts& expected, const MergeSide& source, 
   require("free", expected.free, free);
 }
 
-// What the step asks of `merge`, but for lengths of the source before it was posed.
+// Returns the options of `merge` for a step, without lengths that refer to the source before it was posed.
 MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const SettingsOverrides& overrides,
                              const std::string& location) {
   MergeOptions options;
@@ -67,12 +67,12 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
   options.fix_winding = step.fix_winding;
   options.deformer = effective_options(step.settings.deformer, overrides);
   if (options.shape == MergeShape::ft05)
-    options.deformer.method = DeformMethod::ft05;  // which is what it means
+    options.deformer.method = DeformMethod::ft05;  // the shape implies the method
   options.seam = step.settings.seam;
   return options;
 }
 
-// A vertex by its number, or the one of all that is nearest to a point.
+// Returns a vertex given by its number, or the vertex nearest to a point.
 Index any_vertex(const Mesh& mesh, const VertexSpec& vertex) {
   if (const auto* number = std::get_if<Index>(&vertex)) return *number;
   std::vector<Index> all(static_cast<std::size_t>(mesh.vertex_count()));
@@ -80,7 +80,7 @@ Index any_vertex(const Mesh& mesh, const VertexSpec& vertex) {
   return nearest(mesh, all, std::get<Eigen::Vector3d>(vertex));
 }
 
-// How the step poses the source before it is merged.
+// Returns the map by which the step poses the source before the merge.
 Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh& target,
                           const std::string& location) {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
@@ -100,7 +100,7 @@ Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& lo
   return transformed(source, map, location + ".source_transform");
 }
 
-// The error of a library call, at the field of the step that it is about.
+// Returns the error of a library call with the location of the field of the step.
 Error placed(const Error& error, const std::string& location) {
   const std::string& inner = error.location();
   if (inner.starts_with("pair "))
@@ -139,7 +139,7 @@ std::vector<Index> seam_vertices(const Mesh& mesh, const std::vector<Index>& fac
   return vertices;
 }
 
-// The merged mesh, with all that later steps may name on it.
+// Returns the merged mesh with the sets that later steps may name.
 Scene merged_scene(MergeResult& result, const EditStep& step, const Scene& target, const Scene& source,
                    const Context& context) {
   ProducedSets produced;
@@ -248,7 +248,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(target.usable.explained(source.usable.explained(error)), location);
   }
-  // What remains is the hole's, and that of sizes that were tried before.
+  // The remaining seconds were spent on the hole and on sizes that were tried before.
   report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);
   source.finish(result.source, result, report.notes);
   target.finish(result.target, result, report.notes);

@@ -20,49 +20,50 @@
 
 namespace meshgraft {
 
-/// A mesh in the course of an edit.
+/// A mesh during an edit.
 struct Scene {
   Mesh mesh;
-  Points rest;        ///< before the first deform step since the faces are what they are
+  Points rest;        ///< before the first deform step since the faces last changed
   std::string label;  ///< the file or sample it came from
   Diagnostics diagnostics;
-  Flags was_free;       ///< per vertex, in any deform step
-  bool is_cut = false;  ///< by the edit: what lies at one place there was taken apart on purpose
+  Flags was_free;       ///< per vertex: free in any deform step
+  bool is_cut = false;  ///< the edit cut it: vertices there coincide on purpose
   ProducedSets produced;
 };
 
-/// An edit's inputs, read and checked; can be run from more than once.
+/// An edit's inputs, read and checked. They can be run more than once.
 struct LoadedInputs {
   std::map<std::string, Scene> scenes;  ///< by name
   std::vector<EditReport::Input> reports;
   double read_seconds = 0, check_seconds = 0;
 };
 
-/// Throws Error(io) and Error(input), naming the input.
+/// Reads and checks the inputs. Throws Error(io) and Error(input), naming the input.
 LoadedInputs load_inputs(const EditFile& edit, const Context& context);
 
-/// A mesh on its way into an edit: checked, with nothing done to it.
+/// Makes a scene of a mesh that no step has changed: checks it and leaves it unchanged.
 Scene make_scene(Mesh mesh, std::string label, const Context& context);
 
-/// What `map` leaves of the vertices in `from`, into `to`.
+/// Maps the vertices in `from` by `map` into `to`; removed vertices are dropped.
 void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to);
 
 /// A deform step on its scene, ready to be solved.
 struct DeformSetup {
   Weld weld;              ///< empty: the problem is on the scene's mesh
-  Mesh welded;            ///< else the mesh that it is on
+  Mesh welded;            ///< otherwise the mesh of the problem
   DeformProblem problem;  ///< before its boundary is refined
 };
 
-/// `settings` are those in force. Throws what `resolve_deform` throws, and Error(input) for defects within
-/// reach.
+/// Resolves a deform step. `settings`: those in force. Throws what `resolve_deform` throws, and Error(input)
+/// for defects within reach.
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
                           const Scene& scene, const DeformSettings& settings);
 
-/// A step's options with those of the command line in their place.
+/// Returns a step's options with those of the command line in their place.
 DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
 
-/// Run one step on its meshes among `scenes` and put the outcome there; throw what `run_edit` throws.
+/// These run one step on its meshes in `scenes` and store the outcome there. They throw what `run_edit`
+/// throws.
 StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& location,
                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, Scene& scene,
@@ -70,16 +71,16 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& location,
                      std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
 
-/// Where the source of a merge step with `at` stands before it bends.
+/// Computes the placement of the source of a merge step with `at`, before it is deformed.
 class DropPlacement {
  public:
-  /// Throws Error(input) as the step does for a loop that is none.
+  /// Throws Error(input), like the step, for an invalid loop.
   DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location, const Scene& target,
                 const Scene& source);
 
-  /// A map of the source's own coordinates, with `at` and `size` of a step that is else the same. Where no size
-  /// is given the part has its own, though the merge may make it smaller. Throws Error(input) for a place that
-  /// is none.
+  /// Returns a map of the source's original coordinates, for `at` and `size` of a step that is otherwise the
+  /// same. Without a size the source keeps its own, though the merge may make it smaller. Throws Error(input)
+  /// for an invalid location.
   Eigen::Affine3d map(const MergeStep& step) const;
 
  private:
@@ -91,18 +92,19 @@ class DropPlacement {
 StepReport run_cut(const EditStep& step, const std::string& location, std::map<std::string, Scene>& scenes,
                    const Context& context);
 
-/// Leaves among `scenes` what `run_step` leaves of a deform step whose solution is known: `solution` is what
-/// `Deformer::evaluate` gave on the problem that `set_up_deform` makes of it (n×3). Throws what that throws.
+/// Stores in `scenes` the outcome of a deform step whose solution is known, as `run_step` would. `solution`
+/// is the result of `Deformer::evaluate` on the problem that `set_up_deform` makes (n×3). Throws what
+/// `set_up_deform` throws.
 void apply_solution(const EditFile& edit, const EditStep& step, const std::string& location,
                     std::map<std::string, Scene>& scenes, const Points& solution, const Context& context);
 
-/// The mesh that a step works on, among `scenes` by the name of its outcome.
+/// Returns the mesh that a step works on, stored in `scenes` under the name of its outcome.
 Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes);
 
-/// The farthest that a vertex moved, model units; n×3 both.
+/// Returns the largest displacement of a vertex, model units; n×3 both.
 double largest_displacement(const Points& rest, const Points& edited);
 
-/// The edit from there on, as `run_edit`.
+/// Runs all steps of an edit from loaded inputs, like `run_edit`.
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,
                      const Context& context);
 

@@ -17,15 +17,15 @@
 
 namespace meshgraft {
 
-/// Turns selections of an edit file into vertices of one mesh. Named selections are resolved once, however
-/// often they are used.
+/// Resolves selections of an edit file to vertices of one mesh. Each named selection is resolved once,
+/// however often it is used.
 class SelectionResolver {
  public:
-  /// The arguments must outlive it.
+  /// The arguments must outlive the resolver.
   SelectionResolver(const EditFile& edit, const SelectionContext& context, const ProducedSets& produced)
       : edit_(edit), context_(context), produced_(produced) {}
 
-  /// Ascending distinct vertices.
+  /// Returns distinct vertices, ascending.
   std::vector<Index> vertices(const SelectionSpec& spec, const std::string& location) {
     std::vector<Index> list = resolve(bind(spec, location), context_, location);
     std::sort(list.begin(), list.end());
@@ -33,7 +33,7 @@ class SelectionResolver {
     return list;
   }
 
-  /// Vertices in the order of the path, the loop or the list that the selection is.
+  /// Returns vertices in the order of the path, the loop or the list that the selection is.
   std::vector<Index> ordered(const SelectionSpec& spec, const std::string& location) {
     if (const auto* named = std::get_if<SelectionSpec::Named>(&spec.kind))
       return ordered(definition(named->name), selection_location(named->name));
@@ -69,7 +69,7 @@ class SelectionResolver {
     return fmt::format("{}: {}", location, (edit_.base_folder / file).string());
   }
 
-  // The library's selection that `spec` stands for.
+  // Returns the library's selection for `spec`.
   Selection bind(const SelectionSpec& spec, const std::string& location) {
     return std::visit([&](const auto& kind) { return bind_kind(kind, location); }, spec.kind);
   }

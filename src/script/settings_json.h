@@ -8,19 +8,19 @@
 
 namespace meshgraft {
 
-/// Settings as an edit file and a report write them: all of them, so that a changed default changes no old
-/// edit.
+/// Returns settings as an edit file and a report write them. All are written, so that a changed default
+/// changes no old edit.
 nlohmann::ordered_json settings_json(const DeformSettings& settings);
 
 nlohmann::ordered_json settings_json(const MergeSettings& settings);
 
-/// "find" or "keep".
+/// Returns "find" or "keep".
 std::string pose_word(MergePose pose);
 
-/// "similar" or "ft05".
+/// Returns "similar" or "ft05".
 std::string shape_word(MergeShape shape);
 
-/// "auto", "multifrontal", "eigen" or "iterative".
+/// Returns "auto", "multifrontal", "eigen" or "iterative".
 std::string backend_word(SolverBackend backend);
 
 }  // namespace meshgraft

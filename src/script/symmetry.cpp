@@ -23,7 +23,7 @@ namespace {
   throw Error(ErrorCode::input, problem, location, remedy);
 }
 
-// Vertices of faces, with a place.
+// Returns the vertices that belong to a face and have finite positions.
 std::vector<Index> candidates_of(const SelectionContext& context) {
   std::vector<Index> candidates;
   for (Index v = 0; v < context.mesh.vertex_count(); ++v)
@@ -91,7 +91,7 @@ std::vector<Index> MirrorMatch::with_images(const std::vector<Index>& set) const
   return joined(set, images(set));
 }
 
-// In the order of the curve; where two of its vertices have one partner, that comes once.
+// Returns the partners in the order of the curve. A partner that consecutive vertices share is listed once.
 std::vector<Index> MirrorMatch::course_of_images(const Handle& handle, const std::string& where) const {
   std::vector<Index> course;
   for (const Index v : handle.vertices)
@@ -105,7 +105,7 @@ std::vector<Index> MirrorMatch::course_of_images(const Handle& handle, const std
   return course;
 }
 
-// Whether each of its vertices has one of them at its mirror image.
+// Returns whether each vertex of the handle has a vertex of the handle at its mirror image.
 bool MirrorMatch::is_own_image(const Handle& handle) const {
   const Points& positions = context_.mesh.positions;
   const VertexTree tree(positions, handle.vertices);
@@ -132,9 +132,9 @@ std::string MirrorMatch::sufficient_tolerance(const std::vector<Index>& vertices
   double farthest = 0;
   for (const Index v : vertices) farthest = std::max(farthest, image_distance(v));
   if (!(diagonal_ > 0)) return "Leave them out.";
-  // Rounded up to two digits.
+  // Round up to two digits.
   const double needed = farthest / diagonal_;
-  constexpr double most = 0.05;  // beyond it whatever is nearest would be called an image
+  constexpr double most = 0.05;  // beyond it, any nearest vertex would be taken for an image
   if (needed > most)
     return "Choose a plane that mirrors the mesh: this one leaves images " +
            fmt::format("{:.2g} of its diagonal from any vertex; or leave them out.", needed);
@@ -183,7 +183,7 @@ std::string MirrorMatch::note_about(const std::vector<Index>& without_partner, s
 
 namespace {
 
-// The map alone, and its turns: a turn right round is a different one the other way round.
+// Compares the maps and their rotations: a full turn differs from one in the opposite direction.
 bool is_symmetric_map(const HandlePose& pose, const Eigen::Vector3d& at, const Eigen::Affine3d& reflection) {
   constexpr double rounding = 1e-9;
   const HandlePose image = reflected(pose, reflection);

@@ -14,34 +14,35 @@
 
 namespace meshgraft {
 
-/// The mesh and its mirror image: which vertices lie where. On a mesh that is its own mirror image every vertex
-/// has one partner and is that one's; on one that nearly is, several may share a partner.
+/// Matches the vertices of a mesh with those of its mirror image. On a symmetric mesh every vertex has one
+/// partner, and the relation is mutual. On a nearly symmetric mesh several vertices may share a partner.
 class MirrorMatch {
  public:
-  /// `location` is that of the field `symmetry`. Throws Error(input) for a plane that is none.
+  /// `location` is that of the field `symmetry`. Throws Error(input) for an invalid plane.
   MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string location);
 
   const Eigen::Affine3d& reflection() const { return reflection_; }
 
-  /// The vertex nearest to the mirror image of `v`; -1 where none is within tolerance, or `v` is of no face.
+  /// Returns the vertex nearest to the mirror image of `v`. Returns -1 where none is within tolerance, or `v`
+  /// belongs to no face.
   Index partner(Index v) const { return partner_[static_cast<std::size_t>(v)]; }
 
-  /// The same. Throws Error(input), naming `where`, where there is none.
+  /// Returns the partner of `v`. Throws Error(input), naming `where`, where there is none.
   Index required_partner(Index v, const std::string& where) const;
 
-  /// `set` (ascending) and its mirror images: the partners of its vertices, and those whose partners its
-  /// vertices are. The latter leave no holes where the two sides are triangulated differently.
+  /// Returns `set` (ascending) and its mirror images: the partners of its vertices, and the vertices whose
+  /// partners are in `set`. The latter fill holes where the two sides are triangulated differently.
   std::vector<Index> with_images(const std::vector<Index>& set) const;
 
-  /// The handle of the mirror images of `handle`; none where it is its own mirror image, and then it is made to
-  /// hold all of its images. Throws Error(input), naming `where`, for a handle that overlaps its image in part,
-  /// and for one some of whose vertices have no partner.
+  /// Returns the handle of the mirror images of `handle`. Returns nothing for a handle that is its own mirror
+  /// image, and extends it to hold all of its images. Throws Error(input), naming `where`, for a handle that
+  /// partly overlaps its image, and for one with vertices that have no partner.
   std::optional<Handle> twin_of(Handle& handle, const std::string& where) const;
 
-  /// Those of `set` that are of a face and have no partner, ascending.
+  /// Returns the vertices of `set` that belong to a face and have no partner, ascending.
   std::vector<Index> without_partner(const std::vector<Index>& set) const;
 
-  /// A sentence about such vertices.
+  /// Returns a sentence about such vertices.
   std::string note_about(const std::vector<Index>& without_partner, std::size_t of) const;
 
  private:
@@ -57,14 +58,15 @@ class MirrorMatch {
   Eigen::Affine3d reflection_;
   double tolerance_rel_ = 0, diagonal_ = 0;
   std::vector<Index> partner_;
-  std::vector<double> distance_;  ///< from the mirror image to the nearest vertex; negative: of no face
+  std::vector<double> distance_;  ///< from the mirror image to the nearest vertex; negative: belongs to no face
 };
 
-/// Whether the pose of a handle that is its own mirror image is so, too, to rounding.
+/// Returns whether the pose of a handle that is its own mirror image is symmetric, too, to rounding.
 bool is_symmetric(const HandlePose& pose, const Handle& handle, const Points& rest,
                   const Eigen::Affine3d& reflection);
 
-/// The pose of the twin of a handle that has `pose`, of which `spec` is what the edit says.
+/// Returns the pose of the twin of a handle. `pose` is the handle's pose and `spec` its specification in the
+/// edit.
 HandlePose twin_pose(const PoseSpec& spec, const HandlePose& pose, const Handle& twin, const Points& rest,
                      const Eigen::Affine3d& reflection);
 

@@ -27,7 +27,7 @@ Json matrix_json(const Eigen::MatrixBase<Derived>& matrix) {
 
 Json selection_json(const SelectionSpec& selection);
 
-// One overload per kind of selection: what stands behind the kind's word.
+// Writes a selection; one overload per kind.
 struct SelectionWriter {
   Json operator()(const Selection::All&) const { return "all"; }
   Json operator()(const Selection::Indices& s) const { return {{"indices", s.vertices}}; }
@@ -218,7 +218,7 @@ Json counts_json(const MergeCounts& counts) {
   return json;
 }
 
-// What poses the source before the merge.
+// Writes the fields that pose the source before the merge.
 void write_posing(Json& json, const MergeStep& step) {
   if (step.mirror) json["mirror"] = plane_json(step.mirror->point, step.mirror->normal);
   if (step.source_transform) json["source_transform"] = matrix_json(*step.source_transform);
@@ -287,7 +287,7 @@ Json input_json(const EditInput& input) {
   return json;
 }
 
-// All of them, so that a changed default changes no old edit.
+// Writes all settings, so that a changed default changes no old edit.
 Json deformer_json(const DeformerOptions& options) {
   const OperatorOptions& operators = options.operators;
   const bool automatic = operators.degenerate == DegenerateTreatment::automatic;

@@ -44,9 +44,10 @@ using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
 constexpr std::size_t header_limit = 16 * 1024;
-constexpr std::chrono::seconds patience(30);  // with a request that does not go on
+constexpr std::chrono::seconds patience(30);  // time limit for a request that makes no progress
 
-/// Nothing but the page's own files and this server; `blob:` and `data:` are pictures that the page makes.
+/// Allows only the page's own files and this server; `blob:` and `data:` are for pictures that the page
+/// makes.
 constexpr const char* content_policy =
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' "
     "blob:; "
@@ -75,7 +76,7 @@ Response refuse(const Request& request, http::status status, std::string_view wh
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// What waits to be sent to one tab. It outlives the connection, and then takes nothing more.
+/// The queue of messages to one tab. The mailbox outlives the connection; after that it discards messages.
 class Mailbox : public Channel {
  public:
   struct Message {
@@ -83,7 +84,7 @@ class Mailbox : public Channel {
     std::string slot;
   };
 
-  /// `wake` is called, on any thread, when there is a message where there was none.
+  /// Calls `wake`, on any thread, for each message that is queued.
   explicit Mailbox(std::function<void()> wake) : wake_(std::move(wake)) {}
 
   void send_text(std::string text, std::string_view slot) override {
@@ -122,7 +123,7 @@ class Mailbox : public Channel {
   std::deque<Message> waiting_;
 };
 
-/// One tab's socket. Used on the server's thread alone.
+/// The socket of one tab. Used only on the server's thread.
 class Connection {
  public:
   Connection(asio::io_context& io, beast::tcp_stream stream)
@@ -144,7 +145,7 @@ class Connection {
   Socket& socket() { return socket_; }
   const std::shared_ptr<Mailbox>& mailbox() const { return mailbox_; }
 
-  /// Writes what comes into the mailbox until the socket closes.
+  /// Writes the messages from the mailbox until the socket closes.
   asio::awaitable<void> write() {
     while (!closed_) {
       const std::optional<Mailbox::Message> message = mailbox_->take();
@@ -164,7 +165,7 @@ class Connection {
     }
   }
 
-  /// Ends it without waiting for the other side.
+  /// Closes the connection without waiting for the other side.
   void close() {
     if (std::exchange(closed_, true)) return;
     mailbox_->close();
@@ -186,7 +187,7 @@ class Connection {
   bool closed_ = false;
 };
 
-/// Keeps the connection while it writes.
+/// Keeps the connection alive while it writes.
 asio::awaitable<void> write_of(std::shared_ptr<Connection> connection) { co_await connection->write(); }
 
 }  // namespace
@@ -195,7 +196,7 @@ struct Server::Impl {
   ServerOptions options;
   std::span<const PageFile> page;
   MakeSession make_session;
-  // One thread runs it: nothing here is shared.
+  // One thread runs the context, so nothing here needs a lock.
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
   std::string token = random_token();
@@ -258,22 +259,22 @@ Response Server::Impl::find_file(const Request& request, const Target& target) c
   return respond(request, http::status::ok, file->content_type, file->bytes);
 }
 
-// What some file system or shell takes for something else than a part of a name.
+// Returns whether no file system or shell gives the character a special meaning.
 bool is_plain(char c) {
   constexpr std::string_view special = "/\\:*?\"<>|";
   return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f && special.find(c) == std::string_view::npos;
 }
 
-/// A new file in the folder of uploads, called as the page calls it as far as that goes; readers go by the
-/// extension.
+/// Returns the path of a new file in the upload folder. Keeps the name from the page as far as possible, and
+/// the extension, by which readers recognise the format.
 std::filesystem::path Server::Impl::new_upload(std::string_view name) const {
-  constexpr std::size_t most_bytes = 120;  // with room for what is added to it, here and for journals
+  constexpr std::size_t most_bytes = 120;  // leaves room for additions to the name, here and for journals
   const std::filesystem::path given = std::filesystem::path(name).filename();
   std::string stem = whole_characters(given.stem().string(), most_bytes);
   std::string extension = given.extension().string().substr(0, 16);
   for (char& c : stem)
     if (!is_plain(c)) c = '_';
-  if (stem.starts_with('.')) stem.front() = '_';  // or it would be hidden
+  if (stem.starts_with('.')) stem.front() = '_';  // otherwise the file would be hidden
   std::erase_if(extension, [](char c) { return c != '.' && std::isalnum(static_cast<unsigned char>(c)) == 0; });
   return options.upload_folder /
          fmt::format("{}-{}{}", is_utf8(stem) && !stem.empty() ? stem : "model", random_token(), extension);
@@ -296,7 +297,7 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
   http::request_parser<http::file_body> parser(std::move(head));
   parser.body_limit(options.upload_limit);
   error_code failed;
-  buffer.reserve(std::size_t{1} << 16);  // reads are no larger than what it has room for
+  buffer.reserve(std::size_t{1} << 16);  // the buffer's capacity limits each read
   parser.get().body().open(path.c_str(), beast::file_mode::write_new, failed);
   while (!failed && !parser.is_done()) {
     stream.expires_after(patience);
@@ -312,7 +313,7 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
                    fmt::format("The file could not be kept: {}.", failed.message()));
 }
 
-/// Why a request for a session is refused; status ok if it is not.
+/// Returns a response that says why a session is refused, with status ok if it is accepted.
 Response Server::Impl::open_session_refusal(const Request& request, const Target& target) const {
   if (!access->allows_origin(view(request[http::field::origin])))
     return refuse(request, http::status::forbidden, "The page is not from this server.");
@@ -353,7 +354,7 @@ asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
   while (goes_on) {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(header_limit);
-    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // who takes the body sets its own
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // the reader of the body sets a limit
     stream.expires_after(patience);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));
     if (failed == http::error::end_of_stream || failed == beast::error::timeout) break;

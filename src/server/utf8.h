@@ -6,7 +6,7 @@
 
 namespace meshgraft {
 
-/// The beginning of a UTF-8 text, `most_bytes` at most, that does not end within a character.
+/// Returns the beginning of a UTF-8 text, at most `most_bytes` long, without splitting a character.
 inline std::string whole_characters(std::string_view text, std::size_t most_bytes) {
   if (text.size() <= most_bytes) return std::string(text);
   const auto continues = [&](std::size_t at) {
@@ -16,7 +16,7 @@ inline std::string whole_characters(std::string_view text, std::size_t most_byte
   return std::string(text.substr(0, most_bytes));
 }
 
-/// Whether a text is UTF-8, as far as the lengths of its characters tell.
+/// Returns whether a text is UTF-8, judged only by the lengths of its characters.
 inline bool is_utf8(std::string_view text) {
   std::size_t missing = 0;
   for (const char c : text) {

@@ -6,12 +6,12 @@
 
 namespace meshgraft {
 
-/// Called on the calling thread with the running stage's name and the fraction of that stage that is done
-/// (0 … 1; negative where it cannot be told). What it throws ends the call.
+/// Reports progress on the calling thread. Its arguments are the running stage's name and the fraction of
+/// that stage that is done (0 … 1, or negative where unknown). An exception that it throws ends the call.
 using ProgressCallback = std::function<void(std::string_view stage, double fraction)>;
 
-/// How a long call should run: passed as the last argument everywhere, never kept in a global. The result
-/// of a call does not depend on it.
+/// Execution settings of a long call: threads, progress and cancellation. It is passed as the last argument
+/// everywhere and never kept in a global. The result of a call does not depend on it.
 struct Context {
   int threads = 0;               ///< worker threads; 0 = one per core
   ProgressCallback progress{};   ///< may be empty

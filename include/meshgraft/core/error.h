@@ -6,29 +6,31 @@
 
 namespace meshgraft {
 
-/// What kind of thing went wrong. One table (`exit_status`) maps it to the command line's exit status; the
-/// other faces of the product use the same codes.
+/// Kinds of errors. One table (`exit_status`) maps them to the exit status of the command line; the other
+/// interfaces of the product use the same codes.
 enum class ErrorCode {
   usage,       ///< the call or the command line is malformed
   input,       ///< a file, a mesh or an option's value is not acceptable
   unsolvable,  ///< the input is well formed, but the edit it asks for has no unique or no finite solution
   io,          ///< reading or writing a file failed
-  memory,      ///< the machine has too little memory for it
+  memory,      ///< the machine has too little memory for the call
   cancelled,   ///< the caller asked to stop
   internal,    ///< a defect of meshgraft
 };
 
-/// Process exit status for a code: usage 2, input 3, unsolvable 4, io 5, memory 6, cancelled 130, internal 70.
+/// Returns the process exit status for a code: usage 2, input 3, unsolvable 4, io 5, memory 6, cancelled 130,
+/// internal 70.
 int exit_status(ErrorCode code) noexcept;
 
-/// The code's name in reports, e.g. "unsolvable".
+/// Returns the code's name in reports, e.g. "unsolvable".
 std::string_view to_string(ErrorCode code) noexcept;
 
-/// The one exception type. A message has up to three parts, joined as "location: problem. remedy.".
+/// The exception type of the library. A message has up to three parts, joined as
+/// "location: problem. remedy.".
 class Error : public std::runtime_error {
  public:
-  /// `problem` is a clause without a final full stop; `location` (a file, line, field or element) and `remedy`
-  /// (what the reader can do) may be empty.
+  /// `problem` is a clause without a final full stop. `location` is a file, line, field or element; `remedy`
+  /// says what the reader can do. Both may be empty.
   Error(ErrorCode code, std::string problem, std::string location = {}, std::string remedy = {});
 
   ErrorCode code() const noexcept { return code_; }
@@ -36,7 +38,7 @@ class Error : public std::runtime_error {
   const std::string& location() const noexcept { return location_; }
   const std::string& remedy() const noexcept { return remedy_; }
 
-  /// The same error seen from further out: "outer: inner location".
+  /// Returns the same error with `outer` put before its location: "outer: inner location".
   Error within(std::string_view outer) const;
 
  private:
@@ -46,8 +48,8 @@ class Error : public std::runtime_error {
   std::string remedy_;
 };
 
-/// Returns the exception that is being handled as an Error: lack of memory has the code memory, an error of the
-/// file system io, all others internal. Must be called in a catch block.
+/// Returns the exception that is being handled as an Error. An Error is returned as it is. Lack of memory has
+/// the code memory, an error of the file system io, all others internal. Must be called in a catch block.
 Error current_error();
 
 }  // namespace meshgraft

@@ -5,16 +5,17 @@
 
 namespace meshgraft {
 
-/// Bytes of the machine's main memory; the largest number where the system does not say.
+/// Returns the size of the machine's main memory in bytes, or the largest representable number where the
+/// system does not report it.
 std::uint64_t physical_memory();
 
-/// Bytes that this process may use at most: of main memory, and as far as limits of the process and of its
-/// group of processes (a container's) allow.
+/// Returns the largest number of bytes that this process may use. It is the smallest of the main memory, the
+/// limit of the process, and the limit of its control groups (of a container).
 std::uint64_t available_memory();
 
-/// The least limit of a process's control groups and those above them, in bytes; the largest number where there
-/// is none. `membership` is a file that lists the process's groups as Linux does, `groups` the folder of all
-/// groups.
+/// Returns the smallest memory limit of a process's control groups and their ancestors, in bytes. Without a
+/// limit it returns the largest representable number. `membership` is a file that lists the process's groups
+/// in the format of Linux; `groups` is the folder of all groups.
 std::uint64_t control_group_limit(const std::filesystem::path& membership, const std::filesystem::path& groups);
 
 }  // namespace meshgraft

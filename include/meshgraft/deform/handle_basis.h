@@ -13,53 +13,59 @@
 
 namespace meshgraft {
 
-/// Directions in single precision, n×3: what is drawn needs no more, and half the memory is half the time.
+/// Directions, n×3, in single precision. Drawing needs no more digits, and half the memory takes half the
+/// time.
 using Directions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// What a vertex shader needs to move a mesh by its handles, in single precision. Everything is in units of the
-/// scene: place = centre + scale · position, so that meshes far from the origin keep their digits; put centre
-/// and scale into the model matrix, in double precision.
+/// Data for a vertex shader that moves a mesh by its handles, in single precision. All lengths are in units
+/// of the scene: model position = centre + scale · scene position. Meshes far from the origin thus keep their
+/// digits; put centre and scale into the model matrix, in double precision.
 ///
-/// With K_h the h-th 4×4 block (row-major, 16 floats) of a vertex's row of `blocks`, and f_h the 4×3 matrix of
-/// `HandleBasis::frame_matrices` (row-major, 12 floats), the 4×3 sum S = Σ_h K_h f_h holds
+/// Let K_h be the h-th 4×4 block (row-major, 16 floats) of a vertex's row of `blocks`. Let f_h be the 4×3
+/// matrix of `HandleBasis::frame_matrices` (row-major, 12 floats). The 4×3 sum S = Σ_h K_h f_h holds
 ///   the position:    positions.row + S.row(0)
 ///   the local map:   Mᵀ = I + S.bottomRows(3)  (+ maps.row as a 3×3 where there are maps)
-///   the normal:      n_x (m_1 × m_2) + n_y (m_2 × m_0) + n_z (m_0 × m_1), m_j the rows of Mᵀ, not normalised.
+///   the normal:      n_x (m_1 × m_2) + n_y (m_2 × m_0) + n_z (m_0 × m_1), m_j rows of Mᵀ, not normalised.
 struct HandleBuffers {
   template <int width>
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, width, Eigen::RowMajor>;
 
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   double scale = 1;
-  std::vector<Index> vertices;  ///< that can move, ascending: free ones and those of handles; k of them
+  std::vector<Index> vertices;  ///< k vertices that can move, ascending: free ones and those of handles
   Rows<3> positions;            ///< k×3, with all handles at rest
   Rows<3> normals;              ///< k×3 at rest; no rows where the basis has no normals
-  Rows<9> maps;  ///< k×9, what anchors with targets add to (M − I)ᵀ; no rows without such anchors
-  Rows<Eigen::Dynamic> blocks;  ///< k×16H; k×4H where the basis has no normals: the first rows of K_h alone
+  /// k×9, the part of (M − I)ᵀ that anchors with targets cause; no rows without such anchors.
+  Rows<9> maps;
+  /// k×16H for H handles. Where the basis has no normals, k×4H: only the first rows of K_h.
+  Rows<Eigen::Dynamic> blocks;
 };
 
-/// Linear frames in real time, at any size: with region and handles chosen, the solutions of method `ft05` are
-/// linear in the handles' affine maps (after linear subspace design, Wang et al. 2015). The constructor finds
-/// how every vertex follows each handle, four columns a handle; a frame is one product,
+/// Computes linear frames in real time, at any size. With region and handles fixed, the solutions of method
+/// `ft05` are linear in the handles' affine maps (after linear subspace design, Wang et al. 2015). The
+/// constructor solves for the response of every vertex to each handle, four columns a handle. A frame is one
+/// product,
 ///   x = p + Σ_h b_h · frame_h,   (M − I)ᵀ = Σ_h C_h · frame_h.
-/// Keeps nothing of the deformer. 32 bytes a vertex and handle, with normals 80.
+/// The basis keeps no reference to the deformer. It takes 32 bytes per vertex and handle, with normals 80.
 class HandleBasis {
  public:
-  /// `normals` (n×3) are the mesh's unit normals at rest, turned with the surface in each frame; empty: frames
-  /// have no normals. Throws Error(usage) for a deformer of another method or with constraints per vertex, and
-  /// for normals of another shape; Error(input) where features are similarities, which are not linear.
+  /// `normals` (n×3) are the mesh's unit normals at rest; each frame turns them with the surface. If it is
+  /// empty, frames have no normals. Throws Error(usage) for a deformer of another method or with constraints
+  /// per vertex, and for normals of another shape. Throws Error(input) for features that are similarities,
+  /// because those are not linear.
   explicit HandleBasis(const Deformer& deformer, const Points& normals = {}, const Context& context = {});
 
-  /// New positions for one affine pose per handle: those of `Deformer::evaluate`, to rounding. Handle vertices
-  /// are exactly at `pose · p`, vertices outside the region keep their bits. `positions` and `normals` are n×3
-  /// and the caller's; every row is written. Normals are unit, of the local maps: cof(M) n. Throws Error(usage)
-  /// for another shape or number of poses, and for normals that the basis was not made for; Error(input) for a
-  /// redrawn curve.
+  /// Computes new positions for one affine pose per handle; they equal those of `Deformer::evaluate` to
+  /// rounding. Handle vertices are exactly at `pose · p`; vertices outside the region keep their coordinates
+  /// bit for bit. `positions` and `normals` are n×3, owned by the caller; every row is written. Normals have
+  /// unit length and follow the local maps: cof(M) n. Throws Error(usage) for another shape or number of
+  /// poses, and for normals if the basis was made without them. Throws Error(input) for a redrawn curve.
   void frame(std::span<const HandlePose> poses, Points& positions, Directions* normals = nullptr,
              const Context& context = {}) const;
   Points frame(std::span<const HandlePose> poses, const Context& context = {}) const;
 
-  /// The same for a vertex shader: what stays, and the handles' 4×3 matrices of a frame. See `HandleBuffers`.
+  /// Return the data of a vertex shader: the constant buffers, and the handles' 4×3 matrices of one frame.
+  /// See `HandleBuffers`.
   HandleBuffers buffers() const;
   std::vector<Eigen::Matrix<float, 4, 3, Eigen::RowMajor>> frame_matrices(
       std::span<const HandlePose> poses) const;
@@ -68,8 +74,8 @@ class HandleBasis {
   std::int64_t memory_bytes() const;
 
  private:
-  // Vertices in blocks of a few, each number of a block's vertices side by side:
-  // [block][handle][number][vertex].
+  // Vertices are stored in blocks of `lanes`; within a block, each coefficient of its vertices is contiguous:
+  // [block][handle][coefficient][vertex].
   static constexpr std::size_t lanes = 4;
   std::size_t block_count() const { return (movers_.size() + lanes - 1) / lanes; }
   void find_movers(const ConstrainedSystem& system);
@@ -84,13 +90,14 @@ class HandleBasis {
   std::vector<Handle> handles_;
   Eigen::RowVector3d centre_;
   double scale_ = 1;
-  Points base_;                ///< n×3: where the vertices are with all handles at rest
-  Directions normals_;         ///< n×3 at rest, or none
-  std::vector<Index> movers_;  ///< vertices with columns, ascending: with an unknown position or map
-  std::vector<std::vector<Index>> turned_;  ///< of each handle, vertices whose map is the handle's
-  std::vector<double> weights_;             ///< b: 4 numbers a handle
-  std::vector<float> maps_;                 ///< C: 3×4 numbers a handle, by rows
-  std::vector<float> base_maps_;  ///< (M − I)ᵀ with all handles at rest: 3×3 numbers; none without targets
+  Points base_;                             ///< n×3: positions with all handles at rest
+  Directions normals_;                      ///< n×3 at rest, or none
+  std::vector<Index> movers_;               ///< vertices with an unknown position or map, ascending
+  std::vector<std::vector<Index>> turned_;  ///< per handle: vertices whose map is the handle's
+  std::vector<double> weights_;             ///< b: 4 coefficients per handle
+  std::vector<float> maps_;                 ///< C: 3×4 coefficients per handle, row-major
+  /// (M − I)ᵀ with all handles at rest, 3×3 coefficients per vertex; empty without anchors with targets.
+  std::vector<float> base_maps_;
 };
 
 }  // namespace meshgraft

@@ -17,111 +17,121 @@
 
 namespace meshgraft {
 
-/// How a frame was found, from the roughest on.
+/// The way in which a frame was computed, from the roughest on.
 enum class FrameQuality {
-  proxy,    ///< a decimated proxy (`ProxyDeformer`), usually within some per cent
-  reduced,  ///< `ReducedFrames`, usually within 2 %
-  linear,   ///< `HandleBasis`, to rounding
-  exact,    ///< the bytes of `Deformer::evaluate`
+  proxy,    ///< by a decimated proxy (`ProxyDeformer`), usually within some per cent
+  reduced,  ///< by `ReducedFrames`, usually within 2 %
+  linear,   ///< by `HandleBasis`, to rounding
+  exact,    ///< bit for bit the positions of `Deformer::evaluate`
 };
 
 std::string_view to_string(FrameQuality value);
 
 /// One state of the surface while it is dragged.
 struct LiveFrame {
-  std::int64_t pose = 0;                    ///< its number, as `LiveDeformer::drag` gave it
-  std::shared_ptr<const Points> positions;  ///< n×3; the receiver may keep it, nobody writes to it any more
+  std::int64_t pose = 0;  ///< number of the pose that `LiveDeformer::drag` returned
+  /// Positions, n×3, model units; the receiver may keep them, and nobody writes to them any more.
+  std::shared_ptr<const Points> positions;
   FrameQuality quality = FrameQuality::exact;
-  double seconds = 0;  ///< that it took to compute
-  /// Largest distance from the exact positions, × largest displacement: 0 for `exact`; for the others what was
-  /// measured on the last pose whose best frame but the exact one had this quality, absent before the first.
+  double seconds = 0;  ///< computing time
+  /// Largest distance from the exact positions, × the largest displacement; 0 for `exact`. For other
+  /// qualities it is an earlier measurement. It was taken on the last pose whose best frame before the exact
+  /// one had this quality. Absent before the first measurement.
   std::optional<double> error_rel{};
 };
 
-/// What a `LiveDeformer` calls, on a thread of its own and never two at a time. They must not throw, may call
-/// `drag`, and must not destroy the object.
+/// Callbacks of a `LiveDeformer`. It calls them on a thread of its own and never two at a time. They must not
+/// throw, may call `drag`, and must not destroy the object.
 struct LiveCallbacks {
-  /// In the order of pose numbers; of one pose, each frame is of a better quality than the one before.
+  /// Receives frames in the order of pose numbers; each further frame of one pose has a better quality than
+  /// the last.
   std::function<void(const LiveFrame&)> frame{};
-  /// May be empty. Pose 0: the set-up failed, with the `Deformer`'s own Error, and nothing answers any more;
-  /// but after Error(memory) the proxy does. Other numbers: this pose cannot be evaluated. Each is told once.
+  /// Receives errors, each once; may be empty. Pose 0 means that the set-up failed, with the `Deformer`'s own
+  /// Error. Then no pose is answered any more, except that the proxy goes on answering after Error(memory).
+  /// Another number means that this pose cannot be evaluated.
   std::function<void(std::int64_t pose, const Error& error)> failed{};
 };
 
 struct LiveOptions {
   DeformerOptions deformer{};
-  ReducedFramesOptions reduced{};  ///< of all methods but `ft05`
+  ReducedFramesOptions reduced{};  ///< for all methods but `ft05`
   Points normals{};                ///< for the `HandleBasis` of `ft05`, n×3; may be empty
-  /// A proxy is made for regions of so many free vertices and more; below, the rest is there as soon.
+  /// Number of free vertices of a region from which on a proxy is made. For smaller regions the exact set-up
+  /// is ready as soon.
   Index proxy_from = 10'000;
-  Index proxy_vertices = 2000;
-  /// Of the same mesh and options, for another region: what they have in common is not made again
-  /// (`Deformer::with_region`), and exact frames are then within 1e-10 of the box of those without it. Let go
-  /// of as soon as it has served. May be null.
+  Index proxy_vertices = 2000;  ///< approximate number of vertices of the proxy
+  /// A Deformer of the same mesh and options for another region; may be null. Parts that both have in common
+  /// are not computed again (`Deformer::with_region`). Exact frames are then within 1e-10 of the bounding box
+  /// of those without it. The reference is released as soon as it is no longer needed.
   std::shared_ptr<const Deformer> earlier{};
-  /// How long the handles have to rest before the exact evaluation starts.
+  /// Time for which the handles have to rest before the exact evaluation starts.
   double settle_seconds = 0.1;  ///< 0 … 3600
 };
 
-/// What of the set-up is there.
+/// Stages of the set-up.
 enum class LiveStage {
-  starting,    ///< nothing yet; poses wait
-  preview,     ///< a proxy answers, the exact set-up is being made
-  exact,       ///< the `Deformer` is there, what makes its frames quick is being made
-  ready,       ///< all that there is going to be
-  proxy_only,  ///< the exact set-up does not fit the memory: the proxy stays
+  starting,    ///< nothing is ready; poses wait
+  preview,     ///< a proxy answers while the exact set-up is computed
+  exact,       ///< the `Deformer` is ready while its quick frames are prepared
+  ready,       ///< the set-up is complete
+  proxy_only,  ///< the exact set-up does not fit the memory, and the proxy stays
   failed,
   closed,
 };
 
 std::string_view to_string(LiveStage value);
 
-/// A deformation that can be dragged at once and is refined behind. The constructor returns without computing
-/// anything; a thread makes one thing after the other that answers poses better: a `ProxyDeformer` for large
-/// regions, the `Deformer`, and a `HandleBasis` (`ft05`) or `ReducedFrames` (the other methods). Another thread
-/// answers the newest pose with the best that is quick, again when something better is there, and exactly once
-/// the handles rest.
+/// A deformation that can be dragged at once and is refined in the background. The constructor returns
+/// without computing anything. A set-up thread then makes one means of answering poses after the other, each
+/// better than the last: a `ProxyDeformer` for large regions, the `Deformer`, and a `HandleBasis` (`ft05`) or
+/// `ReducedFrames` (the other methods). Another thread answers the newest pose by the best quick means, and
+/// again when a better one is ready. Once the handles rest, it evaluates the pose exactly.
 ///
-/// Where no quick frames are possible (`ReducedFrames` refuses features and redrawn curves; iterations are too
-/// slow to prepare them) the proxy goes on answering, or the `Deformer` itself where there is none.
+/// Sometimes no quick frames are possible: `ReducedFrames` refuses features and redrawn curves, and
+/// iterations are too slow to prepare them. Then the proxy goes on answering, or the `Deformer` itself where
+/// there is no proxy.
 class LiveDeformer {
  public:
-  /// `rest` n×3, `triangles` m×3. Throws Error(usage) without a callback for frames or for normals of another
-  /// shape, and what the `Deformer` throws for bad indices, handles, features, anchors and options; what takes
-  /// time to find (an unsolvable region, for one) is told by `failed`. Of `context`, the threads are those of
-  /// the set-up and of frames once it is done; until then a quick frame keeps to one, and the set-up pauses
-  /// between its steps while an exact evaluation runs. `progress` is called on the set-up's thread, by the
-  /// stages' own names, those of the proxy with "proxy: " before them; a stop is as good as `close`.
+  /// `rest` is n×3, `triangles` m×3. Throws Error(usage) without a callback for frames or for normals of
+  /// another shape. Throws what the `Deformer` throws for bad indices, handles, features, anchors and
+  /// options. Errors that take time to find (an unsolvable region, for one) are reported by `failed`.
+  ///
+  /// The threads of `context` are used by the set-up, and by frames once it is done. Until then a quick frame
+  /// uses one thread, and the set-up pauses between its steps while an exact evaluation runs. `progress` is
+  /// called on the set-up's thread with the stages' own names; the prefix "proxy: " marks those of the proxy.
+  /// A requested stop has the effect of `close`.
   LiveDeformer(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks,
                const LiveOptions& options = {}, const Context& context = {});
-  /// Closes, and waits for the threads; what cannot be interrupted takes some tenths of a second at 250,000
-  /// vertices. Frames that were kept stay valid.
+  /// Closes, and waits for the threads. Steps that cannot be interrupted take some tenths of a second at
+  /// 250,000 vertices. Frames that were kept stay valid.
   ~LiveDeformer();
   LiveDeformer(const LiveDeformer&) = delete;
   LiveDeformer& operator=(const LiveDeformer&) = delete;
 
-  /// Asks for one pose per handle; returns its number, from 1 on, at once. It takes the place of a pose that is
-  /// still waiting, and stops the exact evaluation of one that had a frame. Returns 0 after `close`. Throws
-  /// Error(usage) for another number of poses, Error(input) for one that is not finite. Any thread may call it.
+  /// Requests one pose per handle, and returns its number at once, from 1 on. The pose replaces one that is
+  /// still waiting, and stops the exact evaluation of one that already had a frame. Returns 0 after `close`.
+  /// Throws Error(usage) for another number of poses, Error(input) for a non-finite pose. May be called from
+  /// any thread.
   std::int64_t drag(std::span<const HandlePose> poses);
 
-  /// Waits until the newest pose had its exact frame; without a pose, until the `Deformer` is there. Throws the
-  /// Error for which there will be none: that of the set-up or of the pose, Error(cancelled) after `close`,
-  /// Error(usage) on the callbacks' thread.
+  /// Waits until the newest pose had its exact frame; without a pose, until the `Deformer` is ready. If that
+  /// cannot happen, it throws the reason: the Error of the set-up or of the pose, Error(cancelled) after
+  /// `close`, or Error(usage) on the callbacks' thread.
   void wait_until_exact() const;
 
   LiveStage stage() const;
-  /// Poses that were never computed, because a newer one came first.
+  /// Returns the number of poses that were never computed, because a newer one came first.
   std::int64_t superseded() const;
-  /// Of `ft05`, once it is there; null before, and for the other methods. It may outlive the object.
+  /// Returns the basis of method `ft05`; null before it is ready, and for other methods. It may outlive the
+  /// object.
   std::shared_ptr<const HandleBasis> basis() const;
 
-  /// What makes the exact frames, once it is there; null before. It may outlive the object.
+  /// Returns the Deformer that computes exact frames; null before it is ready. It may outlive the object.
   std::shared_ptr<const Deformer> deformer() const;
 
-  /// Stops everything without waiting, and `drag` does nothing from then on; at most one frame that is on its
-  /// way still comes. Any thread may call it, also while others drag. Threads that may drag while the object
-  /// ends should be told by this, and joined before it is destroyed.
+  /// Stops all work without waiting; `drag` does nothing from then on. At most one frame that is already on
+  /// its way is still delivered. May be called from any thread, also while others drag. Call it before the
+  /// object is destroyed to tell threads that may still drag, and join these threads first.
   void close();
 
  private:

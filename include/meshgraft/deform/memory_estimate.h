@@ -6,25 +6,27 @@
 
 namespace meshgraft {
 
-/// About how many bytes a `Deformer` of a region with that many free vertices needs for its solver,
-/// before anything is made of it: what `SolverStatistics::peak_memory_bytes` will tell, within a factor of two
+/// Returns an estimate of the bytes that the solver of a `Deformer` with that many free vertices needs,
+/// before anything is computed. It agrees with `SolverStatistics::peak_memory_bytes` within a factor of two
 /// on regions of 1,000 to 160,000 vertices (measured on sheets, tubes, bars, spheres and tori). The whole
-/// set-up takes up to twice that. Throws Error(input) for a negative number.
+/// set-up takes up to twice as much. Throws Error(input) for a negative number.
 std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& options = {});
 
-/// How a region is solved.
+/// Ways to solve a region.
 enum class SolvePath {
-  direct,     ///< by a factor of its matrix
-  iterative,  ///< the same solution by iterations (SolverBackend::iterative)
-  proxy,      ///< a decimated proxy's (ProxyDeformer), which the region follows
+  direct,     ///< by a factorisation of its matrix
+  iterative,  ///< the same solution by an iterative solver (SolverBackend::iterative)
+  proxy,      ///< on a decimated proxy, which the region follows (ProxyDeformer)
 };
 
-/// What suits a region with so many free vertices where no backend is asked for: the direct solve up to a
-/// million of them if its set-up fits the memory (bytes), else iterations if those do, else a proxy. With a
-/// backend that is asked for: that, or a proxy where it does not fit.
+/// Chooses the way to solve a region with that many free vertices; `memory` is in bytes. With
+/// `SolverBackend::automatic` it is the direct solve, for up to a million free vertices, if its set-up fits
+/// the memory. Otherwise it is iterations if those fit, and else a proxy. A backend that is asked for is
+/// kept, unless it does not fit; then it is a proxy.
 SolvePath choose_path(Index free_vertices, const DeformerOptions& options, std::uint64_t memory);
 
-/// About how many vertices a proxy may have so that its solve takes a quarter of the memory; at least 2,000.
+/// Returns the approximate number of vertices with which a proxy's solve takes a quarter of the memory
+/// (bytes); at least 2,000.
 Index proxy_vertices_for(const DeformerOptions& options, std::uint64_t memory);
 
 }  // namespace meshgraft

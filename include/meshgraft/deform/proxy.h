@@ -10,40 +10,44 @@
 namespace meshgraft {
 
 struct ProxyOptions {
-  DeformerOptions deformer{};  ///< of the solve on the proxy
-  /// About how many vertices of the region, with the handles in it, the proxy has. It has more where handles
-  /// and rims need them, and where the topology allows no fewer; at least 50, at most all.
+  DeformerOptions deformer{};  ///< options of the solve on the proxy
+  /// Approximate number of vertices that the proxy has in the region, handles included; at least 50, at most
+  /// all. It has more where handles and the region's boundary need them, and where the topology allows no
+  /// fewer.
   Index vertices = 4000;
 };
 
-/// Seconds per stage and facts of the set-up.
+/// Seconds per stage and figures of the set-up.
 struct ProxySummary {
-  Index vertices = 0;       ///< of the proxy, with those around the region
-  Index free_vertices = 0;  ///< of the mesh: their positions follow from the proxy's
-  double spacing = 0;       ///< edge length that the proxy was made for, model units
+  Index vertices = 0;       ///< vertices of the proxy, including those around the region
+  Index free_vertices = 0;  ///< vertices of the mesh whose positions follow from the proxy's
+  double spacing = 0;       ///< edge length for which the proxy was made, model units
   double decimate_seconds = 0;
-  double skin_seconds = 0;       ///< weights by which the mesh follows the proxy
+  double skin_seconds = 0;       ///< time for the weights by which the mesh follows the proxy
   std::size_t skin_entries = 0;  ///< number of these weights
-  DeformerSummary deformer{};    ///< of the proxy
+  DeformerSummary deformer{};    ///< set-up of the proxy's Deformer
 };
 
-/// Deforms a region by way of a decimated proxy: a coarse triangulation on some of its vertices is deformed by
-/// a `Deformer`, and the other vertices follow its positions and local maps, x_v = Σ_k w_k (x_k + M_k (p_v −
-/// p_k)), with smooth weights over the proxy's vertices that are near along the surface. The set-up takes a
-/// fraction of the time and memory of the whole region's, and the result approaches the `Deformer`'s as the
-/// proxy grows (docs/performance.md has figures); with a proxy of all vertices it is that.
+/// Deforms a region by way of a decimated proxy. A `Deformer` deforms a coarse triangulation of some of its
+/// vertices. The other vertices follow the proxy's positions and local maps,
+/// x_v = Σ_k w_k (x_k + M_k (p_v − p_k)).
+/// The weights w_k are smooth, and non-zero only for proxy vertices that are near along the surface.
 ///
-/// Exact like the `Deformer`'s are: positions of handles and of what is fixed, and affine maps that all
-/// constraints follow.
+/// The set-up takes a fraction of the time and memory of the whole region's. The result approaches the
+/// `Deformer`'s as the proxy grows (docs/performance.md has figures), and equals it with a proxy of all
+/// vertices.
+///
+/// As with the `Deformer`, positions of handles and of fixed vertices are exact, and so are affine maps that
+/// all constraints follow.
 class ProxyDeformer {
  public:
-  /// As `Deformer`'s. Throws what that throws, with the mesh's own vertex numbers, and looks at more of the
-  /// surroundings, where there may be a coordinate that is not finite; Error(unsolvable) where the region could
-  /// be solved but no proxy of that size.
+  /// Takes the same arguments as `Deformer` and throws the same errors, with the mesh's own vertex indices.
+  /// It reads a larger neighbourhood of the region, so that non-finite coordinates there are errors, too.
+  /// Throws Error(unsolvable) where the region could be solved but no proxy of that size.
   ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
                 const ProxyOptions& options = {}, const Context& context = {});
 
-  /// As `Deformer::with_constraints`.
+  /// Makes a ProxyDeformer for constraints per vertex, as `Deformer::with_constraints` does.
   static ProxyDeformer with_constraints(const Points& rest, const Triangles& triangles,
                                         std::span<const Index> region,
                                         std::span<const VertexConstraint> constraints,
@@ -54,28 +58,31 @@ class ProxyDeformer {
   ProxyDeformer& operator=(ProxyDeformer&&) noexcept;
   ~ProxyDeformer();
 
-  /// New positions, n×3, for one pose per handle. Vertices outside the region and fixed ones keep their bits;
-  /// handle vertices are exactly at `pose · p`. A `report` is of the solve on the proxy.
+  /// Returns new positions, n×3, for one pose per handle. Vertices outside the region and fixed ones keep
+  /// their coordinates bit for bit; handle vertices are exactly at `pose · p`. `report` describes the solve
+  /// on the proxy.
   Points evaluate(std::span<const HandlePose> poses, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
-  /// The same into the caller's memory (n×3; throws Error(usage) for another shape).
+  /// Writes the same positions to `positions_out` (n×3). Throws Error(usage) for another shape.
   void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {},
                 EvaluationReport* report = nullptr) const;
 
-  /// New positions for constraints per vertex, in the order they were given to `with_constraints`.
+  /// Returns new positions, n×3, for constraints per vertex, in the order in which `with_constraints` got
+  /// them.
   Points evaluate(std::span<const VertexConstraint> constraints, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
 
   const ProxySummary& summary() const;
 
-  /// Vertices of the mesh whose position follows from the proxy's, ascending.
+  /// Returns the vertices of the mesh whose position follows from the proxy's, ascending.
   std::span<const Index> free_vertices() const;
 
-  /// The proxy: its vertices, as numbers of the mesh's (ascending), and its triangles on them.
+  /// Return the proxy: its vertices as indices into the mesh, ascending, and its triangles as indices into
+  /// these vertices.
   std::span<const Index> proxy_vertices() const;
   const Triangles& proxy_triangles() const;
 
-  /// Lower bound of the condition number of the proxy's AᵀA; costs a few solves.
+  /// Returns a lower bound of the condition number of the proxy's AᵀA, at the cost of a few solves.
   double condition_estimate(const Context& context = {}) const;
 
  private:

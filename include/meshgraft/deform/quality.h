@@ -9,39 +9,39 @@
 
 namespace meshgraft {
 
-/// How good a deformation is, by numbers. "Free" faces and edges touch a free vertex. A percentile pK is the
+/// Quality measures of a deformation. "Free" faces and edges touch a free vertex. A percentile pK is the
 /// value of rank ⌈K/100 · n⌉ among the n sorted ones. Where there is nothing to measure, a number keeps its
-/// value for an unmoved surface; faces and edges without extent or with non-finite coordinates are left out
-/// of all that they cannot tell.
+/// value for an unmoved surface. Faces and edges of zero size or with non-finite coordinates are left out of
+/// every measure that they do not define.
 struct Quality {
   double area_ratio = 1;       ///< edited / rest, all faces
   double area_ratio_free = 1;  ///< edited / rest, free faces
-  /// Edited / rest, where the surface is closed, consistently oriented, and encloses a volume.
+  /// Edited / rest; absent unless the surface is closed and consistently oriented, and encloses a volume.
   std::optional<double> volume_ratio;
   double edge_rms = 0;  ///< RMS of the relative change of length over free edges
-  /// Of both in-plane singular values of the maps of all free faces: 1 = unchanged, 0 = collapsed.
+  /// In-plane singular values of the maps of all free faces, two per face: 1 = unchanged, 0 = collapsed.
   double sigma_min = 1, sigma_p1 = 1, sigma_p5 = 1, sigma_p50 = 1, sigma_p95 = 1, sigma_p99 = 1, sigma_max = 1;
-  /// Change of the signed angle between the normals of two faces, 0 … 180, over free edges.
+  /// Change of the signed angle between the normals of two adjacent faces, 0 … 180 degrees, over free edges.
   double dihedral_p50_deg = 0, dihedral_p99_deg = 0, dihedral_max_deg = 0;
-  /// Largest such change where held surface meets free surface: on edges between a free and a held vertex,
-  /// and between a face that touches a free vertex and one that does not.
+  /// Largest such change where held and free surface meet. These are edges between a free and a held vertex,
+  /// and edges between a face that touches a free vertex and one that does not.
   double rim_jump_max_deg = 0;
-  /// Free faces turned by > 90° against the mean normal of the faces around their corners (weighted by area at
-  /// rest), and not so at rest.
+  /// Free faces turned by > 90° against the mean normal of the faces around their corners (weighted by area
+  /// at rest) that were not so at rest.
   Index flipped_faces = 0;
   /// Pairs of faces, at least one of them free, that intersect and did not at rest (deform/intersections.h).
-  /// Absent where that was not asked for.
+  /// Absent if not asked for.
   std::optional<std::int64_t> new_self_intersections;
 };
 
 struct QualityOptions {
-  bool self_intersections = true;  ///< takes several times as long as all the rest
+  bool self_intersections = true;  ///< takes several times as long as all other measures
 };
 
 /// Compares two states of a surface: `rest` and `edited` n×3 (model units), `triangles` m×3, `free_vertices`
-/// ascending. Linear time, but for self-intersections; the result does not depend on the number of threads.
-/// Throws Error(usage) if the shapes differ or a free vertex does not exist, Error(input) for a triangle's
-/// index out of range.
+/// ascending. Takes linear time, apart from self-intersections. The result does not depend on the number of
+/// threads. Throws Error(usage) if the shapes differ or a free vertex does not exist, Error(input) for a
+/// triangle's index out of range.
 Quality measure_quality(const Points& rest, const Points& edited, const Triangles& triangles,
                         std::span<const Index> free_vertices, const QualityOptions& options = {},
                         const Context& context = {});

@@ -12,39 +12,40 @@
 namespace meshgraft {
 
 struct ReducedFramesOptions {
-  /// Places where the field of maps is kept; it is interpolated between them. Memory (12 bytes a vertex and
-  /// centre) and the time of set-up and frames grow with it, errors fall.
+  /// Number of points (centres) that store the field of maps; the field is interpolated between them. Memory
+  /// (12 bytes per vertex and centre) and the time of set-up and frames grow with it, and errors fall.
   Index centres = 128;
-  /// Places per centre where the surface's own rotations are taken: the means over that many cells.
+  /// Number of cells per centre. The surface's own rotations are sampled as their mean over each cell.
   Index samples_per_centre = 4;
 };
 
 /// Throws Error(input), naming the field, for a value out of range.
 void validate(const ReducedFramesOptions& options);
 
-/// Frames of the methods `corotational` and `rotation_aware` in real time, a little off (docs/methods.md has by
-/// how much): for dragging; let the exact `Deformer::evaluate` follow when the drag ends.
+/// Computes approximate frames of the methods `corotational` and `rotation_aware` in real time
+/// (docs/methods.md has the errors). They serve dragging; let the exact `Deformer::evaluate` follow when the
+/// drag ends.
 ///
-/// The field of maps F on the right-hand side is smooth, so that few samples of it, with functions that spread
-/// them over the surface as smoothly as can be, make up the whole; and the solution is linear in those samples
-/// and in the handles' affine maps. The constructor finds the vertices' response to each of them. A frame
-/// repeats the steps of the method on the samples alone, a few milliseconds at any size, and ends with one
-/// product. Keeps nothing of the deformer.
+/// The field of maps F on the right-hand side is smooth. A few samples of it, and functions that spread them
+/// as smoothly as possible over the surface, therefore represent the whole field. The solution is linear in
+/// those samples and in the handles' affine maps, and the constructor solves for the vertices' response to
+/// each of them. A frame repeats the method's steps on the samples alone, which takes a few milliseconds at
+/// any size, and ends with one product. The object keeps no reference to the deformer.
 class ReducedFrames {
  public:
-  /// Throws Error(usage) for a deformer of method `ft05` (whose frames `HandleBasis` has exactly), or with
-  /// constraints per vertex; Error(input) for features and for options out of range.
+  /// Throws Error(usage) for a deformer of method `ft05` (`HandleBasis` computes its frames exactly), or with
+  /// constraints per vertex. Throws Error(input) for features and for options out of range.
   explicit ReducedFrames(const Deformer& deformer, const ReducedFramesOptions& options = {},
                          const Context& context = {});
   ReducedFrames(ReducedFrames&&) noexcept;
   ReducedFrames& operator=(ReducedFrames&&) noexcept;
   ~ReducedFrames();
 
-  /// New positions, near those of `Deformer::evaluate` for the same poses, into the caller's n×3. Handle
-  /// vertices are exactly at `pose · p`, vertices outside the region keep their bits; one affine map of all
-  /// handles is reproduced to 1e-6. `report` gets the steps and whether the blend fell back to a linear one.
-  /// Throws Error(usage) for another shape or number of poses; Error(input) for a redrawn curve and for what is
-  /// not finite.
+  /// Computes new positions, near those of `Deformer::evaluate` for the same poses, in the caller's n×3
+  /// `positions`. Handle vertices are exactly at `pose · p`; vertices outside the region keep their
+  /// coordinates bit for bit. One affine map of all handles is reproduced to 1e-6. `report` gets the steps,
+  /// and whether transforms were blended linearly. Throws Error(usage) for another shape or number of poses.
+  /// Throws Error(input) for a redrawn curve and for non-finite values.
   void frame(std::span<const HandlePose> poses, Points& positions, const Context& context = {},
              EvaluationReport* report = nullptr) const;
   Points frame(std::span<const HandlePose> poses, const Context& context = {},

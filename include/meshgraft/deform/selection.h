@@ -15,25 +15,25 @@
 
 namespace meshgraft {
 
-/// What a selection is resolved against; made once per mesh, which must outlive it. For a welded mesh with its
-/// weld: selections then name representatives.
+/// The mesh and connectivity against which selections are resolved. It is made once per mesh, and the mesh
+/// must outlive it. For a welded mesh it takes the weld; selections then consist of representatives.
 struct SelectionContext {
   explicit SelectionContext(const Mesh& mesh, Weld weld = {});
   const Mesh& mesh;
   Weld weld;
-  IndexLists rings;                       ///< over the polygons' edges
-  std::vector<Index> components;          ///< per vertex, -1 for isolated ones
-  std::vector<std::vector<Index>> loops;  ///< boundary loops as `boundary_loops` orders them
+  IndexLists rings;                       ///< vertex rings over the polygons' edges
+  std::vector<Index> components;          ///< per vertex: connected component, or -1 for isolated vertices
+  std::vector<std::vector<Index>> loops;  ///< boundary loops in the order of `boundary_loops`
 };
 
-/// A description of a vertex set: by index, by geometry, by connectivity, or by combining others. Resolves to
-/// distinct indices: `Indices`, `Loop` and `Path` in their own order, for they may be a curve; all others
-/// ascending. Lengths and points are in model units.
+/// A description of a vertex set: by index, by geometry, by connectivity, or as a combination of others. It
+/// resolves to distinct indices. `Indices`, `Loop` and `Path` keep their own order, because they may be a
+/// curve; all others are ascending. Lengths and points are in model units.
 class Selection {
  public:
   /// Every vertex.
   struct All {};
-  /// These vertices; one that comes again is dropped.
+  /// These vertices, in this order; repeats are dropped.
   struct Indices {
     std::vector<Index> vertices;
   };
@@ -50,31 +50,32 @@ class Selection {
   struct HalfSpace {
     Eigen::Vector3d point, normal;
   };
-  /// A connected component as `connected_components` numbers them.
+  /// A connected component, by its number from `connected_components`.
   struct Component {
     Index number = 0;
   };
-  /// A boundary loop as `boundary_loops` numbers them, in its order.
+  /// A boundary loop, by its number from `boundary_loops`, in the order of that loop.
   struct Loop {
     Index number = 0;
   };
-  /// The vertex of a face that is nearest to `point`; the smallest index among equals.
+  /// The vertex nearest to `point` among those that belong to a face; the smallest index among equals.
   struct NearestVertex {
     Eigen::Vector3d point;
   };
-  /// Edges that join the vertices nearest to `points`, in order, each leg by the shortest way that touches no
-  /// vertex of the others; with `closed` also the last to the first. Successive points that have the same
-  /// nearest vertex count once.
+  /// Chain of edges through the vertices nearest to `points`, in order. Each leg is the shortest chain that
+  /// touches no vertex of the other legs. With `closed` a leg also joins the last vertex to the first.
+  /// Successive points with the same nearest vertex count once.
   struct Path {
     std::vector<Eigen::Vector3d> points;
     bool closed = false;
   };
-  /// Grown by rings of edges; a negative number takes as many rings away from the outside.
+  /// `of`, grown by `rings` rings of edges. A negative number removes the vertices within that many edges of
+  /// a vertex outside `of`.
   struct Grow {
     std::shared_ptr<const Selection> of;
     int rings = 0;
   };
-  /// Grown by a length along edges.
+  /// `of` and the vertices within `length` of it along edges.
   struct GrowLength {
     std::shared_ptr<const Selection> of;
     double length = 0;
@@ -82,21 +83,21 @@ class Selection {
   struct Union {
     std::vector<Selection> of;
   };
-  /// The first without the others.
+  /// The first selection without the others.
   struct Minus {
     std::vector<Selection> of;
   };
   struct Intersect {
     std::vector<Selection> of;
   };
-  /// The vertices nearest to the images behind a mirror, where one lies within `tolerance_rel` × the diagonal
-  /// of the mesh's bounding box.
+  /// The vertices nearest to the mirror images of `of`. An image is dropped if its nearest vertex is farther
+  /// than `tolerance_rel` × the diagonal of the mesh's bounding box.
   struct Mirror {
     std::shared_ptr<const Selection> of;
     Eigen::Vector3d point, normal;
     double tolerance_rel = 1e-3;
   };
-  /// Its vertices within `rings` edges of the outside.
+  /// The vertices of `of` within `rings` edges of a vertex outside it.
   struct Rim {
     std::shared_ptr<const Selection> of;
     int rings = 1;
@@ -108,29 +109,29 @@ class Selection {
   Kind kind;
 };
 
-/// The vertices that `selection` means; may be none. Throws Error(input), naming `location` (a field of the
-/// edit file) and the part of it, for an index, component or loop that does not exist, a malformed shape, or
-/// points of a path that are not connected.
+/// Returns the vertices of `selection`; there may be none. Throws Error(input) for an index, component or
+/// loop that does not exist, a malformed shape, or points of a path that are not connected. The error's
+/// location is `location` (a field of the edit file) with the field inside it.
 std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
                            const std::string& location);
 
-/// The `.sel` file of the field's standard tests: 0 fixed, 1 free, 2 handle, one number per vertex.
+/// A `.sel` file of the standard deformation tests: one number per vertex, 0 fixed, 1 free, 2 handle.
 struct SelFile {
   std::vector<Index> fixed, free, handle;
 };
 
-/// Text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line for anything
-/// but 0, 1 or 2 and for a count that differs from the mesh's.
+/// Parses the text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line
+/// for anything but 0, 1 or 2, and for a count that differs from the mesh's.
 SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location);
 
-/// Text of vertex indices (from 0), separated by white space, in their order; `#` starts a comment, an index
-/// that comes again is dropped. Throws Error(input) with `location` and the line for anything else and for an
-/// index out of range.
+/// Parses vertex indices (from 0) separated by white space, and returns them in their order. `#` starts a
+/// comment, and repeated indices are dropped. Throws Error(input) with `location` and the line for anything
+/// else and for an index out of range.
 std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& location);
 
-/// A `.def` file: an affine 4×4 matrix as 16 numbers, row by row; `#` starts a comment. Throws Error(input)
-/// with `location` and the line for anything else, for a number that is not finite, and for a last row other
-/// than 0 0 0 1.
+/// Parses a `.def` file: an affine 4×4 matrix as 16 numbers, row by row; `#` starts a comment. Throws
+/// Error(input) with `location` and the line for anything else, for a non-finite number, and for a last row
+/// other than 0 0 0 1.
 Eigen::Matrix4d parse_def(std::string_view text, const std::string& location);
 
 }  // namespace meshgraft

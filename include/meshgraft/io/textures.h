@@ -8,19 +8,20 @@
 
 namespace meshgraft {
 
-/// The picture that a material's base colour comes from.
+/// The image of a material's base colour.
 struct MaterialTexture {
-  /// As the labels of the mesh's attribute "material" have it. Empty: of a mesh without materials, whose faces
-  /// have this picture or, where there are several, the one that their attribute "texnumber" counts from 0.
+  /// Label of the mesh's attribute "material". It is empty for a mesh without materials. Then all faces have
+  /// this image; where there are several, their attribute "texnumber" is the index of their image, from 0.
   std::string material;
-  std::filesystem::path file;  ///< where it is; empty: in `bytes`, or not there
-  std::string bytes;           ///< a PNG, JPEG, … that lies in the mesh's own file
+  std::filesystem::path file;  ///< image file; empty if the image is in `bytes` or missing
+  std::string bytes;           ///< a PNG, JPEG, … embedded in the mesh's own file
 };
 
-/// The pictures of the mesh's materials, at most one each: `map_Kd` of an OBJ's libraries, `baseColorTexture`
-/// of glTF, the comments `TextureFile` of a PLY. Also, but for those of a PLY, of a mesh that was cut or
-/// grafted from such files. What is missing or malformed is left out, but a PLY's picture that is not there
-/// keeps its place, for `texnumber` counts it; files are looked for and not read.
+/// Returns the images of the mesh's materials, at most one each. The sources are `map_Kd` of an OBJ's
+/// libraries, `baseColorTexture` of glTF, and the comments `TextureFile` of a PLY. OBJ and glTF images are
+/// also found for a mesh that was cut or grafted from such files. Missing or malformed images are left out. A
+/// missing image of a PLY keeps its entry, because `texnumber` counts it. The function looks for files, but
+/// does not read them.
 std::vector<MaterialTexture> textures_of(const Mesh& mesh);
 
 }  // namespace meshgraft

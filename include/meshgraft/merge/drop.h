@@ -10,32 +10,35 @@
 
 namespace meshgraft {
 
-/// Pairs of faces that intersect after a merge (exact).
+/// Numbers of pairs of faces that intersect after a merge (exact).
 struct MergeIntersections {
-  std::int64_t result = 0;  ///< of the result, where the source or the seam takes part
-  std::int64_t source = 0;  ///< of the source as it came; 0 if the result has none
+  std::int64_t result = 0;  ///< pairs of the result with a face of the source or the seam
+  std::int64_t source = 0;  ///< pairs of the given source; 0 if the result has none
 
   bool any_new() const { return result > source; }
 };
+/// Counts the intersecting pairs of faces after a merge and, if there are any, those of the source before it.
 MergeIntersections count_intersections(const Mesh& source, const MergeResult& merged,
                                        const Context& context = {});
 
-/// A part on a target that was opened for it.
+/// A source grafted onto a target in which a hole was opened for it.
 struct DropResult {
-  MergeResult merge;     ///< its index map of the target begins at the closed target
-  MergeOptions options;  ///< those in force: the size, and the normal angle
+  MergeResult merge;     ///< merge; its index map of the target starts from the closed target
+  MergeOptions options;  ///< the options that were used, with the size and the normal angle that were found
   MergeIntersections intersections;
-  std::vector<std::string> notes;  ///< sentences for people, beside the merge's own
+  std::vector<std::string> notes;  ///< sentences for people, in addition to the merge's own
 };
 
-/// Puts a part onto a surface without a hole: opens one of the shape of the source's loop (open_hole) and
-/// grafts the part there in its size. Where no size is given, up to three smaller ones are tried as long as the
-/// part turns inside out, or would stand clear of the target and does not. The rim bends until it is level with
-/// the surface; where that turns it inside out and no normal angle is given, it bends half as far, or not at
-/// all.
+/// Grafts a source onto a surface without a hole. It opens a hole of the shape of the source's loop
+/// (`open_hole`), and grafts the source there in its size.
 ///
-/// Throws what open_hole and merge_meshes throw, and Error(input) naming `surface_point` if the part turns
-/// inside out even so (shape `similar`).
+/// Where no size is given, up to three smaller ones are tried. That happens as long as the graft turns inside
+/// out, or intersects the target although the undeformed source would stand clear of it. The source bends
+/// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
+/// given, it bends half as far, or not at all.
+///
+/// Throws what `open_hole` and `merge_meshes` throw. Throws Error(input), naming `surface_point`, if the
+/// graft turns inside out in all tries (shape `similar`).
 DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const MergeOptions& options = {}, const Context& context = {});
 

@@ -14,55 +14,61 @@
 
 namespace meshgraft {
 
-/// Where and how a part is put onto a surface without a hole.
+/// Location, size and turn of a source that is put onto a surface without a hole.
 struct Drop {
+  /// A vertex of the target, or a point that stands for the nearest point of the surface.
   std::variant<Index, Eigen::Vector3d>
-      surface_point;  ///< a vertex of the target, or the surface nearest to a point
-  /// Scale of the source, about. Absent: 1 if its loop has room there and the source stands clear of the
-  /// target, else the largest of 0.7, 0.5, 0.35, … that does.
+      surface_point;
+  /// Approximate scale of the source. Absent: 1 if its loop has room there and the source stands clear of the
+  /// target. Otherwise it is the largest of 0.7, 0.5, 0.35, … with which both hold.
   std::optional<double> size{};
-  /// Turn about the target's normal, right hand. At 0 the part is turned as little as possible from how it
-  /// stands in its own coordinates.
+  /// Turn about the target's normal, right hand, degrees. At 0 the source is turned as little as possible
+  /// from its orientation in its own coordinates.
   double spin_deg = 0;
 };
 
 /// A target with a hole for a source's loop.
 struct OpenedHole {
   Mesh target;
-  IndexMap vertex;  ///< target's vertices → `target`; -1 within the hole
-  MergePair pair;   ///< the two loops, and vertices of them that meet
-  double size = 1;  ///< of the source
-  /// The source does not cut through the target there, as it would stand undeformed.
+  IndexMap vertex;  ///< vertices of the given target → `target`; -1 within the hole
+  MergePair pair;   ///< the two loops, and their vertices that meet
+  double size = 1;  ///< scale of the source
+  /// Set if the source, placed undeformed at the hole, does not cut through the target.
   bool clear = true;
   std::vector<std::string> notes;  ///< sentences for people
 };
 
 /// Opens a hole of the shape of a source's boundary loop, to be passed on to `merge` with `size` locked.
 ///
-/// The loop, projected along its area vector, is laid around the point: along the surface, by the discrete
-/// exponential map (Schmidt, Grimm and Wyvill 2006, "Interactive decal compositing with discrete exponential
-/// maps"), about the target's normal averaged over the loop's radius, and enlarged on curved surfaces until it
-/// is as wide there as the loop. Edges that are too long to draw it are halved. All vertices outside the hole
-/// keep their positions; only those on its edge may have moved, along edges.
+/// The loop, projected along its area vector, is laid onto the surface around the point. This uses the
+/// discrete exponential map (Schmidt, Grimm and Wyvill 2006, "Interactive decal compositing with discrete
+/// exponential maps"), about the target's normal averaged over the loop's radius. On curved surfaces the
+/// outline is enlarged until it is as wide as the loop. Edges that are too long to represent the outline are
+/// halved. All vertices outside the hole keep their positions; only those on its boundary may have moved,
+/// along edges.
 ///
-/// Throws Error(input), naming `surface_point`, `size` or the loop: a vertex that does not exist or is on the
-/// boundary, a point farther from the surface than a twentieth of the target's diagonal, a `source_loop` that
-/// is none or spans no area, a size below a millionth of the target's; and a given size whose hole would reach
-/// a boundary, an edge of three faces, or all round the surface, or where the surface is too narrow to be as
-/// wide (0.85) as the loop: the message names the largest size that fits.
+/// Throws Error(input), naming `surface_point`, `size` or the loop, in these cases:
+/// - a vertex does not exist or is on the boundary;
+/// - a point is farther from the surface than a twentieth of the target's diagonal;
+/// - `source_loop` is no boundary loop or spans no area;
+/// - a size is below a millionth of the target's;
+/// - the hole of a given size would reach a boundary, an edge of three faces, or all round the surface;
+/// - the surface is too narrow for a hole of a given size: less than 0.85 of the loop's width.
+/// For the last two cases the message names the largest size that fits.
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context = {});
 
-/// Where a part stands that is dropped, before it is bent. No hole is opened, so that this follows a pointer:
-/// the constructor does what does not depend on the point.
+/// Predicts the pose of a dropped source before it is bent. It opens no hole, so that it can follow a
+/// pointer: the constructor does the work that does not depend on the point.
 class DropGuide {
  public:
-  /// Throws Error(input) as `open_hole` for a loop that is none.
+  /// Throws Error(input), as `open_hole` does, for a `source_loop` that is no boundary loop.
   DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source, const std::vector<Index>& source_loop,
             const Context& context = {});
 
-  /// The similarity of the source's coordinates, in the size of `drop` (absent: its own), that lays its loop
-  /// level with the surface around the point. Throws Error(input) as `open_hole` for a point that it refuses.
+  /// Returns the similarity of the source's coordinates that lays its loop level with the surface around the
+  /// point. Its scale is the size of `drop` (absent: 1). Throws Error(input), as `open_hole` does, for a
+  /// point that it refuses.
   Eigen::Affine3d pose(const Drop& drop) const;
 
  private:

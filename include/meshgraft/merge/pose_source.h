@@ -15,16 +15,16 @@ struct MirrorPlane {
   Eigen::Vector3d point, normal;
 };
 
-/// Maps a mesh, its attributes called "normal" or `cut_normal_name` by the inverse transpose; others keep their
-/// values. A map that reflects turns the faces over, so that the outside stays outside. Throws Error(input),
-/// naming `location`, for a map that flattens.
+/// Maps a mesh by an affine map. Attributes called "normal" or `cut_normal_name` are mapped by the inverse
+/// transpose; others keep their values. A map that reflects also reverses the faces, so that the outside
+/// stays outside. Throws Error(input), naming `location`, for a singular map.
 Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& location);
 
-/// The reflection in a plane. Throws Error(input), naming `location`, for a normal without length.
+/// Returns the reflection in a plane. Throws Error(input), naming `location`, for a normal of zero length.
 Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location);
 
-/// The similarity that brings the source's vertex of each of three or more pairs nearest to the target's, in
-/// the sense of least squares (Umeyama 1991). Throws Error(input), naming `location` and the pair, for fewer
+/// Returns the similarity that brings the source's vertices of three or more pairs nearest to the target's in
+/// the least-squares sense (Umeyama 1991). Throws Error(input), naming `location` and the pair, for fewer
 /// pairs, vertices that do not exist, and vertices of either mesh that lie on a line.
 Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs,
                              const std::string& location);

@@ -8,14 +8,14 @@
 
 namespace meshgraft {
 
-/// An element of a new mesh between two old ones: (1 − t)·from + t·to.
+/// The origin of an element of a new mesh between two old ones: (1 − t)·from + t·to.
 struct EdgePoint {
   Index from = -1, to = -1;
   double t = 0;
 };
 
-/// The attribute on new elements: mixed by its interpolation rule, integer types rounded. Mixtures with a
-/// missing value (NaN) are missing; an element with from = -1 has none.
+/// Returns the attribute on new elements. Values are mixed by its interpolation rule, and integer types are
+/// rounded. Mixtures with a missing value (NaN) are missing; an element with from = -1 has no value.
 Attribute interpolate_attribute(const Attribute& attribute, std::span<const EdgePoint> elements);
 
 }  // namespace meshgraft

@@ -9,34 +9,38 @@
 
 namespace meshgraft {
 
-/// The files behind a mesh whose faces are none of theirs, for it was cut, or joined from several: a writer
-/// takes from each what does not depend on the topology (an OBJ the definitions of its materials).
+/// The source files of a mesh whose faces differ from theirs, because it was cut, or joined from several
+/// meshes. A writer takes from each file the data that does not depend on topology (from an OBJ the
+/// definitions of its materials).
 struct JoinedSources : SourceDocument {
   struct Part {
     std::shared_ptr<const SourceDocument> source;
-    /// The materials that the mesh has from it: their names in the file, and now.
+    /// Materials of the mesh from this file: the name in the file, and the name in the mesh.
     std::vector<std::pair<std::string, std::string>> materials;
   };
   std::vector<Part> parts;
-  std::vector<std::string> notes;  ///< what of them has another name now, a line each
+  std::vector<std::string> notes;  ///< names that were changed, one line each
 };
 
-/// The files behind a mesh, for one with other faces; null where it has none.
+/// Returns the source files of a mesh in the form for a mesh with other faces; null where there are none.
 std::shared_ptr<const JoinedSources> sources_of(const Mesh& mesh);
 
 struct JoinResult {
   Mesh mesh;
   IndexMap first, second;          ///< vertices, old → new
-  std::vector<std::string> notes;  ///< sentences for people: what was renamed
+  std::vector<std::string> notes;  ///< sentences for people about names that were changed
 };
 
-/// Two meshes as one: all vertices and faces of `first`, then those of `second`, with the attributes of both.
-/// What one of them lacks is missing there (NaN; colours are white). Attributes of one name and domain become
-/// one if they have as many components, else the second's gets a suffix:
-/// - what one has per vertex and the other per corner (UVs, normals) becomes one per corner;
+/// Joins two meshes into one: all vertices and faces of `first`, then those of `second`, with the attributes
+/// of both. Values that one mesh lacks are missing there (NaN; colours are white). Attributes of the same
+/// name and domain become one if they have the same number of components. Otherwise the second's gets a
+/// suffix. Further rules:
+/// - an attribute that is per vertex in one mesh and per corner in the other (UVs, normals) becomes one per
+///   corner;
 /// - colours of different types become fractions, and get an alpha where the other's have one;
-/// - labels are joined: groups of one name are one group. Materials of one name may look different in the two
-///   files; unless both meshes come from one, the second's gets a suffix ("skin_2").
+/// - labels are joined: groups of the same name become one group. Materials of the same name may look
+///   different in the two files; unless both meshes come from one file, the second's gets a suffix
+///   ("skin_2").
 JoinResult join(const Mesh& first, const Mesh& second);
 
 }  // namespace meshgraft

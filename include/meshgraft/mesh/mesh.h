@@ -19,11 +19,11 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// m×3, vertex indices, counter-clockwise seen from outside.
 using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
-/// One flag per element, 0 or 1. Bytes, so that threads may write neighbours.
+/// One flag per element, 0 or 1. They are bytes, so that threads may write adjacent flags at the same time.
 using Flags = std::vector<std::uint8_t>;
 
-/// Faces of any number of corners, stored one after another. Corner c of face f is element
-/// `offsets[f] + c` of `corners`; corner attributes use the same numbering.
+/// Faces with any number of corners, stored one after another. Corner c of face f is element `offsets[f] + c`
+/// of `corners`; corner attributes use the same numbering.
 class Faces {
  public:
   Index size() const { return static_cast<Index>(offsets_.size()) - 1; }
@@ -46,17 +46,17 @@ class Faces {
   std::vector<Index> corners_;
 };
 
-/// What an attribute belongs to.
+/// The kind of element that an attribute belongs to.
 enum class Domain { vertex, face, corner };
 
-/// How a value is made for a new element that lies between old ones.
+/// The rule for the value of a new element that lies between old ones.
 enum class Interpolation {
   linear,     ///< weighted mean (colours, UVs, scalars)
   direction,  ///< weighted mean, renormalised (normals)
   nearest,    ///< the value of the element with the largest weight (labels, indices, flags)
 };
 
-/// How values were stored in the file they came from, and are written again.
+/// The scalar type of values in the file they came from, in which they are written again.
 enum class ScalarType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 /// A value per vertex, face or corner. All scalar types fit into double without loss.
@@ -66,19 +66,20 @@ struct Attribute {
   Interpolation interpolation = Interpolation::linear;
   ScalarType type = ScalarType::float64;
   int components = 1;
-  std::vector<double> values{};             ///< element-major, `components` per element; NaN = none there
-  std::vector<std::string> labels{};        ///< for group and material: the name of value k (else empty)
+  std::vector<double> values{};             ///< element-major, `components` per element; NaN = missing
+  std::vector<std::string> labels{};        ///< for group and material: the name of value k; else empty
   std::vector<std::string> source_names{};  ///< the file's names of the components, e.g. "red", "green", "blue"
 };
 
-/// What a reader keeps of its file so that a writer of the same format can change positions and leave all
-/// else as it was, down to what meshgraft does not understand. Each format derives its own.
+/// The contents of a file that its reader keeps. A writer of the same format can then change positions and
+/// leave everything else as it was, including data that meshgraft does not understand. Each format derives
+/// its own class.
 class SourceDocument {
  public:
   virtual ~SourceDocument() = default;
 };
 
-/// A polygon mesh and whatever its file carried.
+/// A polygon mesh and the data that its file carried.
 struct Mesh {
   Points positions{0, 3};             ///< n×3, model units
   Faces faces;                        ///< indices into `positions`
@@ -90,33 +91,34 @@ struct Mesh {
   Index vertex_count() const { return static_cast<Index>(positions.rows()); }
   Index face_count() const { return faces.size(); }
 
+  /// Returns the attribute of that domain and name, or null.
   const Attribute* find_attribute(Domain domain, std::string_view name) const;
 };
 
-/// A mesh of triangles without attributes. Shapes: n×3 and m×3.
+/// Makes a mesh of triangles without attributes from n×3 positions and m×3 triangles.
 Mesh make_mesh(const Points& positions, const Triangles& triangles);
 
-/// Where the elements of an old mesh went: `new_index[old]`, or -1 where one was removed.
+/// The new indices of the elements of an old mesh: `new_index[old]`, or -1 where one was removed.
 struct IndexMap {
   std::vector<Index> new_index;
 };
 
-/// Triangles that cover the faces, and the face each comes from.
+/// Triangles that cover the faces of a mesh, and the face each comes from.
 struct Triangulation {
   Triangles triangles;      ///< m×3
-  std::vector<Index> face;  ///< m, the polygon that triangle t is a part of
+  std::vector<Index> face;  ///< m, the polygon that triangle t is a piece of
 };
 
 struct TriangulateOptions {
-  /// Leave faces with an index out of range out instead of throwing, for an edit that does not reach them.
+  /// Skip faces with an index out of range instead of throwing, for an edit that does not reach them.
   bool skip_out_of_range = false;
 };
 
-/// Splits polygons into triangles. Triangles pass through; convex quads are split along the shorter
-/// diagonal, everything else by ear clipping in the polygon's plane (Newell's normal), the best-shaped ear
-/// first. The order follows the faces. Repeated corners are skipped; a face with fewer than three corners left
-/// gives no triangle. Time is quadratic in the corners of one face.
-/// Throws Error(input) if an index is out of range.
+/// Splits polygons into triangles. Triangles pass through, and convex quads are split along the shorter
+/// diagonal. All other faces are split by ear clipping in the polygon's plane (Newell's normal), the
+/// best-shaped ear first. The order follows the faces. Repeated corners are skipped; a face with fewer than
+/// three corners left gives no triangle. Time is quadratic in the corners of one face. Throws Error(input) if
+/// an index is out of range.
 Triangulation triangulate(const Mesh& mesh, const TriangulateOptions& options = {});
 
 }  // namespace meshgraft

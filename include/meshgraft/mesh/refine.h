@@ -13,26 +13,27 @@ namespace meshgraft {
 struct RefineResult {
   Mesh mesh;        ///< old vertices first, in their order; then one per split edge
   IndexMap vertex;  ///< the identity on the old vertices
-  /// For each new vertex (index - old vertex count) the ends of the edge that it halves.
+  /// For each new vertex (index - old vertex count): the ends of the edge that it halves.
   std::vector<std::array<Index, 2>> parents;
-  std::vector<Index> face_parent;  ///< for each face of `mesh` the old face that it is a part of
+  std::vector<Index> face_parent;  ///< per face of `mesh`: the old face that it is a piece of
 };
 
-/// Whether the edge between two vertices (the smaller first) is to be split.
+/// Predicate that returns whether the edge between two vertices (the smaller first) is to be split.
 using EdgePredicate = std::function<bool(Index, Index)>;
 
-/// Splits the chosen edges at their middles and subdivides the faces around (red-green: a triangle with three
-/// split edges becomes four, with two three, with one two; polygons are triangulated first where they touch a
-/// split edge, and their diagonals count as edges). Attributes follow their interpolation rule; corner values
-/// stay within their face, so that seams stay seams; integer types are rounded. An unsplit edge stays whole, so
-/// the result has no T-junctions. The file that the mesh was read from stays known to writers.
+/// Splits the chosen edges at their midpoints and subdivides the faces around them (red-green). A triangle
+/// with three split edges becomes four triangles, with two three, with one two. Polygons that touch a split
+/// edge are triangulated first, and their diagonals count as edges. An unsplit edge stays whole, so the
+/// result has no T-junctions. Attributes follow their interpolation rule, and integer types are rounded.
+/// Corner values stay within their face, so that seams stay seams. The file that the mesh was read from stays
+/// known to writers.
 RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const Context& context = {});
 
 /// Splits every edge that has both ends in `vertices`. Throws Error(input) if an index is out of range.
 RefineResult split_edges_within(const Mesh& mesh, std::span<const Index> vertices, const Context& context = {});
 
-/// Splits every edge that has an end in `vertices`: what lies beyond the faces at them stays as it is. Throws
-/// Error(input) if an index is out of range.
+/// Splits every edge that has an end in `vertices`; the mesh beyond the faces at these vertices is not
+/// changed. Throws Error(input) if an index is out of range.
 RefineResult split_edges_at(const Mesh& mesh, std::span<const Index> vertices, const Context& context = {});
 
 }  // namespace meshgraft

@@ -10,72 +10,79 @@
 
 namespace meshgraft {
 
-/// Says what fills a hole. It is one choice and not two switches: a fill without inner vertices has nothing to
-/// be faired.
+/// Ways to fill a hole. They are one choice and not two switches, because a fill without inner vertices has
+/// nothing to fair.
 enum class HoleFill {
-  plain,    ///< triangles between the vertices around it
-  refined,  ///< and vertices within, so that edges are about as long as around it
-  faired,   ///< and these moved so that the surface goes on smoothly
+  plain,    ///< triangles between the vertices of its boundary
+  refined,  ///< with inner vertices, so that edges are about as long as on its boundary
+  faired,   ///< with inner vertices that are moved so that the surface continues smoothly
 };
 
-/// Which steps a repair takes, in their order, and how far each goes.
+/// The steps of a repair, in their order, and their limits.
 struct RepairOptions {
-  /// Faces that name a vertex which does not exist, vertices with a non-finite coordinate and their faces.
+  /// Remove faces with the index of a vertex that does not exist, and vertices with a non-finite coordinate
+  /// with their faces.
   bool remove_invalid = true;
-  /// Repeated corners, faces that come twice, faces without area.
+  /// Remove repeated corners, duplicate faces and faces without area.
   bool clean_faces = true;
-  /// Connected parts all of whose faces lie on faces of another part.
+  /// Remove connected components all of whose faces lie on faces of another component.
   bool remove_duplicate_shells = true;
-  /// Boundary edges that lie on each other, and boundary vertices that lie on a boundary edge (T-junctions).
+  /// Weld boundary edges that coincide, and boundary vertices that lie on a boundary edge (T-junctions).
   bool weld = true;
-  /// How far apart two vertices may be to be welded, model units. Absent: 1e-6 of the bounding box's diagonal,
-  /// and nowhere more than a tenth of the shortest edge there (half of it where a distance is given).
+  /// Largest distance of two vertices that are welded, model units. It is nowhere more than half of the
+  /// shortest edge there. Absent: 1e-6 of the bounding box's diagonal, and nowhere more than a tenth of the
+  /// shortest edge there.
   std::optional<double> weld_distance{};
-  /// Edges of three or more faces and vertices of several fans are taken apart.
+  /// Take apart edges of three or more faces and vertices of several fans.
   bool split_non_manifold = true;
-  /// Parts with fewer faces and less area than `debris_rel` × the largest part's.
+  /// Remove connected components with fewer faces and less area than `debris_rel` × the largest one's.
   bool remove_debris = true;
   double debris_rel = 0.01;
-  /// Neighbouring faces are consistently oriented, closed parts outward (but not what lies inside another
-  /// closed part).
+  /// Orient neighbouring faces consistently and closed components outward, except those that lie inside
+  /// another closed component.
   bool unify_winding = true;
-  /// Boundary loops of at most this many edges are closed. Absent: 24, and only where the hole's area is at
-  /// most 0.5 % of its part's: an opening that is meant stays. 0: none.
+  /// Largest number of edges of a hole that is closed; 0: none. Absent: 24, and only if the hole's area is at
+  /// most 0.5 % of its component's, so that intended openings stay.
   std::optional<Index> hole_edges{};
-  /// How holes are filled.
+  /// Way to fill holes.
   HoleFill hole_fill = HoleFill::plain;
-  /// Vertices that no face has.
+  /// Remove vertices that belong to no face.
   bool remove_isolated = true;
 };
 
-/// One kind of change, with where it was made.
+/// One kind of change, and the elements that it concerns.
 struct RepairChange {
   std::string name;  ///< stable identifier, e.g. "welded-vertex"
   Index count = 0;
-  Domain domain = Domain::vertex;  ///< what `indices` refer to
-  std::vector<Index> indices{};  ///< of the mesh that was given, ascending; empty where nothing of it is meant
-  std::string description{};     ///< one clause for people, e.g. "12 vertices were welded to others"
+  Domain domain = Domain::vertex;  ///< elements that `indices` refer to
+  /// Elements of the given mesh, ascending; empty where none of its own are meant.
+  std::vector<Index> indices{};
+  std::string description{};  ///< one clause for people, e.g. "12 vertices were welded to others"
 };
 
 struct RepairResult {
   Mesh mesh;
+  /// Changes in the order of the steps. If there are none, `mesh` is the given one, with its source.
   std::vector<RepairChange>
-      changes;  ///< in the order of the steps; none: `mesh` is the given one, its source too
+      changes;
+  /// Old → new, or -1 where one was removed. Several may map to one; one with several copies or pieces maps
+  /// to the first of them.
   IndexMap vertex,
-      face;  ///< old → new; several may go to one; -1 removed; of several copies or pieces the first
-  std::vector<Index> vertex_origin, face_origin;  ///< new → old; -1 for what fills a hole
-  std::vector<std::string> notes;  ///< sentences for people: what could not be mended, or was lost
+      face;
+  std::vector<Index> vertex_origin, face_origin;  ///< new → old; -1 for elements that fill a hole
+  std::vector<std::string> notes;  ///< sentences for people about defects that remain and data that were lost
 
   bool changed() const { return !changes.empty(); }
+  /// Returns the change of that name, or null.
   const RepairChange* find(std::string_view name) const;
 };
 
-/// Makes a mesh that every command takes of one that may carry any defect (docs/repair.md): cleaned, welded,
-/// edges and vertices manifold, consistently oriented, small holes closed. Positions are kept, vertices and
-/// faces stay in their order; what is new comes last. Attributes go along; one per vertex that differs between
-/// welded vertices becomes one per corner (but colours, which keep the first one's). A mesh without defects
-/// comes back as it is, and repairing the result once more changes nothing. The result does not depend on the
-/// number of threads.
+/// Repairs a mesh with any defects so that every command accepts it (docs/repair.md). The result is cleaned
+/// and welded, its edges and vertices are manifold, it is consistently oriented, and small holes are closed.
+/// Positions are kept, and vertices and faces stay in their order; new ones come last. Attributes are kept. A
+/// vertex attribute that differs between welded vertices becomes one per corner; of colours the first one's
+/// is kept. A mesh without defects is returned unchanged, and repairing a result again changes nothing. The
+/// result does not depend on the number of threads.
 ///
 /// Throws Error(input) for options out of range, Error(cancelled).
 RepairResult repair(const Mesh& mesh, const RepairOptions& options = {}, const Context& context = {});

@@ -11,31 +11,32 @@
 
 namespace meshgraft {
 
-/// A mesh with what the check refuses out of the way, so that a step that does not reach it can go on: faces
-/// that name a vertex which does not exist or has a non-finite coordinate are left out. Vertices keep their
-/// numbers; those without finite coordinates are in no face and stand, until they are put back, at the place of
-/// another. Where the check refuses nothing it is the given mesh, and costs nothing.
+/// A mesh without the faces that the check refuses, so that a step that does not reach them can run. It
+/// leaves out faces with the index of a vertex that does not exist, or with a vertex of non-finite
+/// coordinates. Vertices keep their indices. Vertices without finite coordinates belong to no face, and get
+/// the position of another vertex until `put_back` restores them. If the check refuses nothing, it is the
+/// given mesh, at no cost.
 class SoundMesh {
  public:
-  /// Refers to both. Throws Error(input), as `require_usable` does, where no face would be left; `name` is the
-  /// mesh's for messages.
+  /// Keeps references to `mesh` and `diagnostics`. Throws Error(input), as `require_usable` does, where no
+  /// face would be left. `name` is the mesh's name for messages.
   SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std::string& name);
 
   const Mesh& mesh() const { return usable_ ? *usable_ : given_; }
   bool any() const { return usable_.has_value(); }
 
-  /// What was left out, for people; empty if nothing was.
+  /// Returns a sentence for people about the faces that were left out; empty if there are none.
   std::string note() const;
 
-  /// Throws Error(input) if a face that was left out has one of the vertices in `reach`.
+  /// Throws Error(input) if one of the faces that were left out has a vertex in `reach`.
   void require_beyond(std::span<const Index> reach) const;
 
-  /// The error of a step that worked on `mesh()`, which may be about a boundary that only this mesh has: with
-  /// what was left out, if anything was.
+  /// Returns the error of a step that worked on `mesh()`, with a note of the faces that were left out, if
+  /// any. The error may concern a boundary that only this mesh has.
   Error explained(const Error& error) const;
 
-  /// Gives the copies in `result` of vertices without finite coordinates these coordinates again. `vertex` maps
-  /// from the given mesh.
+  /// Restores the non-finite coordinates of the given mesh's vertices in `result`. `vertex` maps from the
+  /// given mesh to `result`.
   void put_back(const IndexMap& vertex, Mesh& result) const;
 
  private:
@@ -43,7 +44,7 @@ class SoundMesh {
   const Diagnostics& diagnostics_;
   std::string name_;
   std::optional<Mesh> usable_;
-  std::vector<Index> non_finite_, faces_;  // that were left out, of the given mesh
+  std::vector<Index> non_finite_, faces_;  // vertices and faces of the given mesh that were left out
 };
 
 }  // namespace meshgraft

@@ -19,33 +19,36 @@ struct IndexLists {
   }
 };
 
-/// For each vertex the triangles that contain it, ascending. One linear pass. Throws Error(input) if an index
-/// is out of range.
+/// Returns for each vertex the triangles that contain it, ascending, in one linear pass. Throws Error(input)
+/// if an index is out of range.
 IndexLists vertex_triangles(Index vertex_count, const Triangles& triangles, const Context& context = {});
 
-/// For each vertex its ring N(i): the vertices that share an edge with it, ascending, without repeats.
+/// Returns for each vertex its ring N(i): the vertices that share an edge with it, ascending, without
+/// repeats.
 IndexLists vertex_rings(Index vertex_count, const Triangles& triangles, const Context& context = {});
-/// The same from lists that are at hand.
+/// Returns the same from existing lists of `vertex_triangles`.
 IndexLists vertex_rings(const Triangles& triangles, const IndexLists& vertex_triangles,
                         const Context& context = {});
 
-/// Rings over the polygons' own edges (diagonals of triangulated polygons do not count).
+/// Returns rings over the polygons' own edges; diagonals of triangulated polygons do not count.
 IndexLists vertex_rings(Index vertex_count, const Faces& faces);
 
-/// Boundary loops: closed chains of the half-edges that have one face, each in the direction of its face's
-/// half-edges (surface at the left hand, seen from outside), beginning with its smallest vertex; loops with
-/// the most vertices first, equal ones in lexicographic order. Chains that meet in a vertex are separated by
-/// following the fan of faces around it; a chain that cannot be closed (it ends at an edge of three or more
-/// faces) is left out. Here and below, repeated corners of a face are skipped, and a face with fewer than three
-/// corners left or with an index out of range takes no part.
+/// Returns the boundary loops: closed chains of the half-edges that have one face. Each has the direction of
+/// its face's half-edges (surface on the left, seen from outside) and begins with its smallest vertex. Loops
+/// with the most vertices come first, equal ones in lexicographic order.
+///
+/// Chains that meet in a vertex are separated by following the fan of faces around it. A chain that cannot be
+/// closed (it ends at an edge of three or more faces) is left out. Here and below, repeated corners of a face
+/// are skipped. A face with fewer than three corners left or with an index out of range is ignored.
 std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh);
 
-/// Component number per vertex (0-based, in order of the smallest vertex); vertices that share a face are
-/// connected. Isolated vertices get -1. `count` receives the number of components if given.
+/// Returns the connected component of each vertex (0-based, in order of the smallest vertex). Vertices that
+/// share a face are connected. Isolated vertices get -1. `count` receives the number of components if it is
+/// not null.
 std::vector<Index> connected_components(const Mesh& mesh, Index* count = nullptr);
 
-/// What `vertex_rings` (of the faces), `connected_components` and `boundary_loops` give, from one table of
-/// edges.
+/// The results of `vertex_rings` (of the faces), `connected_components` and `boundary_loops`, computed from
+/// one table of edges.
 struct Connectivity {
   IndexLists rings;
   std::vector<Index> components;
@@ -53,16 +56,16 @@ struct Connectivity {
 };
 Connectivity connectivity(const Mesh& mesh);
 
-/// Facts about a mesh as a surface. A mesh without faces is manifold and oriented, but not closed.
+/// Topological properties of a mesh. A mesh without faces is manifold and oriented, but not closed.
 struct TopologySummary {
-  Index vertices = 0;           ///< used by a face
-  Index isolated_vertices = 0;  ///< used by none
+  Index vertices = 0;           ///< vertices used by a face
+  Index isolated_vertices = 0;  ///< vertices used by no face
   Index faces = 0;
   Index edges = 0;
   Index components = 0;
   Index boundary_loops = 0;
-  Index euler_characteristic = 0;  ///< V - E + F over used vertices and the faces that take part
-  /// Sum over components, (2·components - loops - χ)/2; empty where the surface is not an oriented manifold.
+  Index euler_characteristic = 0;  ///< V - E + F over used vertices and the faces that are not ignored
+  /// Sum over components, (2·components - loops - χ)/2; absent where the surface is not an oriented manifold.
   std::optional<Index> genus;
   bool closed = false;    ///< no boundary edge
   bool manifold = false;  ///< every edge has one or two faces, every vertex one fan
@@ -71,12 +74,12 @@ struct TopologySummary {
 
 TopologySummary summarise_topology(const Mesh& mesh);
 
-/// Vertices within `rings` edges of `seeds` (seeds included), ascending. Throws Error(input) if a seed is out
-/// of range.
+/// Returns the vertices within `rings` edges of `seeds` (seeds included), ascending. Throws Error(input) if a
+/// seed is out of range.
 std::vector<Index> grow_rings(std::span<const Index> seeds, int rings, const IndexLists& vertex_rings);
 
-/// Distance along edges (Dijkstra, model units) from the nearest seed, infinity beyond `limit`. Throws
-/// Error(input) if a seed is out of range.
+/// Returns each vertex's distance along edges (Dijkstra, model units) from the nearest seed, infinity beyond
+/// `limit`. Throws Error(input) if a seed is out of range.
 std::vector<double> edge_distance(std::span<const Index> seeds, const Points& positions,
                                   const IndexLists& vertex_rings, double limit);
 

@@ -14,9 +14,9 @@
 
 namespace meshgraft {
 
-/// Unordered pairs of vertices that two faces with a common edge contain: the edges and the pairs opposite
-/// across an edge (SF of FT05 equation 11). Ascending, without repeats; only pairs with a vertex in `active`
-/// (flags per vertex); without `opposite` the edges alone.
+/// Returns the unordered pairs of vertices that two faces with a common edge contain (SF of FT05 equation
+/// 11). These are the edges and the pairs opposite across an edge; without `opposite` the edges alone. The
+/// pairs are ascending, without repeats, and have at least one vertex in `active` (flags per vertex).
 std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
                                                    const IndexLists& vertex_triangles, const IndexLists& rings,
                                                    std::span<const std::uint8_t> active, bool opposite = true,
@@ -27,24 +27,26 @@ std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
 ///   λ E_L = ‖ L x − Δ m ‖²    (FT05 equation 9, times λ = `laplacian_weight`)
 ///     E_R = ‖ P (m − r) ‖²    (FT05 equation 11)
 ///
-/// where x stacks the positions of all nodes (vertices, then apexes), m the local maps (m_{3i+k} = M_i e_k,
-/// m = H x where the map is fitted) and r a field of rotations in the same order. Every row is the same for
-/// the coordinates x, y and z. Substituting m gives the one matrix A = [L − Δ H; P H].
+/// Here x stacks the positions of all nodes (vertices, then apexes). The vector m stacks the local maps:
+/// m_{3i+k} = M_i e_k, and m = H x where the map is fitted. The vector r is a field of rotations in the same
+/// order. Every row is the same for the coordinates x, y and z. Substituting m gives the one matrix
+/// A = [L − Δ H; P H].
 ///
-/// Rows under `Density::aware` are scaled by ℓ̄/ℓ (within 1e±3), so that E_L and E_R approximate integrals over
-/// the surface: ℓ is ℓ_i, the mean length of the edges at i, in E_L and (ℓ_i + ℓ_j)/2 in E_R, and ℓ̄ the mean
-/// of all ℓ_i. See docs/method.md.
+/// Under `Density::aware` rows are scaled by ℓ̄/ℓ (within 1e±3), so that E_L and E_R approximate integrals
+/// over the surface. In E_L ℓ is ℓ_i, the mean length of the edges at i; in E_R it is (ℓ_i + ℓ_j)/2. ℓ̄ is
+/// the mean of all ℓ_i. See docs/method.md.
 class AffineOperator {
  public:
-  /// Which rows and maps are wanted, as flags per vertex; empty = all.
+  /// Rows and maps to build, as flags per vertex; empty = all.
   struct Extent {
     Flags fitted;                ///< M_i is fitted to positions (else row i of H is empty)
-    Flags unknown;               ///< M_i is fitted or shared: its pairs have rows of E_R
-    Flags movable;               ///< may be moved off its plane by `ft05_noise`
-    Flags rows;                  ///< has a row of E_L
-    std::vector<Index> numbers;  ///< of the vertices in a larger mesh; the noise's sides follow them
+    Flags unknown;               ///< M_i is fitted or shared by a feature: pairs with i have rows of E_R
+    Flags movable;               ///< vertex may be moved off its plane by `ft05_noise`
+    Flags rows;                  ///< vertex has a row of E_L
+    std::vector<Index> numbers;  ///< vertex indices in a larger mesh, which determine the noise's sides
   };
 
+  /// `points` n×3, `triangles` m×3.
   AffineOperator(const Points& points, const Triangles& triangles, const OperatorOptions& options = {},
                  const Extent& extent = {}, const Context& context = {});
 
@@ -58,13 +60,13 @@ class AffineOperator {
   const std::vector<double>& edge_lengths() const { return edge_lengths_; }  ///< ℓ_i, n
   double mean_edge_length() const { return mean_edge_length_; }              ///< ℓ̄
 
-  /// Whether rows at a place with ℓ̄/ℓ of this are scaled by just that, not by a bound.
+  /// Returns whether rows with this ratio ℓ̄/ℓ are scaled by exactly that ratio, and not by the bound of it.
   static bool is_scaled_by_density(double length_ratio);
 
-  /// PᵀP, which couples the maps of pairs.
+  /// Computes PᵀP, which couples the maps of pairs.
   SparseRows coupling(const Context& context = {}) const;
 
-  /// A = [L − Δ H; P H] over all nodes, none of them constrained.
+  /// Computes A = [L − Δ H; P H] over all nodes, without constraints.
   SparseRows A(const Context& context = {}) const;
 
  private:

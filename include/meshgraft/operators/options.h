@@ -8,13 +8,13 @@ namespace meshgraft {
 /// Ring weights w_ij (FT05 equation 2).
 enum class WeightScheme { uniform, cotangent };
 
-/// Whether rows count by their number (FT05) or so that the same shape gives the same answer however finely
-/// it is triangulated.
+/// Weighting of the energy's rows: equal for all rows (`ft05`), or so that the same shape gives the same
+/// result however finely it is triangulated (`aware`).
 enum class Density { ft05, aware };
 
-/// What is done where a ring is flat and P Pᵀ (nearly) singular.
+/// Treatments of a flat ring, where P Pᵀ is (nearly) singular.
 enum class DegenerateTreatment {
-  automatic,   ///< the better measured one: apex
+  automatic,   ///< the one that measured better: apex
   ft05_noise,  ///< move the vertex off its plane, solve, move back (FT05 section 3.2)
   apex,        ///< an extra unknown above each vertex
 };
@@ -25,14 +25,17 @@ struct OperatorOptions {
   DegenerateTreatment degenerate = DegenerateTreatment::automatic;
   double apex_height_rel = 0.5;    ///< × mean incident edge length
   double noise_length_rel = 0.25;  ///< × mean incident edge length
-  double flatness = 5e-5;          ///< smallest/largest eigenvalue of P Pᵀ below which a ring counts as flat
-  std::uint64_t seed = 1;          ///< of the noise's signs
-  double laplacian_weight = 20;    ///< λ of the energy λ E_L + E_R; FT05 has 1 (docs/method.md says why not)
-  bool opposite_pairs = true;      ///< SF has the pairs opposite across an edge beside the edges, as in FT05
-  int laplacian_order = 1;         ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
+  /// Ratio of smallest to largest eigenvalue of P Pᵀ below which a ring counts as flat.
+  double flatness = 5e-5;
+  std::uint64_t seed = 1;  ///< seed of the noise's signs
+  /// Weight λ of the energy λ E_L + E_R; 1 in FT05 (docs/method.md explains the default).
+  double laplacian_weight = 20;
+  /// SF has the pairs opposite across an edge in addition to the edges, as in FT05.
+  bool opposite_pairs = true;
+  int laplacian_order = 1;  ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
 };
 
-/// Throws Error(input) naming the field if a value is out of its range.
+/// Throws Error(input), naming the field, if a value is out of its range.
 void validate(const OperatorOptions& options);
 
 std::string_view to_string(WeightScheme value);

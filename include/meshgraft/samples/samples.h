@@ -14,15 +14,16 @@ struct SampleInfo {
   int default_resolution = 0;    ///< about the square root of the number of vertices
 };
 
-/// The built-in models.
+/// Returns the built-in models.
 std::span<const SampleInfo> sample_list();
 
-/// Makes a built-in model of about resolution² vertices (0: its default; the sculpted ones are never coarser
-/// than at 24). The same name and resolution always give the same mesh on a machine, byte for byte.
+/// Makes a built-in model of about resolution² vertices (0: its default). The sculpted models are never
+/// coarser than at resolution 24. The same name and resolution always give the same mesh on a machine, byte
+/// for byte.
 ///
-/// The z axis points up, figures look towards −y (the dinosaur towards −x), and places do not depend on the
-/// resolution (docs/samples.md has more):
-/// - octopus: closed; mantle z > 1.3; arm k = 0 … 7 leaves at the azimuth 22.5° + 45°·k from +x towards +y,
+/// The z axis points up, and figures look towards −y (the dinosaur towards −x). Locations do not depend on
+/// the resolution (docs/samples.md has more):
+/// - octopus: closed; mantle z > 1.3. Arm k = 0 … 7 leaves at the azimuth 22.5° + 45°·k from +x towards +y. It
 ///   lies on the ground about 1.2 off the axis, and curls up about 1.8 off the axis;
 /// - head: one loop in the plane z = −0.40 around the neck's axis (0, 0.12); cranium z > 0.65;
 /// - bust: one loop in the plane z = −0.28 around the same axis; shoulders |x| > 0.55; flat base z = −1.34;
@@ -36,7 +37,7 @@ std::span<const SampleInfo> sample_list();
 ///   two loops; torus: radii 1 and 0.4 about the z axis; knot: a trefoil tube of radius 0.42.
 ///
 /// The sculpted models carry the vertex attribute "colour" (red, green, blue; uint8, sRGB).
-/// Throws Error(input), listing the names, for an unknown one, and for a resolution out of [4, 4096].
+/// Throws Error(input), listing the names, for an unknown name, and for a resolution out of [4, 4096].
 Mesh make_sample(std::string_view name, int resolution = 0, const Context& context = {});
 
 }  // namespace meshgraft

@@ -12,30 +12,33 @@
 
 namespace meshgraft {
 
-/// What one method made of an edit.
+/// The result of an edit by one method.
 struct MethodOutcome {
   Method method;
   std::optional<EditResult> result;  ///< absent where the method failed
-  std::string failure;               ///< its message then
+  std::string failure;               ///< message of the error, if the method failed
 };
 
+/// The results of one edit by several methods.
 struct Comparison {
   std::string edit;                  ///< the edit file
-  std::vector<std::string> outputs;  ///< files that were written beside those in the outcomes' reports
+  std::vector<std::string> outputs;  ///< files written in addition to those in the outcomes' reports
   std::vector<MethodOutcome> outcomes;
 };
 
 /// Runs an edit once by each of `methods`, all its steps by that method; the inputs are read once. Published
-/// methods run by their own defaults; of the settings they take `backend` and `refine_boundary`. A method that
-/// fails becomes an outcome with its message. Throws what `run_edit` throws for inputs, where all methods fail
-/// (the first one's error) and if cancelled; Error(usage) if no method is given or one is given twice,
-/// Error(input) for an edit without a deform step.
+/// methods run by their own defaults; of the settings they take `backend` and `refine_boundary`. A method
+/// that fails becomes an outcome with its message.
+///
+/// Throws what `run_edit` throws for inputs and if cancelled, and the first method's error where all methods
+/// fail. Throws Error(usage) if no method is given or one is given twice, Error(input) for an edit without a
+/// deform step.
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context = {});
 
-/// Each method's name, quality and seconds as a Markdown table, with notes below it.
+/// Returns each method's name, quality and seconds as a Markdown table, with notes below it.
 std::string comparison_table(const Comparison& comparison);
 
-/// The comparison as JSON (docs/report.md).
+/// Returns the comparison as JSON (docs/report.md).
 std::string write_comparison(const Comparison& comparison);
 
 }  // namespace meshgraft

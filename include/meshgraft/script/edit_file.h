@@ -21,25 +21,30 @@
 
 namespace meshgraft {
 
-/// A vertex set as an edit file writes it. Unlike `Selection` it may refer to other selections by name, to
-/// files, and to what an earlier step produced; running the step replaces those by what they stand for.
+/// A vertex set in the form of an edit file. Unlike `Selection` it may refer to other selections by name, to
+/// files, and to the products of an earlier step. Running the step replaces these references by the vertices
+/// they stand for.
 struct SelectionSpec {
   using Child = std::shared_ptr<const SelectionSpec>;
   enum class SelPart { fixed, free, handle };
 
+  /// An entry of `EditFile::selections`.
   struct Named {
     std::string name;
-  };  ///< an entry of `EditFile::selections`
+  };
+  /// A file with one vertex index per line.
   struct IndexFile {
     std::string file;
-  };  ///< one vertex index per line
+  };
+  /// The vertices with one role in a `.sel` file.
   struct SelFile {
     std::string file;
     SelPart take = SelPart::handle;
-  };  ///< a part of a `.sel` file
+  };
+  /// A product of an earlier step, e.g. the loop that a cut made; docs/edit-file.md lists them.
   struct Produced {
     std::string step, what;
-  };  ///< e.g. the loop that a cut made; docs/edit-file.md lists what steps produce
+  };
   struct Grow {
     Child of;
     int rings = 0;
@@ -77,26 +82,28 @@ struct SelectionSpec {
 struct NamedSelection {
   std::string name;
   SelectionSpec selection;
-  std::string colour{};  ///< to draw it in, "#rrggbb"; empty: none
+  std::string colour{};  ///< drawing colour, "#rrggbb"; empty: none
 };
 
 /// A mesh that an edit starts from: a file or a built-in sample.
 struct EditInput {
   std::string name;
   std::string file;                   ///< relative to the edit file; empty for a sample
-  std::optional<std::string> sha256;  ///< of the file's bytes, 64 lower-case hexadecimal digits
+  std::optional<std::string> sha256;  ///< SHA-256 of the file's bytes, 64 lower-case hexadecimal digits
   std::string sample;                 ///< name of a built-in sample; empty for a file
-  int resolution = 0;                 ///< of the sample; 0 = its default
+  int resolution = 0;                 ///< resolution of the sample; 0 = its default
 };
 
-/// Where a handle goes.
+/// The pose of a handle.
 struct PoseSpec {
+  /// A `.def` file with a 4×4 matrix.
   struct DefFile {
     std::string file;
-  };  ///< a `.def` file with a 4×4 matrix
+  };
+  /// The new course of a curve handle, k×3, model units.
   struct Redrawn {
     Points polyline;
-  };  ///< the new course of a curve handle, k×3
+  };
   using Kind = std::variant<HandleMotion, Eigen::Matrix4d, DefFile, Redrawn>;
   Kind kind = HandleMotion{};
 };
@@ -104,7 +111,7 @@ struct PoseSpec {
 struct HandleSpec {
   std::string name;
   HandleShape shape = HandleShape::region;
-  std::optional<bool> closed;  ///< of a curve; absent: closed where its ends share an edge
+  std::optional<bool> closed;  ///< for `curve`; absent: closed if its ends share an edge
   SelectionSpec select;
   bool constrain_position = true;
   bool constrain_transform = true;
@@ -126,10 +133,11 @@ struct AnchorSpec {
   double weight = Anchor{}.weight;
 };
 
-/// Symmetric editing: what a deform step asks for on one side of a plane happens on the other side, too.
+/// Symmetric editing: the edits of a deform step on one side of a plane are mirrored to the other side.
 struct SymmetrySpec {
   MirrorPlane plane;
-  /// How far a vertex may be from another one's mirror image, × the diagonal of the mesh's bounding box.
+  /// Largest distance of a vertex from the mirror image of its partner, × the diagonal of the mesh's bounding
+  /// box.
   double tolerance_rel = 1e-3;
 };
 
@@ -140,22 +148,24 @@ struct ExpectedCounts {
 
 struct DeformSettings {
   DeformerOptions deformer;
-  /// How often the surroundings of handles and of the fixed rim are halved for the solve (FT05 section 6); the
-  /// result has the original vertices only.
+  /// Number of times that edges around handles and around the region's fixed boundary are halved for the
+  /// solve (FT05 section 6). The result has the original vertices only.
   int refine_boundary = 0;
-  /// About how many vertices the decimated proxy has that is solved in the region's place (deform/proxy.h); 0:
-  /// the region itself is solved.
+  /// Approximate number of vertices of the decimated proxy that is solved in place of the region
+  /// (deform/proxy.h). 0: the region itself is solved.
   Index proxy = 0;
-  /// Vertices of a boundary at exactly the same place are one for the solve (a soup, a seam of UVs).
+  /// Treats boundary vertices at exactly the same position as one vertex for the solve (a soup, a seam of
+  /// UVs).
   bool weld = true;
 };
 
 /// Deforms one mesh (FT05 sections 3 and 4).
 struct DeformStep {
-  std::string mesh;                    ///< name of an input or of an earlier step's result
-  std::string result;                  ///< name of the outcome; empty = the same name
-  SelectionSpec region;                ///< what may move
-  std::optional<SelectionSpec> fixed;  ///< absent: the region's rim towards the rest, two rings, no handles
+  std::string mesh;      ///< name of an input or of an earlier step's result
+  std::string result;    ///< name of the resulting mesh; empty = the same name
+  SelectionSpec region;  ///< region of interest
+  /// Absent: two rings of the region along its boundary with the rest, without handles.
+  std::optional<SelectionSpec> fixed;
   std::vector<HandleSpec> handles;
   std::vector<TargetSpec> targets;        ///< positions per vertex
   std::vector<TransformSpec> transforms;  ///< local transforms per vertex
@@ -165,20 +175,21 @@ struct DeformStep {
   ExpectedCounts counts;
 };
 
-/// A vertex by its number, or the one nearest to a point.
+/// A vertex by its index, or the vertex nearest to a point.
 using VertexSpec = std::variant<Index, Eigen::Vector3d>;
 
-/// A vertex of the source and one of the target, each in its own mesh as the step finds it.
+/// A pair of vertices that meet, one of the source and one of the target, each in its own mesh at the start
+/// of the step.
 struct MatchSpec {
   VertexSpec source, target;
   bool operator==(const MatchSpec&) const = default;
 };
 
-/// A loop of the source and the loop of the target that it meets. A selection names all vertices of one
+/// A loop of the source and the loop of the target that it meets. A selection contains all vertices of one
 /// boundary loop, in any order.
 struct MergePairSpec {
   SelectionSpec source_loop, target_loop;
-  /// As `MergePair::matches`, points standing for the loops' nearest vertices; the file's `start` comes first.
+  /// As `MergePair::matches`; points stand for the loops' nearest vertices. The file's `start` comes first.
   std::vector<MatchSpec> matches;
 };
 
@@ -187,10 +198,11 @@ struct MergeFeatureSpec {
   bool similarity = true;
 };
 
-/// Where a part is dropped on a surface without a hole: as `Drop`.
+/// The location and turn of a source that is dropped on a surface without a hole, as in `Drop`.
 struct DropSpec {
-  VertexSpec surface_point;                    ///< a vertex of the target, or the surface nearest to a point
-  double spin_deg = 0;                         ///< turn about the target's normal
+  /// Vertex of the target, or a point: the nearest point of the surface.
+  VertexSpec surface_point;
+  double spin_deg = 0;                         ///< turn about the target's normal, degrees
   std::optional<SelectionSpec> source_loop{};  ///< absent: the source's only loop
 };
 
@@ -202,27 +214,29 @@ struct MergeSettings {
 /// Numbers that a reader of the edit checks against the meshes; absent or empty ones are not checked.
 struct MergeCounts {
   std::optional<Index> source_vertices, source_faces, target_vertices, target_faces, fixed;
-  std::optional<Index> free;                      ///< of the source: neither of its loops nor fixed
-  std::vector<Index> source_loops, target_loops;  ///< vertices of each pair's
+  std::optional<Index> free;                      ///< source vertices that are neither on its loops nor fixed
+  std::vector<Index> source_loops, target_loops;  ///< number of vertices per pair
 };
 
 /// Grafts a mesh onto another (FT05 section 5).
 struct MergeStep {
   std::string target, source;  ///< names of inputs or of earlier steps' results
-  std::string result;          ///< name of the outcome; empty = the target's
+  std::string result;          ///< name of the resulting mesh; empty = the target's
   MergePose pose = MergePose::find;
   MergeShape shape = MergeShape::similar;
-  /// None: the loops that `matches` lie on, or the only loop of each mesh.
+  /// If empty: the loops that `matches` lie on, or the only loop of each mesh.
   std::vector<MergePairSpec> pairs;
-  std::vector<MatchSpec> matches;     ///< each of the pair on whose loops it lies
-  std::optional<DropSpec> at;         ///< in the place of pairs
-  std::optional<MirrorPlane> mirror;  ///< what poses the source first: this, then one of the next two
+  /// Matches of any pair; each belongs to the pair on whose loops it lies.
+  std::vector<MatchSpec> matches;
+  std::optional<DropSpec> at;  ///< drop, used instead of `pairs`
+  /// Pose of the source before the merge: first this mirror, then one of the next two.
+  std::optional<MirrorPlane> mirror;
   std::optional<Eigen::Matrix4d> source_transform;
-  std::vector<MatchSpec> align;  ///< as `align_source`
+  std::vector<MatchSpec> align;  ///< pairs for `align_source`
   std::optional<double> size;
   double normal_angle_deg = 0;
-  std::optional<SelectionSpec> fixed;  ///< on the source
-  Reach reach;                         ///< a length in units of the source as it was before it was posed
+  std::optional<SelectionSpec> fixed;  ///< vertices of the source
+  Reach reach;                         ///< a length is in units of the source before it was posed
   std::vector<MergeFeatureSpec> features;
   bool smooth_boundary = false;
   bool fix_winding = false;
@@ -236,43 +250,45 @@ struct CutStep {
     Eigen::Vector3d point, normal;
   };
   std::string mesh;
-  std::string result;                             ///< name of the outcome; empty = the same name
-  std::variant<Plane, std::vector<Index>> along;  ///< a plane, or vertices that a closed curve joins
+  std::string result;                             ///< name of the resulting mesh; empty = the same name
+  std::variant<Plane, std::vector<Index>> along;  ///< a plane, or the vertices of a closed curve
   CutOptions options;
 };
 
-/// One step of an edit. New kinds of step join the variant.
+/// One step of an edit. New kinds of steps are added to the variant.
 struct EditStep {
   std::string name;   ///< optional; unique where given
   std::string about;  ///< optional
   std::variant<DeformStep, MergeStep, CutStep> action;
 };
 
-/// A complete edit: what to start from and what to do, in order. Each step sees the meshes as the steps before
-/// it left them.
+/// A complete edit: the inputs and the steps, in order. Each step works on the meshes as the steps before it
+/// left them.
 struct EditFile {
   std::string name;
   std::string about;
   std::vector<EditInput> inputs;
   std::vector<NamedSelection> selections;
   std::vector<EditStep> steps;
-  std::string output;              ///< name of the mesh that is the result; empty = that of the last step
-  std::vector<std::string> notes;  ///< sentences for people about words that are read as others
+  std::string output;  ///< name of the resulting mesh; empty = that of the last step
+  /// Sentences for people about former words of the format, read as the current ones.
+  std::vector<std::string> notes;
 
-  std::string location;               ///< what messages call the file
-  std::filesystem::path base_folder;  ///< what its relative paths start from
+  std::string location;               ///< name of the file in messages
+  std::filesystem::path base_folder;  ///< folder of its relative paths
 };
 
-/// The mesh that a step works on; a merge's target.
+/// Returns the name of the mesh that a step works on; for a merge, its target.
 const std::string& mesh_of(const EditStep& step);
 
-/// The mesh that a step leaves: its `result`, or `mesh_of`.
+/// Returns the name of the mesh that a step produces: its `result`, or `mesh_of`.
 const std::string& outcome_of(const EditStep& step);
 
-/// Names of the meshes that an edit has at its end: its inputs, then what its steps leave, each once.
+/// Returns the names of the meshes at the end of an edit: its inputs, then the meshes that its steps produce,
+/// each once.
 std::vector<std::string> mesh_names(const EditFile& edit);
 
-/// Largest edit file that is read, in bytes, and its deepest nesting.
+/// The size of the largest edit file that is read, in bytes, and the deepest nesting in it.
 inline constexpr std::uintmax_t edit_file_size_limit = std::uintmax_t{256} << 20;
 inline constexpr int edit_file_depth_limit = 64;
 
@@ -280,20 +296,22 @@ inline constexpr int edit_file_depth_limit = 64;
 /// `parse_edit` throws.
 EditFile read_edit_file(const std::filesystem::path& path);
 
-/// The edit that `text` (JSON, UTF-8) describes. Throws Error(input) whose place is `location` and the path of
-/// the field, e.g. "edit.json: steps[0].handles[1].pose.rotate.axis", for anything that is not as
-/// docs/edit-file.md says: unknown, missing or repeated fields, wrong types and ranges, names that nothing
-/// has. A version 1 file becomes one step by the method or shape `ft05`, for which the format was made.
+/// Parses an edit from `text` (JSON, UTF-8). A version 1 file becomes one step by the method or shape `ft05`,
+/// for which that format was made. Throws Error(input) for anything that violates docs/edit-file.md: unknown,
+/// missing or repeated fields, wrong types and ranges, names that do not exist. The error's location is
+/// `location` and the path of the field, e.g.
+/// "edit.json: steps[0].handles[1].pose.rotate.axis".
 EditFile parse_edit(std::string_view text, const std::string& location,
                     const std::filesystem::path& base_folder = {});
 
-/// A selection as it stands in an edit file. Throws as `parse_edit`.
+/// Parses a selection in the form of an edit file. Throws what `parse_edit` throws.
 SelectionSpec parse_selection(std::string_view text, const std::string& location);
 
-/// The edit as a version 2 file; `parse_edit` reads it back to the same.
+/// Returns the edit as a version 2 file; `parse_edit` reads it back to an equal edit.
 std::string write_edit(const EditFile& edit);
 
-/// Every file that running the edit reads, as given in it joined with the base folder, without repeats.
+/// Returns every file that running the edit reads, without repeats: the path as given, joined with the base
+/// folder.
 std::vector<std::filesystem::path> referenced_files(const EditFile& edit);
 
 std::string_view to_string(SelectionSpec::SelPart value);

@@ -9,16 +9,17 @@
 
 namespace meshgraft {
 
-/// How an edit is solved: by one of this library's methods, or by a published one to compare with.
+/// The method that solves an edit: one of this library's methods, or a published one for comparison.
 using Method = std::variant<DeformMethod, Baseline>;
 
-/// "corotational", "arap-2007" and so on.
+/// Returns the name, such as "corotational" or "arap-2007".
 std::string_view to_string(const Method& value);
 
-/// This library's methods, then the published ones.
+/// Returns this library's methods, then the published ones.
 std::vector<Method> all_methods();
 
-/// The method of that name. Throws Error(usage), naming the known ones and the nearest, for any other name.
+/// Returns the method of that name. Throws Error(usage), listing the known names and the nearest one, for any
+/// other name.
 Method method_named(std::string_view name);
 
 }  // namespace meshgraft

@@ -23,10 +23,10 @@ namespace meshgraft {
 /// Wall-clock seconds per stage.
 struct StageSeconds {
   double read = 0;
-  double check = 0;     ///< with triangulation, of merges and cuts
+  double check = 0;     ///< checks; in merges and cuts also triangulation
   double select = 0;    ///< resolving selections and poses, triangulation, boundary refinement
-  double match = 0;     ///< of loops
-  double assemble = 0;  ///< all of the set-up but the next two
+  double match = 0;     ///< matching of loops
+  double assemble = 0;  ///< set-up other than `analyse` and `factorise`
   double analyse = 0;
   double factorise = 0;
   double basis = 0;  ///< columns that make later evaluations cheap
@@ -38,89 +38,94 @@ struct StageSeconds {
 };
 
 struct DeformCounts {
-  Index vertices = 0, faces = 0;  ///< of the mesh
+  Index vertices = 0, faces = 0;  ///< counts of the mesh
   Index free = 0, fixed = 0, handle = 0, degenerate = 0;
 };
 
-/// The decimated proxy that was solved in a region's place.
+/// The decimated proxy that was solved in place of a region.
 struct ProxyFacts {
-  Index vertices = 0;       ///< with those around the region
-  Index free_vertices = 0;  ///< of them, those that were solved for
-  double spacing = 0;       ///< edge length that it was made for, model units
+  Index vertices = 0;       ///< vertices of the proxy, including those around the region
+  Index free_vertices = 0;  ///< proxy vertices whose position was solved for
+  double spacing = 0;       ///< edge length for which the proxy was made, model units
 };
 
-/// What a merge step did beside moving vertices.
+/// Results of a merge step other than the mesh.
 struct MergeOutcome {
-  std::string source;                                    ///< name of the mesh that was grafted
-  Eigen::Affine3d posing = Eigen::Affine3d::Identity();  ///< of it, before it was merged, as the step says
-  MergeOptions options;                                  ///< in force
+  std::string source;  ///< name of the mesh that was grafted
+  /// Its pose before the merge, as the step defines it.
+  Eigen::Affine3d posing = Eigen::Affine3d::Identity();
+  MergeOptions options;  ///< options that were used
   MergeReport report;
-  IndexMap target_map, source_map;  ///< vertices of the two, old → new, -1 where one was removed
+  IndexMap target_map, source_map;  ///< vertices, old → new, or -1 where one was removed
   std::vector<Index> new_faces;
-  Points grafted;  ///< the source's vertices after the solve, before the seam (n×3)
-  /// Pairs of faces of the result that intersect, a vertex of the source or of the seam among theirs.
+  Points grafted;  ///< the source's positions after the solve, before the seam (n×3)
+  /// Pairs of faces of the result that intersect and have a vertex of the source or of the seam.
   std::int64_t self_intersections = 0;
-  std::int64_t source_self_intersections = 0;  ///< that the source had already; 0 if the result has none
+  std::int64_t source_self_intersections = 0;  ///< such pairs of the given source; 0 if the result has none
 };
 
-/// What a cut step did.
+/// Results of a cut step other than the mesh.
 struct CutOutcome {
   CutOptions options;
-  std::vector<std::vector<Index>> loops;  ///< that the cut made
+  std::vector<std::vector<Index>> loops;  ///< boundary loops that the cut made
   IndexMap map;                           ///< vertices, old → new
-  TopologySummary topology;               ///< of what was kept
+  TopologySummary topology;               ///< topology of the mesh that was kept
 };
 
-/// What one step did. A cut or a merge has its own part; what is of deforming alone is then as it begins.
+/// Report on one step. A cut or a merge has its own record; fields that concern only deforming then keep
+/// their defaults.
 struct StepReport {
   std::string name;
-  std::string mesh;    ///< that it worked on; a merge's target
-  std::string result;  ///< that it left
+  std::string mesh;    ///< mesh that the step worked on; for a merge, its target
+  std::string result;  ///< mesh that the step produced
   std::optional<MergeOutcome> merge;
   std::optional<CutOutcome> cut;
   Method method;
-  DeformSettings settings;  ///< of which a published method takes the backend and `refine_boundary`
+  DeformSettings settings;  ///< a published method uses only the backend and `refine_boundary`
   DeformCounts counts;
   StageSeconds seconds;
   SolverStatistics solver;
-  std::optional<EvaluationReport> evaluation;  ///< absent, as what tells of the solver, for a published method
-  std::optional<double> condition_estimate;    ///< of AᵀA; absent if it was not asked for
-  /// Absent where the region itself was solved; else what tells of the solver and the solve is the proxy's.
+  /// Absent for a published method, whose `solver` keeps its defaults.
+  std::optional<EvaluationReport> evaluation;
+  std::optional<double> condition_estimate;  ///< condition number of AᵀA; absent if not asked for
+  /// Absent where the region itself was solved. If present, `solver` and `evaluation` describe the solve on
+  /// the proxy.
   std::optional<ProxyFacts> proxy;
-  std::optional<SymmetryFacts> symmetry;  ///< absent where none was asked for
-  std::vector<std::string> handles;       ///< names, those of twins behind the step's own
+  std::optional<SymmetryFacts> symmetry;  ///< absent if not asked for
+  std::vector<std::string> handles;       ///< names; twins follow the step's own handles
   double max_displacement = 0;            ///< model units
   Quality quality;
-  std::vector<std::string> notes;  ///< sentences for people about what went another way than asked
+  std::vector<std::string> notes;  ///< sentences for people about deviations from the request
 };
 
-/// What a whole edit did. Fields beside `steps` sum them up as docs/report.md says.
+/// Report on a whole edit. Fields other than `steps` summarise the steps as docs/report.md says.
 struct EditReport {
   std::string edit;                  ///< the edit file
-  std::vector<std::string> outputs;  ///< files that were written
+  std::vector<std::string> outputs;  ///< files written
+  /// Sentences for people about words of the edit file, and about data that the result's file cannot store.
   std::vector<std::string>
-      notes;  ///< on words of the edit file, and on what the result's file has no place for
+      notes;
   struct Input {
-    std::string name, source;  ///< `source`: file or sample
+    std::string name, source;  ///< `source`: the file or sample
     Index vertices = 0, faces = 0;
     Diagnostics diagnostics;
   };
   std::vector<Input> inputs;
   std::vector<StepReport> steps;
-  DeformCounts counts;                         ///< of the step with the most free vertices
-  StageSeconds seconds;                        ///< sums
-  SolverStatistics solver;                     ///< of the step with the most free vertices
-  std::optional<EvaluationReport> evaluation;  ///< the largest residual and deviation
-  std::optional<double> condition_estimate;    ///< the largest
-  bool deformed = false;                       ///< whether the next two tell anything: a deform step came last
-  double max_displacement = 0;                 ///< from `EditResult::rest`, model units
-  Quality quality;                             ///< the result against `EditResult::rest`
+  DeformCounts counts;                         ///< counts of the step with the most free vertices
+  StageSeconds seconds;                        ///< sums over the steps
+  SolverStatistics solver;                     ///< statistics of the step with the most free vertices
+  std::optional<EvaluationReport> evaluation;  ///< the largest residual and deviation of the steps
+  std::optional<double> condition_estimate;    ///< the largest of the steps
+  bool deformed = false;                       ///< whether the next two are defined: a deform step came last
+  double max_displacement = 0;                 ///< relative to `EditResult::rest`, model units
+  Quality quality;                             ///< quality of the result against `EditResult::rest`
 };
 
-/// The report as JSON (docs/report.md). Non-finite numbers are written as null.
+/// Returns the report as JSON (docs/report.md). Non-finite numbers are written as null.
 std::string write_report(const EditReport& report);
 
-/// The findings as a JSON list; up to `index_limit` indices each.
+/// Returns the findings as a JSON list, with up to `index_limit` indices each.
 std::string write_diagnostics(const Diagnostics& diagnostics, std::size_t index_limit = 10);
 
 }  // namespace meshgraft

@@ -15,35 +15,43 @@
 
 namespace meshgraft {
 
-/// What the steps of an edit produced on one mesh, by step and by what: vertices, loops in their order.
+/// Vertex sets that the steps of an edit produced on one mesh, by step and by name of the product. Loops are
+/// in their order.
 using ProducedSets = std::map<std::string, std::map<std::string, std::vector<Index>>>;
 
-/// What the symmetry of a step came to.
+/// Handles and vertices that the symmetry of a step concerns.
 struct SymmetryFacts {
   Eigen::Affine3d reflection = Eigen::Affine3d::Identity();
-  std::vector<std::size_t> twin_of;  ///< of each twin, its handle; twins come behind all handles of the step
-  std::vector<std::size_t> own;      ///< handles that are their own mirror image
-  Index without_partner = 0;         ///< vertices of the region
+  /// Per twin: index of its handle; twins come after all handles of the step.
+  std::vector<std::size_t> twin_of;
+  std::vector<std::size_t> own;  ///< indices of handles that are their own mirror image
+  Index without_partner = 0;     ///< vertices of the region without a mirror partner
 };
 
-/// A deform step with every selection and file replaced by what it stands for on one mesh.
+/// A deform step whose selections and files are replaced by the vertices and values they stand for on one
+/// mesh.
 struct ResolvedDeform {
-  Region region;                              ///< `whole` if the region is the mesh; lists ascending
-  std::vector<HandlePose> poses;              ///< one per handle of `region`
-  std::vector<VertexConstraint> constraints;  ///< of `targets` and `transforms`, ascending by vertex
+  Region region;                  ///< `whole` if the region is the mesh; lists ascending
+  std::vector<HandlePose> poses;  ///< one per handle of `region`
+  /// Constraints of `targets` and `transforms`, ascending by vertex.
+  std::vector<VertexConstraint> constraints;
   std::optional<SymmetryFacts> symmetry;
-  std::vector<std::string> notes;  ///< sentences for people about what is another way than asked
+  std::vector<std::string> notes;  ///< sentences for people about deviations from the request
 };
 
-/// What `step` means on `context.mesh`; `location` names the step in messages ("edit.json: steps[0]").
-/// Throws Error(input), naming the field, for a selection that does not fit the mesh, an empty handle, vertices
-/// with two roles, a handle outside the region, counts that differ, and what is asked of a
-/// symmetry that the mesh does not have; Error(io) for a file that cannot be
-/// read.
+/// Resolves `step` on `context.mesh`; `location` names the step in messages ("edit.json: steps[0]"). Throws
+/// Error(input), naming the field, if
+/// - a selection does not fit the mesh;
+/// - a handle is empty or outside the region;
+/// - a vertex has two roles;
+/// - counts differ;
+/// - or the mesh lacks a symmetry that the step requires.
+/// Throws Error(io) for a file that cannot be read.
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
                               const std::string& location, const ProducedSets& produced = {});
 
-/// Sentences about handles that are their own mirror image and whose poses are not; `poses` are one per handle.
+/// Returns sentences for people about handles that are their own mirror image while their poses are not.
+/// `poses` has one pose per handle.
 std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
                                     std::span<const HandlePose> poses, const Points& rest);
 

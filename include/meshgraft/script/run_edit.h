@@ -29,30 +29,30 @@ struct SettingsOverrides {
 struct RunOptions {
   SettingsOverrides overrides;
   bool estimate_condition = true;  ///< costs a few solves
-  /// Bytes that a solve may take; a region that needs more is solved on a decimated proxy, and a note says so.
-  /// Absent: what the machine and the process's limits allow.
+  /// Memory that a solve may take, bytes. A region that needs more is solved on a decimated proxy, and a note
+  /// reports that. Absent: the memory that the machine and the limits of the process allow.
   std::optional<std::uint64_t> memory{};
-  /// A merge whose result intersects itself where it did not before fails, Error(unsolvable), instead of a
-  /// note.
+  /// If set, a merge whose result intersects itself where it did not before fails with Error(unsolvable),
+  /// instead of adding a note.
   bool strict = false;
-  /// Meshes, by name, to give back beside the result.
+  /// Names of meshes to return in addition to the result.
   std::vector<std::string> keep{};
 };
 
 struct EditResult {
   Mesh mesh;    ///< the edit's output; without cuts and merges it has the topology and order of its input
-  Points rest;  ///< n×3, its positions before the edit, or since it was cut or merged last
+  Points rest;  ///< n×3, positions before the edit, or after the last cut or merge
   EditReport report;
-  std::map<std::string, Mesh> kept{};  ///< those of `RunOptions::keep`, as the last step leaves them
+  std::map<std::string, Mesh> kept{};  ///< the meshes of `RunOptions::keep` after the last step
 };
 
-/// Reads one of an edit's inputs. Throws Error(io) and Error(input), naming it.
+/// Reads one of an edit's inputs. Throws Error(io) and Error(input), naming the input.
 Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context = {});
 
-/// Runs an edit: reads its inputs, checks them, runs the steps in order. Writes nothing. The result depends on
-/// the edit and its inputs alone, to the bit, not on `context`.
-/// Throws Error(io) and Error(input) for files and fields (naming them), Error(usage) for meshes to keep that
-/// it does not have, Error(unsolvable) where a step has no unique solution, Error(cancelled).
+/// Runs an edit: reads its inputs, checks them, runs the steps in order. Writes nothing. The result depends
+/// on the edit and its inputs alone, to the bit, not on `context`. Throws Error(io) and Error(input) for
+/// files and fields (naming them), Error(usage) for names in `keep` that the edit does not have,
+/// Error(unsolvable) where a step has no unique solution, Error(cancelled).
 EditResult run_edit(const EditFile& edit, const RunOptions& options = {}, const Context& context = {});
 
 }  // namespace meshgraft

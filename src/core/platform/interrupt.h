@@ -5,11 +5,12 @@
 
 namespace meshgraft::platform {
 
-/// Calls a function, on a thread of its own, each time the program is asked to end: by Ctrl-C or, where there
-/// is such a thing, SIGTERM. At most one exists at a time; without it such a request ends the program.
+/// Calls a function, on a thread of its own, each time the program is asked to end, by Ctrl-C or, where it
+/// exists, SIGTERM. At most one instance exists at a time. Without an instance such a request ends the
+/// program.
 class InterruptWatch {
  public:
-  /// Throws std::system_error where the system has no room for it.
+  /// Throws std::system_error if the system cannot create the pipe or the thread.
   explicit InterruptWatch(std::function<void()> on_interrupt);
   ~InterruptWatch();
   InterruptWatch(const InterruptWatch&) = delete;

@@ -7,27 +7,27 @@
 
 namespace meshgraft::platform {
 
-/// Bytes of the machine's main memory; the largest number where the system does not say.
+/// Returns the bytes of the machine's main memory, or the largest number if the system does not report them.
 std::uint64_t physical_memory();
 
-/// Bytes that the limits of this process allow it; the largest number where there are none.
+/// Returns the bytes that this process may use under its limits, or the largest number without a limit.
 std::uint64_t process_memory_limit();
 
-/// Where the system tells the control groups of this process, and their limits; both are empty where it has
-/// none.
+/// Paths of the files that describe the control groups of this process and their limits; both are empty on
+/// systems without control groups.
 struct ControlGroups {
   std::filesystem::path membership, groups;
 };
 ControlGroups control_groups();
 
-/// Whether so many more bytes of address space can be had. Nothing of them is kept.
+/// Returns whether `bytes` more of address space can be reserved. Keeps no reservation.
 bool can_reserve_address_space(std::size_t bytes);
 
-/// Asks for large pages for memory that was reserved and is about to be filled: the first touch of every 4 KiB
-/// page otherwise takes a third of the time to read a binary file. Does nothing where the system has none.
+/// Asks for large pages for memory that is reserved and about to be filled. The first touches of 4 KiB pages
+/// otherwise take a third of the time to read a binary file. Does nothing if the system has no large pages.
 void prefer_huge_pages(const void* begin, std::size_t size);
 
-/// The same for an array of `count` elements.
+/// Does the same for an array of `count` elements.
 template <class T>
 void prefer_huge_pages(const T* begin, std::size_t count)
   requires(!std::is_void_v<T>)

@@ -3,12 +3,12 @@
 namespace meshgraft::platform {
 
 enum class VectorInstructions {
-  baseline,  ///< those that every processor of its architecture has, or unknown
+  baseline,  ///< those that every processor of the architecture has, or unknown
   avx2,      ///< AVX2 and FMA
-  avx512,    ///< AVX-512 F, DQ, BW and VL, too
+  avx512,    ///< also AVX-512 F, DQ, BW and VL
 };
 
-/// The widest vector instructions that the processor and the system offer.
+/// Returns the widest vector instructions that the processor and the system support.
 VectorInstructions vector_instructions();
 
 }  // namespace meshgraft::platform

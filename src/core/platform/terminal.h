@@ -2,7 +2,7 @@
 
 namespace meshgraft::platform {
 
-/// Whether a person at a terminal sees what is printed to standard error.
+/// Returns whether standard error is a terminal, where a person sees the output.
 bool stderr_is_terminal();
 
 }  // namespace meshgraft::platform

@@ -37,7 +37,8 @@ std::size_t component_count(const JsonView& type) {
   type.fail("is '" + name + "', which no vertex has");
 }
 
-/// `count` elements of `size` bytes, from `offset` on in a buffer view.
+/// Returns the address of `count` elements of `size` bytes, which begin at the owner's byteOffset in its
+/// buffer view.
 GltfAccessor::Strided resolve_range(const JsonView& root, const JsonView& owner, std::size_t count,
                                     std::size_t size, bool may_be_strided, const GltfBytes& buffers) {
   const JsonView reference = owner.at("bufferView");
@@ -63,7 +64,7 @@ GltfAccessor::Strided resolve_range(const JsonView& root, const JsonView& owner,
   if (stride < size || stride > 255)
     view.fail(fmt::format("has a byteStride of {}, and elements of {} bytes", stride, size));
   const std::uint64_t offset = owner.whole("byteOffset", 0);
-  // Without a product that could overflow: the last element has to fit.
+  // Checks that the last element fits, without a product that could overflow.
   const bool fits = count == 0 || (offset <= view_size && size <= view_size - offset &&
                                    count - 1 <= (view_size - offset - size) / stride);
   if (!fits) owner.fail(fmt::format("reaches beyond the {} bytes of its bufferView", view_size));
@@ -139,7 +140,7 @@ GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const Glt
     accessor.dense = resolve_range(root, json, accessor.count, accessor.element_size(), true, buffers);
   if (const auto sparse = json.find("sparse")) resolve_sparse(root, *sparse, buffers, accessor);
   if (!accessor.dense) {
-    // Zeros cost a file nothing: a count that nothing backs must not decide how much memory is taken.
+    // Zeros need no bytes in a file, so a count without data must not decide how much memory is taken.
     std::size_t bytes = 0;
     for (const std::string_view buffer : buffers) bytes += buffer.size();
     if (accessor.count > bytes) json.fail(fmt::format("has {} elements, but no bufferView", accessor.count));

@@ -14,16 +14,16 @@
 
 namespace meshgraft::io {
 
-/// glTF's number of the component type float.
+/// The number of the component type float in glTF.
 inline constexpr int component_type_float = 5126;
 
-/// A byte of one of the buffers.
+/// The address of a byte in one of the buffers.
 struct GltfAddress {
   std::size_t buffer = 0;
   std::size_t byte = 0;
 };
 
-/// An accessor whose ranges were checked against the buffers.
+/// An accessor whose ranges have been checked against the buffers.
 struct GltfAccessor {
   ScalarType type = ScalarType::float32;
   bool normalized = false;
@@ -34,23 +34,23 @@ struct GltfAccessor {
     GltfAddress begin;
     std::size_t stride = 0;
   };
-  std::optional<Strided> dense;  ///< none: zeros
-  /// Elements that have a place of their own (a sparse accessor).
+  std::optional<Strided> dense;  ///< empty: all elements are zero
+  /// The elements that a sparse accessor stores separately, with their addresses.
   std::unordered_map<std::size_t, GltfAddress> displaced;
-  std::vector<Strided> sparse_parts;  ///< their indices, then their values
+  std::vector<Strided> sparse_parts;  ///< the ranges of the indices and of the values
   std::size_t sparse_count = 0;
   ScalarType sparse_index_type = ScalarType::uint32;
 
   std::size_t element_size() const;
 
-  /// Where an element is stored; none for a zero that no byte holds.
+  /// Returns the address of an element. Returns nothing for a zero that no byte stores.
   std::optional<GltfAddress> address(std::size_t element) const;
 
-  /// Largest integer that stands for 1, or 0 where values are stored as they are.
+  /// Returns the largest integer, which stands for 1. Returns 0 if values are stored as they are.
   double unit() const;
 };
 
-/// A value of up to four components; MAT accessors are not for vertices.
+/// A value of up to four components. Vertex attributes never use matrix accessors.
 using GltfValue = std::array<double, 4>;
 
 /// The bytes of each buffer.
@@ -59,15 +59,17 @@ using GltfBytes = std::vector<std::string_view>;
 /// Whether glTF allows indices of this type.
 bool is_index_type(ScalarType type);
 
-/// Throws Error(input) naming the member that is missing, unknown or out of range.
+/// Checks an accessor and its ranges. Throws Error(input) naming the member that is missing, unknown or out
+/// of range.
 GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const GltfBytes& buffers);
 
-/// One component as it is stored, and an element as what it stands for.
+/// Load one component as it is stored, and all components of an element as the values that they stand for.
 double load_component(const GltfAccessor& accessor, std::size_t element, std::size_t component,
                       const GltfBytes& buffers);
 GltfValue load_value(const GltfAccessor& accessor, std::size_t element, const GltfBytes& buffers);
 
-/// What would be stored for `value`; none where the type cannot hold it (half a quantum for integers).
+/// Returns the component that would be stored for `value`. Integers are rounded, by at most half a quantum.
+/// Returns nothing if the value is out of the type's range.
 std::optional<double> stored_component(const GltfAccessor& accessor, double value);
 
 }  // namespace meshgraft::io

@@ -27,12 +27,12 @@ namespace meshgraft::io {
 
 namespace {
 
-/// One attribute of glTF and the mesh's that it comes from.
+/// A glTF attribute to be written, and the mesh attribute that it comes from.
 struct NewChannel {
   GltfChannel channel;
   const Attribute* attribute = nullptr;
   std::size_t components = 3;
-  double scale = 1;  ///< from the mesh's values to the file's
+  double scale = 1;  ///< factor from the mesh's values to the file's
 };
 
 GltfDocument blank_document(const std::filesystem::path& path) {
@@ -59,7 +59,8 @@ const Attribute* of_vertices_or_corners(const Mesh& mesh, const std::string& nam
   return nullptr;
 }
 
-/// uv, uv_1, …: glTF numbers them without gaps, however they are named.
+/// Returns the channels to be written. glTF numbers TEXCOORD_0, TEXCOORD_1, … without gaps, whatever numbers
+/// uv, uv_1, … have.
 std::vector<NewChannel> channels_of(const Mesh& mesh) {
   using Kind = GltfChannel::Kind;
   std::vector<NewChannel> channels;
@@ -245,7 +246,8 @@ class GltfComposer {
     return add_accessor(bytes, primitive.vertex.size(), channel.components);
   }
 
-  /// A vertex needs a value where others have one: colours white, directions of unit length.
+  /// Returns the value of a vertex in the file. If others have a value, it needs one, too: missing colours
+  /// become white. Directions get unit length.
   GltfValue file_value(const NewChannel& channel, const Attribute& attribute, const SplitPrimitive& primitive,
                        std::size_t i) {
     const double* at = values_at(attribute, primitive, i);
@@ -294,7 +296,8 @@ class GltfComposer {
     return append_deltas(edit_, primitive.vertex.size(), deltas, false);
   }
 
-  /// 65535 is no index of 16 bits: it restarts strips.
+  /// Writes the indices with 16 bits if possible. 65535 is not a valid index of 16 bits, because it restarts
+  /// strips.
   std::size_t write_indices(const SplitPrimitive& primitive) {
     const bool is_short = primitive.vertex.size() < 65536;
     const ScalarType type = is_short ? ScalarType::uint16 : ScalarType::uint32;
@@ -323,7 +326,7 @@ class GltfComposer {
     note_attributes();
   }
 
-  /// Far from the origin, floats cannot tell neighbouring vertices apart.
+  /// Adds a note if floats cannot tell neighbouring vertices apart, because the mesh is far from the origin.
   void note_precision() {
     if (mesh_.vertex_count() == 0) return;
     const Eigen::RowVector3d low = mesh_.positions.colwise().minCoeff();
@@ -354,7 +357,7 @@ class GltfComposer {
 
   const Mesh& mesh_;
   const std::filesystem::path& path_;
-  const Mesh* moved_;  // with the same faces; null without a morph target
+  const Mesh* moved_;  // the edited mesh, with the same faces; null without a morph target
   std::string target_name_;
   const Context& context_;
   GltfDocument document_;

@@ -100,7 +100,7 @@ GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& l
     loaded.begin = layout.binary_begin;
     available = layout.binary_size;
   } else {
-    return loaded;  // an error only where somebody needs it
+    return loaded;  // an error only if an accessor needs this buffer
   }
   if (size > available)
     buffer.fail(fmt::format("says {} bytes, but there are {}", size, available),
@@ -262,7 +262,7 @@ fs::path free_buffer_path(const fs::path& path, const std::vector<fs::path>& inp
   try {
     replaceable = files_of_gltf(path);
   } catch (const Error&) {
-    replaceable.clear();  // whatever is there, it refers to nothing that can be told
+    replaceable.clear();  // the malformed file at `path` refers to no known file
   }
   for (int k = 1;; ++k) {
     fs::path candidate = path;

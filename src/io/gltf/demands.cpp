@@ -14,7 +14,7 @@ namespace {
 
 constexpr Index corners_per_check = 1 << 18;
 
-/// 0 and -0 are one place.
+/// Whether two values are equal. 0 equals -0, and NaN equals NaN.
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 bool agree(const GltfChanges& a, const GltfChanges& b) {
@@ -76,7 +76,7 @@ class DemandCollector {
     return demand;
   }
 
-  /// Notes the value where it is not what the reader made of the element's.
+  /// Records the wanted value if it differs from the value that the reader derived from this element.
   void require(GltfDemand& demand, std::size_t element, const GltfAccessor& accessor, const double* wanted,
                std::size_t components) const {
     const GltfValue local = load_value(accessor, element, bytes_);
@@ -117,7 +117,8 @@ class DemandCollector {
     }
   }
 
-  /// Corners of one element have one value in the file.
+  /// Counts corners that want another value than the first corner of their element. The file has one value
+  /// per element.
   void count_disagreement(const GltfDemand& demand, std::size_t element, const GltfAccessor& accessor,
                           const double* wanted) {
     GltfDemand other{demand.channel, demand.accessor, {}, {}};
@@ -150,7 +151,7 @@ class DemandCollector {
   std::size_t disagreeing_corners_ = 0;
 };
 
-/// How many nodes have each mesh, shown or not.
+/// Counts the nodes that refer to each mesh, whether they are shown or not.
 std::vector<std::size_t> count_users(const Json& json) {
   std::vector<std::size_t> users(json.contains("meshes") ? json["meshes"].size() : 0, 0);
   if (!json.contains("nodes")) return users;
@@ -192,10 +193,10 @@ std::vector<GltfTarget> part_instances(GltfEdit& edit, const GltfDocument& docum
   for (std::size_t i = 0; i < document.instances.size(); ++i) shown[document.instances[i].mesh].push_back(i);
   for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
     const std::vector<std::size_t>& users = shown[mesh];
-    // Who is not edited, and who is not shown, keeps the mesh.
+    // Nodes that are not edited or not shown keep the mesh.
     bool is_taken = user_count[mesh] > users.size() ||
                     std::ranges::any_of(users, [&](std::size_t i) { return all_met(demands[i]); });
-    std::vector<GltfTarget> of_mesh;  // one per way that the instances differ
+    std::vector<GltfTarget> of_mesh;  // one per distinct set of demands
     for (const std::size_t i : users) {
       if (all_met(demands[i])) continue;
       auto like = std::ranges::find_if(

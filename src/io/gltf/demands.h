@@ -12,12 +12,12 @@
 
 namespace meshgraft::io {
 
-/// What one accessor would have to hold for one instance to look like the mesh.
+/// The values that one accessor must hold so that one instance looks like the mesh.
 struct GltfDemand {
   GltfChannel channel;
   std::size_t accessor = 0;
-  Flags is_used;        ///< elements that some corner of the instance has
-  GltfChanges changes;  ///< in the file's space: of the elements whose values differ from the file's
+  Flags is_used;        ///< per element: whether a corner of the instance uses it
+  GltfChanges changes;  ///< elements whose values differ from the file's, in the file's space
 
   bool is_met() const { return changes.empty(); }
 };
@@ -25,23 +25,23 @@ struct GltfDemand {
 /// The demands of one instance, in a fixed order.
 using GltfDemands = std::vector<GltfDemand>;
 
-/// Compares a mesh with what the reader made of its file: demands per instance. `notes` gets a sentence where
-/// corners want different values of one element; the first one's is taken.
-/// Throws Error(input) where a node flattens what was moved.
+/// Compares a mesh with the values that the reader derived from its file. Returns the demands of each
+/// instance. If corners want different values of one element, the first corner's value is taken and `notes`
+/// gets a sentence. Throws Error(input) if an edited instance belongs to a node that flattens its mesh.
 std::vector<GltfDemands> demands_of(const GltfDocument& document, const Mesh& mesh,
                                     std::vector<std::string>& notes, const Context& context);
 
-/// Equal but for the rounding of a node's transform.
+/// Whether two values are equal up to the rounding of a node's transform.
 bool nearly_equal(const GltfValue& a, const GltfValue& b);
 
-/// A mesh of the file with the instance whose demands it has to meet.
+/// A mesh of the file, and the instance whose demands it must meet.
 struct GltfTarget {
   std::size_t mesh = 0;  ///< in the edit's JSON
   std::size_t instance = 0;
 };
 
-/// Gives instances whose demands differ a mesh of their own, appended to the JSON; nodes that are not shown and
-/// instances without an edit keep the old one. Returns the meshes that have to change.
+/// Gives instances with different demands separate meshes, which are appended to the JSON. Nodes that are not
+/// shown and instances without an edit keep the old mesh. Returns the meshes that must change.
 std::vector<GltfTarget> part_instances(GltfEdit& edit, const GltfDocument& document,
                                        const std::vector<GltfDemands>& demands);
 

@@ -16,7 +16,7 @@ bool is_numbered(const std::string& semantic, std::string_view prefix) {
   return semantic.find_first_not_of("0123456789", prefix.size()) == std::string::npos;
 }
 
-/// "uv", "uv_1", …
+/// Returns "uv" for TEXCOORD_0, "uv_1" for TEXCOORD_1, and so on.
 std::string numbered(const std::string& semantic, std::string_view prefix, const std::string& name) {
   const std::string number = semantic.substr(prefix.size());
   return number == "0" ? name : name + "_" + number;

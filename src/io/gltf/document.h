@@ -18,7 +18,8 @@
 
 namespace meshgraft::io {
 
-/// What a vertex attribute of glTF is called in a mesh, and how a node's transform acts on it.
+/// A vertex attribute of glTF: its name in a mesh, and its kind, which decides how a node's transform acts on
+/// it.
 struct GltfChannel {
   enum class Kind { position, normal, tangent, uv, plain };
   Kind kind = Kind::plain;
@@ -26,10 +27,11 @@ struct GltfChannel {
   std::string attribute;  ///< "uv"; empty for positions
 };
 
-/// None for what only the file keeps: joints, weights, and names that glTF does not define.
+/// Returns nothing for attributes that only the file keeps: joints, weights, and names that glTF does not
+/// define.
 std::optional<GltfChannel> channel_of(const std::string& semantic);
 
-/// A node's place in the world, for values as the mesh shows them.
+/// The world transform of a node. It converts values between the file and the mesh.
 class GltfPlacement {
  public:
   GltfPlacement() = default;
@@ -38,8 +40,8 @@ class GltfPlacement {
   bool mirrors() const { return mirrors_; }
   bool flattens() const { return flattens_; }
 
-  /// From the file's value to the mesh's and back; the way back needs a placement that does not flatten.
-  /// UVs count from the bottom in a mesh, as in OBJ and PLY, and from the top in glTF.
+  /// Convert a value from the file to the mesh and back. The way back needs a placement that does not
+  /// flatten. UVs count from the bottom in a mesh, as in OBJ and PLY, and from the top in glTF.
   GltfValue to_mesh(GltfChannel::Kind kind, const GltfValue& value) const;
   GltfValue to_file(GltfChannel::Kind kind, const GltfValue& value) const;
 
@@ -51,7 +53,7 @@ class GltfPlacement {
   bool flattens_ = false;
 };
 
-/// Which vertex of the mesh each element of an accessor of positions became: -1 where no triangle has it.
+/// Maps each element of a position accessor to its mesh vertex, or to -1 if no triangle uses it.
 struct GltfElementMap {
   std::size_t accessor = 0;
   std::vector<Index> vertex;
@@ -59,27 +61,28 @@ struct GltfElementMap {
 
 /// A primitive of triangles as one node shows it.
 struct GltfPart {
-  std::size_t primitive = 0;  ///< in its mesh
-  std::size_t map = 0;        ///< in its instance
+  std::size_t primitive = 0;  ///< index in the mesh of the file
+  std::size_t map = 0;        ///< index in `GltfInstance::maps`
   Index first_corner = 0;
   Index corner_count = 0;
 };
 
 /// A mesh of the file as one node shows it.
 struct GltfInstance {
-  std::optional<std::size_t> node;  ///< none in a file without nodes
+  std::optional<std::size_t> node;  ///< empty in a file without nodes
   std::size_t mesh = 0;
   GltfPlacement placement;
   std::vector<GltfElementMap> maps;
   std::vector<GltfPart> parts;
 };
 
-/// Distinct names for numbered things: the file's own, else "material_3"; a second "skin" is "skin_2".
+/// Returns distinct names for numbered objects. An unnamed one is called e.g. "material_3", and a second
+/// "skin" is called "skin_2".
 std::vector<std::string> gltf_labels(const JsonView& root, const char* array, const std::string& kind);
 
-/// The nodes of the default scene that have a mesh, with their places, in the order of the hierarchy. A file
-/// without scenes shows all its nodes, one without nodes all its meshes.
-/// Throws Error(input) where the hierarchy is no tree.
+/// Returns the nodes of the default scene that have a mesh, with their placements, in the order of the
+/// hierarchy. A file without scenes shows all its nodes, and one without nodes shows all its meshes. Throws
+/// Error(input) if the hierarchy is not a tree.
 std::vector<GltfInstance> instances_of(const JsonView& root);
 
 /// Whether a primitive consists of triangles (a list, a strip or a fan).
@@ -87,16 +90,16 @@ bool has_triangles(const Json& primitive);
 
 constexpr std::uint32_t no_element = std::numeric_limits<std::uint32_t>::max();
 
-/// A glTF file as it was read. Its bytes are the record of everything; a writer replaces the values that
+/// A glTF file as it was read. It keeps the file's bytes. A writer copies them and replaces the values that
 /// differ.
 struct GltfDocument : FileDocument {
-  std::string content;  ///< the .gltf or .glb
+  std::string content;  ///< of the .gltf or .glb
   bool is_glb = false;
   GlbLayout layout;
   Json json;
   std::vector<GltfBuffer> buffers;
   std::vector<GltfInstance> instances;
-  std::vector<std::uint32_t> corner_elements;  ///< of the accessors behind each corner, or no_element
+  std::vector<std::uint32_t> corner_elements;  ///< per corner: its element in the accessors, or no_element
 
   std::string_view json_text() const;
   std::string_view binary_rest() const;

@@ -20,7 +20,7 @@ void put_component(char* element, const GltfAccessor& accessor, std::size_t comp
   store_binary(element + component * size_of(accessor.type), stored, accessor.type, swap_little_endian);
 }
 
-/// Elements without gaps but those that align each to 4 bytes, as attributes of vertices have to be.
+/// Returns the elements in order, each padded to a multiple of 4 bytes, as vertex attributes require.
 std::string dense_bytes(const GltfAccessor& accessor, const GltfBytes& bytes, std::size_t stride) {
   std::string dense(accessor.count * stride, '\0');
   for (std::size_t e = 0; e < accessor.count; ++e)
@@ -39,7 +39,7 @@ std::string float_bytes(const GltfAccessor& accessor, const GltfBytes& bytes) {
   return dense;
 }
 
-/// Bounds of floats are often written with fewer digits than the float has.
+/// Compares bounds as floats, because they are often written with fewer digits than a float has.
 bool is_same_bound(double a, double b, ScalarType type) {
   return is_integer(type) ? a == b : static_cast<float>(a) == static_cast<float>(b);
 }

@@ -12,39 +12,39 @@
 
 namespace meshgraft::io {
 
-/// New values of elements of an accessor, by element: as stored after rounding.
+/// New values of an accessor's elements, by element, before they are rounded to the stored type.
 using GltfChanges = std::map<std::size_t, GltfValue>;
 
-/// A glTF file being changed: its JSON and its buffers, copied only where something is written.
+/// A glTF file being changed: its JSON and its buffers. A buffer is copied only when it is written to.
 class GltfEdit {
  public:
   explicit GltfEdit(const GltfDocument& document);
 
   Json json;
   std::vector<std::string> notes;
-  std::vector<std::filesystem::path> inputs;  ///< that no new buffer may replace, beside the document's own
+  std::vector<std::filesystem::path> inputs;  ///< no new buffer may replace these or the document's own
 
   JsonView view() const { return JsonView(json, "", name_); }
   GltfBytes bytes() const;
   GltfAccessor accessor(std::size_t index) const { return resolve_accessor(view(), index, bytes()); }
 
-  /// Whether every value has a byte of its own and fits the accessor's type.
+  /// Whether every element has bytes of its own and every value fits the accessor's type.
   static bool can_store(const GltfAccessor& accessor, const GltfChanges& changes);
 
-  /// Writes values where they are stored, and the accessor's min and max where it has them.
+  /// Overwrites the values in the buffers. Updates the accessor's min and max if it has them.
   void store(std::size_t accessor_index, const GltfChanges& changes);
 
-  /// A dense copy of an accessor with these changes at the end of a buffer; as floats where its type cannot
-  /// hold one of them.
+  /// Appends a dense copy of an accessor with these changes. It has floats if the accessor's type cannot hold
+  /// one of the values. Returns the index of the new accessor.
   std::size_t store_copy(std::size_t accessor_index, const GltfChanges& changes);
 
-  /// A buffer view of new bytes, aligned to 4; `target` 0 for none.
+  /// Appends a buffer view of new bytes, aligned to 4 bytes. `target` is 0 for none. Returns its index.
   std::size_t append_view(std::string_view bytes, std::size_t stride = 0, int target = 0);
 
-  /// An element at the end of one of the JSON's arrays, which is made where it is missing.
+  /// Appends an element to one of the JSON's arrays, which is created if it is missing. Returns its index.
   std::size_t append(const char* array, Json value);
 
-  /// The file at `path`, in the container of its extension, with what goes beside it.
+  /// Composes the file for `path`, in the container of its extension, with the files beside it.
   Written finish(const std::filesystem::path& path) const;
 
  private:
@@ -55,13 +55,13 @@ class GltfEdit {
 
   const GltfDocument& document_;
   const std::string name_;
-  std::vector<std::optional<std::string>> changed_;  // buffers
+  std::vector<std::optional<std::string>> changed_;  // per buffer: its new bytes, if it was changed
 };
 
 void append_float(std::string& out, double value);
 
-/// The JSON's min and max of a whole accessor, as they are stored: bounds that are right already keep their
-/// numbers.
+/// Sets min and max in the JSON to the bounds of a whole accessor, as stored. Bounds that are right already
+/// keep their text.
 void set_bounds(Json& accessor_json, const GltfAccessor& accessor, const GltfBytes& bytes);
 
 }  // namespace meshgraft::io

@@ -4,7 +4,7 @@
 
 namespace meshgraft::io {
 
-/// glTF 2.0: .glb, and .gltf with its buffers beside it or inside.
+/// glTF 2.0: .glb, and .gltf with its buffers beside it or inside it.
 Format gltf_format();
 
 Mesh read_gltf(std::string content, const std::string& name, const Context& context);

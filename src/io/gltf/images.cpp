@@ -20,7 +20,7 @@ std::string bytes_of_view(const JsonView& root, const GltfDocument& document, co
   return std::string(buffer.substr(begin, length));
 }
 
-// Into `texture`; returns whether there is a picture.
+// Fills `texture`. Returns whether there is an image.
 bool find_image(const JsonView& root, const GltfDocument& document, const JsonView& image,
                 MaterialTexture& texture) {
   if (const auto view = image.find("bufferView")) {
@@ -62,7 +62,7 @@ std::vector<MaterialTexture> textures_of(const GltfDocument& document) {
       const auto image = image_of(root, root.at("materials").at(i));
       if (image && find_image(root, document, *image, texture)) textures.push_back(std::move(texture));
     } catch (const Error&) {
-      continue;  // a mesh is shown without what its file has malformed
+      continue;  // the mesh is shown without a malformed texture
     }
   }
   return textures;

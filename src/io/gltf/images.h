@@ -8,8 +8,8 @@
 
 namespace meshgraft::io {
 
-/// The pictures of all materials' base colours, by the labels that a mesh of the file has. What is missing or
-/// malformed is left out.
+/// Returns the images of all materials' base colours, by the material labels of the mesh. Missing and
+/// malformed images are left out.
 std::vector<MaterialTexture> textures_of(const GltfDocument& document);
 
 }  // namespace meshgraft::io

@@ -19,7 +19,7 @@ constexpr std::size_t deepest_nesting = 200;
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/// Comparing and patching values follows their nesting on the stack, and so would a hostile file.
+/// Refuses deep nesting. Comparing and patching values recurse, so a hostile file could exhaust the stack.
 void require_shallow(std::string_view text, const std::string& file) {
   std::size_t depth = 0;
   bool in_string = false;
@@ -40,7 +40,8 @@ void require_shallow(std::string_view text, const std::string& file) {
   }
 }
 
-/// Copies a JSON text that is known to be well formed, value by value, beside what it reads as.
+/// Copies a JSON text value by value and replaces the values that differ. The text must be well formed and
+/// read as `before`.
 class JsonPatcher {
  public:
   explicit JsonPatcher(std::string_view text) : text_(text) {}
@@ -53,7 +54,7 @@ class JsonPatcher {
   }
 
  private:
-  /// At the value, or at blanks before it; moves behind it.
+  /// Patches one value. Starts at the value or at blanks before it, and ends behind it.
   void patch_value(const Json& before, const Json& after) {
     skip_blanks();
     const std::size_t begin = at_;
@@ -69,7 +70,8 @@ class JsonPatcher {
     replace(begin, after.dump());
   }
 
-  /// Not where members went, or where one is written twice: which of the two counts differs between readers.
+  /// Whether the members can be patched one by one. They cannot if one was removed or is written twice,
+  /// because readers differ in which of the two counts.
   bool can_patch_members(const Json& before, const Json& after) {
     if (before.empty()) return false;
     for (const auto& member : before.items())
@@ -107,14 +109,14 @@ class JsonPatcher {
     insert(value_end, added);
   }
 
-  /// Behind the bracket that opens an object or an array.
+  /// Moves behind the bracket that opens an object or an array.
   void enter() {
     skip_blanks();
     ++at_;
   }
 
-  /// True, and behind the closing bracket, where no further member or element follows. `separator` gets the
-  /// blanks before one.
+  /// Returns true and moves behind the closing bracket if no further member or element follows. Otherwise
+  /// `separator` gets the blanks before the next one.
   bool leave(std::string* separator = nullptr) {
     std::size_t begin = at_;
     skip_blanks();
@@ -128,7 +130,8 @@ class JsonPatcher {
     return done;
   }
 
-  /// At a member's key; moves to its value, or behind that.
+  /// Reads the member's key at the current position. Moves behind the member's value, or to the value if
+  /// `skip` is false.
   std::string read_key(bool skip = true) {
     const std::size_t begin = at_;
     skip_string();

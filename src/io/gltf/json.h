@@ -10,19 +10,19 @@
 
 namespace meshgraft::io {
 
-/// Members in the order of the file.
+/// JSON that keeps its members in the order of the file.
 using Json = nlohmann::ordered_json;
 
-/// The JSON of a glTF file. Throws Error(input) with line or byte where it is malformed, is no object, or is
-/// nested deeper than any glTF file has a use for.
+/// Parses the JSON of a glTF file. Throws Error(input) with line or byte if it is malformed, is not an
+/// object, or is nested deeper than any glTF file needs.
 Json parse_gltf_json(std::string_view text, const std::string& file);
 
-/// `text`, which reads as `before`, changed as little as it takes to read as `after`: values that are equal
-/// keep their bytes (number texts, blanks, order), new members and elements go behind the last one.
+/// Returns `text`, which reads as `before`, with the fewest changes so that it reads as `after`. Equal values
+/// keep their bytes (number texts, blanks, order). New members and elements follow the last one.
 std::string patch_json_text(std::string_view text, const Json& before, const Json& after);
 
-/// A value of a glTF file that knows its place, for messages like "bird.gltf: accessors[3].bufferView".
-/// Members throw Error(input) where the file has something else than what is asked for.
+/// A value of a glTF file that knows its location, for messages like "bird.gltf: accessors[3].bufferView".
+/// The member functions throw Error(input) if the value is missing or has another type than requested.
 class JsonView {
  public:
   JsonView(const Json& json, std::string location, const std::string& file)
@@ -36,7 +36,7 @@ class JsonView {
   JsonView at(const std::string& key) const;
   JsonView at(std::size_t element) const;
 
-  /// Elements of the array `key`; 0 where there is none.
+  /// Returns the number of elements of the array `key`, or 0 if there is none.
   std::size_t count(const std::string& key) const;
   std::size_t size() const;
 
@@ -46,7 +46,7 @@ class JsonView {
   std::uint64_t whole(const std::string& key, std::uint64_t otherwise) const;
   bool flag(const std::string& key) const;
 
-  /// An index into an array of `count` elements, which people call `what`.
+  /// Returns the value as an index into an array of `count` elements. `what` names the array in messages.
   std::size_t index(std::size_t count, std::string_view what) const;
 
   [[noreturn]] void fail(const std::string& problem,

@@ -59,7 +59,7 @@ std::size_t target_count(const Json& mesh) {
   return count;
 }
 
-/// The attributes that a further target has to have, so that those of one primitive are alike.
+/// Returns the attributes of a further target. All targets of one primitive must have the same attributes.
 std::vector<std::string> semantics_of_targets(const Json& primitive) {
   std::vector<std::string> semantics;
   for (const char* semantic : {"POSITION", "NORMAL", "TANGENT"}) {
@@ -105,7 +105,7 @@ class MorphTargetWriter {
     targets.push_back(std::move(target));
   }
 
-  /// Primitives that share an accessor share its differences.
+  /// Returns the accessor of the differences. Primitives that share an accessor share its differences.
   std::size_t deltas_of(const std::string& semantic, std::size_t accessor_index) {
     const auto [entry, is_new] = written_.try_emplace({semantic, accessor_index}, 0);
     if (!is_new) return entry->second;
@@ -125,7 +125,7 @@ class MorphTargetWriter {
     return entry->second;
   }
 
-  /// What gives every target a weight gives the new one zero.
+  /// Appends a zero weight for the new target to the nodes and animations that give every target a weight.
   void extend_nodes(std::size_t earlier) {
     if (!edit_.json.contains("nodes")) return;
     std::set<std::size_t> nodes;
@@ -146,10 +146,10 @@ class MorphTargetWriter {
     }
   }
 
-  /// The channel's values come `earlier` at a time; others may use the same sampler, so the channel gets its
-  /// own.
+  /// Extends an animation channel whose values come in groups of `earlier`. If other channels use the same
+  /// sampler, the channel gets its own.
   void extend_channel(std::size_t animation_index, std::size_t channel, std::size_t earlier) {
-    // Adding a member to an object moves its others, so nothing is held by reference over that.
+    // Adding a member to an object moves the other members, so no reference is held across an insertion.
     const Json old = edit_.json["animations"][animation_index];
     Json sampler = old.at("samplers").at(old.at("channels").at(channel).at("sampler").get<std::size_t>());
     const auto output = sampler.at("output").get<std::size_t>();
@@ -177,7 +177,7 @@ class MorphTargetWriter {
     }
   }
 
-  /// The values of an accessor, with a zero after each `group` of them.
+  /// Returns the values of an accessor, with a zero after each `group` of them.
   std::string with_zeros(const GltfAccessor& accessor, std::size_t group) const {
     const GltfBytes bytes = edit_.bytes();
     const std::size_t size = accessor.element_size();

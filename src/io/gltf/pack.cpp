@@ -30,7 +30,7 @@ std::string_view without_padding(std::string_view json) {
 
 }  // namespace
 
-/// Puts an edited file into the container that its new name asks for.
+/// Puts an edited file into the container that its new name requires.
 class GltfPacker {
  public:
   GltfPacker(const GltfEdit& edit, const fs::path& path)
@@ -87,7 +87,8 @@ class GltfPacker {
     }
   }
 
-  /// A buffer of another name, or in another folder, may serve other files.
+  /// Whether the buffer belongs to this file alone. A buffer with another name or in another folder may serve
+  /// other files.
   bool is_own(const fs::path& buffer) const {
     fs::path own = path_;
     return buffer.lexically_normal() == own.replace_extension(".bin").lexically_normal();
@@ -97,7 +98,7 @@ class GltfPacker {
     return document_.content.substr(document_.layout.binary_begin, document_.layout.binary_size);
   }
 
-  /// A chunk may be longer than its buffer.
+  /// Returns the new bytes of the chunk. A chunk may be longer than its buffer; its remaining bytes are kept.
   std::string chunk_bytes(std::size_t b) const {
     std::string chunk(bytes_[b]);
     const std::string original = original_chunk();
@@ -112,7 +113,8 @@ class GltfPacker {
     written_.companions.push_back({file, std::string(bytes_[b])});
   }
 
-  /// Data that is somewhere else, or referred to by what only an extension knows, stays where it is.
+  /// Whether all buffers can move into one chunk. Absent data cannot, nor can data that an extension may
+  /// refer to.
   bool can_merge() const {
     const auto is_there = [](const GltfBuffer& buffer) {
       return buffer.storage != GltfBuffer::Storage::absent;
@@ -146,7 +148,7 @@ class GltfPacker {
     binary_ = std::move(chunk);
   }
 
-  /// Images are not copied: the file names them where they are.
+  /// Adapts the URIs of the images to the new folder. The images are not copied.
   void follow_images() {
     const auto images = json_.find("images");
     if (images == json_.end()) return;

@@ -27,7 +27,7 @@ namespace meshgraft::io {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-/// Extensions that change what the triangles are; a file that requires another one may still be edited.
+/// Extensions that change the triangles. A file that requires any other extension may still be edited.
 constexpr std::array<std::string_view, 5> geometry_extensions = {
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
     "EXT_mesh_gpu_instancing", "KHR_gaussian_splatting"};
@@ -57,8 +57,8 @@ struct PositionHash {
   }
 };
 
-/// Builds a mesh from the nodes of the default scene: their triangles in world space, vertices of one node at
-/// exactly the same place as one vertex, everything else per corner.
+/// Builds a mesh from the nodes of the default scene. The triangles are in world space. Vertices of one node
+/// at exactly the same position become one vertex. All other attributes are read per corner.
 class GltfReader {
  public:
   GltfReader(std::string content, const std::string& name, const Context& context)
@@ -95,7 +95,8 @@ class GltfReader {
     require_room();
   }
 
-  // A small file can show one mesh any number of times: what that takes is known before it is taken.
+  // Refuses files that show too many triangles, before memory is taken. A small file can show one mesh any
+  // number of times.
   void require_room() {
     constexpr std::uint64_t most_corners = 300'000'000, bytes_a_corner = 40;
     std::map<std::size_t, std::uint64_t> corners_of_mesh;
@@ -198,7 +199,7 @@ class GltfReader {
       if (mode == 4) corners = {element(3 * t), element(3 * t + 1), element(3 * t + 2)};
       if (mode == 5 && t % 2 == 1) std::swap(corners[1], corners[2]);
       if (mode == 6) corners = {element(0), element(t + 1), element(t + 2)};
-      // Strips are strung together by triangles without area.
+      // Triangles without area join the pieces of a strip.
       const bool joins_strips =
           mode != 4 && (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]);
       if (joins_strips) continue;
@@ -213,7 +214,7 @@ class GltfReader {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t element = elements[k];
       if (element >= positions.count) {
-        face[k] = std::numeric_limits<Index>::max();  // named by check_mesh
+        face[k] = std::numeric_limits<Index>::max();  // reported by check_mesh
         document_->corner_elements.push_back(no_element);
         continue;
       }
@@ -226,7 +227,7 @@ class GltfReader {
   }
 
   Index weld(const GltfValue& local, const GltfPlacement& placement) {
-    const std::array<double, 3> key = {local[0] + 0.0, local[1] + 0.0, local[2] + 0.0};  // -0 is 0
+    const std::array<double, 3> key = {local[0] + 0.0, local[1] + 0.0, local[2] + 0.0};  // turns -0 into 0
     const auto next = static_cast<Index>(vertices_.size() / 3);
     const bool is_finite = std::isfinite(key[0]) && std::isfinite(key[1]) && std::isfinite(key[2]);
     const auto [entry, is_new] = is_finite ? welded_.try_emplace(key, next) : std::pair(welded_.end(), true);
@@ -237,7 +238,7 @@ class GltfReader {
     return is_new ? next : entry->second;
   }
 
-  /// No later vertex may take an index that the file has out of range.
+  /// Refuses so many vertices that the marker of an index out of range would be a valid index.
   void mark_out_of_range() const {
     if (mesh_.vertex_count() == std::numeric_limits<Index>::max())
       view().fail("has more than 2147483646 vertices", "Split the mesh");
@@ -291,7 +292,8 @@ class GltfReader {
     }
   }
 
-  /// The corner attribute of a channel, widened where this primitive has more components than earlier ones.
+  /// Returns the corner attribute of a channel. Widens it if this primitive has more components than earlier
+  /// ones.
   Attribute& corner_attribute(const GltfChannel& channel, std::size_t components) {
     const auto corners = static_cast<std::size_t>(mesh_.faces.corner_count());
     const auto [entry, is_new] = corner_attributes_.try_emplace(channel.attribute);
@@ -320,7 +322,8 @@ class GltfReader {
     return attribute;
   }
 
-  /// Where the corners of each vertex agree, there is no seam: the attribute is one of the vertices.
+  /// Adds the attribute per vertex if the corners of each vertex agree, so that there is no seam. Otherwise
+  /// returns false.
   bool move_to_vertices(const Attribute& of_corners) {
     const auto components = static_cast<std::size_t>(of_corners.components);
     const std::vector<Index>& corners = mesh_.faces.corners();
@@ -383,7 +386,7 @@ class GltfReader {
   GltfBytes bytes_;
   Mesh mesh_;
   std::vector<double> vertices_;
-  std::unordered_map<std::array<double, 3>, Index, PositionHash> welded_;  // of the instance being read
+  std::unordered_map<std::array<double, 3>, Index, PositionHash> welded_;  // of the current instance
   std::unordered_map<std::size_t, GltfAccessor> accessors_;
   std::map<std::string, Attribute> corner_attributes_;
 };

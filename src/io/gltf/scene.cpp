@@ -90,7 +90,7 @@ std::vector<GltfInstance> instances_of(const JsonView& root) {
     std::size_t node;
     Eigen::Affine3d parent;
   };
-  std::vector<Visit> open;  // a stack of our own: nodes may be nested deeper than the program's
+  std::vector<Visit> open;  // explicit stack: nodes may be nested deeper than recursion allows
   Flags seen(node_count, false);
   const auto push = [&](const std::vector<std::size_t>& nodes, const Eigen::Affine3d& parent) {
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) open.push_back({*node, parent});
@@ -105,7 +105,7 @@ std::vector<GltfInstance> instances_of(const JsonView& root) {
     const Eigen::Affine3d world = visit.parent * local_transform(node);
     if (const auto reference = node.find("mesh")) {
       const std::size_t mesh = reference->index(mesh_count, "meshes");
-      // A skin's joints place the mesh; glTF lets its node have no say.
+      // The joints of a skin place the mesh. glTF ignores the transform of its node.
       const GltfPlacement placement = is_skinned(root, node, mesh) ? GltfPlacement() : GltfPlacement(world);
       instances.push_back({visit.node, mesh, placement, {}, {}});
     }

@@ -24,7 +24,7 @@ double label_of(const Attribute* attribute, Index face) {
   return attribute == nullptr ? no_label : attribute->values[static_cast<std::size_t>(face)];
 }
 
-/// The element of `list` with this label, added where there is none.
+/// Returns the element of `list` with this label. Adds it if there is none.
 template <class Element>
 Element& find_or_add(std::vector<Element>& list, double Element::* label, double value) {
   const auto known =
@@ -34,7 +34,7 @@ Element& find_or_add(std::vector<Element>& list, double Element::* label, double
   return list.back();
 }
 
-/// The corners of a face that its triangle's vertices are.
+/// Returns the corners of a face that belong to the vertices of one of its triangles.
 CornerTriangle corners_of(const Mesh& mesh, Index face, std::span<const Index> triangle) {
   const std::span<const Index> vertices = mesh.faces[face];
   CornerTriangle corners{};
@@ -93,8 +93,8 @@ class VertexSplitter {
 
   const Mesh& mesh_;
   std::vector<const Attribute*> attributes_;
-  std::vector<Index> first_;  // the vertex made last for each of the mesh's
-  std::vector<Index> next_;   // and the one made before it
+  std::vector<Index> first_;  // per mesh vertex: the last file vertex made for it, or -1
+  std::vector<Index> next_;   // per file vertex: the one made before it for the same mesh vertex, or -1
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace meshgraft::io {
 
 namespace {
 
-/// Bytes that an accessor's elements take, one per `stride`.
+/// The bytes of an accessor's elements: `size` bytes every `stride` bytes, from `begin` to `end`.
 struct Span {
   std::size_t accessor, buffer, begin, end, stride, size;
 };
@@ -27,12 +27,13 @@ struct Span {
 bool overlap(const Span& a, const Span& b) {
   if (a.buffer != b.buffer || a.end <= b.begin || b.end <= a.begin) return false;
   if (a.stride != b.stride) return true;
-  // Interleaved: the one's bytes within the other's stride.
+  // Interleaved accessors share bytes only if their elements overlap within a stride.
   const std::size_t offset = (b.begin + a.stride - a.begin % a.stride) % a.stride;
   return offset < a.size || a.stride - offset < b.size;
 }
 
-/// Who uses which accessor, and which share bytes: what may be written where it is.
+/// Counts the references to each accessor and finds accessors that share bytes. Only an accessor without
+/// other users may be written in place.
 class Usage {
  public:
   explicit Usage(const GltfEdit& edit) : edit_(edit) {
@@ -92,7 +93,8 @@ class Usage {
     count_in_extensions(edit_.json, false);
   }
 
-  /// Only an extension knows where it names accessors: what may be such a name counts as one.
+  /// Counts possible references within extensions. Only the extension defines where it names accessors, so
+  /// every candidate counts.
   void count_in_extensions(const Json& json, bool within) {
     if (!json.is_structured()) return;
     for (const auto& member : json.items()) {
@@ -114,7 +116,7 @@ class Usage {
         add_span(index, accessor.sparse_parts[k], accessor.sparse_count,
                  k == 0 ? size_of(accessor.sparse_index_type) : accessor.element_size());
     } catch (const Error&) {
-      return;  // matrices, and what the reader had no need to understand
+      return;  // matrices, and accessors that the reader does not need to understand
     }
   }
 
@@ -129,13 +131,13 @@ class Usage {
   std::vector<Span> spans_;
 };
 
-/// A demand and the mesh of the JSON that makes it.
+/// A demand, and the mesh of the JSON that it applies to.
 struct PlacedDemand {
   std::size_t mesh = 0;
   const GltfDemand* demand = nullptr;
 };
 
-/// Points and lines of the same mesh follow its triangles.
+/// Counts the primitives that use the demand's accessor. Points and lines of the mesh follow its triangles.
 std::size_t references_in(const Json& mesh, const GltfDemand& demand) {
   std::size_t count = 0;
   for (const Json& primitive : mesh["primitives"]) {
@@ -155,7 +157,8 @@ void redirect(Json& mesh, const GltfDemand& demand, std::size_t accessor) {
   }
 }
 
-/// What all demands on an accessor ask for together; false where one keeps what another changes.
+/// Unites the changes that all demands make to an accessor. Returns false if one demand keeps an element that
+/// another changes, or if their values differ.
 bool unite(const std::vector<PlacedDemand>& demands, GltfChanges& united) {
   for (const PlacedDemand& placed : demands)
     for (const auto& [element, value] : placed.demand->changes) united.try_emplace(element, value);
@@ -229,7 +232,7 @@ Written write_gltf(const Mesh& mesh, const std::filesystem::path& path, const Wr
       apply(edit, targets, demands);
     return edit.finish(path);
   } catch (const Json::exception&) {
-    // Reading looks at no animations, skins or images, so they may be anything.
+    // The reader ignores animations, skins and images, so they may have any type.
     throw Error(ErrorCode::input, "a member of the JSON has another type than glTF gives it", document->name(),
                 "Export the file again");
   }

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view own_mark = "# Materials, put together by meshgraft for ";
 
-/// The texts of the mtllib lines, each once.
+/// Returns the texts of the mtllib lines, each once.
 std::vector<std::string> library_lines(std::string_view obj) {
   std::vector<std::string> lines;
   ObjCursor cursor(obj);
@@ -34,7 +34,8 @@ std::vector<std::string> library_lines(std::string_view obj) {
   return lines;
 }
 
-/// The names in an mtllib line: one that may hold blanks, or several between blanks.
+/// Returns the names in an mtllib line. It holds one name that may contain blanks, or several names between
+/// blanks.
 std::vector<std::string> library_names(const std::string& line, const fs::path& folder) {
   std::error_code ignored;
   if (fs::exists(folder / line, ignored)) return {line};
@@ -49,7 +50,7 @@ std::vector<std::string> library_names(const std::string& line, const fs::path& 
   return any ? names : std::vector<std::string>{line};
 }
 
-/// The names in all of them.
+/// Returns the names in all mtllib lines.
 std::vector<std::string> library_names_of(std::string_view obj, const fs::path& folder) {
   std::vector<std::string> all;
   for (const std::string& line : library_lines(obj)) {
@@ -71,7 +72,7 @@ bool is_file(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, missing) && !missing;
 }
 
-/// The materials that some face has.
+/// Returns the materials that at least one face has.
 std::vector<std::string> used_materials(const Mesh& mesh) {
   const Attribute* material = mesh.find_attribute(Domain::face, "material");
   if (material == nullptr) return {};
@@ -84,7 +85,7 @@ std::vector<std::string> used_materials(const Mesh& mesh) {
   return names;
 }
 
-/// Puts a material library together, definition by definition.
+/// Composes a material library, definition by definition.
 class Library {
  public:
   Library(const Mesh& mesh, const fs::path& path) : path_(path), used_(used_materials(mesh)) {}
@@ -138,7 +139,8 @@ class Library {
     return line.substr(0, begin) + texture_from(path_.parent_path(), folder, texture);
   }
 
-  /// Beside the OBJ, by its name; an existing file only where it is of our making and no input.
+  /// Returns a free file name beside the OBJ, after its name. An existing file is replaced only if meshgraft
+  /// wrote it and it is not an input.
   fs::path free_path() const {
     for (int k = 1;; ++k) {
       fs::path candidate = path_;
@@ -155,7 +157,7 @@ class Library {
   std::vector<std::string> used_;
   std::set<std::string> defined_, notes_;
   std::vector<fs::path> libraries_;
-  std::vector<std::string> unread_;  // their names stay
+  std::vector<std::string> unread_;  // libraries that could not be read; their names stay
   std::string text_;
 };
 

@@ -37,7 +37,7 @@ bool is_number(std::string_view word) {
   return parse_number(word, ScalarType::float64).fault == NumberFault::none;
 }
 
-// How many words follow an option of a texture: its least and most.
+// Returns the least and the largest number of words that follow an option of a texture.
 std::pair<int, int> arguments_of(std::string_view option) {
   if (option == "-o" || option == "-s" || option == "-t") return {1, 3};
   if (option == "-mm") return {2, 2};

@@ -15,11 +15,12 @@ struct MtlMaterial {
 
 std::vector<MtlMaterial> parse_mtl(std::string_view content);
 
-/// The file that a line names, after its options; a part of `line`, empty where it names none.
+/// Returns the file that a line names after its options, as a part of `line`. Returns an empty text if it
+/// names none.
 std::string_view texture_in(std::string_view line);
 
-/// The path of a texture from `folder`, where a library in `library_folder` calls it `texture`. Absolute paths
-/// stay.
+/// Returns the path, relative to `folder`, of the texture that a library in `library_folder` calls `texture`.
+/// Absolute paths stay.
 std::string texture_from(const std::filesystem::path& folder, const std::filesystem::path& library_folder,
                          std::string_view texture);
 

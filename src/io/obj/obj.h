@@ -4,7 +4,7 @@
 
 namespace meshgraft::io {
 
-/// Wavefront OBJ, polygonal part; everything else in a file is kept as text.
+/// Wavefront OBJ, polygonal part. All other content of a file is kept as text.
 Format obj_format();
 
 Mesh read_obj(std::string content, const std::string& name, const Context& context);

@@ -26,7 +26,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-/// A whole number, positive or negative.
+/// Parses a whole number, positive or negative.
 bool parse_index(std::string_view& text, std::int64_t& value) {
   const std::size_t plus = text.starts_with('+') ? 1 : 0;
   const auto [end, error] = std::from_chars(text.data() + plus, text.data() + text.size(), value);
@@ -47,14 +47,14 @@ std::string_view keyword_of(Reference kind) {
   return "vn";
 }
 
-/// A positive index beyond the lines so far: legal only if the line comes later.
+/// A positive index beyond the lines so far. It is legal only if its line comes later.
 struct ForwardReference {
   Reference kind;
   std::int64_t index;
   std::size_t offset;
 };
 
-/// The state that g, o, usemtl and s lines set for the faces after them.
+/// Collects the labels that g, o, usemtl and s lines set for the faces after them.
 class FaceLabels {
  public:
   FaceLabels(std::string name, bool named) : name_(std::move(name)), named_(named) {}
@@ -66,7 +66,7 @@ class FaceLabels {
   }
   void set_number(double number) { current_ = number; }
 
-  /// Faces before the first label have none.
+  /// Stores the current label of a face. Faces before the first label have none.
   void push_face(Index face) {
     if (values_.empty() && std::isnan(current_)) return;
     values_.resize(static_cast<std::size_t>(face), none);
@@ -128,7 +128,8 @@ class ObjReader {
                 "Check that it is an OBJ mesh, and copy or export it again");
   }
 
-  /// What most files hold is counted first: growing step by step takes up to half as much again.
+  /// Reserves memory for vertices and faces, which are counted first. Growing step by step takes up to half
+  /// as much again.
   void reserve() {
     const std::string_view content = document_->content;
     std::size_t vertices = 0, faces = 0;
@@ -174,7 +175,7 @@ class ObjReader {
       fail(cursor, "the file has more than 2147483647 vertices", "Split the mesh");
     }
     vertices_.insert(vertices_.end(), values.begin(), values.begin() + 3);
-    // "x y z w", "x y z r g b" and "x y z r g b a" are in use.
+    // The forms "x y z w", "x y z r g b" and "x y z r g b a" are in use.
     if (count >= 6) {
       colours_.resize(vertices_.size() / 3 * 4 - 4, none);
       colours_.insert(colours_.end(), {values[3], values[4], values[5], count == 7 ? values[6] : none});
@@ -225,14 +226,15 @@ class ObjReader {
     mesh_.faces.push_back(corners_);
   }
 
-  /// Files without uvs or normals pay nothing for them.
+  /// Appends the reference of a corner. Files without uvs or normals need no memory for them.
   void push_reference(std::vector<Index>& references, Index reference) const {
     if (references.empty() && reference < 0) return;
     references.resize(corner_count_, -1);
     references.push_back(reference);
   }
 
-  /// A 0-based index from a 1-based or a negative one, which counts back from the last line so far.
+  /// Returns a 0-based index from a 1-based index, or from a negative one that counts back from the last line
+  /// so far.
   Index resolve(const ObjCursor& cursor, Reference kind, std::int64_t index, std::size_t lines_so_far) {
     const auto count = static_cast<std::int64_t>(lines_so_far);
     if (index == 0 || index < -count || index > std::numeric_limits<Index>::max()) {
@@ -256,7 +258,7 @@ class ObjReader {
   void read_smoothing(ObjCursor& cursor) {
     const std::string_view word = cursor.next_word();
     const ParsedNumber group = parse_number(word, ScalarType::int32);
-    // "s off" and "s 0" mean the same; anything else is not ours to judge.
+    // "s off" and "s 0" mean the same. Any other text counts as 0, too.
     smoothing_.set_number(group.fault == NumberFault::none ? group.value : 0.0);
   }
 
@@ -271,7 +273,7 @@ class ObjReader {
   void fill_mesh() {
     const std::size_t count = vertices_.size() / 3;
     mesh_.positions = Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(count), 3);
-    vertices_ = std::vector<double>();  // frees it: the document takes memory of its own next
+    vertices_ = std::vector<double>();  // frees memory before the attributes take theirs
     fill_colours(count);
     fill_corners("uv", Interpolation::linear, 2, corner_uvs_, uvs_);
     corner_uvs_ = std::vector<Index>();
@@ -296,7 +298,7 @@ class ObjReader {
     mesh_.attributes.push_back(std::move(attribute));
   }
 
-  /// The values that the corners refer to, a corner attribute.
+  /// Adds a corner attribute with the values that the corners refer to.
   void fill_corners(const char* attribute_name, Interpolation interpolation, int components,
                     std::vector<Index>& references, const std::vector<double>& lines) {
     if (references.empty()) return;
@@ -343,7 +345,7 @@ class ObjReader {
   std::vector<double> uvs_;
   std::vector<Index> corner_uvs_;
   std::size_t corner_count_ = 0;
-  std::vector<Index> corners_;  // of the face being read
+  std::vector<Index> corners_;  // of the current face
   std::vector<ForwardReference> forward_references_;
   FaceLabels groups_{"group", true};
   FaceLabels objects_{"object", true};

@@ -25,12 +25,13 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-/// What the vn lines and the corners that refer to them become.
+/// The new values of the vn lines and the new references of the corners to them.
 ///
-/// A vn line may serve many corners. As long as they agree, the line takes their new value. Where they do not,
-/// the line keeps its value if a corner still has it, else takes that of the first corner; the other values
-/// become new lines behind the last vn line of the file. Thus no index changes but those of the corners that
-/// leave their line (and negative ones that count back over the new lines).
+/// A vn line may serve many corners. If they agree, the line takes their new value. If they do not, the line
+/// keeps its value if a corner still has it, and takes the first corner's value otherwise.
+///
+/// The other values become new lines behind the last vn line of the file. Only corners that leave their line
+/// get a new index, and so do negative indices that count back over the new lines.
 class NormalPlan {
  public:
   NormalPlan(const ObjDocument& document, const Mesh& mesh) : document_(document) {
@@ -42,13 +43,13 @@ class NormalPlan {
     for (std::size_t c = 0; c < corners; ++c) assign_corner(c, normals->values);
   }
 
-  /// The new value of a vn line, or null where it stays.
+  /// Returns the new value of a vn line, or null if the line stays.
   const Triple* new_value(std::size_t line) const {
     return lines_[line].replaced ? &lines_[line].value : nullptr;
   }
   const std::vector<Triple>& added_lines() const { return added_; }
 
-  /// The vn line of a corner.
+  /// Returns the vn line of a corner.
   Index line_of(std::size_t corner) const {
     const auto moved = moved_corners_.find(corner);
     return moved == moved_corners_.end() ? document_.corner_normals[corner] : moved->second;
@@ -57,7 +58,7 @@ class NormalPlan {
  private:
   struct Line {
     bool taken = false;     ///< a corner has decided its value
-    bool replaced = false;  ///< by `value`
+    bool replaced = false;  ///< `value` replaces the value in the file
     Triple value = {};
   };
 
@@ -70,7 +71,7 @@ class NormalPlan {
     return same_value(a[0], b[0]) && same_value(a[1], b[1]) && same_value(a[2], b[2]);
   }
 
-  /// True where the corner's normal is the file's, or is missing.
+  /// Whether the corner's normal is missing or equals the file's.
   bool is_unchanged(std::size_t corner, const std::vector<double>& values) const {
     const Triple value = {values[3 * corner], values[3 * corner + 1], values[3 * corner + 2]};
     const bool missing = std::isnan(value[0]) || std::isnan(value[1]) || std::isnan(value[2]);
@@ -87,7 +88,7 @@ class NormalPlan {
   void assign_corner(std::size_t corner, const std::vector<double>& values) {
     const Index line_index = document_.corner_normals[corner];
     if (line_index < 0 || is_unchanged(corner, values)) return;
-    // Single precision is plenty for a direction, and corners that differ by rounding keep sharing a line.
+    // Single precision suffices for a direction. Corners that differ by rounding keep sharing a line.
     Triple value;
     for (std::size_t axis = 0; axis < 3; ++axis) value[axis] = static_cast<float>(values[3 * corner + axis]);
     Line& line = lines_[static_cast<std::size_t>(line_index)];
@@ -139,7 +140,7 @@ class ObjPatcher {
   }
 
  private:
-  /// The first three numbers of the line; a w or a colour after them stays.
+  /// Replaces the first three numbers of the line. A w or a colour after them stays.
   void patch_values(ObjCursor& cursor, const double* values, ScalarType type) {
     for (int axis = 0; axis < 3; ++axis) {
       const std::string_view word = cursor.next_word();
@@ -206,8 +207,8 @@ class ObjPatcher {
   const Context& context_;
   NormalPlan normals_;
   std::string out_;
-  std::size_t copied_ = 0;  // of the document's bytes
-  std::size_t corner_ = 0;  // of the faces so far
+  std::size_t copied_ = 0;  // bytes of the document copied so far
+  std::size_t corner_ = 0;  // corners of the faces so far
 };
 
 /// The vt or vn lines of a new file, and the 1-based line of each corner (0 = none).
@@ -223,7 +224,7 @@ class ReferencedLines {
       share_lines(*of_corner, corners, size);
     } else if (of_vertex != nullptr && of_vertex->components == components &&
                of_vertex->values.size() == static_cast<std::size_t>(mesh.vertex_count()) * size) {
-      // One line per vertex, in the vertices' order.
+      // There is one line per vertex, in the order of the vertices.
       values_ = of_vertex->values;
       type_ = of_vertex->type;
       by_vertex_ = true;
@@ -246,7 +247,7 @@ class ReferencedLines {
     }
   };
 
-  /// Equal values share a line, so a seam is where the values of a vertex differ.
+  /// Gives equal values one line, so that a seam lies exactly where the values of a vertex differ.
   void share_lines(const Attribute& attribute, std::size_t corners, std::size_t size) {
     std::unordered_map<Triple, std::int64_t, Hash> lines;
     type_ = attribute.type;
@@ -268,7 +269,7 @@ class ReferencedLines {
   bool by_vertex_ = false;
 };
 
-/// A mesh without an OBJ file behind it.
+/// Composes a file for a mesh without an OBJ file behind it.
 class ObjComposer {
  public:
   ObjComposer(const Mesh& mesh, const std::filesystem::path& path, const Context& context)
@@ -293,12 +294,12 @@ class ObjComposer {
   }
 
  private:
-  /// A label of the faces: the line that sets it, and its value at the face before.
+  /// A label of the faces, the keyword of its line, and its value at the previous face.
   struct Label {
     const char* keyword;
     const Attribute* attribute;
     double current;
-    std::string none;  ///< the text for faces that have none, after others that have one
+    std::string none;  ///< text for faces without a label that follow faces with one
   };
 
   void write_libraries() {
@@ -323,7 +324,7 @@ class ObjComposer {
     }
   }
 
-  /// OBJ's colours lie between 0 and 1.
+  /// Writes a colour, scaled to OBJ's range from 0 to 1.
   void write_colour(const Attribute& colour, std::size_t vertex) {
     const auto components = static_cast<std::size_t>(colour.components);
     const double* rgba = colour.values.data() + vertex * components;
@@ -411,7 +412,7 @@ class ObjComposer {
     if (element % elements_per_check == 0) context_.throw_if_stopped();
   }
 
-  /// Names the attributes that OBJ has no line for.
+  /// Adds a note that names the attributes for which OBJ has no line.
   void note_attributes(std::vector<std::string>& notes) const {
     std::string names;
     for (const Attribute& attribute : mesh_.attributes) {

@@ -13,18 +13,17 @@
 
 namespace meshgraft::io {
 
-/// Values that follow each other in the record of a vertex.
+/// Consecutive values in the record of a vertex.
 struct OffColumn {
   std::string_view attribute;  ///< empty: the position
   int components = 3;
 };
 
-/// An OFF file as it was read. The text itself is the record of everything; a writer copies it with new
-/// numbers.
+/// An OFF file as it was read. It keeps the file's text. A writer copies the text with new numbers.
 struct OffDocument : FileDocument {
   std::string content;
-  std::size_t body = 0;                     ///< of the first vertex in the content
-  std::vector<OffColumn> columns;           ///< of a vertex, in the file's order
+  std::size_t body = 0;                     ///< offset of the first vertex in the content
+  std::vector<OffColumn> columns;           ///< of a vertex record, in the file's order
   std::optional<ScalarType> vertex_colour;  ///< uint8 (0–255) or float32 (0–1)
   std::optional<ScalarType> face_colour;
   bool has_face_index = false;
@@ -32,14 +31,14 @@ struct OffDocument : FileDocument {
   std::vector<std::string> beside_the_mesh() const override { return {}; }
 };
 
-/// True for digits without a point or an exponent: a colour so written counts to 255.
+/// Whether a word has digits without a point or an exponent. A colour of such words ranges from 0 to 255.
 bool is_spelled_whole(std::string_view word);
 
-/// What a face's colour in the file is divided by to become a value of the attribute: 255 for whole numbers
-/// where other faces have fractions. A 1 among fractions is a fraction.
+/// Returns the divisor that turns a face's colour in the file into values of the attribute. It is 255 for
+/// whole numbers if other faces have fractions. If no number exceeds 1, the colour counts as fractions.
 double off_colour_divisor(ScalarType attribute_type, bool whole, double largest);
 
-/// How a face's colour of so many values is called: an index into Geomview's colour map, or a colour.
+/// The name of the attribute for a face colour of one value, an index into Geomview's colour map.
 inline constexpr std::string_view off_colour_index = "colour_index";
 
 }  // namespace meshgraft::io

@@ -20,13 +20,14 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_index = std::numeric_limits<Index>::max();
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
-/// The header's keyword, taken apart.
+/// The parts of the header's keyword.
 struct Keyword {
   bool texture = false, colour = false, normal = false, four = false, any_dimension = false;
   std::size_t size = 0;  ///< 0: the text does not begin with a keyword
 };
 
-/// Files of one well-known collection have the counts right behind the keyword: "OFF490 518 0".
+/// Whether a character may follow the keyword. Files of one well-known collection have the counts right
+/// behind it: "OFF490 518 0".
 bool may_follow_keyword(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '#' || (c >= '0' && c <= '9');
 }
@@ -60,7 +61,7 @@ Keyword parse_keyword(std::string_view text) {
   return keyword;
 }
 
-/// Colours of faces, one face after another; files without any pay nothing for them.
+/// Collects the colours of faces, one face after another. Files without colours need no memory for them.
 class FaceColours {
  public:
   void push(Index face, const std::array<double, 4>& colour, std::size_t count, bool whole) {
@@ -103,7 +104,7 @@ class FaceColours {
   bool has_fractions_ = false;
 };
 
-/// Reads an OFF file in one pass. Vertices may break across lines; the colour of a face ends with its line.
+/// Reads an OFF file in one pass. Vertices may break across lines. The colour of a face ends with its line.
 class OffReader {
  public:
   OffReader(std::string content, const std::string& name, const Context& context)
@@ -138,7 +139,7 @@ class OffReader {
     return document_->content;
   }
 
-  /// Geomview lets a file begin with its counts.
+  /// Reads the header's keyword, which may be missing: Geomview lets a file begin with its counts.
   Keyword read_keyword() {
     const std::string_view word = cursor_.next();
     const std::size_t begin = cursor_.word_begin();
@@ -167,7 +168,7 @@ class OffReader {
     return keyword;
   }
 
-  /// The number of edges, which nobody uses, is missing in some files.
+  /// Reads the counts. The number of edges, which nobody uses, is missing in some files.
   void read_counts() {
     vertices_ = count("number of vertices");
     const std::size_t first = cursor_.word_begin();
@@ -197,7 +198,8 @@ class OffReader {
     if (keyword.texture) columns.push_back({"uv", 2});
   }
 
-  /// Geomview writes four values, many programs three: the first vertex, where it has its line, tells.
+  /// Returns the number of values in a vertex colour. Geomview writes four, many programs write three. The
+  /// number of values on the first vertex's line decides.
   int colour_components(const Keyword& keyword) const {
     WordCursor ahead = cursor_;
     int values = ahead.next().empty() ? 0 : 1;
@@ -205,7 +207,8 @@ class OffReader {
     return values == 6 + (keyword.normal ? 3 : 0) + (keyword.texture ? 2 : 0) ? 3 : 4;
   }
 
-  /// A value takes a character and a separator, so counts can be trusted for memory.
+  /// Refuses counts that the file is too short for. A value takes a character and a separator, so the counts
+  /// can then be trusted for memory.
   void require_room() const {
     std::size_t values = 0;
     for (const OffColumn& column : document_->columns) values += static_cast<std::size_t>(column.components);
@@ -248,7 +251,8 @@ class OffReader {
     });
   }
 
-  /// Geomview's are fractions, most programs write bytes.
+  /// Decides whether vertex colours are fractions or bytes. Geomview writes fractions, most programs write
+  /// bytes.
   void settle_vertex_colours() {
     for (Attribute& attribute : mesh_.attributes) {
       if (attribute.name != "colour") continue;
@@ -263,7 +267,7 @@ class OffReader {
   }
 
   void read_faces() {
-    // Most meshes consist of triangles; the guess costs nothing where it is wrong.
+    // Most meshes consist of triangles. A wrong guess costs nothing.
     const auto room = static_cast<Index>(std::min<std::size_t>(cursor_.remaining() / 2, largest_index));
     mesh_.faces.reserve(faces_, std::min(room, faces_ > room / 3 ? room : 3 * faces_));
     for (Index f = 0; f < faces_; ++f) {
@@ -352,7 +356,7 @@ class OffReader {
   Mesh mesh_;
   Index vertices_ = 0;
   Index faces_ = 0;
-  std::vector<Index> corners_;  // of the face being read
+  std::vector<Index> corners_;  // of the current face
   FaceColours colours_;
   std::vector<double> indices_;
 };

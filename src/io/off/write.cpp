@@ -15,7 +15,8 @@ namespace meshgraft::io {
 
 namespace {
 
-/// Colours as fractions have a point, or they would read as whole numbers up to 255.
+/// Appends a colour as a fraction with a point. Without it, the colour would read as a whole number up to
+/// 255.
 void append_fraction(std::string& text, double value) {
   const std::size_t begin = text.size();
   append_number(text, narrow(value, ScalarType::float32).value, ScalarType::float32);
@@ -24,7 +25,7 @@ void append_fraction(std::string& text, double value) {
 
 double clamped_byte(double value) { return std::nearbyint(std::clamp(value, 0.0, 255.0)); }
 
-/// The values of an attribute that a column of the file stands for; null where the mesh has none that fits.
+/// Returns the attribute for a column of the file, or null if the mesh has none that fits.
 const Attribute* fitting(const Mesh& mesh, Domain domain, std::string_view name, int least, int most) {
   const Attribute* attribute = mesh.find_attribute(domain, name);
   if (attribute == nullptr || attribute->components < least || attribute->components > most) return nullptr;
@@ -34,7 +35,7 @@ const Attribute* fitting(const Mesh& mesh, Domain domain, std::string_view name,
                                                                                              : nullptr;
 }
 
-/// Copies the file's text, with new numbers where the mesh's differ from the file's.
+/// Copies the file's text, with new numbers where the mesh differs from the file.
 class OffPatcher {
  public:
   OffPatcher(const OffDocument& document, const Mesh& mesh, const Context& context)
@@ -102,7 +103,7 @@ class OffPatcher {
 
   void patch_index(double value) {
     const double old = parse_number(words_[0], ScalarType::int32).value;
-    if (std::isnan(value) || old == value) return;  // -0 is 0
+    if (std::isnan(value) || old == value) return;  // 0 and -0 are equal
     out_.replace(words_[0], std::to_string(static_cast<std::int64_t>(std::nearbyint(value))));
   }
 
@@ -138,10 +139,10 @@ class OffPatcher {
   const Context& context_;
   WordCursor cursor_;
   WordReplacer out_;
-  std::vector<std::string_view> words_;  // behind the corners of a face
+  std::vector<std::string_view> words_;  // words behind the corners of a face
 };
 
-/// A mesh without an OFF file behind it.
+/// Composes a file for a mesh without an OFF file behind it.
 class OffComposer {
  public:
   OffComposer(const Mesh& mesh, const Context& context)
@@ -167,7 +168,7 @@ class OffComposer {
   }
 
  private:
-  /// How the file's numbers come from a colour attribute's.
+  /// The conversion from an attribute's colour values to the file's numbers.
   struct ColourScale {
     bool bytes = false;
     double divisor = 1;
@@ -176,7 +177,7 @@ class OffComposer {
   static ColourScale scale_of(const Attribute& colour) {
     if (colour.type == ScalarType::uint16) return {false, 65535};
     if (colour.type != ScalarType::uint8) return {false, 1};
-    // Whole numbers up to 1 in all vertices would read as fractions.
+    // Whole numbers that are at most 1 in all vertices would read as fractions.
     const bool dark = colour.domain == Domain::vertex &&
                       std::ranges::none_of(colour.values, [](double value) { return value > 1; });
     return dark ? ColourScale{false, 255} : ColourScale{true, 1};
@@ -218,8 +219,8 @@ class OffComposer {
     for (const double value : row(attribute, v)) put_number(std::isnan(value) ? 0 : value, type);
   }
 
-  /// A vertex without a colour among others that have one is white; a face needs none. False where there is
-  /// none.
+  /// Appends a colour. A missing colour becomes white if `required`, as for a vertex among others with
+  /// colours. Otherwise returns false, because a face needs none.
   bool put_colour(std::span<const double> colour, const ColourScale& scale, bool required) {
     const bool missing =
         std::any_of(colour.begin(), colour.begin() + 3, [](double c) { return std::isnan(c); });

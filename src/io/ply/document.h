@@ -29,7 +29,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   bool has_lists() const;
-  /// Bytes of one record in a binary file; lists count with their length alone.
+  /// Returns the size of one record in a binary file, in bytes. Lists count with their length alone.
   std::size_t smallest_binary_size() const;
 };
 
@@ -40,12 +40,12 @@ struct PlyHeader {
   std::size_t size = 0;               ///< bytes up to the first record
 };
 
-/// Throws Error(input) naming the line. The header's counts are checked against the size of `content`, so
-/// they can be trusted for allocation.
+/// Parses the header. Throws Error(input) naming the line. The header's counts are checked against the size
+/// of `content`, so they can be trusted for allocation.
 PlyHeader parse_ply_header(std::string_view content, const std::string& name);
 
-/// Where a property's values live in a mesh: component `component` of an attribute (of the positions, where
-/// the name is empty). A list property holds all components of a face's corners.
+/// The destination of a property's values in a mesh: component `component` of an attribute. An empty name
+/// means the positions. A list property holds all components of a face's corners.
 struct PlyBinding {
   std::size_t property = 0;
   Domain domain = Domain::vertex;
@@ -59,8 +59,8 @@ struct PlyTable {
   std::vector<PlyBinding> bindings;
 };
 
-/// A PLY file as it was read. The bytes themselves are the record of everything; a writer copies them and
-/// patches the values that differ.
+/// A PLY file as it was read. It keeps the file's bytes. A writer copies them and patches the values that
+/// differ.
 struct PlyDocument : FileDocument {
   std::string content;
   PlyHeader header;
@@ -71,14 +71,14 @@ struct PlyDocument : FileDocument {
   std::vector<std::string> beside_the_mesh() const override;
 };
 
-/// The pictures of comments "TextureFile NAME", in their order, missing ones among them: `texnumber` of faces
-/// counts them.
+/// Returns the images of the comments "TextureFile NAME" in their order. Missing images are included, because
+/// the `texnumber` of faces counts them.
 std::vector<std::filesystem::path> texture_files(const PlyDocument& document);
 
 /// Whether the byte order of a binary file is not the machine's.
 bool needs_swap(PlyEncoding encoding);
 
-/// Walks over the values of an ascii body, a record per line; line ends may be LF, CRLF or CR.
+/// Walks over the values of an ascii body, one record per line. Line ends may be LF, CRLF or CR.
 class PlyTextCursor {
  public:
   PlyTextCursor(std::string_view content, std::size_t offset, const std::string& name)
@@ -88,11 +88,11 @@ class PlyTextCursor {
   double scalar(const PlyProperty& property, ScalarType type);
   void end_record();
 
-  /// Moves over blank lines; true at the end of the file.
+  /// Skips blank lines. Returns true at the end of the file.
   bool at_end();
 
   std::size_t offset() const { return offset_; }
-  std::size_t value_begin() const { return value_begin_; }  ///< of the value read last
+  std::size_t value_begin() const { return value_begin_; }  ///< start of the last value
   std::size_t remaining_values() const { return (content_.size() - offset_ + 1) / 2; }
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
 
@@ -105,7 +105,7 @@ class PlyTextCursor {
   std::uint64_t row_ = 0;
 };
 
-/// The same for a binary body.
+/// Walks over the values of a binary body.
 class PlyBinaryCursor {
  public:
   PlyBinaryCursor(std::string_view content, std::size_t offset, bool swap, const std::string& name)
@@ -134,7 +134,7 @@ class PlyBinaryCursor {
   std::uint64_t row_ = 0;
 };
 
-/// A list's length, checked: not negative, and no more values than the file can hold.
+/// Reads and checks a list's length: it is not negative, and no larger than the file can hold.
 template <class Cursor>
 std::size_t read_list_length(Cursor& cursor, const PlyProperty& property) {
   const double length = cursor.scalar(property, property.count_type);

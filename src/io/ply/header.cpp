@@ -48,8 +48,8 @@ std::vector<std::string_view> split_words(std::string_view line) {
   return words;
 }
 
-/// Reads the header line by line. A line ends as the one with "ply" does: where that is a lone CR, a LF that
-/// follows end_header is data already.
+/// Reads the header line by line. Lines end as the line with "ply" does. If that is a lone CR, an LF after
+/// end_header is already data.
 class HeaderParser {
  public:
   HeaderParser(std::string_view content, const std::string& name) : content_(content), name_(name) {
@@ -64,7 +64,7 @@ class HeaderParser {
   }
 
   PlyHeader parse() {
-    next_line();  // "ply": the signature was checked
+    next_line();  // "ply", which the signature check has found
     parse_format();
     for (;;) {
       const std::string_view line = next_line();
@@ -94,7 +94,7 @@ class HeaderParser {
     const std::size_t end = content_.find(line_end_, offset_);
     const bool last = end == std::string_view::npos;
     const std::string_view line = content_.substr(offset_, last ? end : end - offset_);
-    // The last line of a file without records may lack its end.
+    // The last line of a file without records may lack its line end.
     if (last && line != "end_header") fail_truncated();
     offset_ = last ? content_.size() : end + 1;
     return line.ends_with('\r') ? line.substr(0, line.size() - 1) : line;
@@ -141,7 +141,7 @@ class HeaderParser {
         fail("the element '" + element.name + "' is declared twice", "Export the file again");
       }
     }
-    // Counts beyond 2^31 would not fit meshgraft's indices, and nobody's memory.
+    // Counts beyond 2^31 fit neither meshgraft's indices nor any memory.
     const ParsedNumber count = parse_number(words[2], ScalarType::int32);
     if (count.fault != NumberFault::none || count.value < 0) {
       fail("the count '" + std::string(words[2].substr(0, 40)) + "' is no number of elements",
@@ -178,7 +178,7 @@ class HeaderParser {
          "PLY has char, uchar, short, ushort, int, uint, float and double");
   }
 
-  /// The least that all records together can take must fit into the file.
+  /// Checks that the smallest possible size of all records fits into the file.
   void check_counts() const {
     const std::size_t body = content_.size() - header_.size;
     std::size_t left = body;
@@ -256,7 +256,7 @@ bool PlyTextCursor::at_end() {
 void PlyTextCursor::begin_record(const PlyElement& element, std::uint64_t row) {
   element_ = &element;
   row_ = row;
-  // An element without properties has nothing to stand on a line.
+  // An element without properties has no values on a line.
   if (!element.properties.empty() && at_end()) {
     throw Error(ErrorCode::input,
                 "the file ends after " + std::to_string(row) + " of " + std::to_string(element.count) + " '" +

@@ -20,12 +20,12 @@ namespace meshgraft::io {
 
 namespace {
 
-/// Properties that make up one attribute, by their names in the files of common programs.
+/// The properties that make up one attribute, by their names in the files of common programs.
 struct NameGroup {
   std::string_view attribute;
   Interpolation interpolation;
   std::array<std::string_view, 4> names;
-  std::size_t required;  ///< the names after these may be missing
+  std::size_t required;  ///< number of names that must be present
 };
 
 constexpr std::array<NameGroup, 10> name_groups = {{
@@ -48,7 +48,7 @@ std::optional<std::size_t> find_property(const PlyElement& element, std::string_
   return std::nullopt;
 }
 
-/// Attribute names with a number of components that a lone property cannot have.
+/// Whether the attribute name implies a number of components that a single property cannot have.
 bool has_fixed_meaning(std::string_view name) { return name == "normal" || name == "colour" || name == "uv"; }
 
 bool has_attribute(const std::vector<Attribute>& attributes, Domain domain, std::string_view name) {
@@ -137,7 +137,7 @@ class PlyReader {
     PlySinks sinks = targets_of(element, table);
     sinks.corners = find_corner_list(element);
     sinks.faces = &mesh_.faces;
-    // Most meshes consist of triangles; the guess costs nothing where it is wrong.
+    // Most meshes consist of triangles. A wrong guess costs nothing.
     const auto corners = std::min<std::uint64_t>(3 * element.count, std::numeric_limits<Index>::max());
     mesh_.faces.reserve(static_cast<Index>(element.count), static_cast<Index>(corners));
     platform::prefer_huge_pages(mesh_.faces.corners().data(), corners);
@@ -157,8 +157,8 @@ class PlyReader {
     });
   }
 
-  /// Triangle strips, as older scans have them instead of faces: every vertex makes a triangle with the two
-  /// before it, every other one turned; a negative index begins the next strip.
+  /// Reads triangle strips, which older scans have instead of faces. Every vertex forms a triangle with the
+  /// two before it, and every second triangle is reversed. A negative index begins the next strip.
   std::size_t read_strips(std::size_t e, std::size_t offset) {
     const PlyElement& element = document_->header.elements[e];
     PlySinks sinks;
@@ -188,7 +188,7 @@ class PlyReader {
       for (std::size_t i = 0; i < 3; ++i) face[i] = static_cast<Index>(values[k - 2 + i]);
       if ((k - begin) % 2 == 1) std::swap(face[0], face[1]);
       const bool is_turn = face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
-      if (is_turn) continue;  // a repeated vertex turns the strip and makes no triangle
+      if (is_turn) continue;  // a repeated vertex reverses the strip and makes no triangle
       if (mesh_.faces.corner_count() > std::numeric_limits<Index>::max() - 3)
         fail("the strips have more than 2147483647 corners", "Split the mesh");
       mesh_.faces.push_back(face);
@@ -208,7 +208,7 @@ class PlyReader {
     fail("the element '" + element.name + "' has no list 'vertex_indices'", "Export the file again");
   }
 
-  /// Gives every scalar property that the mesh can carry an attribute: known groups first, then each of the
+  /// Binds every scalar property that the mesh can hold to an attribute: known groups first, then each of the
   /// others alone. Duplicates stay in the file only.
   void bind_scalars(const PlyElement& element, Domain domain, PlyTable& table) {
     Flags bound(element.properties.size(), false);
@@ -253,7 +253,7 @@ class PlyReader {
     mesh_.attributes.push_back(std::move(attribute));
   }
 
-  /// Pointers into the mesh for the bindings; valid until an attribute is added.
+  /// Returns pointers into the mesh for the bindings. They are valid until an attribute is added.
   PlySinks targets_of(const PlyElement& element, const PlyTable& table) {
     PlySinks sinks;
     sinks.scalars.resize(element.properties.size());
@@ -272,8 +272,8 @@ class PlyReader {
     return sinks;
   }
 
-  /// A list of k values for every corner (or none) of every face is a corner attribute; others stay in the
-  /// file only.
+  /// Makes a list with k values for every corner of every face a corner attribute. Faces with an empty list
+  /// have no values. Other lists stay in the file only.
   void bind_corner_list(const PlyElement& element, PlyListValues list, PlyTable& table) {
     const PlyProperty& property = element.properties[list.property];
     const std::string attribute_name = property.name == "texcoord" ? "uv" : property.name;
@@ -318,7 +318,7 @@ class PlyReader {
     return read_ply_records(*document_, element, offset, sinks, context_);
   }
 
-  /// More data than the header announces means that one of the two is wrong.
+  /// Refuses data behind the last announced record: either the data or the header is wrong.
   void require_end(std::size_t offset) const {
     const std::string_view content = document_->content;
     const std::size_t rest = content.find_first_not_of(" \t\r\n\v\f", offset);
@@ -330,7 +330,8 @@ class PlyReader {
                 name_ + ", " + location, "Correct the counts in the header, or export the file again");
   }
 
-  /// Comments "label NAME VALUE TEXT", as written for meshes with named groups, give the names back.
+  /// Restores label names from comments "label NAME VALUE TEXT", which are written for meshes with named
+  /// groups.
   void apply_labels() {
     for (const std::string& comment : document_->header.comments) {
       std::array<std::string_view, 3> words;
@@ -345,13 +346,13 @@ class PlyReader {
       for (Attribute& attribute : mesh_.attributes) {
         if (attribute.domain != Domain::face || attribute.name != words[1] || attribute.components != 1)
           continue;
-        // Labels are numbered without gaps, so that a wrong number cannot claim memory.
+        // Labels must be numbered without gaps, so that a wrong number cannot claim memory.
         if (value.value == static_cast<double>(attribute.labels.size())) attribute.labels.emplace_back(rest);
       }
     }
   }
 
-  /// Integers know no NaN: a labelled attribute says -1 for "none".
+  /// Replaces -1 by NaN in labelled attributes. Integers have no NaN, so -1 means "none".
   void mark_unlabelled() {
     for (Attribute& attribute : mesh_.attributes) {
       if (attribute.labels.empty()) continue;

@@ -14,7 +14,7 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr std::size_t rows_per_block = 1 << 13;  // read at once, within the second-level cache
+constexpr std::size_t rows_per_block = 1 << 13;  // rows read at once; a block fits the second-level cache
 
 class RecordReader {
  public:
@@ -35,7 +35,7 @@ class RecordReader {
   }
 
  private:
-  /// Binary records of one size, a block of rows at a time.
+  /// Reads binary records of one size, a block of rows at a time.
   std::size_t read_columns(const PlyElement& element, std::size_t offset, const PlySinks& sinks) const {
     const std::size_t record = element.smallest_binary_size();
     const std::size_t count = element.count;
@@ -61,8 +61,9 @@ class RecordReader {
     return offset + count * record;
   }
 
-  /// Binary faces with one list, that of their corners, without a look at the type of every value. Empty for
-  /// other elements and where anything is wrong: reading row by row then names the place.
+  /// Reads binary faces whose one list is that of their corners, without a look at the type of every value.
+  /// Returns nothing for other elements and on any error. Reading row by row then finds the location of the
+  /// error.
   std::optional<std::size_t> read_polygons(const PlyElement& element, std::size_t offset,
                                            PlySinks& sinks) const {
     if (!sinks.corners || !sinks.lists.empty()) return std::nullopt;
@@ -95,7 +96,8 @@ class RecordReader {
     return offset + static_cast<std::size_t>(at - (document_.content.data() + offset));
   }
 
-  /// The length of a list of corners, of which so many values can follow it; empty where it cannot be right.
+  /// Returns the length of a list of corners. Returns nothing if it is negative, or exceeds the bytes left or
+  /// the largest index.
   static std::optional<std::size_t> load_binary_length(const char* at, const PlyProperty& list, bool swap,
                                                        std::size_t bytes_left, Index corners_before) {
     const double length = load_binary(at, list.count_type, swap);
@@ -105,7 +107,7 @@ class RecordReader {
     return static_cast<std::size_t>(length);
   }
 
-  /// The values of a record whose one list has so many.
+  /// Reads the values of a record whose one list has `list_length` values.
   void read_scalars(const PlyElement& element, const char* at, std::size_t row, std::size_t list_length,
                     const PlySinks& sinks) const {
     const bool swap = needs_swap(document_.header.encoding);
@@ -121,7 +123,7 @@ class RecordReader {
     }
   }
 
-  /// Records one after another, for ascii and for lists.
+  /// Reads records one after another, for ascii files and for lists.
   template <class Cursor>
   std::size_t read_rows(const PlyElement& element, Cursor& cursor, PlySinks& sinks) const {
     std::vector<PlyListValues*> list_of(element.properties.size(), nullptr);

@@ -12,10 +12,10 @@
 
 namespace meshgraft::io {
 
-/// Where the values of one property go while its element is read.
+/// The destination of the values of one property while its element is read.
 struct PlyTarget {
   double* values = nullptr;  ///< null: not kept
-  std::size_t stride = 0;    ///< from one row to the next
+  std::size_t stride = 0;    ///< values from one row to the next
 };
 
 /// The values of a list property, row after row.
@@ -25,7 +25,7 @@ struct PlyListValues {
   std::vector<std::uint32_t> lengths;
 };
 
-/// What becomes of the values of an element's rows.
+/// The destinations of all values of an element.
 struct PlySinks {
   std::vector<PlyTarget> scalars;      ///< one per property
   std::vector<PlyListValues> lists;    ///< lists whose values are kept
@@ -33,8 +33,8 @@ struct PlySinks {
   Faces* faces = nullptr;
 };
 
-/// Reads an element's records, which begin at `offset` of the document's content; returns where they end.
-/// Throws Error(input) naming line or record and byte.
+/// Reads an element's records, which begin at `offset` of the document's content. Returns the offset of their
+/// end. Throws Error(input) naming the line, or the record and the byte.
 std::size_t read_ply_records(const PlyDocument& document, const PlyElement& element, std::size_t offset,
                              PlySinks& sinks, const Context& context);
 

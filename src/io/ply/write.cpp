@@ -26,8 +26,8 @@ struct Column {
   std::size_t stride = 0;          ///< from one row (one corner, for lists) to the next
 };
 
-/// The text or the bytes that a value takes in place of `old`; empty where `old` stays.
-/// Throws Error(input) where the file's type cannot hold the new value.
+/// Returns the value to be written in place of `old`, or nothing if `old` stays. Throws Error(input) if the
+/// file's type cannot hold the new value.
 std::optional<double> replacement(double old, double value, const PlyElement& element, std::uint64_t row,
                                   const PlyProperty& property) {
   if (same_value(old, value)) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<double> replacement(double old, double value, const PlyElement& el
   return rounded.value;
 }
 
-/// Copies the file's bytes, with new values where the mesh's differ from the file's.
+/// Copies the file's bytes, with new values where the mesh differs from the file.
 class PlyPatcher {
  public:
   PlyPatcher(const PlyDocument& document, const Mesh& mesh, const Context& context)
@@ -168,17 +168,17 @@ class PlyPatcher {
   const Context& context_;
   const std::string name_ = "source";  // the document was read once: its records cannot fail to parse
   std::string out_;
-  std::size_t copied_ = 0;  // of an ascii document's bytes
+  std::size_t copied_ = 0;  // bytes of an ascii document copied so far
 };
 
-/// One property of a new file and where its values come from.
+/// A property of a new file, and the source of its values.
 struct NewProperty {
   std::string name;
   ScalarType type = ScalarType::float64;
   const Attribute* attribute = nullptr;  ///< null: the positions, or the corners of a face
   int component = 0;
   bool is_list = false;
-  double scale = 1;  ///< from the mesh's values to the file's
+  double scale = 1;  ///< factor from the mesh's values to the file's
 };
 
 std::string_view type_name(ScalarType type) {
@@ -195,7 +195,7 @@ std::string_view type_name(ScalarType type) {
   return "double";
 }
 
-/// Names that other programs look for.
+/// Returns the property name that other programs look for.
 std::string component_name(const Attribute& attribute, int component) {
   const auto k = static_cast<std::size_t>(component);
   if (attribute.domain != Domain::corner &&
@@ -211,7 +211,7 @@ std::string component_name(const Attribute& attribute, int component) {
   return attribute.components == 1 ? attribute.name : attribute.name + "_" + std::to_string(component);
 }
 
-/// A mesh without a PLY file behind it, as binary little endian.
+/// Composes a binary little-endian file for a mesh without a PLY file behind it.
 class PlyComposer {
  public:
   PlyComposer(const Mesh& mesh, ScalarType position_type, const Context& context)
@@ -250,7 +250,8 @@ class PlyComposer {
     }
   }
 
-  /// Colours between 0 and 1 from formats without integer colours become bytes, as PLY readers expect.
+  /// Whether the attribute is a colour between 0 and 1 from a format without integer colours. Such colours
+  /// become bytes, as PLY readers expect.
   static bool is_unit_colour(const Attribute* attribute) {
     return attribute != nullptr && attribute->name == "colour" && attribute->source_names.empty() &&
            !is_integer(attribute->type);
@@ -270,7 +271,7 @@ class PlyComposer {
     element.push_back(std::move(property));
   }
 
-  /// A list's length is a byte where that is enough, as most readers expect.
+  /// Returns the type of a list's length: a byte if that suffices, as most readers expect.
   ScalarType count_type(const NewProperty& property) const {
     std::size_t longest = 0;
     for (Index f = 0; f < mesh_.face_count(); ++f) longest = std::max(longest, mesh_.faces[f].size());
@@ -330,7 +331,7 @@ class PlyComposer {
     }
   }
 
-  /// A face whose corners have no value has an empty list.
+  /// Writes a list of corner values. The list is empty if the face's corners have no value.
   void put_corner_list(Index f, const NewProperty& property, ScalarType count_type) {
     const auto components = static_cast<std::size_t>(property.attribute->components);
     const std::size_t first = static_cast<std::size_t>(mesh_.faces.first_corner(f)) * components;
@@ -361,7 +362,8 @@ class PlyComposer {
     put_scalar(rounded.value, property.type);
   }
 
-  /// Integers know no NaN: labels say -1 for "none", the others 0.
+  /// Returns the integer for a missing value, because integers have no NaN. Signed types, which labels have,
+  /// use -1; the others use 0.
   static double missing_value(const NewProperty& property) {
     const bool is_signed = property.type == ScalarType::int8 || property.type == ScalarType::int16 ||
                            property.type == ScalarType::int32;

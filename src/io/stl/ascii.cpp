@@ -16,7 +16,7 @@ bool StlTextCursor::next_facet(StlFacetText& facet) {
     const std::string_view word = words_.next();
     if (is_stl_keyword(word, "facet")) break;
     if (!is_stl_keyword(word, "endsolid")) fail_keyword(word, "'facet' or 'endsolid'");
-    words_.rest_of_line();  // the name again
+    words_.rest_of_line();  // the name after 'endsolid'
     in_solid_ = false;
   }
   std::size_t value = 0;

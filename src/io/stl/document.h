@@ -14,11 +14,11 @@
 
 namespace meshgraft::io {
 
-/// The face attribute of the two bytes behind each facet of a binary file, where some programs put a colour.
+/// The face attribute for the two bytes behind each facet of a binary file. Some programs put a colour there.
 inline constexpr std::string_view stl_attribute = "attribute";
 
-/// An STL file as it was read. The bytes themselves are the record of everything; a writer copies them and
-/// changes the corners that moved.
+/// An STL file as it was read. It keeps the file's bytes. A writer copies them and changes the corners that
+/// moved.
 struct StlDocument : FileDocument {
   std::string content;
   bool ascii = false;
@@ -26,8 +26,8 @@ struct StlDocument : FileDocument {
   std::vector<std::string> beside_the_mesh() const override { return {}; }
 };
 
-/// A binary file: 80 bytes for anybody, the number of facets, and 50 bytes for each: the normal, three corners
-/// (single precision, little endian) and two bytes for anybody.
+/// The layout of a binary file, in bytes: a free header of 80 bytes, the number of facets, and 50 bytes per
+/// facet. A facet holds the normal, three corners (single precision, little endian) and two free bytes.
 namespace stl_layout {
 inline constexpr std::size_t header = 80;
 inline constexpr std::size_t first_facet = 84;
@@ -47,19 +47,19 @@ void store_stl_attribute(char* at, std::uint16_t value);
 /// A facet of an ascii file: the normal, then three corners.
 struct StlFacetText {
   std::array<double, 12> values;
-  std::array<std::string_view, 12> words;  ///< parts of the content
+  std::array<std::string_view, 12> words;  ///< views of the content
 };
 
-/// Walks over the facets of an ascii file; keywords may be in any case, lines broken anywhere.
+/// Walks over the facets of an ascii file. Keywords may be in any case, and lines may break anywhere.
 class StlTextCursor {
  public:
   StlTextCursor(std::string_view content, const std::string& name)
       : words_(content, name, WordCursor::Comments::none) {}
 
-  /// Reads the next facet. False at the end of the file. Throws Error(input) naming the line.
+  /// Reads the next facet. Returns false at the end of the file. Throws Error(input) naming the line.
   bool next_facet(StlFacetText& facet);
 
-  /// How many solids have begun, and what the last is called.
+  /// Return the number of solids so far and the name of the last one.
   std::size_t solid_count() const { return solid_count_; }
   const std::string& solid_name() const { return solid_name_; }
   std::size_t offset() const { return words_.offset(); }

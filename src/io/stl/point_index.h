@@ -17,9 +17,11 @@
 
 namespace meshgraft::io {
 
-/// Numbers points by their value in order of first appearance: equal points (-0 equals 0) get one number, a
-/// point with a NaN one of its own. An open-addressing table of numbers, at most half full; a table of
-/// std::unordered_map's kind, with a node per point, takes several times as long and four times the memory.
+/// Numbers points by their value in the order of first appearance. Equal points get one number (-0 equals 0),
+/// and a point with a NaN gets its own.
+///
+/// The index is an open-addressing table of numbers, at most half full. A table with a node per point, like
+/// std::unordered_map, takes several times as long and four times the memory.
 template <class Real>
 class PointIndex {
  public:
@@ -31,9 +33,9 @@ class PointIndex {
     table_.resize(table_.capacity(), empty);
   }
 
-  /// The numbers of `points`, in their order. At most 2^31 - 1 points can be told apart.
+  /// Writes the number of each of `points` to `numbers`. At most 2^31 - 1 points can be told apart.
   void add(std::span<const Point> points, Index* numbers) {
-    // Table and points are larger than the caches: what a block needs of them is fetched together.
+    // Table and points are larger than the caches, so the entries that a block needs are prefetched together.
     constexpr std::size_t block = 32;
     while (!points.empty()) {
       const auto part = points.first(std::min(block, points.size()));
@@ -52,7 +54,7 @@ class PointIndex {
     }
   }
 
-  /// The points in the order of their numbers. The index gives back its memory on the way.
+  /// Returns the points in the order of their numbers. Frees the memory of the index meanwhile.
   Points take() {
     table_ = {};
     Points positions(static_cast<Eigen::Index>(count_), 3);
@@ -87,7 +89,8 @@ class PointIndex {
   std::size_t slot_of(const Point& value) const {
     std::uint64_t hash = 0;
     for (const Real coordinate : value) {
-      // Adding 0 makes -0 into 0. Multiplying moves differences up, shifting brings them down again.
+      // Adding 0 turns -0 into 0. Multiplying moves differences to higher bits, and shifting moves them down
+      // again.
       hash = (hash ^ std::bit_cast<Bits>(coordinate + Real{0})) * 0x9E3779B97F4A7C15u;
       hash ^= hash >> 32;
     }
@@ -123,10 +126,10 @@ class PointIndex {
     }
   }
 
-  // In blocks, so that nothing is copied as they grow, and they go one by one.
+  // The points are in blocks, so that growing copies nothing and `take` can free them one by one.
   std::vector<std::unique_ptr<Point[]>> blocks_;
   std::size_t count_ = 0;
-  std::vector<Index> table_;  // a power of two
+  std::vector<Index> table_;  // vertex numbers or `empty`; the size is a power of two
 };
 
 }  // namespace meshgraft::io

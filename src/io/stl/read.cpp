@@ -19,7 +19,8 @@ namespace meshgraft::io {
 
 namespace {
 
-/// Many a binary file begins with "solid" too: only the size tells it from an ascii one.
+/// Whether the size is that of a binary file. Many binary files begin with "solid", so only the size tells
+/// them from ascii files.
 bool has_binary_size(std::string_view content) {
   if (content.size() < stl_layout::first_facet) return false;
   const std::uint64_t body = content.size() - stl_layout::first_facet;
@@ -35,7 +36,7 @@ bool begins_with_solid(std::string_view content) {
 
 bool is_text(std::string_view content) { return content.find('\0') == std::string_view::npos; }
 
-/// The same bytes in the other order, on machines that need it.
+/// Swaps the byte order on big-endian machines.
 template <class Bits>
 Bits little_endian(Bits bits) {
   if constexpr (std::endian::native == std::endian::big) {
@@ -108,7 +109,8 @@ class StlReader {
     add_attribute(count);
   }
 
-  /// Most files have zeros there, which say nothing.
+  /// Adds the attribute of the bytes behind each facet. In most files they are zero, and then there is no
+  /// attribute.
   void add_attribute(std::size_t count) {
     const char* first = document_->content.data() + stl_layout::first_facet + stl_layout::attribute;
     std::vector<double> values;

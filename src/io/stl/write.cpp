@@ -35,9 +35,9 @@ FloatPoint to_floats(const Points& positions, Index vertex) {
           to_float(positions(vertex, 2), vertex)};
 }
 
-/// The unit normal of a triangle; zero, as STL has it for "none", where it has no area.
+/// Returns the unit normal of a triangle. Returns zero, STL's value for "none", if it has no area.
 FloatPoint facet_normal(const std::array<Eigen::Vector3d, 3>& corners) {
-  // Scaled, so that neither huge nor tiny triangles leave the range of doubles.
+  // Scaling keeps huge and tiny triangles within the range of doubles.
   Eigen::Vector3d a = corners[1] - corners[0];
   Eigen::Vector3d b = corners[2] - corners[0];
   const double size = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
@@ -51,7 +51,8 @@ FloatPoint facet_normal(const std::array<Eigen::Vector3d, 3>& corners) {
 
 Eigen::Vector3d to_vector(const FloatPoint& point) { return Eigen::Vector3d(point[0], point[1], point[2]); }
 
-/// -0 is the value that 0 is: corners so spelled are one vertex, and keep their spelling.
+/// Whether two coordinates are equal. 0 and -0 are equal, so corners that differ only in that are one vertex
+/// and keep their spelling.
 template <class Real>
 bool same_place(Real a, Real b) {
   return a == b || (std::isnan(a) && std::isnan(b));
@@ -69,7 +70,7 @@ std::uint16_t to_attribute(double value) {
   return whole.fault == NumberFault::none ? static_cast<std::uint16_t>(whole.value) : std::uint16_t{0};
 }
 
-/// Copies a binary file, with new corners where they moved; their facets get new normals.
+/// Copies a binary file with new corners where they moved. The facets of these corners get new normals.
 std::string patch_binary(const StlDocument& document, const Mesh& mesh, const Context& context) {
   std::string out = document.content;
   const Attribute* attribute = attribute_bytes(mesh);
@@ -100,7 +101,7 @@ std::string patch_binary(const StlDocument& document, const Mesh& mesh, const Co
   return out;
 }
 
-/// The same for the text of an ascii file.
+/// Copies the text of an ascii file in the same way.
 std::string patch_ascii(const StlDocument& document, const Mesh& mesh, const Context& context) {
   const std::string name = "source";  // the document was read once: it cannot fail to parse
   StlTextCursor cursor(document.content, name);
@@ -126,7 +127,7 @@ std::string patch_ascii(const StlDocument& document, const Mesh& mesh, const Con
   return out.finish();
 }
 
-/// A mesh without an STL file behind it, as binary.
+/// Composes a binary file for a mesh without an STL file behind it.
 class StlComposer {
  public:
   StlComposer(const Mesh& mesh, const Context& context)
@@ -144,8 +145,9 @@ class StlComposer {
   }
 
  private:
-  /// Behind a single binary file its header stays, where some programs put a colour; but a header that begins
-  /// with "solid" would have many readers take the file for an ascii one.
+  /// Writes the header. The header of a single binary file behind the mesh is kept, because some programs put
+  /// a colour there. A header that begins with "solid" is not kept, because many readers would take the file
+  /// for an ascii one.
   void write_header() {
     constexpr std::string_view own = "binary STL, written by meshgraft";
     const auto count = static_cast<std::uint32_t>(parts_.triangles.rows());

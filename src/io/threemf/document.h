@@ -12,16 +12,16 @@ namespace meshgraft::io {
 
 /// A 3MF file as it was read.
 struct ThreemfDocument : FileDocument {
-  /// Where an object's vertices are written.
+  /// The location of an object's vertices in the package.
   struct Source {
     std::size_t part = 0;
-    std::size_t mesh = 0;  ///< of the part's
+    std::size_t mesh = 0;  ///< index in the part
   };
 
   std::string package;
   std::vector<PackagePart> parts;                   ///< the model parts
   std::vector<ThreemfPart> scanned;                 ///< per part
-  std::vector<Source> sources;                      ///< per object; empty where they could not be found
+  std::vector<Source> sources;                      ///< per object; empty if they could not be found
   std::vector<ThreemfModel::Placement> placements;  ///< of objects, in the order of the mesh's vertices
   std::string length_unit;
   std::size_t unplaced = 0;  ///< objects that the build does not use
@@ -33,8 +33,8 @@ struct ThreemfDocument : FileDocument {
   std::string unit() const override { return length_unit; }
 };
 
-/// Positions of an object in the world. The same expression for reading and writing: unchanged vertices are
-/// told by their bits.
+/// Returns a position of an object in world coordinates. Reading and writing must use the same expression,
+/// because unchanged vertices are recognised by their bits.
 inline Eigen::RowVector3d placed(const Eigen::Affine3d& transform, const Eigen::RowVector3d& position) {
   return (transform.linear() * position.transpose() + transform.translation()).transpose();
 }

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<std::string_view, 6> units = {"micron", "millimeter", "centimeter",
                                                    "inch",   "foot",       "meter"};
 
-/// A reference to one of lib3mf's objects.
+/// Owns a reference to one of lib3mf's objects.
 template <class T>
 class Handle {
  public:
@@ -41,7 +41,7 @@ class Handle {
   T* object_ = nullptr;
 };
 
-/// Calls to lib3mf on one model; a status other than success becomes an Error.
+/// Calls lib3mf on one model. A status other than success becomes an Error.
 class Session {
  public:
   explicit Session(const Context& context) : context_(context) {
@@ -52,7 +52,7 @@ class Session {
   NMR::PLib3MFModel* model() const { return model_.get(); }
   const Context& context() const { return context_; }
 
-  /// `subject` is the object that the call was made on: it remembers why.
+  /// Throws if `status` is an error. `subject` is the object of the call, and it remembers the reason.
   void require(HRESULT status, NMR::PLib3MFBase* subject) const {
     if (status == LIB3MF_OK) return;
     context_.throw_if_stopped();
@@ -64,7 +64,7 @@ class Session {
                 "Export the model again");
   }
 
-  /// For lib3mf's callbacks: false asks it to stop.
+  /// A progress callback for lib3mf. Returning false asks lib3mf to stop.
   static bool go_on(int, NMR::ProgressIdentifier, void* context) {
     return !static_cast<const Context*>(context)->stop_token.stop_requested();
   }
@@ -91,7 +91,7 @@ Eigen::Affine3d affine(const NMR::MODELTRANSFORM& transform) {
   return result;
 }
 
-/// Reads a model: the mesh objects, then where the build puts them.
+/// Reads a model: the mesh objects, then their placements in the build.
 class Reader {
  public:
   explicit Reader(const Context& context) : session_(context) {}
@@ -111,7 +111,7 @@ class Reader {
                      session_.model());
     NMR::lib3mf_reader_setprogresscallback(reader.get(), &Session::go_on,
                                            const_cast<Context*>(&session_.context()));
-    // lib3mf takes bytes it does not change by a pointer that would let it.
+    // lib3mf takes the bytes by a non-const pointer, but does not change them.
     auto* bytes = reinterpret_cast<BYTE*>(const_cast<char*>(package.data()));
     session_.require(NMR::lib3mf_reader_readfrombuffer(reader.get(), bytes, package.size()), reader.get());
   }
@@ -218,7 +218,7 @@ class Reader {
       for (const BYTE value : {corner.m_Red, corner.m_Green, corner.m_Blue, corner.m_Alpha}) *out++ = value;
   }
 
-  // The number of a base material, which gets one when it is met first.
+  // Returns the number of a base material. A material gets its number when it is first met.
   std::int32_t material(DWORD group, DWORD index) {
     const auto [entry, is_new] =
         material_of_.try_emplace({group, index}, static_cast<std::int32_t>(material_of_.size()));
@@ -306,7 +306,7 @@ class Writer {
   }
 
  private:
-  // lib3mf gives everything a random identifier; the same model is to be the same bytes.
+  // lib3mf would give every object a random identifier. With fixed ones the same model gives the same bytes.
   std::string next_uuid() { return fmt::format("6d657368-6772-4166-8000-{:012x}", uuids_++); }
 
   void set_heading() {
@@ -361,7 +361,7 @@ class Writer {
     session_.require(NMR::lib3mf_builditem_setuuidutf8(item.get(), next_uuid().c_str()), item.get());
   }
 
-  // A solid has to be closed; what is open is a surface.
+  // Sets the object's type. A closed mesh is a solid, an open one is a surface.
   void set_type(NMR::PLib3MFModelMeshObject* mesh) const {
     BOOL closed = 0;
     session_.require(NMR::lib3mf_meshobject_ismanifoldandoriented(mesh, &closed), mesh);
@@ -375,7 +375,7 @@ class Writer {
     Handle<NMR::PLib3MFDefaultPropertyHandler> fallback;
     session_.require(NMR::lib3mf_meshobject_createpropertyhandler(mesh, properties.receive()), mesh);
     session_.require(NMR::lib3mf_object_createdefaultpropertyhandler(mesh, fallback.receive()), mesh);
-    // A mesh whose triangles have properties needs one for those that have none.
+    // A mesh whose triangles have properties needs a default for those that have none.
     if (!object.colours.empty()) {
       session_.require(NMR::lib3mf_defaultpropertyhandler_setcolorrgba(fallback.get(), 255, 255, 255, 255),
                        fallback.get());

@@ -12,11 +12,11 @@
 
 namespace meshgraft::io {
 
-/// What a 3MF package says about its meshes, by lib3mf, which one source file sees.
+/// The meshes of a 3MF package as lib3mf reads them. Only one source file includes lib3mf.
 struct ThreemfModel {
   static constexpr std::int32_t none = -1;
 
-  /// A mesh object. Properties that no triangle has are empty lists.
+  /// A mesh object. The list of a property is empty if no triangle has it.
   struct Object {
     std::string name;
     std::vector<std::array<float, 3>> vertices;
@@ -24,7 +24,7 @@ struct ThreemfModel {
     std::vector<std::int32_t> materials;                ///< per triangle, index into `material_names` or `none`
     std::vector<std::array<std::uint8_t, 12>> colours;  ///< per triangle, RGBA of its corners
   };
-  /// A mesh object in the build, through all components and items.
+  /// A mesh object placed by the build, with the transforms of all components and items combined.
   struct Placement {
     std::size_t object = 0;
     Eigen::Affine3d transform = Eigen::Affine3d::Identity();
@@ -37,12 +37,12 @@ struct ThreemfModel {
   std::vector<Placement> placements;  ///< of the build; of all objects if the build is empty
 };
 
-/// `name` is the file's, for messages. The build must have been found sensible: lib3mf walks through all of its
-/// copies. Throws Error(input) for what lib3mf refuses.
+/// Reads a model. `name` is the file's, for messages. The build must have been checked before, because lib3mf
+/// walks through all copies in it. Throws Error(input) if lib3mf refuses the package.
 ThreemfModel read_threemf_model(std::string_view package, const std::string& name, const Context& context);
 
-/// A package with the objects, each placed once. Coordinates have six decimals: lib3mf writes no more. The same
-/// model gives the same bytes.
+/// Composes a package with the objects, each placed once. Coordinates have six decimals, because lib3mf
+/// writes no more. The same model gives the same bytes.
 std::string write_threemf_model(const ThreemfModel& model, const Context& context);
 
 }  // namespace meshgraft::io

@@ -22,14 +22,14 @@ std::string message_of(zip_error_t& error) {
   return text;
 }
 
-/// An archive in memory. Closing writes the changes to the same source.
+/// An archive in memory. Closing it writes the changes to the same source.
 class Archive {
  public:
   Archive(std::string_view bytes, int flags) {
     zip_error_t error;
     zip_error_init(&error);
-    // A copy that is libzip's to free: where an archive is changed, its source frees what it was given in any
-    // case (1.7).
+    // libzip owns and frees this copy. When an archive is changed, its source frees the given bytes in any
+    // case (libzip 1.7).
     auto* copy = bytes.empty() ? nullptr : static_cast<char*>(std::malloc(bytes.size()));
     if (copy == nullptr && !bytes.empty()) throw std::bad_alloc();
     std::copy(bytes.begin(), bytes.end(), copy);
@@ -80,7 +80,7 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-// Nobody's mesh compresses like this: text of numbers shrinks to a tenth or so.
+// Refuses files that unpack to an implausible size. A text of numbers shrinks to about a tenth.
 void require_plausible(const zip_stat_t& entry, const std::string& location) {
   constexpr zip_uint64_t small = zip_uint64_t{64} << 20;
   constexpr zip_uint64_t largest_ratio = 200;
@@ -96,7 +96,7 @@ std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::strin
   if (!file)
     throw Error(ErrorCode::input, std::string("cannot be unpacked: ") + zip_strerror(archive), location,
                 std::string(damaged));
-  // By pieces: the size that the archive tells may be a lie.
+  // Reads by pieces, because the size in the archive may be wrong.
   constexpr std::size_t piece = std::size_t{1} << 20;
   std::string content;
   content.reserve(std::min<std::size_t>(entry.size, 64 * piece));

@@ -13,13 +13,13 @@ struct PackagePart {
   std::string content;
 };
 
-/// The model parts (.model) of a 3MF package, which is a ZIP archive (ECMA-376, part 2), in the archive's
-/// order. `name` is the file's, for messages. Throws Error(input) for what is no archive, holds no model, or
-/// unpacks to suspiciously much.
+/// Returns the model parts (.model) of a 3MF package, in the archive's order. A package is a ZIP archive
+/// (ECMA-376, part 2). `name` is the file's, for messages. Throws Error(input) if it is no archive, holds no
+/// model, or unpacks to a suspicious size.
 std::vector<PackagePart> model_parts(std::string_view package, const std::string& name);
 
-/// The package with other contents for the parts of these names; all others keep their compressed bytes, and
-/// every one its place and time.
+/// Returns the package with new contents for the parts of these names. All others keep their compressed
+/// bytes. Every part keeps its position in the archive and its time.
 std::string with_parts(std::string_view package, const std::vector<PackagePart>& parts);
 
 }  // namespace meshgraft::io

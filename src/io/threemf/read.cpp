@@ -18,7 +18,7 @@ namespace meshgraft::io {
 
 namespace {
 
-// lib3mf reads floats, by arithmetic of its own.
+// Whether the vertices agree up to a tolerance. lib3mf parses them as floats by arithmetic of its own.
 bool same_vertices(const ThreemfVertices& vertices, const ThreemfModel::Object& object) {
   if (vertices.positions.rows() != static_cast<Eigen::Index>(object.vertices.size())) return false;
   if (object.vertices.empty()) return true;
@@ -32,9 +32,11 @@ bool same_vertices(const ThreemfVertices& vertices, const ThreemfModel::Object& 
   return true;
 }
 
-/// Where each object is written. lib3mf does not tell which part an object is from: parts that are referred to
-/// come first, then the one with the build, each in its order. Where the same vertices are left in two parts of
-/// the first kind there is no telling, and the result is empty.
+/// Finds the part and the mesh in which each object is written. lib3mf does not tell the part of an object.
+/// It reads the parts that are referred to first, then the part with the build, each in its order.
+///
+/// Returns an empty list if an object is not found, or if unmatched meshes in two referenced parts have the
+/// same vertices.
 std::vector<ThreemfDocument::Source> match(const std::vector<ThreemfPart>& parts,
                                            const std::vector<ThreemfModel::Object>& objects) {
   std::vector<std::size_t> order(parts.size());
@@ -65,8 +67,8 @@ std::vector<ThreemfDocument::Source> match(const std::vector<ThreemfPart>& parts
   return sources;
 }
 
-/// Counts the copies that a build makes. A few components of components can name more than any machine can
-/// hold, and lib3mf would walk through them all.
+/// Counts the copies that a build makes. A few nested components can name more copies than any machine can
+/// hold, and lib3mf would walk through all of them.
 class CopyCounter {
  public:
   CopyCounter(const std::vector<PackagePart>& parts, const std::vector<ThreemfPart>& scanned) {
@@ -111,7 +113,7 @@ void require_sensible_build(const ThreemfDocument& document, const std::string& 
   throw error.within(name);
 }
 
-/// Makes one mesh of the placed objects.
+/// Composes one mesh from the placed objects.
 class Assembler {
  public:
   Assembler(const ThreemfModel& model, const ThreemfDocument& document) : model_(model), document_(document) {}
@@ -136,7 +138,7 @@ class Assembler {
     has_objects_ = model_.placements.size() > 1;
     has_materials_ = any_object([](const auto& object) { return !object.materials.empty(); });
     has_colours_ = any_object([](const auto& object) { return !object.colours.empty(); });
-    // Pointers into the list: it must not grow once they are taken.
+    // Pointers into the list are taken below, so it must not grow.
     mesh_.attributes.reserve(3);
     if (has_objects_)
       objects_ = &mesh_.attributes.emplace_back(Attribute{.name = "object",
@@ -158,7 +160,7 @@ class Assembler {
     const ThreemfModel::Placement& placement = model_.placements[number];
     const ThreemfModel::Object& object = model_.objects[placement.object];
     const Index first = next_vertex_;
-    // A mirror turns what it shows inside out.
+    // A mirroring transform reverses the orientation of the triangles.
     const bool is_mirrored = placement.transform.linear().determinant() < 0;
     const std::array<std::size_t, 3> corners =
         is_mirrored ? std::array<std::size_t, 3>{0, 2, 1} : std::array<std::size_t, 3>{0, 1, 2};

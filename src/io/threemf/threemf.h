@@ -4,9 +4,9 @@
 
 namespace meshgraft::io {
 
-/// 3MF, the 3D Manufacturing Format: a ZIP archive of XML. lib3mf says what the objects are and where they
-/// stand; coordinates are read and rewritten in the XML itself, so that they keep their digits and everything
-/// else its bytes.
+/// 3MF, the 3D Manufacturing Format: a ZIP archive of XML. lib3mf reads the objects and their placements.
+/// Coordinates are read and rewritten in the XML itself, so that unchanged coordinates keep their digits and
+/// all other content its bytes.
 Format threemf_format();
 
 Mesh read_threemf(std::string content, const std::string& name, const Context& context);

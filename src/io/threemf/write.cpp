@@ -23,14 +23,14 @@ namespace {
 constexpr std::array<std::string_view, 1> extensions = {".3mf"};
 
 void require_in_range(const Eigen::RowVector3d& position, Eigen::Index vertex) {
-  constexpr float largest = 1e9F;  // that lib3mf takes
+  constexpr float largest = 1e9F;  // the limit of lib3mf
   if (!(position.cast<float>().cwiseAbs().maxCoeff() < largest))
     throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that 3MF cannot hold", vertex), {},
                 "Coordinates go up to 1e9: move or scale the model");
 }
 
-/// New positions of the objects of a file, in their own frames. Empty where copies of one object came to
-/// differ, or stand where no object can follow (a flattening transform): the file has no place for that.
+/// Returns new positions of a file's objects, in their own frames. Returns nothing if copies of one object
+/// differ, or if a flattening transform has no inverse. The file cannot express either case.
 std::optional<std::vector<Points>> object_positions(const ThreemfDocument& document, const Mesh& mesh) {
   constexpr double tolerance_rel = 1e-9;
   const double size = mesh.positions.size() == 0 ? 0 : mesh.positions.cwiseAbs().maxCoeff();
@@ -61,7 +61,7 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
   return positions;
 }
 
-/// The part with new coordinates in its vertex tags.
+/// Returns the part with new coordinates in its vertex tags.
 std::string rewritten(std::string_view xml, const std::vector<ThreemfVertices>& meshes,
                       const std::vector<const Points*>& positions) {
   std::string out;
@@ -95,7 +95,7 @@ std::string patch(const ThreemfDocument& document, const std::vector<Points>& po
   return changed.empty() ? document.package : with_parts(document.package, changed);
 }
 
-/// Makes a new package: an object per value of the attribute "object".
+/// Composes a new package with one object per value of the attribute "object".
 class ThreemfComposer {
  public:
   ThreemfComposer(const Mesh& mesh, const Context& context) : mesh_(mesh), context_(context) {}
@@ -160,7 +160,7 @@ class ThreemfComposer {
     return named ? object_->labels[static_cast<std::size_t>(value)] : std::string();
   }
 
-  // Those that the triangles use, in the order of the mesh.
+  // Adds the vertices that the triangles use, in the order of the mesh.
   void add_vertices(const Triangulation& pieces, const std::vector<Eigen::Index>& triangles) {
     used_.clear();
     for (const Eigen::Index t : triangles)
@@ -216,7 +216,7 @@ class ThreemfComposer {
     return mesh_.faces.first_corner(face) + static_cast<Index>(corner - corners.begin());
   }
 
-  // lib3mf writes six decimals, which would flatten a small model.
+  // Restores the digits of coordinates. lib3mf writes six decimals, which would flatten a small model.
   void restore_digits(std::string& package) const {
     std::vector<PackagePart> parts = model_parts(package, {});
     PackagePart& part = parts.front();
@@ -246,8 +246,8 @@ class ThreemfComposer {
   const Context& context_;
   const Attribute *object_ = nullptr, *material_ = nullptr, *colour_ = nullptr;
   ThreemfModel model_;
-  std::vector<Points> positions_;  // of the objects, in full
-  std::vector<Index> used_;        // vertices of the object that is being made
+  std::vector<Points> positions_;  // per object, in full precision
+  std::vector<Index> used_;        // vertices of the current object
 };
 
 }  // namespace

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
 
-/// Collects what a part holds while expat walks over the text. Exceptions wait until expat has returned: they
-/// must not cross its C code.
+/// Collects the contents of a part while expat parses the text. Exceptions are rethrown after expat has
+/// returned, because they must not cross its C code.
 class PartScanner {
  public:
   PartScanner(std::string_view xml, const std::string& location)
@@ -32,7 +32,7 @@ class PartScanner {
   }
 
   ThreemfPart scan() {
-    constexpr std::size_t piece = std::size_t{1} << 28;  // expat takes an int
+    constexpr std::size_t piece = std::size_t{1} << 28;  // expat takes the size as an int
     for (std::size_t at = 0; at <= xml_.size(); at += piece) {
       const std::string_view text = xml_.substr(at, piece);
       const bool last = at + piece > xml_.size();
@@ -71,7 +71,7 @@ class PartScanner {
     }
   }
 
-  // The name without its namespace, for elements of the core namespace; empty for others.
+  // Returns the name without its namespace for elements of the core namespace, and an empty text for others.
   static std::string_view local(std::string_view name) {
     constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/";
     return name.starts_with(core) ? name.substr(name.rfind('|') + 1) : std::string_view();
@@ -122,7 +122,7 @@ class PartScanner {
 
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-  // The collected numbers are those of all meshes one after another.
+  // Copies the positions of the next mesh. The numbers of all meshes are collected one after another.
   void finish(ThreemfVertices& mesh) {
     const auto count = static_cast<Eigen::Index>(mesh.tag_begin.size());
     mesh.positions = Eigen::Map<const Points>(coordinates_.data() + finished_, count, 3);
@@ -145,7 +145,7 @@ class PartScanner {
   std::exception_ptr failure_;
 };
 
-/// The value of an attribute in a tag, between its quotes.
+/// Returns the value of an attribute in a tag, without its quotes.
 std::string_view value_in(std::string_view tag, std::string_view attribute) {
   for (std::size_t at = tag.find_first_of(" \t\r\n"); at < tag.size();) {
     at = tag.find_first_not_of(" \t\r\n", at);

@@ -10,31 +10,31 @@
 
 namespace meshgraft::io {
 
-/// The vertices of a mesh in a 3MF model part, and where they are written.
+/// The vertices of a mesh in a 3MF model part, and the locations of their tags.
 struct ThreemfVertices {
   Points positions{0, 3};               ///< in the object's frame
   std::vector<std::size_t> tag_begin;   ///< first byte of each <vertex …> in the part
-  std::vector<std::size_t> tag_length;  ///< up to and with its '>'
+  std::vector<std::size_t> tag_length;  ///< up to its '>', inclusive
 };
 
-/// An object that another one, or the build, is made of.
+/// A reference to an object from a component or from a build item.
 struct ThreemfReference {
-  std::string path;  ///< of the part that it is in; empty = the same
+  std::string path;  ///< of the part that holds the object; empty = the same
   std::string id;
 };
 
-/// What a model part holds.
+/// The contents of a model part.
 struct ThreemfPart {
-  std::vector<ThreemfVertices> meshes;                              ///< in its order
-  std::map<std::string, std::vector<ThreemfReference>> components;  ///< of each object that has them, by its id
+  std::vector<ThreemfVertices> meshes;                              ///< in the part's order
+  std::map<std::string, std::vector<ThreemfReference>> components;  ///< per object with components, by its id
   std::vector<ThreemfReference> items;                              ///< of the build
 };
 
-/// `location` names the part in messages. Throws Error(input) with the line for text that is no well-formed
-/// XML, has a document type (which 3MF forbids) or a malformed coordinate.
+/// Parses a part. `location` names it in messages. Throws Error(input) with the line if the text is not
+/// well-formed XML, has a document type (which 3MF forbids) or a malformed coordinate.
 ThreemfPart scan_part(std::string_view xml, const std::string& location);
 
-/// True where bytes and characters of the part are the same thing, so that its tags can be rewritten.
+/// Whether bytes and characters of the part are the same, so that its tags can be rewritten.
 bool is_utf8(std::string_view xml);
 
 /// Appends the `<vertex …>` tag with the coordinates that differ between `from` and `to` replaced by the

@@ -99,7 +99,7 @@ std::error_code File::resize(std::uint64_t bytes) {
 std::error_code File::copy_permissions(const fs::path& from) {
   struct stat other = {};
   if (::stat(from.c_str(), &other) != 0) return last_error();
-  // Only root can give a file away; to stay its owner is no failure.
+  // Only root can give a file away, so keeping the owner is no failure.
   [[maybe_unused]] const int ignored = ::fchown(descriptor(handle_), other.st_uid, other.st_gid);
   return error_unless(::fchmod(descriptor(handle_), other.st_mode & 07777) == 0);
 }

@@ -12,8 +12,8 @@ namespace meshgraft::platform {
 
 namespace {
 
-// A signal handler may hardly do anything, so it writes a byte that a thread waits for. It can only know the
-// pipe by a global.
+// A signal handler may call few functions, so it writes a byte to a pipe that a thread reads. The handler can
+// reach the pipe only through a global.
 std::array<int, 2> signal_pipe{-1, -1};
 constexpr char signalled = 's', finished = 'f';
 
@@ -23,7 +23,7 @@ void on_signal(int) {
   errno = saved;
 }
 
-// Returns false where there is nothing more to wait for.
+// Waits for a signal. Returns false if there are no more signals to wait for.
 bool wait_for_signal() {
   char byte = 0;
   ssize_t count = 0;

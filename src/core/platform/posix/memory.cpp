@@ -54,7 +54,7 @@ void prefer_huge_pages([[maybe_unused]] const void* begin, [[maybe_unused]] std:
   const std::uintptr_t first = (address + page - 1) / page * page;
   const std::uintptr_t last = (address + size) / page * page;
   if (last <= first || last - first < (std::size_t{1} << 23)) return;
-  // A hint: where the system does not take it, nothing changes. NOLINTNEXTLINE(performance-no-int-to-ptr)
+  // This is only a hint: if the system rejects it, nothing changes. NOLINTNEXTLINE(performance-no-int-to-ptr)
   ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
 #endif
 }
