@@ -83,13 +83,10 @@ std::string_view to_string(LiveStage value);
 
 /// A deformation that can be dragged at once and is refined in the background. The constructor returns
 /// without computing anything. A set-up thread then makes one means of answering poses after the other, each
-/// better than the last: a `ProxyDeformer` for large regions, the `Deformer`, and a `HandleBasis` (`ft05`) or
-/// `ReducedFrames` (the other methods). Another thread answers the newest pose by the best quick means, and
-/// again when a better one is ready. Once the handles rest, it evaluates the pose exactly.
-///
-/// Sometimes no quick frames are possible: `ReducedFrames` refuses features and redrawn curves, and
-/// iterations are too slow to prepare them. Then the proxy goes on answering, or the `Deformer` itself where
-/// there is no proxy.
+/// better than the last. These are a `ProxyDeformer` for large regions, the `Deformer`, and a `HandleBasis`
+/// (`ft05`) or `ReducedFrames` (other methods). Another thread answers the newest pose by the best quick
+/// means, and again when a better one is ready. Once the handles rest, that thread evaluates the pose
+/// exactly.
 class LiveDeformer {
  public:
   /// `rest` is n×3, `triangles` m×3. Throws Error(usage) without a callback for frames or for normals of

@@ -118,9 +118,13 @@ struct MergeResult {
 /// Grafts `source` onto `target` across pairs of boundary loops (Fu & Tai 2005, section 5). The target is not
 /// moved; outside the bands around the seams it keeps its coordinates bit for bit.
 ///
-/// Throws Error(input), naming the pair and the remedy, in these cases: a loop is not a simple boundary loop,
-/// loops meet, a connected component of the source has no loop, correspondences cross or are ambiguous, or
-/// the orientations disagree. Throws Error(unsolvable) and Error(cancelled).
+/// Throws Error(input), naming the pair and the remedy, in these cases:
+/// - a loop is not a simple boundary loop;
+/// - loops meet;
+/// - a connected component of the source has no loop;
+/// - correspondences cross or are ambiguous;
+/// - the orientations disagree.
+/// Throws Error(unsolvable) and Error(cancelled).
 MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
                          const MergeOptions& options = {}, const Context& context = {});
 

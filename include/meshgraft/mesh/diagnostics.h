@@ -66,8 +66,8 @@ struct Diagnostics {
 /// - "polygon": faces with more than three corners. They are solved on their triangles and written as they
 ///   were.
 ///
-/// A face has no area in two cases: twice its area is at most 1e-12 × its longest edge squared, or its height
-/// is lost in the precision of its coordinates (4 ulp of the largest one).
+/// A face has no area if twice its area is at most 1e-12 × its longest edge squared. It also has none if its
+/// height is lost in the precision of its coordinates (4 ulp of the largest one).
 Diagnostics check_mesh(const Mesh& mesh, const Context& context = {});
 
 /// Throws Error(input) for the first refused finding that touches a vertex in `reach` (empty = the whole

@@ -23,8 +23,8 @@ std::span<const SampleInfo> sample_list();
 ///
 /// The z axis points up, and figures look towards −y (the dinosaur towards −x). Locations do not depend on
 /// the resolution (docs/samples.md has more):
-/// - octopus: closed; mantle z > 1.3. Arm k = 0 … 7 leaves at the azimuth 22.5° + 45°·k from +x towards +y. It
-///   lies on the ground about 1.2 off the axis, and curls up about 1.8 off the axis;
+/// - octopus: closed; mantle z > 1.3. Arm k = 0 … 7 leaves at the azimuth 22.5° + 45°·k from +x towards +y.
+///   It lies on the ground about 1.2 off the axis, and curls up about 1.8 off the axis;
 /// - head: one loop in the plane z = −0.40 around the neck's axis (0, 0.12); cranium z > 0.65;
 /// - bust: one loop in the plane z = −0.28 around the same axis; shoulders |x| > 0.55; flat base z = −1.34;
 /// - dinosaur: closed; head x < −1.7 and z > 3, tail x > 1.2, soles at z = 0;
