@@ -86,8 +86,7 @@ ReducedFrames::~ReducedFrames() = default;
 void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
   responses = ResponseColumns(system.free_vertices(), field->width());
   const SparseRows coupling = system.coupling(context);
-  for (std::size_t handle = 0; handle < 2 * handles.size();
-       ++handle) {  // blended by logarithms, then linearly
+  for (std::size_t handle = 0; handle < 2 * handles.size(); ++handle) {  // blended by logarithms, then linearly
     const ReducedField::Columnwise sides = field->handle_sides(handle);
     const Columns y = system.respond(sides.values, sides.field, coupling, context);
     responses.set(4 * handle, 1, free_rows(system, system.displacements(y, sides.values, context)), context);

@@ -107,8 +107,7 @@ VertexCover minimum_vertex_cover(const BipartiteGraph& graph, const Matching& ma
     for (int edge = graph.begin[reached[k]]; edge < graph.begin[reached[k] + 1]; ++edge) {
       const int right = graph.right_end[edge];
       cover.right[right] = 1;
-      reach(
-          matching.of_right[right]);  // it has a partner, or the path could enlarge the matching
+      reach(matching.of_right[right]);  // it has a partner, or the path could enlarge the matching
     }
   }
   return cover;

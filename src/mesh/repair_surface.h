@@ -19,7 +19,7 @@ namespace meshgraft {
 /// Faces under repair, with their origins in the given mesh.
 struct RepairFaces {
   Faces faces;
-  std::vector<Index> origin;  ///< per face: the given mesh's face that it is, is part of, or continues
+  std::vector<Index> origin;      ///< per face: the given mesh's face that it is, is part of, or continues
   std::vector<EdgePoint> corner;  ///< per corner: between corners of the given mesh
   Flags is_new;                   ///< per face: whether it fills a hole
   Flags is_turned;                ///< per face: whether it is reversed against the given one

@@ -17,8 +17,7 @@ namespace meshgraft {
 /// Location, size and turn of a source that is put onto a surface without a hole.
 struct Drop {
   /// A vertex of the target, or a point that stands for the nearest point of the surface.
-  std::variant<Index, Eigen::Vector3d>
-      surface_point;
+  std::variant<Index, Eigen::Vector3d> surface_point;
   /// Approximate scale of the source. Absent: 1 if its loop has room there and the source stands clear of the
   /// target. Otherwise it is the largest of 0.7, 0.5, 0.35, … with which both hold.
   std::optional<double> size{};

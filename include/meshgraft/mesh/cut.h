@@ -34,8 +34,7 @@ struct CutResult {
   /// Per face of `mesh`: 1 above, -1 below, 0 where the cut separates nothing.
   std::vector<std::int8_t> face_side;
   /// The boundary loops that the cut made, as `boundary_loops` lists them.
-  std::vector<std::vector<Index>>
-      loops;
+  std::vector<std::vector<Index>> loops;
 };
 
 /// Returns the vertices of the uncut mesh that a cut touches, ascending: ends of cut edges, and vertices on

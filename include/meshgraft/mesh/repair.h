@@ -63,12 +63,10 @@ struct RepairChange {
 struct RepairResult {
   Mesh mesh;
   /// Changes in the order of the steps. If there are none, `mesh` is the given one, with its source.
-  std::vector<RepairChange>
-      changes;
+  std::vector<RepairChange> changes;
   /// Old → new, or -1 where one was removed. Several may map to one; one with several copies or pieces maps
   /// to the first of them.
-  IndexMap vertex,
-      face;
+  IndexMap vertex, face;
   std::vector<Index> vertex_origin, face_origin;  ///< new → old; -1 for elements that fill a hole
   std::vector<std::string> notes;  ///< sentences for people about defects that remain and data that were lost
 

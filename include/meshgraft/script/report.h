@@ -103,8 +103,7 @@ struct EditReport {
   std::string edit;                  ///< the edit file
   std::vector<std::string> outputs;  ///< files written
   /// Sentences for people about words of the edit file, and about data that the result's file cannot store.
-  std::vector<std::string>
-      notes;
+  std::vector<std::string> notes;
   struct Input {
     std::string name, source;  ///< `source`: the file or sample
     Index vertices = 0, faces = 0;

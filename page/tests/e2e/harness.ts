@@ -225,7 +225,7 @@ export class Person {
    * may begin a movement.
    */
   async rests(): Promise<void> {
-    await this.settle();
+    if (await this.page.evaluate(() => window.meshgraft.editor.state.value !== null)) await this.settle();
     await this.page.evaluate(async () => {
       const { viewport, editor } = window.meshgraft;
       const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
