@@ -1,0 +1,63 @@
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "command_line.h"
+
+namespace meshgraft::test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> commands() {
+  return {"info", "check", "repair", "deform", "compare", "cut", "sample", "completion", "man"};
+}
+
+TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
+  const std::string overview = run("--help").out;
+  for (const std::string& command : commands()) {
+    EXPECT_NE(overview.find("\n  " + command), std::string::npos) << overview;
+    const Outcome outcome = run(command + " --help");
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.out.find("Example"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("meshgraft " + command), std::string::npos) << outcome.out;
+  }
+  EXPECT_EQ(run("--version").out.find("meshgraft "), 0u);
+}
+
+TEST_F(CommandLine, TheManualAndTheCompletionsKnowEveryCommandAndOption) {
+  const std::string manual = run("man").out;
+  EXPECT_EQ(manual.find(".TH MESHGRAFT 1"), 0u);
+  for (const std::string& command : commands())
+    EXPECT_NE(manual.find(".SS meshgraft " + command), std::string::npos) << command;
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const Outcome outcome = run(std::string("completion ") + shell);
+    EXPECT_EQ(outcome.status, 0);
+    for (const std::string& command : commands())
+      EXPECT_NE(outcome.out.find(command), std::string::npos) << shell << " " << command;
+    for (const char* option : {"degenerate", "report", "in-place", "cotangent", "octopus"})
+      EXPECT_NE(outcome.out.find(option), std::string::npos) << shell << " " << option;
+  }
+  for (const char* option : {"\\-\\-degenerate", "\\-\\-report", "\\-\\-in\\-place", "ft05\\-noise|apex|auto"})
+    EXPECT_NE(manual.find(option), std::string::npos) << option;
+}
+
+TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {
+  write("complete.sh", "source <('" MESHGRAFT_PROGRAM
+                       "' completion bash)\n"
+                       "complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _meshgraft; echo "
+                       "\"${COMPREPLY[*]}\"; }\n"
+                       "complete_words meshgraft de\n"
+                       "complete_words meshgraft deform --wei\n"
+                       "complete_words meshgraft deform --weights c\n"
+                       "complete_words meshgraft sample oct\n"
+                       "complete_words meshgraft info she\n"
+                       "complete_words meshgraft compare --methods ar\n");
+  const Outcome outcome = run("--version > /dev/null; bash complete.sh");
+  EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\narap-2007\n") << outcome.err;
+}
+
+}  // namespace
+}  // namespace meshgraft::test

@@ -1,0 +1,195 @@
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "command_line.h"
+
+namespace meshgraft::test {
+namespace {
+
+using nlohmann::json;
+
+TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
+  const std::vector<std::tuple<std::string, int, std::string>> cases = {
+      {"merge sheet.obj -o o.ply", 2, "the source is missing"},
+      {"merge edit.json -o o.ply --start 1:2", 2, "--start goes with TARGET and SOURCE"},
+      {"merge sheet.obj sheet.obj -o o.ply --start 1-2", 2, "--start: '1-2' is not TARGET:SOURCE"},
+      {"merge sheet.obj sheet.obj -o o.ply --spin 30", 2, "--spin goes with --at"},
+      {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix all", 2, "--fix: 'all' is not a selection"},
+      {"merge sheet.obj sheet.obj -o o.ply --fix loop:0", 2, "--fix goes with --pose keep: nothing stays"},
+      {"merge sheet.obj sheet.obj -o o.ply --pose keep --size 2", 2, "--size goes without --pose keep"},
+      {"merge sheet.obj sheet.obj -o o.ply --at 1 --pair 0:0", 2, "--at goes without --pair"},
+      {"merge sheet.obj sheet.obj -o o.ply --align 1:2", 2, "--align is given 1 time"},
+      {"merge sheet.obj sheet.obj -o o.ply --pair 3:0", 3, "error: --pair 3:0: "},
+      {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --match 9:1", 3,
+       "error: --match 9:1: vertex 9 is not on"},
+      {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --align 0:0 --align 1:1 --align 999:2", 3,
+       "error: --align 999:2: there is no vertex 999"},
+      {"merge sheet.obj gone.obj -o o.ply", 5, "error: gone.obj: "},
+      {"merge sheet.obj sheet.obj -o o.ply --size nan", 2, "--size: 'nan' is not a positive number"},
+      {"merge sheet.obj sheet.obj -o o.ply --size -1", 2, "--size: '-1' is not a positive number"},
+      {"merge sheet.obj sheet.obj -o o.ply --size big", 2, "--size: 'big' is not a positive number"},
+      {"merge sheet.obj sheet.obj -o o.ply --normal-angle inf", 2,
+       "--normal-angle: 'inf' is not a number from -180"},
+      {"merge sheet.obj sheet.obj -o o.ply --at 1 --spin nan", 2, "--spin: 'nan' is not a finite number"},
+      {"merge sheet.obj sheet.obj -o o.ply --at 1,nan,0", 2, "--at: 'nan' is not a finite number"},
+      {"merge sheet.obj sheet.obj -o o.ply --reach nan", 2, "--reach: 'nan' is not a finite number"},
+      {"merge sheet.obj sheet.obj -o o.ply --reach -2", 2, "--reach: '-2' is neither"},
+      {"merge sheet.obj sheet.obj -o o.ply --reach 0rings", 2, "--reach: '0rings' is neither"},
+      {"merge sheet.obj sheet.obj -o o.ply --band 1.5", 2, "--band: '1.5' is not a whole number from 0 to 100"},
+      {"merge sheet.obj sheet.obj -o o.ply --mirror 0,0,0,0,0,0", 2, "--mirror: the plane's normal is zero"},
+      {"merge sheet.obj sheet.obj -o o.ply --report ./o.ply", 2, "./o.ply: two outputs have this name"},
+      {"merge sheet.obj sheet.obj -o o.ply --report r.json --save-edit ./r.json", 2,
+       "two outputs have this name"},
+      {"merge sheet.obj sheet.obj -o o.obj --report o.mtl", 2, "o.mtl: this name is kept for the materials"},
+      {"merge sheet.obj sheet.obj -o o.ply --match 0:9", 3, "vertex 9 is not on a boundary of the source"},
+      {"merge sheet.obj sheet.obj -o sheet.obj", 2, "this is an input"},
+  };
+  for (const auto& [arguments, status, words] : cases) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << arguments << "\n" << outcome.err;
+    EXPECT_EQ(new_files(), std::vector<std::string>()) << arguments;
+  }
+}
+
+TEST_F(CommandLine, AMergedObjDefinesTheMaterialsOfBoth) {
+  for (const char* sub : {"a", "b", "out"}) std::filesystem::create_directory(folder_ / sub);
+  write("a/body.obj", tube(0, true, "body.mtl"));
+  write("a/body.mtl", "newmtl skin\nKd 1 0 0\nmap_Kd tex.png\n");
+  write("a/tex.png", "a picture");
+  write("b/part.obj", tube(1, false, "part.mtl"));
+  write("b/part.mtl", "newmtl skin\nKd 0 1 0\nmap_Kd tex.png\n");
+  const std::string merge = "merge a/body.obj b/part.obj --start 0:0 -o ";
+  const Outcome outcome = run(merge + "out/whole.obj --report out/r.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json report = json::parse(read_text(folder_ / "out/r.json"));
+  EXPECT_EQ(report["outputs"], json({"out/whole.obj", "out/whole.mtl", "out/r.json"}));
+  EXPECT_EQ(report["notes"], json::array());
+  const std::string library = read_text(folder_ / "out/whole.mtl");
+  EXPECT_NE(library.find("newmtl skin\nKd 1 0 0\nmap_Kd ../a/tex.png\n"), std::string::npos) << library;
+  EXPECT_NE(library.find("newmtl skin_2\nKd 0 1 0\nmap_Kd ../b/tex.png\n"), std::string::npos) << library;
+  const std::string whole = read_text(folder_ / "out/whole.obj");
+  for (const char* line :
+       {"\nmtllib whole.mtl\n", "\nusemtl skin\n", "\nusemtl skin_2\n", "\ng seam\n", "\nvt 1 1\n"})
+    EXPECT_NE(whole.find(line), std::string::npos) << line;
+
+  // Onto PLY, which has no materials.
+  const Outcome ply = run(merge + "out/whole.ply --json");
+  ASSERT_EQ(ply.status, 0) << ply.err;
+  EXPECT_NE(json::parse(ply.out)["notes"].dump().find("body.mtl"), std::string::npos) << ply.out.substr(0, 400);
+
+  // What belongs to an input is not written over.
+  for (const char* output : {"a/body.mtl", "a/tex.png", "b/../a/tex.png"}) {
+    const Outcome refused = run(merge + "out/other.ply --save-edit " + output);
+    EXPECT_EQ(refused.status, 2) << output;
+    EXPECT_NE(refused.err.find("this belongs to the input"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(read_text(folder_ / "a/tex.png"), "a picture");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/other.ply"));
+  ASSERT_EQ(run(merge + "a/body.obj --force").status, 0);
+  EXPECT_EQ(read_text(folder_ / "a/body.mtl"), "newmtl skin\nKd 1 0 0\nmap_Kd tex.png\n");
+  EXPECT_NE(read_text(folder_ / "a/body.obj").find("mtllib body_2.mtl"), std::string::npos);
+}
+
+TEST_F(CommandLine, MergesColoursWithMaterials) {
+  std::string coloured = tube(0, true, "");
+  for (std::size_t v = coloured.find("v "); v != std::string::npos; v = coloured.find("\nv ", v + 1))
+    coloured.insert(coloured.find('\n', v + 1), " 1 0.5 0.25");
+  write("body.obj", coloured);
+  write("part.obj", tube(1, false, "part.mtl"));
+  write("part.mtl", "newmtl skin\nKd 0 1 0\n");
+  ASSERT_EQ(run("cut body.obj --plane z=-1.2 --keep above -o body.ply --snap 0").status, 0);
+  const Outcome info = run("info body.ply --json");
+  const json body = json::parse(info.out);
+  // The rim at the top is the loop with its middle at z = 0.
+  const int rim = std::abs(body["loops"][0]["centre"][2].get<double>()) < 0.1 ? 0 : 1;
+  const Outcome outcome = run("merge body.ply part.obj -o whole.obj --json --start " +
+                              std::to_string(body["loops"][rim]["first_vertex"].get<int>()) + ":0");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string whole = read_text(folder_ / "whole.obj");
+  EXPECT_NE(whole.find(" 1 0.5"), std::string::npos) << "the colours of the target";
+  EXPECT_NE(whole.find("usemtl skin\n"), std::string::npos);
+  EXPECT_NE(whole.find("mtllib part.mtl\n"), std::string::npos);
+  EXPECT_NE(whole.find("vt 1 1\n"), std::string::npos);
+}
+
+TEST_F(CommandLine, OffersToSmoothARaggedLoop) {
+  std::string ragged = tube(0, true, "");
+  std::size_t line = 0;
+  for (int v = 0; v < 12; ++v) {  // every other vertex of the rim lower
+    const std::size_t end = ragged.find('\n', line), z = ragged.rfind(' ', end);
+    if (v % 2 == 0) ragged.replace(z, end - z, " -0.3");
+    line = ragged.find('\n', line) + 1;
+  }
+  write("body.obj", ragged);
+  write("part.obj", tube(1, false, ""));
+  const Outcome plain = run("merge body.obj part.obj --start 0:0 -o o.ply");
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  EXPECT_NE(plain.out.find("is ragged"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("--smooth-boundary smooths it first"), std::string::npos) << plain.out;
+  const Outcome smooth = run("merge body.obj part.obj --start 0:0 -o o.ply --smooth-boundary");
+  ASSERT_EQ(smooth.status, 0) << smooth.err;
+  EXPECT_EQ(smooth.out.find("is ragged"), std::string::npos) << smooth.out;
+}
+
+TEST_F(CommandLine, SaysWhyALoopCannotBeMerged) {
+  write("body.obj", tube(0, true, ""));
+  write("three.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  std::string band;
+  constexpr int around = 16;
+  for (int i = 0; i < around; ++i)
+    for (const double side : {-0.3, 0.3}) {
+      const double angle = 2 * 3.14159265358979 * i / around, r = 1 + side * std::cos(angle / 2);
+      band += "v " + std::to_string(r * std::cos(angle)) + " " + std::to_string(r * std::sin(angle)) + " " +
+              std::to_string(side * std::sin(angle / 2)) + "\n";
+    }
+  for (int i = 0; i < around; ++i) {
+    const int p = 2 * i + 1, r = i + 1 < around ? p + 2 : 2, s = i + 1 < around ? p + 3 : 1;
+    band += "f " + std::to_string(p) + " " + std::to_string(r) + " " + std::to_string(p + 1) + "\nf " +
+            std::to_string(p + 1) + " " + std::to_string(r) + " " + std::to_string(s) + "\n";
+  }
+  write("moebius.obj", band);
+  const auto says = [&](const std::string& command, const std::string& words) {
+    const Outcome outcome = run(command);
+    EXPECT_NE((outcome.out + outcome.err).find(words), std::string::npos) << command << "\n"
+                                                                          << outcome.out << outcome.err;
+  };
+  const std::string merge = "merge body.obj ", to = " -o o.ply";
+  says(merge + "three.obj" + to,
+       "loop 0 of the source (three.obj) cannot be merged: 1 edge has more than two faces, on the loop at "
+       "vertices 0, 1. "
+       "A loop there cannot be merged: take faces away");
+  says("merge moebius.obj body.obj" + to,
+       "loop 0 of the target (moebius.obj) cannot be merged: 1 edge has two faces that are wound against each "
+       "other, on "
+       "the loop at vertices 0, 1. Normals there");
+  says(merge + "points.obj" + to, "the source (points.obj) has no faces. Export it");
+  says("cut points.obj --plane x=0.5" + to, "the mesh has no faces");
+  says("info points.obj", "none, there are no faces");
+  says("info moebius.obj", "inconsistent-winding at vertex 0");
+  says("info three.obj", "non-manifold-edge at vertex 0");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "o.ply"));
+}
+
+TEST_F(CommandLine, DropsAPartOnAClosedSurface) {
+  ASSERT_EQ(run("sample bar --resolution 12 -o bar.ply").status, 0);
+  ASSERT_EQ(run("sample head --resolution 40 -o head.ply").status, 0);
+  const std::string drop = "merge bar.ply head.ply -o whole.ply --at ";
+  EXPECT_EQ(run(drop + "9,0,0").status, 3);
+  EXPECT_EQ(run(drop + "0.5,0,2 --pose keep").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "whole.ply"));
+  const Outcome outcome = run(drop + "0.5,0,2 --spin 30 --source-loop 0");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome info = run("info whole.ply");
+  EXPECT_NE(info.out.find("closed"), std::string::npos) << info.out;
+}
+
+}  // namespace
+}  // namespace meshgraft::test
