@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include <Eigen/Geometry>
@@ -22,6 +23,14 @@ inline Eigen::Vector3d area_vector(std::span<const Index> face, const Points& po
 
 inline Eigen::Vector3d area_vector(const Triangles& triangles, Eigen::Index t, const Points& positions) {
   return area_vector({triangles.row(t).data(), 3}, positions);
+}
+
+/// Returns the cotangent of a triangle's angle at `apex`, within ±1000 for slivers.
+inline double clamped_cotangent(const Eigen::Vector3d& apex, const Eigen::Vector3d& a,
+                                const Eigen::Vector3d& b) {
+  constexpr double most = 1e3;
+  const double area = (a - apex).cross(b - apex).norm(), dot = (a - apex).dot(b - apex);
+  return std::clamp(area > 0 ? dot / area : most, -most, most);
 }
 
 /// Returns twice the signed area of the triangle 0, a, b in the plane.

@@ -9,19 +9,15 @@
 #include <Eigen/SparseCholesky>
 
 #include <meshgraft/core/parallel.h>
+#include <meshgraft/mesh/interpolate_attribute.h>
+
+#include "area_vector.h"
 
 namespace meshgraft {
 
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-
-// Returns the clamped cotangent at a corner, the weight of the opposite edge.
-double edge_weight(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  constexpr double most = 1e3;  // limit for slivers
-  const double area = (a - apex).cross(b - apex).norm(), dot = (a - apex).dot(b - apex);
-  return std::clamp(area > 0 ? dot / area : most, -most, most);
-}
 
 // The new faces, with separate numbers for the vertices inside and around them.
 struct Fills {
@@ -61,7 +57,8 @@ class HarmonicFills {
     for (const Index first : fills.corners)
       for (Index k = 0; k < 3; ++k) {
         const Index a = mesh.faces.corners()[first + k], b = mesh.faces.corners()[first + (k + 1) % 3];
-        const double weight = edge_weight(point(mesh.faces.corners()[first + (k + 2) % 3]), point(a), point(b));
+        const double weight =
+            clamped_cotangent(point(mesh.faces.corners()[first + (k + 2) % 3]), point(a), point(b));
         for (const auto& [v, w] : {std::pair{a, b}, std::pair{b, a}}) {
           const Index row = fills.row[static_cast<std::size_t>(v)];
           if (row < 0) continue;
@@ -92,10 +89,9 @@ void write_value(Attribute& attribute, Index element, Eigen::VectorXd value) {
     if (!(value.stableNorm() > 0)) return;
     value.stableNormalize();
   }
-  const bool is_real = attribute.type == ScalarType::float32 || attribute.type == ScalarType::float64;
   for (Eigen::Index k = 0; k < value.size(); ++k)
     attribute.values[static_cast<std::size_t>(element * value.size() + k)] =
-        is_real ? value[k] : std::round(value[k]);
+        representable(value[k], attribute.type);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 
 #include <meshgraft/core/parallel.h>
 
+#include "area_vector.h"
+
 namespace meshgraft {
 
 namespace {
@@ -173,12 +175,6 @@ class Refinement {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-double cotangent(const RowVector3d& apex, const RowVector3d& a, const RowVector3d& b) {
-  constexpr double most = 1e3;  // limit for slivers
-  const double area = (a - apex).cross(b - apex).norm(), dot = (a - apex).dot(b - apex);
-  return std::clamp(area > 0 ? dot / area : most, -most, most);
-}
-
 // Returns M^{-1/2} K with rows for the new and the loop points and a column for every point.
 Sparse laplacian(const Points& points, const std::vector<HoleTriangle>& faces, Index rows,
                  const Flags& is_row) {
@@ -194,7 +190,7 @@ Sparse laplacian(const Points& points, const std::vector<HoleTriangle>& faces, I
   for (const HoleTriangle& face : faces)
     for (int k = 0; k < 3; ++k) {
       const Index i = face[k], j = face[(k + 1) % 3], apex = face[(k + 2) % 3];
-      const double weight = cotangent(points.row(apex), points.row(i), points.row(j)) / 2;
+      const double weight = clamped_cotangent(points.row(apex), points.row(i), points.row(j)) / 2;
       for (const auto& [v, other] : {std::pair{i, j}, std::pair{j, i}}) {
         if (v >= rows || !is_row[v]) continue;
         const double scaled = weight / std::sqrt(std::max(area[v], least));

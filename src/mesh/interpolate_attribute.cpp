@@ -8,10 +8,6 @@ namespace meshgraft {
 
 namespace {
 
-double representable(double value, ScalarType type) {
-  return type == ScalarType::float32 || type == ScalarType::float64 ? value : std::round(value);
-}
-
 void append(const Attribute& attribute, const EdgePoint& element, std::vector<double>& out) {
   const auto count = static_cast<std::size_t>(attribute.components);
   if (element.from < 0) {
@@ -49,6 +45,10 @@ void append(const Attribute& attribute, const EdgePoint& element, std::vector<do
 }
 
 }  // namespace
+
+double representable(double value, ScalarType type) {
+  return type == ScalarType::float32 || type == ScalarType::float64 ? value : std::round(value);
+}
 
 Attribute interpolate_attribute(const Attribute& attribute, std::span<const EdgePoint> elements) {
   Attribute result = attribute;

@@ -93,22 +93,12 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
   const std::vector<Index>& corners = surface.faces().corners();
   const auto limit = static_cast<std::size_t>(most_edges.value_or(default_edges));
   const std::vector<std::vector<Index>> loops = boundary_loops(surface.mesh());
-  std::vector<TouchingHoles> holes;
-  if (loops.empty()) return holes;
-
   std::vector<Index> leaving(surface.mesh().vertex_count(), -1);  // the boundary half-edge from each vertex
-  for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
-    if (table.next[c] >= 0 && table.is_boundary(c)) leaving[corners[c]] = c;
-  const ConnectedComponents components = components_of(surface);
-  const auto is_small = [&](const std::vector<Index>& loop) {
-    if (loop.size() > limit) return false;
-    const Index component = components.of_face[surface.face_of(loop.front())];
-    if (components.faces[component] < 2) return false;
-    std::vector<Index> vertices;
-    for (const Index c : loop) vertices.push_back(corners[c]);
-    return most_edges ||
-           fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
-  };
+  if (!loops.empty())
+    for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
+      if (table.next[c] >= 0 && table.is_boundary(c)) leaving[corners[c]] = c;
+  const auto within_limit = [&](const std::vector<Index>& loop) { return loop.size() <= limit; };
+  std::vector<std::vector<std::vector<Index>>> candidates;  // loops of half-edges that touch each other
   for (const std::vector<Index>& vertices : loops) {
     std::vector<Index> loop;
     for (const Index v : vertices) loop.push_back(leaving[v]);
@@ -116,12 +106,27 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
     for (std::size_t k = 0; k < loop.size() && sound; ++k)
       sound = loop[k] >= 0 && corners[table.next[loop[k]]] == vertices[(k + 1) % vertices.size()];
     if (!sound) {
-      unsound += most_edges && loop.size() <= limit;
+      unsound += most_edges && within_limit(loop);
       continue;
     }
     std::vector<std::vector<Index>> parts = parted_at_copies(surface, loop);
-    if (!std::all_of(parts.begin(), parts.end(), is_small)) parts = {loop};
-    if (!is_small(parts.front())) continue;
+    if (!std::all_of(parts.begin(), parts.end(), within_limit)) parts = {loop};
+    if (within_limit(parts.front())) candidates.push_back(std::move(parts));
+  }
+  std::vector<TouchingHoles> holes;
+  if (candidates.empty()) return holes;
+
+  const ConnectedComponents components = components_of(surface);
+  const auto is_small = [&](const std::vector<Index>& loop) {
+    const Index component = components.of_face[surface.face_of(loop.front())];
+    if (components.faces[component] < 2) return false;  // a lone face
+    std::vector<Index> vertices;
+    for (const Index c : loop) vertices.push_back(corners[c]);
+    return most_edges ||
+           fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
+  };
+  for (const auto& parts : candidates) {
+    if (!std::all_of(parts.begin(), parts.end(), is_small)) continue;
     TouchingHoles touching;
     for (const std::vector<Index>& part : parts) touching.push_back(hole_along(surface, part));
     holes.push_back(std::move(touching));
@@ -306,12 +311,19 @@ void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& 
 }  // namespace
 
 bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
+  const auto note_left = [&](Index number, const std::string& why) {
+    if (number > 0)
+      surface.note(std::to_string(number) + (number == 1 ? " hole was" : " holes were") +
+                   " not closed: " + why);
+  };
+  Index count = 0, left = 0, unsound = 0;
+  const std::vector<TouchingHoles> holes = find_holes(surface, options.hole_edges, unsound);
+  note_left(unsound, "the faces around are not consistently oriented, or more than two meet in an edge.");
+  if (holes.empty()) return false;
   RepairFaces filled = surface.traced();
   std::vector<NewVertex> added;
   std::vector<Index> given;
   std::vector<std::pair<Index, Index>> rejoined;  // copies and the vertices that they copy
-  Index count = 0, left = 0, unsound = 0;
-  const std::vector<TouchingHoles> holes = find_holes(surface, options.hole_edges, unsound);
   const Surroundings surroundings(surface);
   for (const TouchingHoles& touching : holes) {
     surface.context().throw_if_stopped();
@@ -331,13 +343,7 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
       for (const auto& [copy, index] : hole.copies) rejoined.emplace_back(copy, hole.vertices[index]);
     }
   }
-  const auto note_left = [&](Index number, const std::string& why) {
-    if (number > 0)
-      surface.note(std::to_string(number) + (number == 1 ? " hole was" : " holes were") +
-                   " not closed: " + why);
-  };
   note_left(left, "no triangles fit.");
-  note_left(unsound, "the faces around are not consistently oriented, or more than two meet in an edge.");
   if (count == 0) return false;
   surface.report("filled-hole", Domain::vertex, std::move(given), count,
                  "hole was closed (the vertices around it are named)",

@@ -84,7 +84,7 @@ TEST_F(CommandLine, AMergedObjDefinesTheMaterialsOfBoth) {
   ASSERT_EQ(ply.status, 0) << ply.err;
   EXPECT_NE(json::parse(ply.out)["notes"].dump().find("body.mtl"), std::string::npos) << ply.out.substr(0, 400);
 
-  // What belongs to an input is not written over.
+  // Files of an input are not written over.
   for (const char* output : {"a/body.mtl", "a/tex.png", "b/../a/tex.png"}) {
     const Outcome refused = run(merge + "out/other.ply --save-edit " + output);
     EXPECT_EQ(refused.status, 2) << output;

@@ -376,7 +376,7 @@ TEST(Cut, ValuesAreChecked) {
   EXPECT_THROW(cut_at_zero(broken, values), Error);
 }
 
-// What the check refuses does not keep a step from what lies elsewhere.
+// Refused faces and vertices do not stop a step that does not reach them.
 TEST(Cut, GoesOnBesideWhatIsSetAside) {
   Mesh mesh = shapes::torus(24, 16, true);  // in the plane z = 0
   mesh.attributes = {{.name = "group", .domain = Domain::face, .values = std::vector<double>(768, 1)}};

@@ -32,7 +32,7 @@ struct DropResult {
 /// Grafts a source onto a surface without a hole. It opens a hole of the shape of the source's loop
 /// (`open_hole`), and grafts the source there in its size.
 ///
-/// Where no size is given, up to three smaller ones are tried. That happens as long as the graft turns inside
+/// Without a given size up to three smaller ones are tried. That happens as long as the graft turns inside
 /// out, or intersects the target although the undeformed source would stand clear of it. The source bends
 /// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
 /// given, it bends half as far, or not at all.
