@@ -12,9 +12,10 @@ endif
 PREFIX ?= /usr/local
 BENCH_ARGS ?=
 FUZZ_SECONDS ?= 60
+FACT_TABLES := $(sort $(wildcard src/*/facts.json src/io/*/facts.json)) cli/facts.json
 
 .DEFAULT_GOAL := help
-.PHONY: help demo edit test test-long build install lint format bench bench-page asan tsan fuzz docs-pictures clean
+.PHONY: help demo edit test test-long build install lint format bench bench-page asan tsan fuzz docs-pictures facts clean
 
 help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
@@ -74,6 +75,9 @@ fuzz: ## the fuzz targets, two at a time, FUZZ_SECONDS each
 	@tools/bootstrap.sh build fuzz
 	@cmake --preset fuzz && cmake --build --preset fuzz
 	@tools/fuzz.sh $(FUZZ_SECONDS)
+
+facts: ## docs/facts.md from the tables of facts
+	@python3 tools/facts.py list $(FACT_TABLES) > docs/facts.md
 
 docs-pictures: build ## make the pictures of README and docs again
 	@tools/bootstrap.sh docs

@@ -52,26 +52,14 @@ struct Outcome {
   bool is_valid() const { return merged && faults.empty(); }
 };
 
-// A message without its numbers, so that refusals for one reason count as one.
-std::string reason_of(const Error& error) {
-  std::string reason = fmt::format("{}: ", to_string(error.code()));
-  bool in_number = false;
-  for (const char c : error.problem()) {
-    const bool digit = (c >= '0' && c <= '9') || (in_number && (c == '.' || c == ','));
-    if (!digit) reason += c;
-    if (digit && !in_number) reason += '#';
-    in_number = digit;
-  }
-  return reason;
-}
+// Refusals for one reason count as one.
+std::string reason_of(const Error& error) { return fmt::format("{}: {}", to_string(error.code()), error.id()); }
 
 // Why, and whether that is so: a start that was not found must hardly be better than another one.
 Refusal judged(const Error& error, const test::RandomGraft& graft) {
   Refusal refusal{reason_of(error), fmt::format("{} ({})", error.problem(), error.remedy()), true};
-  if (error.remedy().find("--start") == std::string::npos) return refusal;
-  std::size_t pair = 0;
-  if (error.location().starts_with("pair ")) pair = std::strtoul(error.location().c_str() + 5, nullptr, 10);
-  const test::LoopFit fit = test::fit_of_loops(graft, pair);
+  if (error.id() != "merge.open_start") return refusal;
+  const test::LoopFit fit = test::fit_of_loops(graft, open_starts(error.fact()).front().pair);
   refusal.is_right = fit.is_ambiguous();
   refusal.text +=
       fmt::format("; the best start leaves {:.3f}, another one {:.3f}, the worst {:.3f} of the radius",

@@ -13,7 +13,9 @@
 #include <meshgraft/script/compare.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 #include "commands.h"
+#include "core/facts.h"
 #include "outputs.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
@@ -87,16 +89,15 @@ void require_ours(const ComparisonFiles& files, const std::vector<Method>& metho
                   const CompareArguments& arguments, const EditFile& edit) {
   if (!std::filesystem::exists(files.folder)) return require_writable(files.folder);
   if (!std::filesystem::is_directory(files.folder))
-    throw Error(ErrorCode::io, "this is not a folder", files.folder.string(), "Choose another name.");
+    throw Error(facts::cli::NotAFolder{}, files.folder.string());
   std::vector<std::filesystem::path> inputs = referenced_files(edit);
   inputs.push_back(arguments.edit);
   const bool ours = is_comparison(files.json());
   for (const std::filesystem::path& file : files.all(methods)) {
-    require_not_an_input(file, inputs, "Choose another folder.");
+    require_not_an_input(file, inputs, facts::cli::FolderHoldsInput{});
     require_writable(file);
     if (!ours && std::filesystem::exists(std::filesystem::symlink_status(file)))
-      throw Error(ErrorCode::usage, "it is there already, and not from an earlier comparison", file.string(),
-                  "Choose another folder, or move the file away.");
+      throw Error(facts::cli::FolderNotOurs{}, file.string());
   }
 }
 
@@ -166,7 +167,7 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
   unstoppable.stop_token = {};
   std::error_code failure;
   std::filesystem::create_directory(files.folder, failure);
-  if (failure) throw Error(ErrorCode::io, failure.message(), files.folder.string());
+  if (failure) throw Error(facts::core::FileSystem{.reason = failure.message()}, files.folder.string());
   comparison.outputs = {files.json().string(), files.text().string()};
 #ifdef MESHGRAFT_HAS_RENDER
   comparison.outputs.push_back(files.sheet().string());

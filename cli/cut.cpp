@@ -17,10 +17,13 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 #include "commands.h"
 #include "loops.h"
 #include "outputs.h"
+#include "script/fact_json.h"
 #include "values.h"
+#include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
 #endif
@@ -66,8 +69,7 @@ struct CutAlong {
 };
 
 CutAlong along(const CutArguments& arguments) {
-  if (arguments.plane.empty() && arguments.loop.empty())
-    throw Error(ErrorCode::usage, "no cut is named", "cut", "Give --plane PLANE or --loop V1,V2,….");
+  if (arguments.plane.empty() && arguments.loop.empty()) throw Error(facts::cli::NoCut{}, "cut");
   if (!arguments.loop.empty()) return {{}, numbers<Index>(arguments.loop, "--loop")};
   return {parse_plane(arguments.plane, "--plane"), {}};
 }
@@ -126,7 +128,8 @@ CutFacts gather(const CutResult& result) {
 
 // The files that were written, and notes on the data that the mesh's format cannot hold.
 struct WrittenOutputs {
-  std::vector<std::string> files, notes;
+  std::vector<std::string> files;
+  std::vector<Note> notes;
 };
 
 void print_summary(const CutFacts& facts, const CutResult& result, const WrittenOutputs& written) {
@@ -139,7 +142,7 @@ void print_summary(const CutFacts& facts, const CutResult& result, const Written
       fmt::print("    loop {}{}: {}\n", loop, facts.loops[loop].made_by_cut ? ", made by the cut" : "",
                  loop_text(facts.loops[loop].facts));
   }
-  for (const std::string& note : written.notes) fmt::print("  note: {}\n", note);
+  for (const Note& note : written.notes) fmt::print("  note: {}\n", sentence(note));
   for (const std::string& output : written.files) fmt::print("  wrote {}\n", output);
 }
 
@@ -160,7 +163,7 @@ Json report_json(const CutArguments& arguments, const CutAlong& along, const Cut
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
                {"mesh", arguments.mesh.string()},
                {"outputs", written.files},
-               {"notes", written.notes}};
+               {"notes", to_json(written.notes)}};
   add_cut_asked_for(along, json);
   json["keep"] = keep_name(arguments.keep.value_or(CutKeep::both));
   json["snap"] = arguments.snap;
@@ -225,7 +228,7 @@ WrittenOutputs write_outputs(const CutArguments& arguments, const SoundMesh& usa
   WrittenOutputs outputs;
   for (const std::filesystem::path& file : written.files) outputs.files.push_back(file.string());
   outputs.notes = written.notes;
-  if (std::string note = usable.note(); !note.empty()) outputs.notes.push_back(std::move(note));
+  if (const std::optional<Note> note = usable.note()) outputs.notes.push_back(*note);
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);

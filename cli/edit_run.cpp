@@ -5,14 +5,15 @@
 #include <variant>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/edit_file.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 #include "outputs.h"
+#include "script/facts.h"
 #include "summary.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
@@ -30,13 +31,9 @@ bool keeps_faces(const EditFile& edit) {
 // Checks that the edit can be written as a morph target. A cut or a merge has no rest shape with the same
 // faces.
 void require_morph_target(const EditRunArguments& arguments, const EditFile& edit) {
-  if (arguments.output.empty())
-    throw Error(ErrorCode::usage, "--as-morph-target goes with -o", "", "Name a .glb or .gltf file to write.");
+  if (arguments.output.empty()) throw Error(facts::cli::MorphTargetWithoutOutput{});
   require_morph_targets(arguments.output);
-  if (!keeps_faces(edit))
-    throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot",
-                "--as-morph-target",
-                "Leave the option out, or write the cut or merged mesh first and deform that.");
+  if (!keeps_faces(edit)) throw Error(facts::cli::MorphTargetOfOtherFaces{}, "--as-morph-target");
 }
 
 // A mesh of the edit to be saved after the last step, and its file.
@@ -51,12 +48,10 @@ std::vector<Save> saves_of(const EditRunArguments& arguments, const EditFile& ed
   for (const std::string& text : arguments.saves) {
     const std::size_t sign = text.find('=');
     if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
-      throw Error(ErrorCode::usage, fmt::format("'{}' is not NAME=FILE", text), "--save",
-                  "Name a mesh of the edit and the file to write, e.g. --save body=body.ply.");
+      throw Error(facts::cli::NotASave{.text = text}, "--save");
     saves.push_back({text.substr(0, sign), text.substr(sign + 1)});
     if (std::find(known.begin(), known.end(), saves.back().name) == known.end())
-      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", saves.back().name), "--save",
-                  fmt::format("It has '{}'.", fmt::join(known, "', '")));
+      throw Error(facts::script::NoMeshToKeep{.name = saves.back().name, .known = known}, "--save");
   }
   return saves;
 }
@@ -117,17 +112,16 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
 
 /// Adds `--backend`, which still accepts 'cholmod', the name of `multifrontal` in version 0.1.
 void add_backend(CLI::App& command, EditRunArguments& arguments) {
-  const std::vector<std::string> note{
-      "--backend: the solver 'cholmod' is called 'multifrontal' now, and that is what was used"};
   add_choice<SolverBackend>(command, "--backend", arguments.run.overrides.backend,
                             {{"auto", SolverBackend::automatic},
                              {"multifrontal", SolverBackend::multifrontal},
                              {"eigen", SolverBackend::eigen},
                              {"iterative", SolverBackend::iterative}},
                             "The sparse solver: a Cholesky factorisation, or iterations for very large regions")
-      ->transform([&arguments, note](const std::string& word) -> std::string {
+      ->transform([&arguments](const std::string& word) -> std::string {
         if (word != "cholmod") return word;
-        arguments.notes = note;
+        arguments.notes = {
+            facts::script::FormerBackend{.location = "--backend", .former = word, .name = "multifrontal"}};
         return "multifrontal";
       });
 }
@@ -196,7 +190,7 @@ void run_edit_file(const EditRunArguments& arguments, Context context) {
   RunOptions options = arguments.run;
   for (const Save& save : saves) options.keep.push_back(save.name);
   EditResult result = run_edit(edit, options, context);
-  std::vector<std::string>& notes = result.report.notes;
+  std::vector<Note>& notes = result.report.notes;
   notes.insert(notes.begin(), arguments.notes.begin(), arguments.notes.end());
   write_outputs(arguments, saves, edit, result, context);
   if (arguments.json)

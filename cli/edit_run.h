@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/script/run_edit.h>
 
 #ifdef MESHGRAFT_HAS_RENDER
@@ -24,7 +25,7 @@ struct EditRunArguments {
   View view{.width = picture_width, .height = picture_height};
 #endif
   RunOptions run;
-  std::vector<std::string> notes;  ///< about values that are read as other ones
+  std::vector<Note> notes;  ///< about values that are read as other ones
   std::optional<std::string> morph_target;
   int threads = 0;
   bool json = false;

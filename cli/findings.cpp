@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "wording.h"
+
 namespace meshgraft::cli {
 
 namespace {
@@ -43,9 +45,10 @@ void print_findings(const Diagnostics& diagnostics, std::string_view label) {
   };
   if (diagnostics.clean()) line(label, "none");
   for (const Finding& finding : diagnostics.findings) {
-    line(label, fmt::format("{} ({}): {}", finding.name, severity_name(finding.severity), finding.description));
+    const Words words = words_of(finding.note);
+    line(label, fmt::format("{} ({}): {}", finding.name, severity_name(finding.severity), words.text));
     line("", fmt::format("  at {} {}", domain_name(finding.domain), first_of(finding.indices)));
-    if (!finding.remedy.empty()) line("", "  " + finding.remedy);
+    if (!words.remedy.empty()) line("", "  " + words.remedy);
     label = "";
   }
 }

@@ -1,9 +1,10 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <new>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -13,10 +14,12 @@
 #include <meshgraft/core/version.h>
 
 #include "blas_kernels.h"
+#include "cli/facts.h"
 #include "command_tree.h"
 #include "commands.h"
 #include "interrupt.h"
 #include "progress_bar.h"
+#include "wording.h"
 
 namespace {
 
@@ -49,29 +52,25 @@ void add_commands(CLI::App& program, cli::Action& action) {
   cli::add_man(program, action);
 }
 
-int fail(const std::string& message, ErrorCode code) {
-  fmt::print(stderr, "meshgraft: error: {}\n", message);
-  return exit_status(code);
+// Checks that all output was written. A full disk counts as a failure, too.
+void require_printed() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw Error(facts::cli::CannotPrint{});
 }
 
-std::string known_commands(const CLI::App& program) {
-  std::string names;
-  for (const CLI::App* command : cli::commands_of(program))
-    names += (names.empty() ? "" : ", ") + command->get_name();
-  return names;
-}
-
-// Returns the exit status for the end of parsing. Help and version are no errors; all other exceptions of the
-// parser are.
-int end_of_parsing(const CLI::App& program, const CLI::ParseError& error) {
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
+// Prints help or the version, which the parser throws, too. Throws Error(usage) for its other exceptions.
+void end_parsing(const CLI::App& program, const CLI::ParseError& end) {
+  if (end.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    program.exit(end);
+    return;
+  }
   std::string command = "meshgraft";
-  if (const auto words = program.remaining(); program.get_subcommands().empty() && !words.empty())
-    return fail(
-        fmt::format("'{}' is not a command. The commands are {}.", words.front(), known_commands(program)),
-        ErrorCode::usage);
+  if (const auto words = program.remaining(); program.get_subcommands().empty() && !words.empty()) {
+    std::vector<std::string> known;
+    for (const CLI::App* one : cli::commands_of(program)) known.push_back(one->get_name());
+    throw Error(facts::cli::NoSuchCommand{.command = words.front(), .commands = known});
+  }
   for (const CLI::App* chosen : program.get_subcommands()) command += " " + chosen->get_name();
-  return fail(fmt::format("{}. Try '{} --help'.", error.what(), command), ErrorCode::usage);
+  throw Error(facts::cli::CommandLine{.reason = end.what(), .command = command});
 }
 
 void run(const cli::Action& action) {
@@ -83,10 +82,36 @@ void run(const cli::Action& action) {
   action(context);
 }
 
-// Checks that all output was written. A full disk counts as a failure, too.
-void require_printed() {
-  if (std::fflush(stdout) != 0 || std::ferror(stdout))
-    throw Error(ErrorCode::io, "cannot write to standard output");
+// Returns the exit status of the command line.
+int run_program(CLI::App& program, int argc, char** argv) {
+  cli::Action action;
+  int status = 0;
+  try {
+    add_commands(program, action);
+    program.parse(argc, argv);
+    run(action);
+  } catch (const CLI::ParseError& end) {
+    end_parsing(program, end);
+  } catch (const cli::Answer& answer) {
+    status = answer.status;
+  }
+  require_printed();
+  return status;
+}
+
+// Returns the exception that is being handled as an error of the command line.
+Error error_of_program() {
+  try {
+    throw;
+  } catch (const std::filesystem::filesystem_error&) {
+    return current_error();
+  } catch (const std::system_error& error) {  // standard output, or a thread
+    return Error(facts::cli::SystemCall{.reason = error.what()});
+  } catch (const std::exception& error) {
+    if (std::string_view(error.what()).starts_with("pthread_create"))  // thrown by oneTBB
+      return Error(facts::cli::NoThreads{});
+    return current_error();
+  }
 }
 
 }  // namespace
@@ -94,36 +119,11 @@ void require_printed() {
 int main(int argc, char** argv) {
   cli::restart_with_better_blas_kernels(argv);
   CLI::App program("Mesh editing with affine-invariant Laplacian coordinates.", "meshgraft");
-  cli::Action action;
   try {
-    add_commands(program, action);
-    program.parse(argc, argv);
-    int status = 0;
-    try {
-      run(action);
-    } catch (const cli::Answer& answer) {
-      status = answer.status;
-    }
-    require_printed();
-    return status;
-  } catch (const CLI::ParseError& error) {
-    const int status = end_of_parsing(program, error);
-    return status == 0 && (std::fflush(stdout) != 0 || std::ferror(stdout))
-               ? fail("cannot write to standard output", ErrorCode::io)
-               : status;
-  } catch (const Error& error) {
-    return fail(error.what(), error.code());
-  } catch (const std::filesystem::filesystem_error& error) {
-    return fail(fmt::format("{}: {}. Check the path, and where links in it lead.", error.path1().string(),
-                            error.code().message()),
-                ErrorCode::io);
-  } catch (const std::system_error& error) {
-    return fail(error.what(), ErrorCode::io);
-  } catch (const std::bad_alloc&) {
-    return fail("not enough memory. Close other programs, or take a smaller mesh.", ErrorCode::memory);
-  } catch (const std::exception& error) {
-    if (std::string_view(error.what()).starts_with("pthread_create"))  // thrown by oneTBB
-      return fail("no threads could be started. Give the program more memory.", ErrorCode::memory);
-    return fail(fmt::format("{} (a defect of meshgraft; please report it)", error.what()), ErrorCode::internal);
+    return run_program(program, argc, argv);
+  } catch (const std::exception&) {
+    const Error error = error_of_program();
+    fmt::print(stderr, "meshgraft: error: {}\n", cli::sentence(error));
+    return exit_status(error.code());
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
@@ -16,6 +17,7 @@
 #include <meshgraft/script/run_edit.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 #include "commands.h"
 #include "outputs.h"
 #include "selection_text.h"
@@ -71,10 +73,7 @@ Reach reach_from(const std::string& text) {
   constexpr int most_rings = 1'000'000;
   if (count != 1 || (reach.rings && (*reach.rings < 1 || *reach.rings > most_rings)) ||
       (reach.length && !(*reach.length > 0)))
-    throw Error(
-        ErrorCode::usage,
-        fmt::format("'{}' is neither a number of rings, 1 to {}, nor a positive length", text, most_rings),
-        "--reach", "Write it as 5rings, or as a length like 0.3.");
+    throw Error(facts::cli::NotAReach{.text = text, .most = most_rings}, "--reach");
   return reach;
 }
 
@@ -87,7 +86,7 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
     const auto values = numbers<double>(text, option);
     if (values.size() == 3) return Eigen::Vector3d(values[0], values[1], values[2]);
   }
-  throw Error(ErrorCode::usage, fmt::format("'{}' is neither a vertex nor a point x,y,z", text), option);
+  throw Error(facts::cli::NotAVertex{.text = text}, option);
 }
 
 // Returns the vertex or point to drop the part on, and the source loop to use.
@@ -101,9 +100,7 @@ std::vector<MatchSpec> matches_from(const std::vector<std::string>& texts, const
   std::vector<MatchSpec> matches;
   for (const std::string& text : texts) {
     const std::size_t colon = text.find(':');
-    if (colon == std::string::npos)
-      throw Error(ErrorCode::usage, fmt::format("'{}' is not TARGET:SOURCE", text), option,
-                  "Give a vertex of each, as a number or as x,y,z");
+    if (colon == std::string::npos) throw Error(facts::cli::NotAMatch{.text = text}, option);
     matches.push_back(
         {vertex_from(text.substr(colon + 1), option), vertex_from(text.substr(0, colon), option)});
   }
@@ -171,23 +168,16 @@ EditFile plain_edit(const MergeArguments& arguments) {
 // Checks options that exclude or need each other.
 void require_sense(const MergeArguments& arguments) {
   const bool keep = arguments.pose == MergePose::keep, at = !arguments.at.empty();
-  const auto fail = [](const std::string& option, const std::string& problem, const std::string& remedy = {}) {
-    throw Error(ErrorCode::usage, option + " " + problem, "", remedy);
-  };
-  if (arguments.spin_deg && !at) fail("--spin", "goes with --at");
-  if (arguments.source_loop && !at)
-    fail("--source-loop", "goes with --at", "Without it, name --pair TARGET:SOURCE.");
-  if (!arguments.fix.empty() && !keep)
-    fail("--fix", "goes with --pose keep: nothing stays where the pose is to be found");
-  if (arguments.size && keep) fail("--size", "goes without --pose keep: the size is kept with the pose");
-  if (at && keep) fail("--at", "goes without --pose keep: it says where the part goes");
+  if (arguments.spin_deg && !at) throw Error(facts::cli::OptionNeeds{.option = "--spin", .other = "--at"});
+  if (arguments.source_loop && !at) throw Error(facts::cli::SourceLoopWithoutAt{});
+  if (!arguments.fix.empty() && !keep) throw Error(facts::cli::FixWithFoundPose{});
+  if (arguments.size && keep) throw Error(facts::cli::SizeWithKeptPose{});
+  if (at && keep) throw Error(facts::cli::AtWithKeptPose{});
   for (const auto& [option, values] :
        {std::pair{"--pair", &arguments.pairs}, {"--start", &arguments.starts}, {"--match", &arguments.matches}})
-    if (at && !values->empty())
-      fail("--at", fmt::format("goes without {}: it makes the target's loop", option));
+    if (at && !values->empty()) throw Error(facts::cli::AtWithLoops{.option = option});
   if (!arguments.align.empty() && arguments.align.size() < 3)
-    fail("--align", fmt::format("is given {} time{}; three pairs of vertices pose a part",
-                                arguments.align.size(), arguments.align.size() == 1 ? "" : "s"));
+    throw Error(facts::cli::CountOfAlignments{.count = arguments.align.size()});
 }
 
 // Returns the option with its `number`-th value, or without a value if it has no such value.
@@ -237,7 +227,7 @@ Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
     if (field.starts_with('.')) field = option_behind(arguments, field.substr(1));
     location = field + (field.empty() || inner.empty() ? "" : ": ") + inner;
   }
-  return Error(error.code(), error.problem(), location, error.remedy());
+  return error.at(location);
 }
 
 EditFile edit_from(const MergeArguments& arguments) {
@@ -245,13 +235,9 @@ EditFile edit_from(const MergeArguments& arguments) {
     require_sense(arguments);
     return plain_edit(arguments);
   }
-  if (arguments.target.extension() != ".json")
-    throw Error(ErrorCode::usage, "the source is missing", arguments.target.string(),
-                "Give TARGET and SOURCE, or an edit file (.json).");
+  if (arguments.target.extension() != ".json") throw Error(facts::cli::NoSource{}, arguments.target.string());
   for (const CLI::Option* option : arguments.plain_options)
-    if (option->count() > 0)
-      throw Error(ErrorCode::usage, fmt::format("{} goes with TARGET and SOURCE", option->get_name()), "",
-                  "An edit file says this in its steps.");
+    if (option->count() > 0) throw Error(facts::cli::OptionOfPlainMerge{.option = option->get_name()});
   return read_edit_file(arguments.target);
 }
 
@@ -336,10 +322,12 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
   plain(add_choice<MergePose>(command, "--pose", arguments.pose,
                               {{"find", MergePose::find}, {"keep", MergePose::keep}},
                               "Whether the part's place, turn and size are found (default) or kept"));
-  plain(command
-            .add_option("--fix", arguments.fix,
-                        fmt::format("With --pose keep: what stays of the source: {}", selection_forms))
-            ->type_name("SELECTION"));
+  plain(
+      command
+          .add_option("--fix", arguments.fix,
+                      fmt::format("With --pose keep: what stays of the source: {}, or JSON as in an edit file",
+                                  fmt::join(selection_forms, ", ")))
+          ->type_name("SELECTION"));
   plain(command
             .add_option("--reach", arguments.reach,
                         "How far from its loops the part may deform: 5rings, or a length")

@@ -7,6 +7,8 @@
 #include <meshgraft/core/error.h>
 
 #include "core/platform/file.h"
+#include "io/facts.h"
+#include "io/file.h"
 
 namespace meshgraft::cli {
 
@@ -30,9 +32,7 @@ bool same_file(const fs::path& a, const fs::path& b) {
 fs::path folder_of(const fs::path& output) { return output.has_parent_path() ? output.parent_path() : "."; }
 
 void require_access(const std::error_code& error, const fs::path& output) {
-  if (error)
-    throw Error(ErrorCode::io, "cannot be written: " + error.message(), output.string(),
-                "Change the permissions, or choose another place.");
+  if (error) throw io::file_error(output, "written", error);
 }
 
 // Whether `output` is the material library beside an OBJ or the buffer beside a .gltf.
@@ -48,11 +48,10 @@ void require_distinct(const Outputs& outputs) {
   const std::vector<fs::path> all = outputs.all();
   for (auto output = all.begin(); output != all.end(); ++output) {
     if (std::any_of(all.begin(), output, [&](const fs::path& other) { return same_file(*output, other); }))
-      throw Error(ErrorCode::usage, "two outputs have this name", output->string(), "Give each its own.");
+      throw Error(facts::cli::OutputsOfOneName{}, output->string());
     for (const fs::path& mesh : outputs.meshes())
       if (is_companion_of(mesh, *output))
-        throw Error(ErrorCode::usage, "this name is kept for the materials or the buffer of " + mesh.string(),
-                    output->string(), "Choose another name.");
+        throw Error(facts::cli::CompanionOfOutput{.mesh = mesh}, output->string());
   }
 }
 
@@ -71,25 +70,21 @@ std::vector<fs::path> Outputs::meshes() const {
   return list;
 }
 
-void require_not_an_input(const fs::path& output, const std::vector<fs::path>& inputs,
-                          const std::string& remedy) {
+void require_not_an_input(const fs::path& output, const std::vector<fs::path>& inputs, const Fact& error) {
   if (std::any_of(inputs.begin(), inputs.end(),
                   [&](const fs::path& input) { return same_file(output, input); }))
-    throw Error(ErrorCode::usage, "this is an input", output.string(), remedy);
+    throw Error(error, output.string());
 }
 
 void require_png(const fs::path& output) {
   if (output.extension() != ".png" && output.extension() != ".PNG")
-    throw Error(ErrorCode::usage, "pictures are PNG files", output.string(),
-                "Give it a name that ends in .png.");
+    throw Error(facts::cli::NotAPicture{}, output.string());
 }
 
 void require_writable(const fs::path& output) {
   const fs::path folder = folder_of(output);
-  if (!fs::is_directory(folder))
-    throw Error(ErrorCode::io, "there is no such folder", folder.string(), "Make it first.");
-  if (!output.has_filename() || fs::is_directory(output))
-    throw Error(ErrorCode::io, "is a folder", output.string(), "Give the name of a file in it.");
+  if (!fs::is_directory(folder)) throw Error(facts::cli::NoSuchFolder{}, folder.string());
+  if (!output.has_filename() || fs::is_directory(output)) throw Error(facts::io::IsFolder{}, output.string());
   if (fs::exists(output)) require_access(platform::check_may_write(output), output);
   if (!fs::exists(output) || fs::is_regular_file(output))
     require_access(platform::check_may_create_in(folder), output);
@@ -107,15 +102,14 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
     if (!is_mesh)
       require_not_an_input(output, inputs);
     else if (!force)
-      require_not_an_input(output, inputs, "Choose another name, or give --force to replace it.");
+      require_not_an_input(output, inputs, facts::cli::OutputIsInputMesh{});
     if (!fs::exists(output)) continue;
     for (const fs::path& input : inputs) {
       std::vector<fs::path> behind = files_behind(input);
       behind.erase(behind.begin());
       if (std::any_of(behind.begin(), behind.end(),
                       [&](const fs::path& file) { return same_file(output, file); }))
-        throw Error(ErrorCode::usage, "this belongs to the input " + input.string(), output.string(),
-                    "Choose another name.");
+        throw Error(facts::cli::BelongsToInput{.input = input}, output.string());
     }
   }
   for (const fs::path& mesh : meshes) require_mesh_format(mesh);

@@ -8,6 +8,8 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "cli/facts.h"
+
 namespace meshgraft::cli {
 
 /// The files that a command is to write. Empty paths are not requested.
@@ -21,9 +23,9 @@ struct Outputs {
   std::vector<std::filesystem::path> meshes() const;
 };
 
-/// Throws Error(usage) with `remedy` if `output` is the same file as one of `inputs` (through links too).
+/// Throws `error` if `output` is the same file as one of `inputs` (through links too).
 void require_not_an_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
-                          const std::string& remedy = "Choose another name.");
+                          const Fact& error = facts::cli::OutputIsInput{});
 
 /// Throws Error(usage) unless the name ends in .png.
 void require_png(const std::filesystem::path& output);

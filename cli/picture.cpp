@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 
 namespace meshgraft::cli {
 
@@ -40,10 +41,10 @@ void add_picture(CLI::App& command, std::filesystem::path& picture, View& view,
 
 render::RenderOptions options_of(const View& view) {
   const Eigen::Map<const Eigen::Vector3d> from(view.from.data()), up(view.up.data());
-  if (from.isZero(0)) throw Error(ErrorCode::usage, "0 0 0 is no direction", "--from");
-  if (up.isZero(0)) throw Error(ErrorCode::usage, "0 0 0 is no direction", "--up");
+  if (from.isZero(0)) throw Error(facts::cli::NoDirection{}, "--from");
+  if (up.isZero(0)) throw Error(facts::cli::NoDirection{}, "--up");
   if (!(up.stableNormalized().cross(from.stableNormalized()).norm() > 1e-9))
-    throw Error(ErrorCode::usage, "the eye looks along what is up", "--from", "Give another --up.");
+    throw Error(facts::cli::EyeAlongUp{}, "--from");
   render::RenderOptions options;
   options.width = view.width;
   options.height = view.height;

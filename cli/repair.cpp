@@ -16,9 +16,12 @@
 #include <meshgraft/script/report.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 #include "commands.h"
 #include "findings.h"
 #include "outputs.h"
+#include "script/fact_json.h"
+#include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
 #endif
@@ -61,7 +64,8 @@ RepairOptions repair_options_of(const RepairArguments& arguments) {
 
 // The files that were written, and notes on the data that the mesh's format cannot hold.
 struct WrittenOutputs {
-  std::vector<std::string> files, notes;
+  std::vector<std::string> files;
+  std::vector<Note> notes;
 };
 
 Json report_json(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
@@ -72,8 +76,8 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                        {"count", change.count},
                        {"domain", domain_name(change.domain)},
                        {"indices", change.indices},
-                       {"description", change.description}});
-  std::vector<std::string> notes = result.notes;
+                       {"description", change.description()}});
+  std::vector<Note> notes = result.notes;
   notes.insert(notes.end(), written.notes.begin(), written.notes.end());
   Json json = {{"format", "meshgraft-repair"},
                {"version", 1},
@@ -84,7 +88,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                {"before", {{"vertices", given.vertex_count()}, {"faces", given.face_count()}}},
                {"after", {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}}},
                {"changes", changes},
-               {"notes", notes},
+               {"notes", to_json(notes)},
                {"findings", Json::parse(write_diagnostics(left))}};
   if (with_maps)
     json["maps"] = {{"vertices", result.vertex.new_index},
@@ -97,10 +101,10 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
 void print_summary(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
                    const Diagnostics& left, const WrittenOutputs& written) {
   fmt::print("{}: {} vertices, {} faces\n", arguments.mesh.string(), given.vertex_count(), given.face_count());
-  for (const RepairChange& change : result.changes) fmt::print("  {}\n", change.description);
+  for (const RepairChange& change : result.changes) fmt::print("  {}\n", sentence(change.note));
   if (!result.changed()) fmt::print("  nothing to repair\n");
-  for (const std::string& note : result.notes) fmt::print("  note: {}\n", note);
-  for (const std::string& note : written.notes) fmt::print("  note: {}\n", note);
+  for (const Note& note : result.notes) fmt::print("  note: {}\n", sentence(note));
+  for (const Note& note : written.notes) fmt::print("  note: {}\n", sentence(note));
   fmt::print("  {} vertices, {} faces {}\n", result.mesh.vertex_count(), result.mesh.face_count(),
              arguments.dry_run ? "would be left" : "are left");
   if (left.has_defects()) print_findings(left, "left");
@@ -147,8 +151,7 @@ void write_repair_outputs(const RepairArguments& arguments, [[maybe_unused]] con
 }
 
 void check_repair_outputs(const RepairArguments& arguments) {
-  if (arguments.output.empty() && !arguments.dry_run)
-    throw Error(ErrorCode::usage, "where to? -o FILE is missing", "repair", "Or look first, with --dry-run.");
+  if (arguments.output.empty() && !arguments.dry_run) throw Error(facts::cli::NoOutputOfRepair{}, "repair");
   require_outputs({.mesh = arguments.dry_run ? std::filesystem::path() : arguments.output,
                    .picture = arguments.picture,
                    .report = arguments.report},
@@ -162,14 +165,10 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
   check_repair_outputs(arguments);
   context.step("read");
   const Mesh given = read_mesh(arguments.mesh, context);
-  if (given.face_count() == 0)
-    throw Error(ErrorCode::input, "the mesh has no faces: there is no surface to repair",
-                arguments.mesh.string(),
-                "Export it with its faces; points alone need a program that reconstructs a surface.");
+  if (given.face_count() == 0) throw Error(facts::cli::NoFacesToRepair{}, arguments.mesh.string());
   const RepairResult result = repair(given, repair_options_of(arguments), context);
   if (result.mesh.face_count() == 0 && !arguments.dry_run)
-    throw Error(ErrorCode::input, "no face would be left, so nothing is written", arguments.mesh.string(),
-                "'--dry-run' tells what is wrong with them.");
+    throw Error(facts::cli::NoFacesLeft{}, arguments.mesh.string());
   const Diagnostics left = check_mesh(result.mesh, context);
   WrittenOutputs written;
   write_repair_outputs(arguments, given, result, written, context);

@@ -11,6 +11,7 @@
 #include <meshgraft/samples/samples.h>
 
 #include "choices.h"
+#include "cli/facts.h"
 #include "commands.h"
 #include "outputs.h"
 
@@ -63,9 +64,8 @@ void make(const SampleArguments& arguments, Context context) {
 
 void run_sample(const SampleArguments& arguments, const Context& context) {
   if (arguments.list) return print_list(arguments.json);
-  if (arguments.name.empty())
-    throw Error(ErrorCode::usage, "no sample is named", "sample", "'meshgraft sample --list' has the names.");
-  if (arguments.output.empty()) throw Error(ErrorCode::usage, "where to? -o FILE is missing", "sample");
+  if (arguments.name.empty()) throw Error(facts::cli::NoSample{}, "sample");
+  if (arguments.output.empty()) throw Error(facts::cli::NoOutput{}, "sample");
   make(arguments, context);
 }
 

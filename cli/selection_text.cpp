@@ -1,9 +1,8 @@
 #include "selection_text.h"
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 
+#include "cli/facts.h"
 #include "values.h"
 
 namespace meshgraft::cli {
@@ -19,15 +18,14 @@ SelectionSpec beyond(double length, const std::vector<Index>& loops) {
 }
 
 SelectionSpec box(const std::vector<double>& values, const std::string& option) {
-  if (values.size() != 6)
-    throw Error(ErrorCode::usage, fmt::format("a box has 6 numbers, not {}", values.size()), option);
+  if (values.size() != 6) throw Error(facts::cli::NotABox{.count = values.size()}, option);
   return {Selection::Box{Eigen::Map<const Eigen::Vector3d>(values.data()),
                          Eigen::Map<const Eigen::Vector3d>(values.data() + 3)}};
 }
 
 double one_number(const std::string& text, const std::string& option) {
   const auto values = numbers<double>(text, option);
-  if (values.size() != 1) throw Error(ErrorCode::usage, fmt::format("'{}' is not one number", text), option);
+  if (values.size() != 1) throw Error(facts::cli::NotOneNumber{.text = text}, option);
   return values.front();
 }
 
@@ -46,8 +44,7 @@ SelectionSpec selection_from(const std::string& text, const std::vector<Index>& 
     if (word == "box") return box(numbers<double>(rest, option), option);
     if (word == "beyond") return beyond(one_number(rest, option), loops);
   }
-  throw Error(ErrorCode::usage, fmt::format("'{}' is not a selection", text), option,
-              fmt::format("Give {}.", selection_forms));
+  throw Error(facts::cli::NotASelection{.text = text, .forms = selection_forms}, option);
 }
 
 }  // namespace meshgraft::cli

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "wording.h"
+
 namespace meshgraft::cli {
 
 namespace {
@@ -83,9 +85,9 @@ void print_summary(const EditReport& report, const Points& rest) {
       print_cut(step, name);
     else
       print_deform(step, name);
-    for (const std::string& note : step.notes) fmt::print("  {}note: {}\n", name, note);
+    for (const Note& note : step.notes) fmt::print("  {}note: {}\n", name, sentence(note));
   }
-  for (const std::string& note : report.notes) fmt::print("  note: {}\n", note);
+  for (const Note& note : report.notes) fmt::print("  note: {}\n", sentence(note));
   if (report.deformed) print_quality(report, rest);
   for (const std::string& output : report.outputs) fmt::print("  wrote {}\n", output);
 }

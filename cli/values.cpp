@@ -18,23 +18,21 @@ PlaneText plane_from(const std::string& text, const std::string& option) {
     plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
     return plane;
   }
-  throw Error(ErrorCode::usage, fmt::format("'{}' is not a plane", text), option,
-              "Give x=0.5 (or y=, z=), or a point and a normal as px,py,pz,nx,ny,nz.");
+  throw Error(facts::cli::NotAPlane{.text = text}, option);
 }
 
 }  // namespace
 
 PlaneText parse_plane(const std::string& text, const std::string& option) {
   const PlaneText plane = plane_from(text, option);
-  if (plane.normal.isZero(0)) throw Error(ErrorCode::usage, "the plane's normal is zero", option);
+  if (plane.normal.isZero(0)) throw Error(facts::cli::ZeroNormal{}, option);
   return plane;
 }
 
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option) {
   const auto values = numbers<Index>(text, option, ':');
   if (values.size() != 2 || values[0] < 0 || values[1] < 0)
-    throw Error(ErrorCode::usage, fmt::format("'{}' is not a pair TARGET:SOURCE of numbers from 0 on", text),
-                option);
+    throw Error(facts::cli::NotAPair{.text = text}, option);
   return {values[0], values[1]};
 }
 

@@ -8,11 +8,12 @@
 #include <type_traits>
 #include <vector>
 
-#include <fmt/format.h>
 #include <Eigen/Core>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "cli/facts.h"
 
 namespace meshgraft::cli {
 
@@ -26,13 +27,11 @@ std::vector<T> numbers(std::string_view text, const std::string& option, char se
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error == std::errc::result_out_of_range)
-      throw Error(ErrorCode::usage, fmt::format("'{}' is too large or too small", word), option);
+      throw Error(facts::cli::NumberTooLargeOrSmall{.text = word}, option);
     if (error != std::errc() || end != word.data() + word.size())
-      throw Error(ErrorCode::usage, fmt::format("'{}' is not a number", word), option,
-                  fmt::format("Numbers are separated by '{}', without spaces.", separator));
+      throw Error(facts::cli::NotANumber{.text = word, .separator = std::string(1, separator)}, option);
     if constexpr (std::is_floating_point_v<T>)
-      if (!std::isfinite(value))
-        throw Error(ErrorCode::usage, fmt::format("'{}' is not a finite number", word), option);
+      if (!std::isfinite(value)) throw Error(facts::cli::NotFinite{.text = word}, option);
     values.push_back(value);
     if (word.size() == text.size()) return values;
     text.remove_prefix(word.size() + 1);

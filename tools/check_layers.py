@@ -39,6 +39,7 @@ USES["platform"] = set()
 SINGLE_USE = {"camd.h", "meshoptimizer.h", "metis.h", "nanoflann.hpp", "CGAL", "boost"}
 
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
+FACTS = re.compile(r"(\w+)/facts\.h")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 # The only folder whose sources may use what not every operating system has, and what counts as that: headers,
@@ -107,6 +108,12 @@ def check_platform(root, source):
             for number, use in uses if use]
 
 
+def find_layer_of_facts(root, folder):
+    """The layer of the header "FOLDER/facts.h", which the build makes of the table in that folder."""
+    return next((path.parent.relative_to(root / "src").parts[0] for path in (root / "src").rglob(f"{folder}/facts.json")),
+                folder)
+
+
 def check(root):
     """A list of violations, as text."""
     root = root.resolve()
@@ -130,6 +137,8 @@ def check(root):
                 if source.parts[0] == "include":
                     problems.append(f"{place}: a public header includes {name}")
             included = find_included(root, source, match[1], name)
+            if included is None and FACTS.fullmatch(name):  # the build makes it
+                included = Path("src") / find_layer_of_facts(root, FACTS.fullmatch(name)[1]) / "facts.h"
             if included is None:
                 continue
             used = layer_of(included)

@@ -85,7 +85,7 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
       viewport.onDrawn.add(({ end }) => isThere() && shown(end - begin)),
     );
     if (!(await editor.open({ do: "open", path })))
-      throw new Error(editor.messages.value.map(({ error }) => error.problem).join("; "));
+      throw new Error(editor.messages.value.map(({ told }) => told.problem).join("; "));
     return first;
   }, model);
   await stage.person.settle();

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 
+#include "baselines/facts.h"
+#include "core/facts.h"
 #include "methods.h"
 
 namespace meshgraft {
@@ -30,7 +30,7 @@ Points solve(Baseline method, const baselines::EditProblem& problem, const Basel
     case Baseline::yu_2004: return baselines::deform_yu_2004(problem, options, context);
     case Baseline::sorkine_alexa_2007: return baselines::deform_arap_2007(problem, options, context).positions;
   }
-  throw Error(ErrorCode::usage, "there is no such baseline method");
+  throw Error(facts::baselines::NoSuchMethod{});
 }
 
 }  // namespace
@@ -47,14 +47,18 @@ std::string_view to_string(Baseline value) {
 }
 
 void validate(const BaselineOptions& options) {
-  const auto require = [](bool holds, const char* field, const char* range) {
-    if (!holds) throw Error(ErrorCode::input, fmt::format("it must be {}", range), field);
+  const auto require_between = [](double value, double low, double high, const char* field) {
+    if (!(value >= low && value <= high))
+      throw Error(facts::core::OutOfRange{.value = value, .low = low, .high = high}, field);
   };
-  require(options.harmonic_order >= 1 && options.harmonic_order <= 3, "harmonic_order", "1, 2 or 3");
-  require(options.detail_size_rel >= 0 && options.detail_size_rel <= 1e6, "detail_size_rel", "from 0 to 1e6");
-  require(options.normal_rings >= 0 && options.normal_rings <= 1000, "normal_rings", "from 0 to 1000");
-  require(options.arap_iterations >= 0, "arap_iterations", "at least 0");
-  require(options.arap_tolerance >= 0, "arap_tolerance", "at least 0");
+  const auto require_positive = [](double value, const char* field) {
+    if (!(value >= 0)) throw Error(facts::core::Negative{.value = value}, field);
+  };
+  require_between(options.harmonic_order, 1, 3, "harmonic_order");
+  require_between(options.detail_size_rel, 0, 1e6, "detail_size_rel");
+  require_between(options.normal_rings, 0, 1000, "normal_rings");
+  require_positive(options.arap_iterations, "arap_iterations");
+  require_positive(options.arap_tolerance, "arap_tolerance");
 }
 
 Points deform_by(Baseline method, const Points& rest, const Triangles& triangles, std::span<const Index> region,
@@ -70,9 +74,7 @@ Points deform_by(Baseline method, const Points& rest, const Triangles& triangles
       if (problem.known[v]) continue;
       const Index global = problem.patch.vertices[v];
       result.row(global) += problem.patch.scale * (positions.row(v) - problem.rest().row(v));
-      if (!result.row(global).allFinite())
-        throw Error(ErrorCode::unsolvable, fmt::format("the solution is not finite at vertex {}", global), "",
-                    "Move the constraints by less, or repair the surface there");
+      if (!result.row(global).allFinite()) throw Error(facts::baselines::SolutionNotFinite{.vertex = global});
     }
   }
   for (const VertexConstraint& constraint : constraints)

@@ -13,6 +13,8 @@
 
 #include "../deform/constrained_system.h"
 #include "../mesh/disjoint_sets.h"
+#include "baselines/facts.h"
+#include "deform/facts.h"
 
 namespace meshgraft::baselines {
 
@@ -31,7 +33,7 @@ void require_finite(const VertexConstraint& constraint) {
   constexpr double largest = 1e100;  // squares and volumes stay finite
   if ((constraint.position && !(constraint.position->cwiseAbs().maxCoeff() < largest)) ||
       (constraint.transform && !(constraint.transform->cwiseAbs().maxCoeff() < largest)))
-    throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
+    throw Error(facts::baselines::ConstraintNotFinite{.vertex = constraint.vertex},
                 fmt::format("the constraint of vertex {}", constraint.vertex));
 }
 
@@ -49,10 +51,9 @@ Given read_constraints(Index count, std::span<const Index> region,
     const std::string location = fmt::format("constraint {}", c);
     require_vertex(constraint.vertex, count, location);
     if (given.constraint[constraint.vertex] != nullptr)
-      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), location);
+      throw Error(facts::deform::VertexNamedTwice{.vertex = constraint.vertex}, location);
     if (!constraint.position && !constraint.transform)
-      throw Error(ErrorCode::input,
-                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), location);
+      throw Error(facts::deform::VertexConstrainsNothing{.vertex = constraint.vertex}, location);
     require_finite(constraint);
     given.constraint[constraint.vertex] = &constraint;
     if (constraint.position) given.known[constraint.vertex] = 1;
@@ -100,10 +101,7 @@ void require_held(const EditProblem& problem) {
       if (!problem.known[v] && problem.known[w]) held[sets.root(v)] = 1;
   for (Index v = 0; v < problem.size(); ++v) {
     if (problem.known[v] || held[sets.root(v)]) continue;
-    throw Error(ErrorCode::unsolvable,
-                fmt::format("the free component of vertex {} meets no known position, so it could be anywhere",
-                            problem.patch.vertices[v]),
-                "", "Fix some of its vertices, constrain a position on it, or take it out of the region");
+    throw Error(facts::baselines::FreeComponentNotHeld{.vertex = problem.patch.vertices[v]});
   }
 }
 

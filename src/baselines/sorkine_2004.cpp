@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <set>
 
-#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -10,6 +9,7 @@
 #include <meshgraft/operators/laplacian.h>
 
 #include "../mesh/disjoint_sets.h"
+#include "baselines/facts.h"
 #include "methods.h"
 
 namespace meshgraft::baselines {
@@ -123,12 +123,7 @@ void require_fixed_similarity(const EditProblem& problem) {
   }
   for (Index v = 0; v < problem.size(); ++v)
     if (!problem.known[v] && sets.root(v) == v && collinear(problem.rest(), seen[v]))
-      throw Error(
-          ErrorCode::unsolvable,
-          fmt::format("the known positions around the free component of vertex {} lie on one line, which "
-                      "does not fix a similarity",
-                      problem.patch.vertices[v]),
-          "", "Constrain at least three positions that are not on a line");
+      throw Error(facts::baselines::KnownPositionsOnALine{.vertex = problem.patch.vertices[v]});
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+
 namespace meshgraft {
 
 void Context::step(std::string_view stage, double fraction) const {
@@ -10,7 +12,7 @@ void Context::step(std::string_view stage, double fraction) const {
 }
 
 void Context::throw_if_stopped() const {
-  if (stop_token.stop_requested()) throw Error(ErrorCode::cancelled, "the operation was cancelled");
+  if (stop_token.stop_requested()) throw Error(facts::core::Cancelled{});
 }
 
 }  // namespace meshgraft

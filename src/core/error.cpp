@@ -4,18 +4,11 @@
 #include <filesystem>
 #include <new>
 #include <utility>
+#include <vector>
+
+#include "core/facts.h"
 
 namespace meshgraft {
-
-namespace {
-
-std::string compose(const std::string& problem, const std::string& location, const std::string& remedy) {
-  std::string message = location.empty() ? problem : location + ": " + problem;
-  if (!remedy.empty()) message += ". " + remedy;
-  return message;
-}
-
-}  // namespace
 
 int exit_status(ErrorCode code) noexcept {
   switch (code) {
@@ -43,17 +36,66 @@ std::string_view to_string(ErrorCode code) noexcept {
   return "internal";
 }
 
-Error::Error(ErrorCode code, std::string problem, std::string location, std::string remedy)
-    : std::runtime_error(compose(problem, location, remedy)),
-      code_(code),
-      problem_(std::move(problem)),
-      location_(std::move(location)),
-      remedy_(std::move(remedy)) {}
+struct Error::Data {
+  Fact fact;
+  std::string location;
+  std::vector<Note> notes;
+  std::string what;
+};
+
+namespace {
+
+std::string sentence_of(const Fact& fact, const std::string& location, const std::vector<Note>& notes) {
+  std::string sentence = error_sentence(location, fact.text(), fact.remedy());
+  for (const Note& note : notes) sentence = error_sentence({}, sentence, note.text());
+  return sentence;
+}
+
+}  // namespace
+
+Error::Error(Fact fact, std::string location) {
+  std::string what = sentence_of(fact, location, {});
+  data_ = std::make_shared<const Data>(Data{std::move(fact), std::move(location), {}, std::move(what)});
+}
+
+const char* Error::what() const noexcept { return data_->what.c_str(); }
+
+ErrorCode Error::code() const noexcept { return data_->fact.type().code.value_or(ErrorCode::internal); }
+
+const Fact& Error::fact() const noexcept { return data_->fact; }
+
+const std::string& Error::location() const noexcept { return data_->location; }
+
+std::span<const Note> Error::notes() const noexcept { return data_->notes; }
+
+Error Error::at(std::string location) const {
+  Data data = *data_;
+  data.location = std::move(location);
+  data.what = sentence_of(data.fact, data.location, data.notes);
+  Error error = *this;
+  error.data_ = std::make_shared<const Data>(std::move(data));
+  return error;
+}
 
 Error Error::within(std::string_view outer) const {
-  std::string location(outer);
-  if (!location_.empty()) location += ": " + location_;
-  return Error(code_, problem_, location, remedy_);
+  return at(std::string(outer) + (location().empty() ? "" : ": " + location()));
+}
+
+Error Error::with(Note note) const {
+  Data data = *data_;
+  data.notes.push_back(std::move(note));
+  data.what = sentence_of(data.fact, data.location, data.notes);
+  Error error = *this;
+  error.data_ = std::make_shared<const Data>(std::move(data));
+  return error;
+}
+
+std::string error_sentence(std::string_view location, std::string_view problem, std::string_view remedy) {
+  std::string sentence(location);
+  if (!location.empty()) sentence += ": ";
+  sentence += problem;
+  if (!remedy.empty()) sentence += sentence.ends_with('.') ? " " : ". ";
+  return sentence += remedy;
 }
 
 Error current_error() {
@@ -62,12 +104,11 @@ Error current_error() {
   } catch (const Error& error) {
     return error;
   } catch (const std::bad_alloc&) {
-    return {
-        ErrorCode::memory, "there is not enough memory", {}, "Close other programs, or take a smaller mesh"};
+    return Error(facts::core::OutOfMemory{});
   } catch (const std::filesystem::filesystem_error& error) {
-    return {ErrorCode::io, error.code().message(), error.path1().string()};
+    return Error(facts::core::FileSystem{.reason = error.code().message()}, error.path1().string());
   } catch (const std::exception& error) {
-    return {ErrorCode::internal, error.what(), {}, "This is a defect of meshgraft; please report it"};
+    return Error(facts::core::Defect{.what = error.what()});
   }
 }
 

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
 
 #include "constrained_system.h"
+#include "deform/facts.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -224,9 +224,7 @@ void ConstrainedSystem::place(const Columns& y, const Known& values,
       if (known_.position[v]) continue;
       const Index global = patch().vertices[v];
       out.row(global) = rest().row(global) + patch().scale * x.row(v);
-      if (!out.row(global).allFinite())
-        throw Error(ErrorCode::unsolvable, fmt::format("the solution is not finite at vertex {}", global), "",
-                    "Move the handles by less, or repair the surface there");
+      if (!out.row(global).allFinite()) throw Error(facts::deform::SolutionNotFinite{.vertex = global});
     }
   }
   for (const VertexConstraint& constraint : constraints)

@@ -4,10 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
-
-#include <meshgraft/core/error.h>
 
 #include "../core/stopwatch.h"
 #include "rotations.h"
@@ -22,9 +19,7 @@ ConstrainedSystem::ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const
       features_(features.begin(), features.end()),
       feature_column_(features.size(), -1) {
   validate(options.operators);
-  if (residual_corrections_ < 0 || residual_corrections_ > 10)
-    throw Error(ErrorCode::input, fmt::format("{} is not between 0 and 10", residual_corrections_),
-                "residual_corrections");
+  require_between(residual_corrections_, 0, 10, "residual_corrections");
   Stopwatch watch;
   summary.reused = other != nullptr && share(*other, states, all_anchors, context);
   if (!summary.reused) {

@@ -15,6 +15,8 @@
 
 #include "../core/stopwatch.h"
 #include "constrained_system.h"
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "region_states.h"
 #include "rotation_field.h"
 
@@ -55,10 +57,7 @@ void Deformer::Impl::choose_backend(const VertexStates& states) {
   const std::uint64_t memory = available_memory();
   const SolvePath path = choose_path(free, options, memory);
   if (path == SolvePath::proxy)
-    throw Error(ErrorCode::memory,
-                fmt::format("a solve for {} free vertices does not fit the {} MB of memory there are", free,
-                            memory / 1'000'000),
-                "", "Choose a smaller region, or solve a proxy of it");
+    throw Error(facts::deform::SolveExceedsMemory{.free = free, .megabytes = memory / 1'000'000});
   if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
 }
 
@@ -149,8 +148,8 @@ std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> 
   const Impl& d = *impl_;
   const Points& rest = d.system->rest();
   if (poses.size() != d.handles.size())
-    throw Error(ErrorCode::usage,
-                fmt::format("{} poses were given for {} handles", poses.size(), d.handles.size()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "poses", .given = poses.size(), .of = "handles", .needed = d.handles.size()});
   std::vector<VertexConstraint> constraints;
   constraints.reserve(d.constrained.size());
   for (std::size_t h = 0; h < poses.size(); ++h) {
@@ -164,8 +163,8 @@ void Deformer::evaluate(std::span<const HandlePose> poses, Points& positions_out
                         EvaluationReport* report) const {
   const Eigen::Index vertices = impl_->system->rest().rows();
   if (positions_out.rows() != vertices)
-    throw Error(ErrorCode::usage,
-                fmt::format("the output has {} rows for {} vertices", positions_out.rows(), vertices));
+    throw Error(facts::core::SizeMismatch{
+        .what = "rows of positions", .given = positions_out.rows(), .of = "vertices", .needed = vertices});
   const std::vector<VertexConstraint> posed = constraints(poses);
   impl_->constrained.require_matching(posed);
   impl_->evaluate(posed, positions_out, report, nullptr, context);
@@ -209,11 +208,11 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
   impl_->constrained.require_matching(constraints);
   const ConstrainedSystem& system = *impl_->system;
   if (static_cast<Eigen::Index>(field.size()) != system.rest().rows())
-    throw Error(ErrorCode::usage,
-                fmt::format("the field has {} maps for {} vertices", field.size(), system.rest().rows()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "maps", .given = field.size(), .of = "vertices", .needed = system.rest().rows()});
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!field[v].allFinite())
-      throw Error(ErrorCode::input, "the map is not finite", fmt::format("field, vertex {}", v));
+      throw Error(facts::core::NotFinite{.what = "the map"}, fmt::format("field, vertex {}", v));
   ConstrainedSystem::Problem local;
   local.field.smoothness.resize(3 * system.patch().size(), 3);
   for (Index v = 0; v < system.patch().size(); ++v)
@@ -235,9 +234,7 @@ double Deformer::condition_estimate(const Context& context) const {
 
 const AffineOperator& Deformer::affine_operator() const {
   const AffineOperator* operators = impl_->system->operators();
-  if (operators == nullptr)
-    throw Error(ErrorCode::usage, "nothing is free, so there is no operator", "",
-                "Choose a region with free vertices");
+  if (operators == nullptr) throw Error(facts::deform::NothingFree{});
   return *operators;
 }
 

@@ -1,8 +1,9 @@
 #include "free_vertices.h"
 
-#include <string>
-
 #include <meshgraft/core/error.h>
+
+#include "core/facts.h"
+#include "deform/facts.h"
 
 namespace meshgraft {
 
@@ -10,8 +11,7 @@ Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices)
   Flags is_free(static_cast<std::size_t>(vertex_count), 0);
   for (const Index v : free_vertices) {
     if (v < 0 || v >= vertex_count) {
-      throw Error(ErrorCode::usage, "free vertex " + std::to_string(v) + " is not one of the " +
-                                        std::to_string(vertex_count) + " vertices");
+      throw Error(facts::deform::NoSuchFreeVertex{.vertex = v, .count = vertex_count});
     }
     is_free[v] = 1;
   }
@@ -20,8 +20,8 @@ Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices)
 
 void require_same_vertices(const Points& rest, const Points& edited) {
   if (rest.rows() == edited.rows()) return;
-  throw Error(ErrorCode::usage,
-              "rest has " + std::to_string(rest.rows()) + " vertices, edited " + std::to_string(edited.rows()));
+  throw Error(facts::core::SizeMismatch{
+      .what = "edited vertices", .given = edited.rows(), .of = "vertices at rest", .needed = rest.rows()});
 }
 
 }  // namespace meshgraft

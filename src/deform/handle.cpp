@@ -6,31 +6,31 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "deform/facts.h"
+#include "region_states.h"
+
 namespace meshgraft {
 
 namespace {
 
-[[noreturn]] void fail(const Handle& handle, const std::string& problem, const std::string& remedy = {}) {
-  throw Error(ErrorCode::input, problem, "handle '" + handle.name + "'", remedy);
-}
+std::string location_of(const Handle& handle) { return "handle '" + handle.name + "'"; }
 
 void require_vertices(const Handle& handle, Index vertex_count) {
-  if (handle.vertices.empty()) fail(handle, "has no vertices");
-  for (const Index v : handle.vertices) {
-    if (v >= 0 && v < vertex_count) continue;
-    fail(handle,
-         "index " + std::to_string(v) + " is not one of the " + std::to_string(vertex_count) + " vertices");
-  }
+  const std::string location = location_of(handle);
+  if (handle.vertices.empty()) throw Error(facts::deform::NoVertices{}, location);
+  for (const Index v : handle.vertices) require_vertex(v, vertex_count, location);
 }
 
 void require_curve(const Handle& handle, const Points& rest) {
   require_vertices(handle, static_cast<Index>(rest.rows()));
-  if (handle.shape != HandleShape::curve) fail(handle, "is not a curve and cannot be redrawn");
+  if (handle.shape != HandleShape::curve) throw Error(facts::deform::NotACurve{}, location_of(handle));
   const std::size_t needed = handle.closed ? 3 : 2;
-  if (handle.vertices.size() < needed) {
-    fail(handle, "has " + std::to_string(handle.vertices.size()) + " vertices; a " +
-                     (handle.closed ? "closed curve needs three" : "curve needs two"));
-  }
+  if (handle.vertices.size() < needed)
+    throw Error(facts::deform::CurveTooShort{.count = handle.vertices.size(),
+                                             .kind = handle.closed ? "closed curve" : "curve",
+                                             .needed = needed},
+                location_of(handle));
 }
 
 // The sine and cosine of an angle in degrees, exact at multiples of 90°.
@@ -95,8 +95,9 @@ std::vector<double> arc_lengths(const Points& curve, bool closed) {
 std::vector<double> relative_arc_lengths(const Handle& handle, const Points& curve, const std::string& what) {
   std::vector<double> lengths = arc_lengths(curve, handle.closed);
   const double total = lengths.back();
-  if (!std::isfinite(total)) fail(handle, "the " + what + " has a coordinate that is not a finite number");
-  if (total == 0) fail(handle, "the " + what + " has no length");
+  if (!std::isfinite(total))
+    throw Error(facts::core::NotFinite{.what = "a coordinate of the " + what}, location_of(handle));
+  if (total == 0) throw Error(facts::deform::CurveWithoutLength{.curve = what}, location_of(handle));
   for (double& length : lengths) length /= total;
   return lengths;
 }
@@ -127,10 +128,8 @@ CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index
   if (direction.isZero(0)) direction = outgoing;  // at the tip of a hairpin
   const CurveSample sample{direction.stableNormalized(), 0.5 * (incoming.norm() + outgoing.norm())};
   if (direction.isZero(0) || !direction.allFinite() || !std::isfinite(sample.length)) {
-    fail(handle,
-         "the " + what + " has no tangent at its vertex " + std::to_string(k) + " (mesh vertex " +
-             std::to_string(handle.vertices[k]) + ")",
-         "Keep neighbouring points of the curve apart.");
+    throw Error(facts::deform::CurveWithoutTangent{.curve = what, .point = k, .vertex = handle.vertices[k]},
+                location_of(handle));
   }
   return sample;
 }
@@ -155,18 +154,15 @@ Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const Ind
 
 HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_pivot) {
   const Eigen::Vector3d pivot = motion.pivot.value_or(default_pivot);
-  const auto require_finite = [](bool finite, const std::string& field) {
-    if (!finite) throw Error(ErrorCode::input, "is not made of finite numbers", field);
+  const auto require_finite = [](bool finite, const char* what, const char* field) {
+    if (!finite) throw Error(facts::core::NotFinite{.what = what}, field);
   };
-  require_finite(motion.translate.allFinite(), "translate");
-  require_finite(motion.axis.allFinite(), "axis");
-  require_finite(std::isfinite(motion.angle_deg), "angle_deg");
-  require_finite(motion.scale.allFinite(), "scale");
-  require_finite(pivot.allFinite(), "pivot");
-  if (motion.axis.isZero(0) && motion.angle_deg != 0) {
-    throw Error(ErrorCode::input, "has no length, so there is nothing to turn about", "axis",
-                "Name a direction, e.g. 0 0 1.");
-  }
+  require_finite(motion.translate.allFinite(), "the translation", "translate");
+  require_finite(motion.axis.allFinite(), "the axis", "axis");
+  require_finite(std::isfinite(motion.angle_deg), "the angle", "angle_deg");
+  require_finite(motion.scale.allFinite(), "the scale", "scale");
+  require_finite(pivot.allFinite(), "the pivot", "pivot");
+  if (motion.axis.isZero(0) && motion.angle_deg != 0) throw Error(facts::deform::AxisWithoutLength{}, "axis");
   const Eigen::Vector3d axis =
       motion.axis.isZero(0) ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : motion.axis.stableNormalized();
 
@@ -204,10 +200,9 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
   require_curve(handle, rest);
   const bool repeats_start = handle.closed && returns_to_start(polyline);
   const Points course = polyline.topRows(polyline.rows() - (repeats_start ? 1 : 0));
-  if (course.rows() < (handle.closed ? 3 : 2)) {
-    fail(handle, "the polyline has " + std::to_string(course.rows()) + " points; it needs " +
-                     (handle.closed ? "three" : "two"));
-  }
+  const Eigen::Index needed = handle.closed ? 3 : 2;
+  if (course.rows() < needed)
+    throw Error(facts::deform::PolylineTooShort{.count = course.rows(), .needed = needed}, location_of(handle));
   const std::vector<double> wanted = relative_arc_lengths(handle, rest_curve(handle, rest), "curve at rest");
   const std::vector<double> given = relative_arc_lengths(handle, course, "polyline");
 
@@ -233,10 +228,17 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
                                                 const Points& rest_normals, const Points& redrawn) {
   require_curve(handle, rest);
   const Points curve = rest_curve(handle, rest);
-  if (redrawn.rows() != curve.rows() || rest_normals.rows() != rest.rows()) {
-    throw Error(ErrorCode::usage, "needs one redrawn point per curve vertex and one normal per mesh vertex",
-                "handle '" + handle.name + "'");
-  }
+  if (redrawn.rows() != curve.rows())
+    throw Error(facts::core::SizeMismatch{.what = "redrawn points",
+                                          .given = redrawn.rows(),
+                                          .of = "vertices of the curve",
+                                          .needed = curve.rows()},
+                location_of(handle));
+  if (rest_normals.rows() != rest.rows())
+    throw Error(
+        facts::core::SizeMismatch{
+            .what = "normals at rest", .given = rest_normals.rows(), .of = "vertices", .needed = rest.rows()},
+        location_of(handle));
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index k = 0; k < curve.rows(); ++k) {
     VertexConstraint constraint;

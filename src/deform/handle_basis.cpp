@@ -4,13 +4,14 @@
 #include <cmath>
 #include <iterator>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
 #include "constrained_system.h"
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "handle_frame.h"
 
 namespace meshgraft {
@@ -19,18 +20,13 @@ namespace {
 
 void require_linear(const ConstrainedSystem& system, const DeformerOptions& options) {
   if (options.method != DeformMethod::ft05)
-    throw Error(
-        ErrorCode::usage,
-        fmt::format("frames of method '{}' are not linear in the handles' poses", to_string(options.method)),
-        "", "Set up a deformer of method 'ft05'");
-  if (!system.is_linear())
-    throw Error(ErrorCode::input, "a feature that is a similarity does not follow the handles linearly", "",
-                "Make it an affine feature, or evaluate the deformer for each pose");
+    throw Error(facts::deform::FramesNotLinear{.method = to_string(options.method)});
+  if (!system.is_linear()) throw Error(facts::deform::FeatureNotLinear{});
 }
 
 void require_rows(Eigen::Index rows, Eigen::Index vertices, const char* what) {
   if (rows != vertices)
-    throw Error(ErrorCode::usage, fmt::format("{} has {} rows for {} vertices", what, rows, vertices));
+    throw Error(facts::core::SizeMismatch{.what = what, .given = rows, .of = "vertices", .needed = vertices});
 }
 
 /// Reads the solution at each vertex. Vertices of the patch have their own row. Vertices outside it, inside a
@@ -86,11 +82,9 @@ Eigen::RowVector3d turned_normal(const Eigen::Matrix3d& map, const Eigen::RowVec
 HandleBasis::HandleBasis(const Deformer& deformer, const Points& normals, const Context& context)
     : normals_(normals.cast<float>()) {
   const ConstrainedSystem& system = deformer.system();
-  if (!deformer.is_of_handles())
-    throw Error(ErrorCode::usage, "the deformer has constraints per vertex, and no handles", "",
-                "Set it up with a region and handles");
+  if (!deformer.is_of_handles()) throw Error(facts::deform::NoHandles{});
   require_linear(system, deformer.options());
-  if (normals.rows() > 0) require_rows(normals.rows(), system.rest().rows(), "normals");
+  if (normals.rows() > 0) require_rows(normals.rows(), system.rest().rows(), "normals at rest");
   handles_.assign(deformer.handles().begin(), deformer.handles().end());
   base_ = system.rest();
   centre_ = system.patch().centre;
@@ -172,10 +166,9 @@ void HandleBasis::solve_targets(const ConstrainedSystem& system, const Context& 
 void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                         const Context& context) const {
   require_affine_poses(handles_, poses);
-  require_rows(positions.rows(), base_.rows(), "the output of positions");
-  if (normals != nullptr && !has_normals())
-    throw Error(ErrorCode::usage, "the basis was made without normals", "", "Give it the normals at rest");
-  if (normals != nullptr) require_rows(normals->rows(), base_.rows(), "the output of normals");
+  require_rows(positions.rows(), base_.rows(), "rows of positions");
+  if (normals != nullptr && !has_normals()) throw Error(facts::deform::BasisWithoutNormals{});
+  if (normals != nullptr) require_rows(normals->rows(), base_.rows(), "rows of normals");
 
   // Maps are divided by the largest entry, so that single precision suffices at any scale.
   std::vector<double> frames;

@@ -6,6 +6,9 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "deform/facts.h"
+
 namespace meshgraft {
 
 HandleFrame handle_frame(const HandlePose& pose, const Eigen::RowVector3d& centre, double scale) {
@@ -34,22 +37,20 @@ ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std:
 void require_usable(const HandlePose& pose, const std::string& location) {
   constexpr double largest = 1e100;  // so that squares and volumes stay finite
   if (!(pose.transform.affine().array().abs() < largest).all())
-    throw Error(ErrorCode::input, "its transform is not finite, or larger than 1e100", location);
+    throw Error(facts::deform::TooLargeOrNotFinite{.what = "transform"}, location);
   if (pose.rotation && !(std::isfinite(pose.rotation->angle()) && pose.rotation->axis().allFinite()))
-    throw Error(ErrorCode::input, "its rotation is not finite", location);
+    throw Error(facts::core::NotFinite{.what = "its rotation"}, location);
   if (pose.curve && !(pose.curve->array().abs() < largest).all())
-    throw Error(ErrorCode::input, "its curve is not finite, or larger than 1e100", location);
+    throw Error(facts::deform::TooLargeOrNotFinite{.what = "curve"}, location);
 }
 
 void require_affine_poses(std::span<const Handle> handles, std::span<const HandlePose> poses) {
   if (poses.size() != handles.size())
-    throw Error(ErrorCode::usage,
-                fmt::format("{} poses were given for {} handles", poses.size(), handles.size()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "poses", .given = poses.size(), .of = "handles", .needed = handles.size()});
   for (std::size_t h = 0; h < poses.size(); ++h) {
     const std::string location = fmt::format("handle '{}'", handles[h].name);
-    if (poses[h].curve)
-      throw Error(ErrorCode::input, "its curve is redrawn, which is not one affine map", location,
-                  "Evaluate the deformer for this pose");
+    if (poses[h].curve) throw Error(facts::deform::CurveNotAffine{}, location);
     require_usable(poses[h], location);
   }
 }

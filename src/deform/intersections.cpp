@@ -13,7 +13,9 @@
 #include <meshgraft/core/memory.h>
 #include <meshgraft/core/parallel.h>
 
+#include "core/facts.h"
 #include "core/stopwatch.h"
+#include "deform/facts.h"
 #include "free_vertices.h"
 #include "mesh/bvh.h"
 #include "mesh/triangle_intersection.h"
@@ -64,10 +66,8 @@ void require_vertices(const Triangles& triangles, Eigen::Index vertex_count) {
   for (Eigen::Index t = 0; t < triangles.rows(); ++t)
     for (const Index v : triangles.row(t))
       if (v < 0 || v >= vertex_count)
-        throw Error(
-            ErrorCode::input,
-            "index " + std::to_string(v) + " is not one of the " + std::to_string(vertex_count) + " vertices",
-            "triangle " + std::to_string(t));
+        throw Error(facts::core::NoSuchVertex{.vertex = v, .count = vertex_count},
+                    "triangle " + std::to_string(t));
 }
 
 // The slab between two parallel planes that contains some triangles. The boxes of sheets that lie close
@@ -305,7 +305,7 @@ struct PairList {
   void add(const TrianglePair& pair) { pairs.push_back(pair); }
   void merge(const PairList& other) {
     if ((pairs.size() + other.pairs.size()) * sizeof(TrianglePair) > available_memory() / 8)
-      throw Error(ErrorCode::memory, "there is too little memory for all pairs of triangles that intersect");
+      throw Error(facts::deform::IntersectionsExceedMemory{});
     pairs.insert(pairs.end(), other.pairs.begin(), other.pairs.end());
   }
 };

@@ -22,6 +22,8 @@
 #include <meshgraft/deform/proxy.h>
 
 #include "../core/stopwatch.h"
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "handle_frame.h"
 #include "region_states.h"
 
@@ -66,21 +68,18 @@ class PositionPool : public std::enable_shared_from_this<PositionPool> {
 
 void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
   if (poses.size() != handles)
-    throw Error(ErrorCode::usage, fmt::format("{} poses were given for {} handles", poses.size(), handles));
+    throw Error(
+        facts::core::SizeMismatch{.what = "poses", .given = poses.size(), .of = "handles", .needed = handles});
   for (std::size_t h = 0; h < poses.size(); ++h) require_usable(poses[h], fmt::format("pose {}", h));
 }
 
 void validate(const LiveOptions& options) {
-  const auto require = [](bool good, const std::string& what, const char* field) {
-    if (!good) throw Error(ErrorCode::input, what, field);
-  };
   require_usable(options.deformer);
   validate(options.deformer.operators);
   validate(options.reduced);
-  require(options.proxy_vertices >= 1, fmt::format("{} vertices are none", options.proxy_vertices),
-          "proxy_vertices");
-  require(options.settle_seconds >= 0 && options.settle_seconds <= 3600,
-          fmt::format("{} is not between 0 and 3600", options.settle_seconds), "settle_seconds");
+  if (options.proxy_vertices < 1)
+    throw Error(facts::deform::ProxyWithoutVertices{.vertices = options.proxy_vertices}, "proxy_vertices");
+  require_between(options.settle_seconds, 0, 3600, "settle_seconds");
 }
 
 /// Returns the largest distance between two frames relative to the largest displacement of the exact one.
@@ -225,10 +224,10 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
       earlier(chosen.earlier),
       pool(std::make_shared<PositionPool>(rest.rows())) {
   const auto n = static_cast<Index>(rest.rows());
-  if (!callbacks.frame) throw Error(ErrorCode::usage, "there is no callback for frames");
+  if (!callbacks.frame) throw Error(facts::deform::NoFrameCallback{});
   if (options.normals.rows() != 0 && options.normals.rows() != n)
-    throw Error(ErrorCode::usage,
-                fmt::format("normals has {} rows for {} vertices", options.normals.rows(), n));
+    throw Error(facts::core::SizeMismatch{
+        .what = "normals", .given = options.normals.rows(), .of = "vertices", .needed = n});
   ConstraintList constrained;
   const VertexStates states = states_of_handles(rest, triangles, region, constrained);
   validate(options);
@@ -508,12 +507,11 @@ void LiveDeformer::wait_until_exact() const {
   const Impl& d = *impl_;
   std::unique_lock lock(d.mutex);
   const auto self = std::this_thread::get_id();
-  if (self == d.frames_thread || self == d.setup_thread)
-    throw Error(ErrorCode::usage, "a callback cannot wait for the thread that called it");
+  if (self == d.frames_thread || self == d.setup_thread) throw Error(facts::deform::WaitInCallback{});
   d.changed.wait(lock, [&] {
     return d.closed || d.failure || d.refused || (d.newest > 0 ? d.refined : d.deformer != nullptr);
   });
-  if (d.closed) throw Error(ErrorCode::cancelled, "the live deformer was closed");
+  if (d.closed) throw Error(facts::deform::LiveDeformerClosed{});
   if (d.failure) throw Error(*d.failure);
   if (d.refused) throw Error(*d.refused);
 }

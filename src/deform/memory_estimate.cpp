@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
+
+#include "deform/facts.h"
 
 namespace meshgraft {
 
@@ -21,8 +21,7 @@ bool by_eigen(SolverBackend backend) {
 /// constants are geometric means of measurements. Minimum degree, the only ordering that Eigen offers, grows
 /// faster.
 std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& options) {
-  if (free_vertices < 0)
-    throw Error(ErrorCode::input, fmt::format("{} free vertices are not a number of vertices", free_vertices));
+  if (free_vertices < 0) throw Error(facts::deform::NegativeCount{.count = free_vertices});
   if (free_vertices == 0) return 0;
   const double n = free_vertices, n_log_n = n * std::log2(std::max(n, 2.0));
   const bool noise = options.operators.degenerate == DegenerateTreatment::ft05_noise;

@@ -7,10 +7,10 @@
 #include <tuple>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
+
+#include "deform/facts.h"
 
 namespace meshgraft {
 
@@ -35,9 +35,7 @@ std::vector<Index> next_ring(const std::vector<Index>& front, const Triangles& t
 
 void require_finite(const Points& points, const std::vector<Index>& vertices) {
   for (Index v : vertices) {
-    if (!points.row(v).allFinite())
-      throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that is not a finite number", v),
-                  "", "Repair the mesh, or choose a region away from that vertex");
+    if (!points.row(v).allFinite()) throw Error(facts::deform::VertexNotFinite{.vertex = v});
   }
 }
 

@@ -5,14 +5,14 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/operators/laplacian.h>
 
 #include "../core/stopwatch.h"
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "proxy_domain.h"
 #include "region_states.h"
 #include "skin.h"
@@ -26,7 +26,7 @@ constexpr Index fewest_vertices = 50;
 
 Index wanted_vertices(const ProxyOptions& options) {
   if (options.vertices < 1)
-    throw Error(ErrorCode::input, fmt::format("{} vertices are none", options.vertices), "proxy");
+    throw Error(facts::deform::ProxyWithoutVertices{.vertices = options.vertices}, "proxy");
   return std::max(options.vertices, fewest_vertices);
 }
 
@@ -141,9 +141,7 @@ void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& 
   if (try_build(domain, states, holders, anchors, features, options, false, context)) return;
   require_solvable(rest, triangles, states, anchors, context);
   if (try_build(domain, states, holders, anchors, features, options, true, context)) return;
-  throw Error(ErrorCode::unsolvable,
-              fmt::format("no proxy of about {} vertices can be solved for this region", options.vertices), "",
-              "Ask for more vertices, or solve without a proxy");
+  throw Error(facts::deform::NoProxy{.vertices = options.vertices});
 }
 
 /// Returns false if the proxy is under-constrained, or if part of the surface is not connected to it.
@@ -389,9 +387,8 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
   try {
     posed = bones(given, context, report);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::unsolvable) throw;  // the message names a vertex of the proxy
-    throw Error(ErrorCode::unsolvable, "the solution on the proxy is not finite", "",
-                "Move the handles by less, or repair the surface");
+    if (error.code() != ErrorCode::unsolvable) throw;  // the fact names a vertex of the proxy
+    throw Error(facts::deform::ProxySolutionNotFinite{});
   }
   const auto follow = [&](Index v, const Bone& bone) {
     const Eigen::Vector3d position = (rest.row(v) - centre).transpose();
@@ -410,8 +407,8 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
 std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const HandlePose> poses,
                                                                  Points& out) const {
   if (poses.size() != handles.size())
-    throw Error(ErrorCode::usage,
-                fmt::format("{} poses were given for {} handles", poses.size(), handles.size()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "poses", .given = poses.size(), .of = "handles", .needed = handles.size()});
   std::vector<VertexConstraint> given;
   std::size_t first = 0, next = 0;  // constraint of the handle's first vertex; index in `needed`
   for (std::size_t h = 0; h < handles.size(); ++h) {
@@ -506,8 +503,8 @@ void ProxyDeformer::evaluate(std::span<const HandlePose> poses, Points& position
                              EvaluationReport* report) const {
   const Impl& d = *impl_;
   if (positions_out.rows() != d.rest.rows())
-    throw Error(ErrorCode::usage,
-                fmt::format("the output has {} rows for {} vertices", positions_out.rows(), d.rest.rows()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "rows of positions", .given = positions_out.rows(), .of = "vertices", .needed = d.rest.rows()});
   positions_out = d.rest;
   const std::vector<VertexConstraint> given = d.place_handles(poses, positions_out);
   d.move(given, positions_out, context, report);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
@@ -11,6 +10,7 @@
 #include <meshgraft/mesh/normals.h>
 
 #include "ball_walk.h"
+#include "deform/facts.h"
 
 namespace meshgraft {
 
@@ -64,9 +64,7 @@ double unknown_area(const Points& rest, const Triangles& triangles, const Vertex
 
 void take_points(const Points& rest, ProxyDomain& domain) {
   for (const Index v : domain.vertices)
-    if (!rest.row(v).allFinite())
-      throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that is not a finite number", v),
-                  "", "Repair the mesh, or choose a region away from that vertex");
+    if (!rest.row(v).allFinite()) throw Error(facts::deform::VertexNotFinite{.vertex = v});
   Eigen::RowVector3d low = rest.row(domain.vertices.front()), high = low;
   for (const Index v : domain.vertices) {
     low = low.cwiseMin(rest.row(v));

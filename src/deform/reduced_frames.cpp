@@ -2,14 +2,15 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
 #include "constrained_system.h"
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "handle_frame.h"
 #include "reduced_field.h"
+#include "region_states.h"
 #include "response_columns.h"
 #include "rotation_field.h"
 
@@ -28,12 +29,8 @@ Columns free_rows(const ConstrainedSystem& system, const Columns& displacements)
 }  // namespace
 
 void validate(const ReducedFramesOptions& options) {
-  const auto require = [](Index value, Index most, const char* field) {
-    if (value < 1 || value > most)
-      throw Error(ErrorCode::input, fmt::format("{} is not between 1 and {}", value, most), field);
-  };
-  require(options.centres, 1024, "centres");
-  require(options.samples_per_centre, 64, "samples_per_centre");
+  require_between(options.centres, 1, 1024, "centres");
+  require_between(options.samples_per_centre, 1, 64, "samples_per_centre");
 }
 
 struct ReducedFrames::Impl {
@@ -54,15 +51,9 @@ ReducedFrames::ReducedFrames(const Deformer& deformer, const ReducedFramesOption
     : impl_(std::make_unique<Impl>()) {
   validate(options);
   const ConstrainedSystem& system = deformer.system();
-  if (!deformer.is_of_handles())
-    throw Error(ErrorCode::usage, "the deformer has constraints per vertex, and no handles", "",
-                "Set it up with a region and handles");
-  if (deformer.options().method == DeformMethod::ft05)
-    throw Error(ErrorCode::usage, "method 'ft05' needs no reduced frames", "",
-                "Use a handle basis, which is exact");
-  if (!system.features().empty())
-    throw Error(ErrorCode::input, "features are not part of reduced frames", "",
-                "Leave them out, or evaluate the deformer for each pose");
+  if (!deformer.is_of_handles()) throw Error(facts::deform::NoHandles{});
+  if (deformer.options().method == DeformMethod::ft05) throw Error(facts::deform::ReducedFramesNeedless{});
+  if (!system.features().empty()) throw Error(facts::deform::FeaturesNotReduced{});
   Impl& d = *impl_;
   d.handles.assign(deformer.handles().begin(), deformer.handles().end());
   d.base = system.rest();
@@ -127,8 +118,8 @@ void ReducedFrames::frame(std::span<const HandlePose> poses, Points& positions, 
   const Impl& d = *impl_;
   require_affine_poses(d.handles, poses);
   if (positions.rows() != d.base.rows())
-    throw Error(ErrorCode::usage,
-                fmt::format("the output has {} rows for {} vertices", positions.rows(), d.base.rows()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "rows of positions", .given = positions.rows(), .of = "vertices", .needed = d.base.rows()});
   ReducedField::Result found;
   if (d.field) {
     std::vector<HandleFrame> frames;

@@ -7,14 +7,20 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "solvability.h"
 
 namespace meshgraft {
 
 void require_vertex(Index vertex, Index count, const std::string& location) {
   if (vertex < 0 || vertex >= count)
-    throw Error(ErrorCode::input, fmt::format("vertex {} does not exist; the mesh has {}", vertex, count),
-                location);
+    throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = count}, location);
+}
+
+void require_between(double value, double low, double high, const char* location) {
+  if (!(value >= low && value <= high))
+    throw Error(facts::core::OutOfRange{.value = value, .low = low, .high = high}, location);
 }
 
 void require_triangles(const Points& rest, const Triangles& triangles) {
@@ -41,20 +47,15 @@ VertexStates states_of_region(Index count, bool whole, std::span<const Index> re
 void add_features(std::span<const Feature> features, VertexStates& states) {
   const auto count = static_cast<Index>(states.feature.size());
   for (std::size_t f = 0; f < features.size(); ++f) {
-    if (features[f].vertices.empty())
-      throw Error(ErrorCode::input, "it has no vertices", fmt::format("feature {}", f),
-                  "Select some, or drop it");
+    if (features[f].vertices.empty()) throw Error(facts::deform::NoVertices{}, fmt::format("feature {}", f));
     if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
-      throw Error(ErrorCode::input, fmt::format("its scale {} is not a positive number", *features[f].scale),
-                  fmt::format("feature {}", f));
+      throw Error(facts::core::NotPositive{.value = *features[f].scale}, fmt::format("feature {}, scale", f));
     for (Index v : features[f].vertices) {
       require_vertex(v, count, fmt::format("feature {}", f));
       if (states.feature[v] >= 0)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is in two features", v),
-                    fmt::format("feature {}", f));
+        throw Error(facts::deform::VertexInTwoFeatures{.vertex = v}, fmt::format("feature {}", f));
       if (states.position[v] || states.transform[v])
-        throw Error(ErrorCode::input, fmt::format("vertex {} is fixed or constrained too", v),
-                    fmt::format("feature {}", f), "Choose its vertices from the free part of the region");
+        throw Error(facts::deform::FeatureVertexHeld{.vertex = v}, fmt::format("feature {}", f));
       states.feature[v] = static_cast<Index>(f);
     }
   }
@@ -70,21 +71,16 @@ void require_disjoint(const Region& region, Index count) {
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
     const Handle& handle = region.handles[h];
     const std::string location = fmt::format("handle '{}'", handle.name);
-    if (handle.vertices.empty())
-      throw Error(ErrorCode::input, "it has no vertices", location, "Select some, or drop the handle");
+    if (handle.vertices.empty()) throw Error(facts::deform::NoVertices{}, location);
     if (!handle.constrain_position && !handle.constrain_transform)
-      throw Error(ErrorCode::input, "it constrains neither position nor transform", location,
-                  "Let it constrain one of them, or drop the handle");
+      throw Error(facts::deform::HandleConstrainsNothing{}, location);
     for (Index v : handle.vertices) {
       require_vertex(v, count, location);
-      if (owner[v] == static_cast<int>(h))
-        throw Error(ErrorCode::input, fmt::format("vertex {} is named twice", v), location);
+      if (owner[v] == static_cast<int>(h)) throw Error(facts::deform::VertexNamedTwice{.vertex = v}, location);
+      if (owner[v] == fixed) throw Error(facts::deform::VertexAlsoFixed{.vertex = v}, location);
       if (owner[v] != nobody)
-        throw Error(ErrorCode::input,
-                    owner[v] == fixed ? fmt::format("vertex {} is also fixed", v)
-                                      : fmt::format("vertex {} also belongs to handle '{}'", v,
-                                                    region.handles[owner[v]].name),
-                    location, "Take it out of one of the two");
+        throw Error(facts::deform::VertexOfTwoHandles{.vertex = v, .handle = region.handles[owner[v]].name},
+                    location);
       owner[v] = static_cast<int>(h);
     }
   }
@@ -107,24 +103,22 @@ void ConstraintList::add(std::span<const VertexConstraint> constraints, VertexSt
     const std::string location = fmt::format("constraint {}", c);
     require_vertex(constraint.vertex, count, location);
     if (seen[constraint.vertex]++)
-      throw Error(ErrorCode::input, fmt::format("vertex {} is constrained twice", constraint.vertex), location);
+      throw Error(facts::deform::VertexNamedTwice{.vertex = constraint.vertex}, location);
     if (!constraint.position && !constraint.transform)
-      throw Error(ErrorCode::input,
-                  fmt::format("vertex {} gets neither position nor transform", constraint.vertex), location);
+      throw Error(facts::deform::VertexConstrainsNothing{.vertex = constraint.vertex}, location);
     add(constraint.vertex, constraint.position.has_value(), constraint.transform.has_value(), states);
   }
 }
 
 void ConstraintList::require_matching(std::span<const VertexConstraint> constraints) const {
   if (constraints.size() != size())
-    throw Error(ErrorCode::usage,
-                fmt::format("{} constraints were given where the set-up has {}", constraints.size(), size()));
+    throw Error(facts::core::SizeMismatch{
+        .what = "constraints", .given = constraints.size(), .of = "constraints at set-up", .needed = size()});
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
     if (constraint.vertex != vertex[c] || constraint.position.has_value() != (gives_position[c] != 0) ||
         constraint.transform.has_value() != (gives_transform[c] != 0))
-      throw Error(ErrorCode::usage,
-                  fmt::format("constraint {} does not constrain what it did in the set-up", c));
+      throw Error(facts::deform::ConstraintDiffers{.constraint = c});
     require_usable(constraint);
   }
 }
@@ -143,36 +137,33 @@ VertexStates states_of_handles(const Points& rest, const Triangles& triangles, c
 }
 
 void require_usable(const DeformerOptions& options) {
-  const auto require = [](bool good, const std::string& what, const char* field) {
-    if (!good) throw Error(ErrorCode::input, what, field);
-  };
-  require(options.stiffness >= 0 && options.stiffness <= 1e6,
-          fmt::format("{} is not between 0 and 1e6", options.stiffness), "stiffness");
-  require(options.iterations >= 0 && options.iterations <= 1000,
-          fmt::format("{} is not between 0 and 1000", options.iterations), "iterations");
-  require(options.smoothing_length_rel >= 0 && options.smoothing_length_rel <= 10,
-          fmt::format("{} is not between 0 and 10", options.smoothing_length_rel), "smoothing_length_rel");
+  require_between(options.stiffness, 0, 1e6, "stiffness");
+  require_between(options.iterations, 0, 1000, "iterations");
+  require_between(options.smoothing_length_rel, 0, 10, "smoothing_length_rel");
 }
 
 void require_usable(const VertexConstraint& constraint) {
   if (constraint.rotation &&
       !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
-    throw Error(ErrorCode::input, "its rotation is not finite",
+    throw Error(facts::core::NotFinite{.what = "its rotation"},
                 fmt::format("the constraint of vertex {}", constraint.vertex));
-  constexpr double largest = 1e100;  // so that squares and volumes stay finite
-  if ((constraint.position && !(constraint.position->array().abs() < largest).all()) ||
-      (constraint.transform && !(constraint.transform->array().abs() < largest).all()))
-    throw Error(ErrorCode::input, "its position or transform is not finite, or larger than 1e100",
-                fmt::format("the constraint of vertex {}", constraint.vertex));
+  const auto require = [&](const auto& matrix, const char* what) {
+    constexpr double largest = 1e100;  // so that squares and volumes stay finite
+    if (matrix && !(matrix->array().abs() < largest).all())
+      throw Error(facts::deform::TooLargeOrNotFinite{.what = what},
+                  fmt::format("the constraint of vertex {}", constraint.vertex));
+  };
+  require(constraint.position, "position");
+  require(constraint.transform, "transform");
 }
 
 void require_usable(const Anchor& anchor, std::size_t number, Index count) {
   require_vertex(anchor.vertex, count, fmt::format("anchor {}", number));
   if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
-    throw Error(ErrorCode::input, fmt::format("the weight {} is not a positive number", anchor.weight),
-                fmt::format("anchor {} (vertex {})", number, anchor.vertex));
+    throw Error(facts::core::NotPositive{.value = anchor.weight},
+                fmt::format("anchor {} (vertex {}), weight", number, anchor.vertex));
   if (anchor.target && !anchor.target->allFinite())
-    throw Error(ErrorCode::input, "the target is not finite",
+    throw Error(facts::core::NotFinite{.what = "the target"},
                 fmt::format("anchor {} (vertex {})", number, anchor.vertex));
 }
 

@@ -23,8 +23,11 @@ struct VertexStates {
   bool is_unknown(Index v) const { return !position[v] || !transform[v]; }
 };
 
-/// Throws Error(input) at `location` unless 0 ≤ vertex < count.
+/// Throws Error(input) with the id core.no_such_vertex at `location` unless 0 ≤ vertex < count.
 void require_vertex(Index vertex, Index count, const std::string& location);
+
+/// Throws Error(input) with the id core.out_of_range at `location` unless low ≤ value ≤ high.
+void require_between(double value, double low, double high, const char* location);
 
 /// Throws Error(input) if a corner of a triangle is not a row of `rest`.
 void require_triangles(const Points& rest, const Triangles& triangles);

@@ -14,6 +14,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "deform/facts.h"
 #include "mesh/box_diagonal.h"
 #include "mesh/vertex_tree.h"
 
@@ -21,23 +23,23 @@ namespace meshgraft {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& location, const std::string& problem,
-                       const std::string& remedy = {}) {
-  throw Error(ErrorCode::input, problem, location, remedy);
-}
-
 std::string at(const std::string& location, std::string_view list, std::size_t k) {
   return location + "." + std::string(list) + "[" + std::to_string(k) + "]";
 }
 
 void require_finite(const Eigen::Vector3d& vector, const std::string& location) {
-  if (!vector.allFinite()) fail(location, "has a coordinate that is not a finite number");
+  if (!vector.allFinite()) throw Error(facts::core::NotFinite{.what = "a coordinate"}, location);
+}
+
+void require_not_negative(double number, const std::string& location) {
+  if (!std::isfinite(number) || number < 0)
+    throw Error(facts::core::NegativeOrNotFinite{.value = number}, location);
 }
 
 Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& location) {
   require_finite(normal, location);
   const double length = normal.stableNorm();
-  if (length == 0) fail(location, "the normal has no length");
+  if (length == 0) throw Error(facts::deform::NormalWithoutLength{}, location);
   return normal / length;
 }
 
@@ -145,7 +147,7 @@ class Resolver {
   Eigen::Vector3d position(Index v) const { return context_.mesh.positions.row(v).transpose(); }
 
   std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& location) const {
-    if (!of) fail(location, "names no selection");
+    if (!of) throw Error(facts::deform::NoSelection{}, location);
     return resolve(*of, location);
   }
 
@@ -160,11 +162,8 @@ class Resolver {
     std::vector<Index> distinct;
     for (std::size_t k = 0; k < indices.vertices.size(); ++k) {
       const Index v = indices.vertices[k];
-      if (v < 0 || v >= count_) {
-        fail(at(location, "indices", k),
-             "index " + std::to_string(v) + " is not one of the " + std::to_string(count_) + " vertices",
-             "Indices count from 0.");
-      }
+      if (v < 0 || v >= count_)
+        throw Error(facts::core::NoSuchVertex{.vertex = v, .count = count_}, at(location, "indices", k));
       if (!seen[v]) distinct.push_back(v);
       seen[v] = true;
     }
@@ -174,7 +173,7 @@ class Resolver {
   std::vector<Index> vertices(const Selection::Box& box, const std::string& location) const {
     require_finite(box.min, location + ".box.min");
     require_finite(box.max, location + ".box.max");
-    if ((box.min.array() > box.max.array()).any()) fail(location + ".box", "'min' is greater than 'max'");
+    if ((box.min.array() > box.max.array()).any()) throw Error(facts::deform::BoxReversed{}, location + ".box");
     return vertices_where(count_, [&](Index v) {
       const Eigen::Array3d x = position(v).array();
       return (x >= box.min.array()).all() && (x <= box.max.array()).all();
@@ -183,9 +182,7 @@ class Resolver {
 
   std::vector<Index> vertices(const Selection::Sphere& sphere, const std::string& location) const {
     require_finite(sphere.centre, location + ".sphere.centre");
-    if (!std::isfinite(sphere.radius) || sphere.radius < 0) {
-      fail(location + ".sphere.radius", "must be a finite number, not negative");
-    }
+    require_not_negative(sphere.radius, location + ".sphere.radius");
     return vertices_where(count_,
                           [&](Index v) { return (position(v) - sphere.centre).norm() <= sphere.radius; });
   }
@@ -199,21 +196,19 @@ class Resolver {
   std::vector<Index> vertices(const Selection::Component& component, const std::string& location) const {
     const auto& numbers = context_.components;
     const Index count = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
-    require_number(component.number, count, "connected component", location + ".component");
+    if (count == 0) throw Error(facts::deform::NoVertexWithFace{}, location + ".component");
+    if (component.number < 0 || component.number >= count)
+      throw Error(facts::deform::NoSuchComponent{.number = component.number, .count = count},
+                  location + ".component");
     return vertices_where(count_, [&](Index v) { return numbers[v] == component.number; });
   }
 
   std::vector<Index> vertices(const Selection::Loop& loop, const std::string& location) const {
-    require_number(loop.number, static_cast<Index>(context_.loops.size()), "boundary loop", location + ".loop");
+    const auto count = static_cast<Index>(context_.loops.size());
+    if (count == 0) throw Error(facts::deform::NoLoops{.number = loop.number}, location + ".loop");
+    if (loop.number < 0 || loop.number >= count)
+      throw Error(facts::deform::NoSuchLoop{.number = loop.number, .count = count}, location + ".loop");
     return context_.loops[loop.number];
-  }
-
-  static void require_number(Index number, Index count, const std::string& what, const std::string& location) {
-    if (number >= 0 && number < count) return;
-    const std::string has = count == 0   ? "has no " + what
-                            : count == 1 ? "has one " + what + ", number 0"
-                                         : "has " + std::to_string(count) + " " + what + "s, numbered from 0";
-    fail(location, what + " " + std::to_string(number) + " does not exist: the mesh " + has);
   }
 
   std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& location) const {
@@ -227,7 +222,7 @@ class Resolver {
       best = v;
       best_distance = distance;
     }
-    if (best < 0) fail(location + ".nearest", "the mesh has no vertex that belongs to a face");
+    if (best < 0) throw Error(facts::deform::NoVertexWithFace{}, location + ".nearest");
     return {best};
   }
 
@@ -241,12 +236,7 @@ class Resolver {
       const Index from = stations[k];
       const Index to = stations[(k + 1) % stations.size()];
       const std::vector<Index> leg = finder.find(from, to);
-      if (leg.empty()) {
-        fail(location + ".path",
-             "there is no way along edges from vertex " + std::to_string(from) + " to vertex " +
-                 std::to_string(to) + " that does not touch the rest of the path",
-             "Put the points on one connected component, in order along the path.");
-      }
+      if (leg.empty()) throw Error(facts::deform::NoWayAlongEdges{.from = from, .to = to}, location + ".path");
       finder.block(leg);
       vertices.insert(vertices.end(), leg.begin(), leg.end());
     }
@@ -262,24 +252,20 @@ class Resolver {
     for (std::size_t k = 0; k < path.points.size(); ++k) {
       require_finite(path.points[k], at(location, "points", k));
       const auto nearest = tree.nearest(path.points[k]);
-      if (!nearest) fail(location, "the mesh has no vertex that belongs to a face");
+      if (!nearest) throw Error(facts::deform::NoVertexWithFace{}, location);
       const Index v = nearest->vertex;
       const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
       if ((!stations.empty() && v == stations.back()) || comes_home) continue;
-      if (seen[v]) {
-        fail(at(location, "points", k),
-             "comes back to vertex " + std::to_string(v) + ", where the path has been",
-             "Give points that lie apart, in order along the path.");
-      }
+      if (seen[v]) throw Error(facts::deform::PathCrossesItself{.vertex = v}, at(location, "points", k));
       seen[v] = true;
       stations.push_back(v);
     }
     const std::size_t needed = path.closed ? 3 : 2;
-    if (stations.size() < needed) {
-      fail(location + ".points", std::string(path.closed ? "a closed path needs three" : "a path needs two") +
-                                     " points near different vertices, here are " +
-                                     std::to_string(stations.size()));
-    }
+    if (stations.size() < needed)
+      throw Error(
+          facts::deform::PathTooShort{
+              .kind = path.closed ? "closed path" : "path", .needed = needed, .count = stations.size()},
+          location + ".points");
     return stations;
   }
 
@@ -291,16 +277,14 @@ class Resolver {
   }
 
   std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& location) const {
-    if (!std::isfinite(grow.length) || grow.length < 0) {
-      fail(location + ".grow_length.length", "must be a finite number, not negative");
-    }
+    require_not_negative(grow.length, location + ".grow_length.length");
     const std::vector<Index> of = child(grow.of, location + ".grow_length.of");
     const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, grow.length);
     return vertices_where(count_, [&](Index v) { return std::isfinite(distance[v]); });
   }
 
   std::vector<Index> vertices(const Selection::Rim& rim, const std::string& location) const {
-    if (rim.rings < 1) fail(location + ".rim.rings", "must be at least 1");
+    if (rim.rings < 1) throw Error(facts::deform::NoRings{}, location + ".rim.rings");
     const std::vector<Index> of = child(rim.of, location + ".rim.of");
     const Flags near_outside = within_rings_of_outside(of, rim.rings);
     return ascending(of, [&](Index v) { return near_outside[v]; });
@@ -321,7 +305,7 @@ class Resolver {
 
   std::vector<Flags> operands(const std::vector<Selection>& of, const std::string& location,
                               std::string_view name) const {
-    if (of.empty()) fail(location + "." + std::string(name), "combines no selections");
+    if (of.empty()) throw Error(facts::deform::NoSelection{}, location + "." + std::string(name));
     std::vector<Flags> sets;
     for (std::size_t k = 0; k < of.size(); ++k) {
       sets.push_back(flags_of(resolve(of[k], at(location, name, k)), count_));
@@ -353,9 +337,7 @@ class Resolver {
   std::vector<Index> vertices(const Selection::Mirror& mirror, const std::string& location) const {
     require_finite(mirror.point, location + ".mirror.point");
     const Eigen::Vector3d normal = unit(mirror.normal, location + ".mirror.normal");
-    if (!std::isfinite(mirror.tolerance_rel) || mirror.tolerance_rel < 0) {
-      fail(location + ".mirror.tolerance_rel", "must be a finite number, not negative");
-    }
+    require_not_negative(mirror.tolerance_rel, location + ".mirror.tolerance_rel");
     const std::vector<Index> of = child(mirror.of, location + ".mirror.of");
     const double tolerance = mirror.tolerance_rel * box_diagonal(context_.mesh.positions);
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
@@ -404,9 +386,9 @@ std::string line_of(const std::string& location, const Word& word) {
   return location + ", line " + std::to_string(word.line);
 }
 
-std::string quoted(std::string_view text) {
+std::string shortened(std::string_view text) {
   constexpr std::size_t longest = 40;
-  return "'" + std::string(text.substr(0, longest)) + (text.size() > longest ? "…'" : "'");
+  return std::string(text.substr(0, longest)) + (text.size() > longest ? "…" : "");
 }
 
 template <typename Number>
@@ -437,11 +419,8 @@ SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& 
   SelFile sel;
   Index vertex = 0;
   for (const Word& word : words_of(text)) {
-    if (vertex == vertex_count) {
-      fail(line_of(location, word),
-           "has more numbers than the mesh has vertices (" + std::to_string(vertex_count) + ")",
-           "The file belongs to another mesh.");
-    }
+    if (vertex == vertex_count)
+      throw Error(facts::deform::MoreStatesThanVertices{.count = vertex_count}, line_of(location, word));
     const auto status = parse_number<int>(word.text);
     if (status == 0) {
       sel.fixed.push_back(vertex);
@@ -450,16 +429,12 @@ SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& 
     } else if (status == 2) {
       sel.handle.push_back(vertex);
     } else {
-      fail(line_of(location, word), quoted(word.text) + " is not 0 (fixed), 1 (free) or 2 (handle)");
+      throw Error(facts::deform::NotAState{.word = shortened(word.text)}, line_of(location, word));
     }
     ++vertex;
   }
-  if (vertex < vertex_count) {
-    fail(location,
-         "has " + std::to_string(vertex) + " numbers, but the mesh has " + std::to_string(vertex_count) +
-             " vertices",
-         "The file belongs to another mesh.");
-  }
+  if (vertex < vertex_count)
+    throw Error(facts::deform::FewerStatesThanVertices{.given = vertex, .count = vertex_count}, location);
   return sel;
 }
 
@@ -468,13 +443,9 @@ std::vector<Index> parse_indices(std::string_view text, Index vertex_count, cons
   std::vector<Index> indices;
   for (const Word& word : words_of(text)) {
     const auto number = parse_number<std::int64_t>(word.text);
-    if (!number) fail(line_of(location, word), quoted(word.text) + " is not a vertex index");
-    if (*number < 0 || *number >= vertex_count) {
-      fail(line_of(location, word),
-           "index " + std::to_string(*number) + " is not one of the " + std::to_string(vertex_count) +
-               " vertices",
-           "Indices count from 0.");
-    }
+    if (!number) throw Error(facts::deform::NotAnIndex{.word = shortened(word.text)}, line_of(location, word));
+    if (*number < 0 || *number >= vertex_count)
+      throw Error(facts::core::NoSuchVertex{.vertex = *number, .count = vertex_count}, line_of(location, word));
     const auto v = static_cast<Index>(*number);
     if (!seen[v]) indices.push_back(v);
     seen[v] = true;
@@ -486,20 +457,18 @@ Eigen::Matrix4d parse_def(std::string_view text, const std::string& location) {
   Eigen::Matrix4d matrix;
   int entry = 0;
   for (const Word& word : words_of(text)) {
-    if (entry == 16) fail(line_of(location, word), "has more than 16 numbers");
+    if (entry == 16) throw Error(facts::deform::MatrixTooLong{}, line_of(location, word));
     const auto number = parse_number<double>(word.text);
-    if (!number || !std::isfinite(*number)) {
-      fail(line_of(location, word), quoted(word.text) + " is not a finite number");
-    }
+    if (!number || !std::isfinite(*number))
+      throw Error(facts::deform::NotANumber{.word = shortened(word.text)}, line_of(location, word));
     const int row = entry / 4;
     const int column = entry % 4;
-    if (row == 3 && *number != (column == 3 ? 1 : 0)) {
-      fail(line_of(location, word), "the last row is not 0 0 0 1", "Only affine matrices move a handle.");
-    }
+    if (row == 3 && *number != (column == 3 ? 1 : 0))
+      throw Error(facts::deform::MatrixNotAffine{}, line_of(location, word));
     matrix(row, column) = *number;
     ++entry;
   }
-  if (entry < 16) fail(location, "has " + std::to_string(entry) + " numbers, a matrix has 16");
+  if (entry < 16) throw Error(facts::deform::MatrixTooShort{.count = entry}, location);
   return matrix;
 }
 

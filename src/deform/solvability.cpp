@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <map>
 
-#include <fmt/format.h>
 #include <Eigen/SVD>
 
 #include <meshgraft/core/error.h>
 
 #include "../mesh/disjoint_sets.h"
+#include "deform/facts.h"
 
 namespace meshgraft {
 
@@ -41,20 +41,12 @@ int affine_rank(const Points& points, std::vector<Index>& vertices) {
 
 [[noreturn]] void refuse(const Component& component, int rank, int number, const Patch& patch) {
   const Index vertex = patch.vertices[component.first];
-  const std::string what =
-      fmt::format("free component {} ({} vertices, the first is vertex {})", number, component.size, vertex);
   if (rank < 0)
-    throw Error(ErrorCode::unsolvable,
-                fmt::format("{} touches nothing that is fixed and no handle with a "
-                            "position, so it could be anywhere",
-                            what),
-                "", "Fix some of its vertices, put a handle on it, or take it out of the region");
-  static constexpr const char* shapes[] = {"a single place", "places on one line", "places in one plane",
-                                           "places"};
-  throw Error(ErrorCode::unsolvable,
-              fmt::format("{} is held by positions alone, and they are {}, which does not fix its map", what,
-                          shapes[rank]),
-              "", "Let a handle constrain its transform as well, or add positions until four are not coplanar");
+    throw Error(
+        facts::deform::ComponentNotHeld{.component = number, .count = component.size, .vertex = vertex});
+  static constexpr const char* shapes[] = {"place", "line", "plane", "space"};
+  throw Error(facts::deform::ComponentHeldByPositions{
+      .component = number, .count = component.size, .vertex = vertex, .shape = shapes[rank]});
 }
 
 /// Returns whether the position or transform of v is unknown. Isolated vertices have no unknowns.

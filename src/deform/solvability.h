@@ -23,8 +23,9 @@ struct KnownParts {
 void fix_unconstrained_components(const IndexLists& rings, KnownParts& known);
 
 /// Checks that the constraints of each connected free component fix an affine map: a position plus a
-/// transform, or four positions that are not coplanar. Throws Error(unsolvable) naming the component and
-/// what to add. Isolated vertices do not count: they pass through.
+/// transform, or four positions that are not coplanar. Throws Error(unsolvable) with the id
+/// deform.component_not_held or deform.component_held_by_positions. Isolated vertices do not count: they pass
+/// through.
 void require_solvable(const Patch& patch, const IndexLists& rings, const KnownParts& known);
 
 }  // namespace meshgraft

@@ -1,15 +1,18 @@
 #pragma once
 
-#include <optional>
-#include <string>
+#include <filesystem>
+#include <vector>
+
+#include <meshgraft/core/fact.h>
 
 #include "script/run_steps.h"
 
 namespace meshgraft::editor {
 
-/// Returns a sentence about the defects of a file's mesh that prevent editing, with the command that repairs
-/// them, or about a size that cannot be shown. Returns nothing for a mesh without such defects. Boundary
-/// loops, open seams and polygons are no defects: edits work across them.
-std::optional<std::string> defect_note(const Scene& scene, const std::string& file);
+/// Returns notes on the defects of a file's mesh that matter for editing: editor.defects, with the file and the
+/// name of a repaired copy, and the findings; or editor.size_not_shown, or editor.no_surface. Returns nothing
+/// for a mesh without such defects. Boundary loops, open seams and polygons are no defects: edits work across
+/// them.
+std::vector<Note> defect_notes(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace meshgraft::editor

@@ -1,6 +1,7 @@
 #include "document.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include "script/json_value.h"
@@ -44,6 +45,26 @@ Document parse_document(std::string_view text, const fs::path& base_folder) {
 
 Document make_document(const Json& json, const fs::path& base_folder) {
   return parse_document(json.dump(-1, ' ', false, Json::error_handler_t::replace), base_folder);
+}
+
+DocumentPlace place_in_document(std::string_view location) {
+  const auto drop = [&](std::string_view beginning) {
+    const bool begins = location.starts_with(beginning);
+    if (begins) location.remove_prefix(beginning.size());
+    return begins;
+  };
+  if (location == document_name) return {};
+  DocumentPlace place;
+  if (drop(std::string(document_name) + ": ") && drop("steps[")) {
+    std::size_t step = 0;
+    const auto [end, failed] = std::from_chars(location.data(), location.data() + location.size(), step);
+    location.remove_prefix(static_cast<std::size_t>(end - location.data()));
+    place.step = step;
+    drop("]");
+    drop(".") || drop(": ");
+  }
+  place.rest = location;
+  return place;
 }
 
 Json new_edit(const std::string& name, const Json& input) {

@@ -28,6 +28,14 @@ Document make_document(const Json& json, const std::filesystem::path& base_folde
 /// Makes a document from its bytes, or from those of an edit file.
 Document parse_document(std::string_view text, const std::filesystem::path& base_folder);
 
+/// A location in a document, such as "edit: steps[2].handles[0]", in parts.
+struct DocumentPlace {
+  std::optional<std::size_t> step;  ///< index from 0; none: outside the steps
+  std::string rest;                 ///< in the step, or in the document: "handles[0]"
+};
+/// Takes a location of an error apart. One outside the document is all in `rest`.
+DocumentPlace place_in_document(std::string_view location);
+
 /// Returns an edit with one input (as in `inputs` of an edit file) and one step that does nothing yet.
 Json new_edit(const std::string& name, const Json& input);
 

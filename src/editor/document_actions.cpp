@@ -8,6 +8,9 @@
 
 #include <meshgraft/core/error.h>
 
+#include "editor/facts.h"
+#include "script/facts.h"
+
 namespace meshgraft::editor {
 
 namespace {
@@ -52,7 +55,7 @@ void forget(Json& document, const std::string& name) {
 Json& handle_of(Json& document, const std::string& name) {
   for (Json& handle : step_of(document)["handles"])
     if (handle["name"] == name) return handle;
-  throw Error(ErrorCode::input, fmt::format("there is no handle named '{}'", name), "handle");
+  throw Error(facts::editor::NoSuchHandle{.handle = name}, "handle");
 }
 
 // Returns the selections whose union is the region; an empty list where the region is empty.
@@ -98,8 +101,7 @@ std::string outcome_of(const Json& step) {
 
 Json& step_of(Json& document) {
   Json& steps = document["steps"];
-  if (steps.back()["kind"] == "merge")
-    throw Error(ErrorCode::usage, "a graft is in work", "deform", "Accept the graft, or cancel it, first.");
+  if (steps.back()["kind"] == "merge") throw Error(facts::editor::GraftInWork{}, "deform");
   if (steps.back()["kind"] != "deform") steps.push_back(empty_step(outcome_of(steps.back())));
   Json& step = steps.back();
   if (!step.contains("region")) step["region"] = "all";
@@ -111,8 +113,7 @@ std::string add_handle(Json& document, const NewHandle& added) {
   Json& step = step_of(document);
   Json handle = {{"name", added.name}, {"shape", added.shape}, {"select", added.select}};
   for (const Json& other : step["handles"])
-    if (other["name"] == added.name)
-      throw Error(ErrorCode::input, fmt::format("the name '{}' is already taken", added.name), "name");
+    if (other["name"] == added.name) throw Error(facts::script::NameTaken{.name = added.name}, "name");
   if (added.name.empty()) handle["name"] = free_name(document, step, {});
   if (added.closed) handle["closed"] = *added.closed;
   if (!added.constrain.empty()) handle["constrain"] = added.constrain;
@@ -163,8 +164,7 @@ void set_reach(Json& document, const std::string& name, double reach) {
     region = region_of(parts);
     return;
   }
-  throw Error(ErrorCode::input, fmt::format("the handle '{}' has no reach of its own", name), "handle",
-              "Set the region.");
+  throw Error(facts::editor::HandleWithoutReach{.handle = name}, "handle");
 }
 
 void set_pose(Json& document, const std::string& name, const Json& pose) {
@@ -191,8 +191,7 @@ void change_settings(Json& document, const Json& changes) {
 
 void accept_step(Json& document, const EditFile& edit) {
   const DeformStep* step = deform_in_work(edit);
-  if (step != nullptr && !is_ready(*step))
-    throw Error(ErrorCode::usage, "the step does nothing yet", "accept", "Give it a handle first.");
+  if (step != nullptr && !is_ready(*step)) throw Error(facts::editor::StepDoesNothing{}, "accept");
   const Json& last = document["steps"].back();
   Json next = empty_step(outcome_of(last));
   if (step != nullptr) next["settings"] = last["settings"];
@@ -207,7 +206,7 @@ void set_group(Json& document, const std::string& name, const Json& selection, c
 
 void set_colour(Json& document, const std::string& name, const std::string& colour) {
   if (!document.contains("selections") || !document["selections"].contains(name))
-    throw Error(ErrorCode::input, fmt::format("there is no selection named '{}'", name), "name");
+    throw Error(facts::editor::NoSuchSelection{.name = name}, "name");
   if (!colour.empty())
     document["colours"][name] = colour;
   else if (document.contains("colours"))
@@ -215,8 +214,7 @@ void set_colour(Json& document, const std::string& name, const std::string& colo
 }
 
 void remove_group(Json& document, const std::string& name) {
-  if (is_used(document, name))
-    throw Error(ErrorCode::input, fmt::format("the selection '{}' is in use", name), "name");
+  if (is_used(document, name)) throw Error(facts::editor::SelectionInUse{.name = name}, "name");
   forget(document, name);
 }
 

@@ -4,10 +4,10 @@
 #include <map>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "editor/facts.h"
 #include "graft_actions.h"
 #include "mesh_frames.h"
 #include "script/parse_parts.h"
@@ -22,7 +22,7 @@ std::vector<Index> vertices_of(const json::Value& value, const Object& base) {
   std::vector<Index> vertices = value.vertices();
   for (const Index v : vertices)
     if (v >= base.mesh().vertex_count())
-      value.fail(fmt::format("vertex {} does not exist; the mesh has {}", v, base.mesh().vertex_count()));
+      value.fail(facts::core::NoSuchVertex{.vertex = v, .count = base.mesh().vertex_count()});
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
@@ -78,10 +78,9 @@ Json Worker::selection_or(const json::Object& fields, const std::string& on) {
 
 Json Worker::selected_on(const std::string& name) {
   const Workspace::PageSelection& selection = open_one().selection;
-  if (selection.vertices.empty()) throw Error(ErrorCode::usage, "nothing is selected", "select");
+  if (selection.vertices.empty()) throw Error(facts::editor::NothingSelected{}, "select");
   if (selection.on->name != name)
-    throw Error(ErrorCode::usage, fmt::format("what is selected lies on '{}'", selection.on->name), "select",
-                fmt::format("Select on '{}'.", name));
+    throw Error(facts::editor::SelectedElsewhere{.on = selection.on->name, .wanted = name}, "select");
   return indices(selection.vertices);
 }
 
@@ -142,7 +141,7 @@ Json Worker::paint_handle(const json::Value& message, const Context& context) {
   require_no_graft(workspace.document().edit, "paint-handle");
   const std::vector<Index> vertices =
       combined(take_away, vertices_of(fields.required("vertices"), base), held_already(workspace.view()));
-  if (vertices.empty()) message.fail("all of these vertices are handles already", "Paint others.");
+  if (vertices.empty()) message.fail(facts::editor::HeldAlready{});
   NewHandle handle;
   handle.shape = vertices.size() == 1 ? "vertex" : "region";
   handle.select = indices(vertices);
@@ -215,7 +214,7 @@ Json Worker::drag(const json::Value& message, const Context&) {
   const json::Object fields(message, {"id", "do", "poses", "frames"});
   LiveView& view = open_one().view();
   const json::Value given = fields.required("poses");
-  if (!given.is_object()) given.fail("expected a pose for each name of a handle");
+  if (!given.is_object()) given.fail(facts::editor::PosesExpected{});
   std::map<std::string, PoseSpec> poses;
   for (const auto& [name, pose] : given.raw().items())
     poses[name] = parse_pose(given.member(name), view.shape_of(name));
@@ -228,7 +227,7 @@ Json Worker::drag(const json::Value& message, const Context&) {
 Json Worker::pose(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "poses"});
   const json::Value given = fields.required("poses");
-  if (!given.is_object()) given.fail("expected a pose for each name of a handle");
+  if (!given.is_object()) given.fail(facts::editor::PosesExpected{});
   Json document = open_one().document().json;
   for (const auto& [name, pose] : given.raw().items()) set_pose(document, name, pose);
   return change("pose", document, context);
@@ -238,7 +237,7 @@ Json Worker::settings(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "settings", "anchors"});
   Json document = open_one().document().json;
   fields.optional("settings", [&](const json::Value& v) {
-    if (!v.is_object()) v.fail("expected an object");
+    if (!v.is_object()) v.fail_type("an object");
     change_settings(document, v.raw());
   });
   fields.optional("anchors", [&](const json::Value& v) { step_of(document)["anchors"] = v.raw(); });

@@ -7,6 +7,8 @@
 #include <meshgraft/core/error.h>
 
 #include "core/platform/file.h"
+#include "editor/facts.h"
+#include "folders.h"
 #include "page.h"
 #include "server/server.h"
 #include "session.h"
@@ -23,7 +25,7 @@ class UploadFolder {
   UploadFolder() {
     std::error_code error;
     path_ = platform::make_private_folder(fs::temp_directory_path() / "meshgraft-uploads-", error);
-    if (error) throw Error(ErrorCode::io, "a folder for uploads cannot be made", path_.string());
+    if (error) throw Error(facts::editor::NoUploadFolder{}, path_.string());
     path_ = fs::canonical(path_);
   }
   ~UploadFolder() {
@@ -42,7 +44,7 @@ class UploadFolder {
 Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads) {
   std::vector<fs::path> folders, models;
   for (const fs::path& model : options.models) {
-    if (!fs::is_regular_file(model)) throw Error(ErrorCode::io, "there is no such file", model.string());
+    require_file(model, model);
     models.push_back(fs::absolute(model).lexically_normal());
     folders.push_back(models.back().parent_path());
   }

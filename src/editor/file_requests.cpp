@@ -11,8 +11,11 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "editor/facts.h"
 #include "graft_actions.h"
+#include "io/facts.h"
 #include "journal.h"
+#include "script/fact_json.h"
 #include "script/sha256.h"
 #include "worker.h"
 
@@ -74,20 +77,15 @@ Document sample_document(const std::string& name, int resolution, const fs::path
 void require_no_input(const fs::path& file, const Document& document) {
   for (const fs::path& input : referenced_files(document.edit))
     for (const fs::path& behind : files_behind(input))
-      if (fs::weakly_canonical(behind) == file)
-        throw Error(ErrorCode::usage, "this is an input of the edit", file.string(), "Choose another name.");
+      if (fs::weakly_canonical(behind) == file) throw Error(facts::editor::InputOfEdit{}, file.string());
 }
 
-// Throws ReplaceError unless the existing file is the edit's own and unchanged since it was last read or
-// written.
+// Throws io.file_exists or editor.file_changed unless the existing file is the edit's own and unchanged since
+// it was last read or written. The page then asks whether to replace it.
 void require_own(const fs::path& file, const Workspace::Source& source) {
-  if (file != source.edit)
-    throw ReplaceError({ErrorCode::io, "the file exists", file.string(), "Choose another name, or replace it."},
-                       file);
+  if (file != source.edit) throw Error(facts::io::FileExists{.file = file}, file.string());
   if (sha256(read_file(file)) != source.edit_sha256)
-    throw ReplaceError({ErrorCode::io, "the file is not what was opened or saved here: something else wrote it",
-                        file.string(), "Save under another name, or replace it."},
-                       file);
+    throw Error(facts::editor::FileChanged{.file = file}, file.string());
 }
 
 // Copies uploads into the folder of the edit, because they last no longer than the program or the journal.
@@ -108,7 +106,7 @@ Document with_kept_uploads(const Document& document, const std::vector<fs::path>
 Json written_json(const WriteResult& written) {
   Json files = Json::array();
   for (const fs::path& file : written.files) files.push_back(file.string());
-  return {{"files", files}, {"notes", written.notes}};
+  return {{"files", files}, {"notes", to_json(written.notes)}};
 }
 
 // Notes input files that have changed since they were opened, because saved edits will not run on them.
@@ -118,15 +116,9 @@ void note_changed_inputs(const Document& document, Json& result) {
     const fs::path file = document.edit.base_folder / input.file;
     std::error_code gone;
     if (!fs::exists(file, gone))
-      result["notes"].push_back(
-          fmt::format("{} is gone: the edit needs it to be run again. Put it back.", file.string()));
+      result["notes"].emplace_back(to_json(facts::editor::InputGone{.file = file}));
     else if (sha256(read_file(file)) != *input.sha256)
-      result["notes"].push_back(
-          fmt::format("{} is another file than the one that was opened. What is shown and saved is the edit of "
-                      "that one, and "
-                      "the saved edit will not run on this one: put the earlier file back, or open this one "
-                      "and edit it anew.",
-                      file.string()));
+      result["notes"].emplace_back(to_json(facts::editor::InputReplaced{.file = file}));
   }
 }
 
@@ -140,8 +132,7 @@ Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context&
   const bool same_faces = std::all_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
     return std::holds_alternative<DeformStep>(step.action);
   });
-  if (what.morph_target && !same_faces)
-    throw Error(ErrorCode::usage, "the edit changes the faces, which a morph target cannot", "export.as");
+  if (what.morph_target && !same_faces) throw Error(facts::editor::FacesChange{}, "export.as");
   const Workspace::Outcome result = workspace.outcome(context);
   WriteOptions options;
   if (what.morph_target) options.morph_target = MorphTarget{*what.morph_target, result.rest};
@@ -166,8 +157,7 @@ std::vector<fs::path> Worker::files_of(const json::Value& parts) {
 
 Json Worker::open(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "path", "sample", "resolution", "upload", "parts"});
-  const int ways = int{fields.has("path")} + int{fields.has("sample")} + int{fields.has("upload")};
-  if (ways != 1) message.fail("expected one of the fields 'path', 'sample' and 'upload'");
+  require_one_of(message, {"path", "sample", "upload"});
   Document document;
   Workspace::Source source;
   if (fields.has("sample")) {
@@ -200,12 +190,13 @@ Json Worker::open(const json::Value& message, const Context& context) {
     }
   }
   if (fields.has("parts")) {
-    if (!source.edit.empty()) fields.required("parts").fail("an edit file has its parts itself");
+    if (!source.edit.empty()) fields.required("parts").fail(facts::editor::EditFileHasParts{});
     document = with_parts(std::move(document), files_of(fields.required("parts")));
   }
   show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, shared_.numbers,
                                    outbox_, context));
-  return {{"name", workspace_->source().name}, {"notes", workspace_->defects({}, shared_.upload_folder)}};
+  const std::vector<Note> defects = workspace_->defects({}, shared_.upload_folder);
+  return {{"name", workspace_->source().name}, {"notes", to_json(defects)}};
 }
 
 Json Worker::list(const json::Value& message, const Context&) {
@@ -253,10 +244,9 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
   const std::string asked = fields.required(name).name();
   const fs::path file = name == "edit" ? shared_.folders.inside(asked) : shared_.folders.mesh_to_write(asked);
   if (name == "edit" && file.extension() != ".json")
-    fields.required(name).fail("edit files have names that end in .json");
+    fields.required(name).fail(facts::editor::EditNameNotJson{});
   if (!shared_.upload_folder.empty() && file.parent_path() == shared_.upload_folder)
-    throw Error(ErrorCode::usage, "there is no folder to write to", asked,
-                "Start the editor with a model or with --folder.");
+    throw Error(facts::editor::NoFolder{}, asked);
   if (fs::exists(file) && !overwrite) require_own(file, open_one().source());
   require_no_input(file, open_one().document());
   return file;
@@ -282,7 +272,7 @@ Json Worker::save(const json::Value& message, const Context& context) {
     edit = open_one().source().edit;
     if (!edit.empty() && fs::exists(edit) && !overwrite) require_own(edit, open_one().source());
   }
-  if (edit.empty() && mesh.empty()) message.fail("the edit has no file yet", "Give 'edit' or 'mesh'.");
+  if (edit.empty() && mesh.empty()) message.fail(facts::editor::EditWithoutFile{});
 
   Json result = {{"files", Json::array()}, {"notes", Json::array()}};
   if (!mesh.empty()) result = write_outcome(open_one(), {mesh}, context);

@@ -12,6 +12,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "editor/facts.h"
+#include "io/facts.h"
+#include "io/file.h"
 #include "server/utf8.h"
 
 namespace meshgraft::editor {
@@ -32,8 +35,7 @@ void require_honest_name(const fs::path& path) {
   std::array<char, 4> start{};
   std::ifstream(path, std::ios::binary).read(start.data(), start.size());
   if (std::string_view(start.data(), start.size()) == "glTF")
-    throw Error(ErrorCode::input, "the file is glTF by another name", path.string(),
-                "Give it a name that ends in .glb.");
+    throw Error(facts::editor::GltfByAnotherName{}, path.string());
 }
 
 // Refuses names that are longer than any file system allows.
@@ -41,28 +43,30 @@ void require_short_names(const fs::path& path) {
   constexpr std::size_t most_bytes = 255;
   for (const fs::path& part : path)
     if (part.native().size() > most_bytes)
-      throw Error(
-          ErrorCode::input,
-          fmt::format("a name has {} bytes, and file systems take {}", part.native().size(), most_bytes),
-          whole_characters(part.string(), 60) + "…", "Choose a shorter name.");
+      throw Error(facts::editor::NameTooLong{.bytes = part.native().size(), .most = most_bytes},
+                  whole_characters(part.string(), 60) + "…");
 }
 
 }  // namespace
+
+void require_file(const fs::path& file, const fs::path& asked) {
+  if (fs::is_directory(file)) throw Error(facts::io::IsFolder{}, asked.string());
+  if (!fs::is_regular_file(file))
+    throw io::file_error(asked, "read", std::make_error_code(std::errc::no_such_file_or_directory));
+}
 
 Folders::Folders(const std::vector<fs::path>& folders) {
   for (const fs::path& folder : folders) {
     std::error_code failed;
     const fs::path root = fs::canonical(folder, failed);
-    if (failed || !fs::is_directory(root))
-      throw Error(ErrorCode::io, "there is no such folder", folder.string());
+    if (failed || !fs::is_directory(root)) throw Error(facts::editor::NoSuchFolder{}, folder.string());
     if (std::find(roots_.begin(), roots_.end(), root) == roots_.end()) roots_.push_back(root);
   }
 }
 
 fs::path Folders::inside(const fs::path& path) const {
-  const std::string remedy = "Start the editor with --folder to open it.";
   if (path.native().find('\0') != std::string::npos)
-    throw Error(ErrorCode::input, "a path has no zero bytes", path.filename().string());
+    throw Error(facts::editor::ZeroByte{}, path.filename().string());
   require_short_names(path);
   const fs::path given = path.is_absolute() || roots_.empty() ? path : roots_.front() / path;
   std::error_code failed;
@@ -70,12 +74,12 @@ fs::path Folders::inside(const fs::path& path) const {
   if (!failed && leads.is_absolute())
     for (const fs::path& root : roots_)
       if (is_below(leads, root)) return leads;
-  throw Error(ErrorCode::input, "lies outside the folders that may be used", path.string(), remedy);
+  throw Error(facts::editor::OutsideFolders{}, path.string());
 }
 
 fs::path Folders::mesh_to_read(const fs::path& path) const {
   const fs::path file = inside(path);
-  if (!fs::is_regular_file(file)) throw Error(ErrorCode::io, "there is no such file", path.string());
+  require_file(file, path);
   require_mesh_format(file);
   require_honest_name(file);
   for (const fs::path& behind : files_behind(file)) inside(behind);

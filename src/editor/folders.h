@@ -18,7 +18,7 @@ class Folders {
   const std::vector<std::filesystem::path>& roots() const { return roots_; }
 
   /// Returns the file that `path` refers to, without links and dots. A relative path starts from the first
-  /// folder. Throws Error(input) if the file is in none of the folders.
+  /// folder. Throws Error(input) with the id editor.outside_folders if the file is in none of the folders.
   std::filesystem::path inside(const std::filesystem::path& path) const;
 
   /// Returns the path of a mesh that may be read: the file and all files that it refers to are inside. Throws
@@ -35,6 +35,9 @@ class Folders {
  private:
   std::vector<std::filesystem::path> roots_;
 };
+
+/// Throws Error(io) at `asked` unless `file` is a file.
+void require_file(const std::filesystem::path& file, const std::filesystem::path& asked);
 
 /// Copies a file into a folder under its name; a number is appended where a different file has that name.
 /// Returns the copy. Throws std::filesystem::filesystem_error, and Error(io) where a file cannot be read.

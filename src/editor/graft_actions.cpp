@@ -8,6 +8,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "editor/facts.h"
+#include "script/facts.h"
 #include "script/sha256.h"
 
 namespace meshgraft::editor {
@@ -54,11 +56,8 @@ std::string only_part(const EditFile& edit) {
   for (const EditInput& input : edit.inputs)
     if (input.name != model_of(edit) && !is_grafted(edit, input.name)) parts.push_back(input.name);
   if (parts.size() == 1) return parts.front();
-  if (parts.empty())
-    throw Error(ErrorCode::input, "there is no part to graft", "source",
-                "Add one, or name one that was grafted.");
-  throw Error(ErrorCode::input, fmt::format("which of the {} parts is grafted is not clear", parts.size()),
-              "source", "Name one.");
+  if (parts.empty()) throw Error(facts::editor::NoPart{}, "source");
+  throw Error(facts::editor::PartUnclear{.count = parts.size()}, "source");
 }
 
 void exchange(Json& object, const char* one, const char* other) {
@@ -76,8 +75,7 @@ void reverse_all(Json& matches) {
 }  // namespace
 
 void require_no_graft(const EditFile& edit, const std::string& what) {
-  if (merge_in_work(edit) != nullptr)
-    throw Error(ErrorCode::usage, "a graft is in work", what, "Accept the graft, or cancel it, first.");
+  if (merge_in_work(edit) != nullptr) throw Error(facts::editor::GraftInWork{}, what);
 }
 
 Json file_input(const fs::path& folder, const fs::path& file) {
@@ -90,31 +88,25 @@ std::string add_part(Json& document, const EditFile& edit, const Json& input, co
                      bool may_number) {
   std::string free = name;
   for (int number = 2; may_number && is_taken(edit, free); ++number) free = fmt::format("{} {}", name, number);
-  if (is_taken(edit, free))
-    throw Error(ErrorCode::input, fmt::format("the name '{}' is already taken", name), "name", "Take another.");
+  if (is_taken(edit, free)) throw Error(facts::script::NameTaken{.name = name}, "name");
   document["inputs"][free] = input;
   return free;
 }
 
 void remove_part(Json& document, const EditFile& edit, const std::string& name) {
-  if (name == model_of(edit))
-    throw Error(ErrorCode::input, fmt::format("'{}' is the model", name), "name",
-                "Make another part the model first.");
-  if (!document["inputs"].contains(name))
-    throw Error(ErrorCode::input, fmt::format("there is no part named '{}' that was added", name), "name");
+  if (name == model_of(edit)) throw Error(facts::editor::IsModel{.name = name}, "name");
+  if (!document["inputs"].contains(name)) throw Error(facts::editor::PartNotAdded{.name = name}, "name");
   Json kept = Json::array();
   for (std::size_t i = 0; i < edit.steps.size(); ++i)
     if (!is_alone_about(edit.steps[i], name)) kept.push_back(document["steps"][i]);
   if (std::any_of(kept.begin(), kept.end(), [&](const Json& step) { return uses(step, name); }))
-    throw Error(ErrorCode::input, fmt::format("'{}' is part of the edit", name), "name",
-                "Undo what was made with it.");
+    throw Error(facts::editor::PartInUse{.name = name}, "name");
   document["steps"] = std::move(kept);
   document["inputs"].erase(name);
 }
 
 void edit_part(Json& document, const EditFile& edit, const std::string& name) {
-  if (!is_taken(edit, name))
-    throw Error(ErrorCode::input, fmt::format("there is no part named '{}'", name), "name");
+  if (!is_taken(edit, name)) throw Error(facts::editor::NoSuchPart{.name = name}, "name");
   end_step_in_work(document, edit);
   document["steps"].push_back(empty_step(name));
 }
@@ -157,23 +149,20 @@ void set_graft(Json& document, const EditFile& edit, const Json& fields) {
     else
       step[name] = value;
   for (const char* side : {"target", "source"})
-    if (!step.contains(side))
-      throw Error(ErrorCode::input, "a graft has a target and a source", side, "Name one.");
-  if (step["target"] == step["source"])
-    throw Error(ErrorCode::input, "a mesh cannot be grafted onto itself", "source",
-                "Add it once more as a part.");
+    if (!step.contains(side)) throw Error(facts::editor::GraftSideMissing{}, side);
+  if (step["target"] == step["source"]) throw Error(facts::editor::GraftedOntoItself{}, "source");
 }
 
 void cancel_graft(Json& document, const EditFile& edit) {
   const MergeStep* merge = merge_in_work(edit);
-  if (merge == nullptr) throw Error(ErrorCode::usage, "no graft is in work", "graft");
+  if (merge == nullptr) throw Error(facts::editor::NoGraft{}, "graft");
   Json& steps = document["steps"];
   steps.erase(steps.size() - 1);
   steps.push_back(empty_step(merge->target));
 }
 
 void swap_graft(Json& document, const EditFile& edit) {
-  if (merge_in_work(edit) == nullptr) throw Error(ErrorCode::usage, "no graft is in work", "graft");
+  if (merge_in_work(edit) == nullptr) throw Error(facts::editor::NoGraft{}, "graft");
   Json& step = document["steps"].back();
   exchange(step, "target", "source");
   for (const char* field :

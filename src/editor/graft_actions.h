@@ -10,7 +10,7 @@ namespace meshgraft::editor {
 // Changes of a document as JSON that concern parts, cuts and grafts; `edit` is the document before the
 // change. A step in work that does nothing yet is removed; otherwise it is kept and thereby ended.
 
-/// Throws Error(usage) with the advice to end the graft first, where a graft is in work.
+/// Throws Error(usage) with the id editor.graft_in_work where a graft is in work.
 void require_no_graft(const EditFile& edit, const std::string& what);
 
 /// Returns a file as an input of an edit in `folder`, with its hash. The path is relative where the file lies

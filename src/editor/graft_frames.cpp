@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mesh_frames.h"
+#include "script/fact_json.h"
 
 namespace meshgraft::editor {
 
@@ -136,7 +137,7 @@ Json graft_fields(const ShownGraft& graft) {
           {"seam", seam_json(report.seam)},
           {"inverted", report.shape.inverted},
           {"self_intersections", merge.self_intersections},
-          {"notes", graft.report.notes}};
+          {"notes", to_json(graft.report.notes)}};
 }
 
 }  // namespace meshgraft::editor

@@ -3,15 +3,15 @@
 #include <array>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/samples/samples.h>
 
+#include "editor/facts.h"
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
+#include "script/fact_json.h"
 #include "worker.h"
 
 namespace meshgraft::editor {
@@ -42,12 +42,6 @@ Json loop_json(const Points& points, const std::vector<Index>& loop) {
   }
   const Eigen::RowVector3d centre = length > 0 ? (moment / length).eval() : points.row(loop.front()).eval();
   return {{"vertices", loop.size()}, {"length", length}, {"centre", {centre.x(), centre.y(), centre.z()}}};
-}
-
-int count_ways(const json::Object& fields, std::initializer_list<std::string_view> ways) {
-  int count = 0;
-  for (const std::string_view way : ways) count += int{fields.has(way)};
-  return count;
 }
 
 }  // namespace
@@ -83,8 +77,7 @@ Json Worker::part(const json::Value& message, const Context& context) {
     edit_part(document, edit, fields.required("name").name());
     return change("edit part", document, context);
   }
-  if (count_ways(fields, {"path", "sample", "upload"}) != 1)
-    message.fail("expected one of the fields 'path', 'sample' and 'upload'");
+  require_one_of(message, {"path", "sample", "upload"});
   Json input;
   std::string name;
   if (fields.has("sample")) {
@@ -102,7 +95,7 @@ Json Worker::part(const json::Value& message, const Context& context) {
   if (is_named) name = fields.required("name").name();
   const std::string part = add_part(document, edit, input, name, !is_named);
   Json result = change("add part", document, context, {{"name", part}});
-  result["notes"] = open_one().defects(part, shared_.upload_folder);
+  result["notes"] = to_json(open_one().defects(part, shared_.upload_folder));
   return result;
 }
 
@@ -123,7 +116,7 @@ Json Worker::cut(const json::Value& message, const Context& context) {
   Json step = {{"kind", "cut"}, {"mesh", object_of(fields)->name}};
   for (const char* field : {"plane", "loop", "keep", "snap"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
-  if (count_ways(fields, {"plane", "loop"}) != 1) message.fail("expected one of the fields 'plane' and 'loop'");
+  require_one_of(message, {"plane", "loop"});
   Json document = open_one().document().json;
   add_cut(document, edit, std::move(step));
   return change("cut", document, context);
@@ -160,7 +153,7 @@ Json Worker::graft(const json::Value& message, const Context& context) {
   });
   const EditFile& edit = open_one().document().edit;
   const Json given = graft_fields_of(fields);
-  if (what != What::set && !given.empty()) message.fail("there are no fields to go with 'what'");
+  if (what != What::set && !given.empty()) message.fail(facts::editor::FieldsWithoutUse{});
   const bool starts = merge_in_work(edit) == nullptr;
   Json document = open_one().document().json;
   if (what == What::set) document = with_graft(given);
@@ -193,8 +186,7 @@ Json Worker::shown_graft() {
 
 Json Worker::thumbnail(const json::Value& message, const Context&) {
   const json::Object fields(message, {"id", "do", "path", "sample", "upload", "mesh", "size"});
-  if (count_ways(fields, {"path", "sample", "upload", "mesh"}) != 1)
-    message.fail("expected one of the fields 'path', 'sample', 'upload' and 'mesh'");
+  require_one_of(message, {"path", "sample", "upload", "mesh"});
   Thumbnails::Task task;
   task.request = {message.raw().at("id"), "thumbnail", {}};
   fields.optional("size", [&](const json::Value& v) { task.size = static_cast<int>(v.integer_in(16, 512)); });

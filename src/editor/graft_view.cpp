@@ -10,6 +10,7 @@
 #include <meshgraft/merge/correspondence.h>
 
 #include "graft_frames.h"
+#include "merge/facts.h"
 
 namespace meshgraft::editor {
 
@@ -91,11 +92,11 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     const ShownGraft shown{*job.target, *job.source, outcome.scene->mesh, report, number, job.dragged};
     frame = graft_frame(shown);
     told = graft_fields(shown);
-  } catch (const OpenStartError& error) {
-    told["error"] = error_json(error);
-    told["open_starts"] = open_starts_json(error.starts());
   } catch (...) {
-    told["error"] = error_json(current_error());
+    const Error error = current_error();
+    told["error"] = error_json(error);
+    if (error.id() == facts::merge::OpenStart::id)
+      told["open_starts"] = open_starts_json(open_starts(error.fact()));
   }
   const std::lock_guard lock(mutex_);
   if (stop.stop_requested()) return;

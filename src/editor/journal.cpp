@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "editor/facts.h"
 #include "folders.h"
 #include "script/sha256.h"
 #include "server/utf8.h"
@@ -24,9 +25,7 @@ namespace {
 constexpr int most_sessions = 9;  // open at once on one model
 
 void require(const std::error_code& error, const fs::path& path) {
-  if (error)
-    throw Error(ErrorCode::io, "the journal cannot be written: " + error.message(), path.string(),
-                "Make room, or save to another place.");
+  if (error) throw Error(facts::editor::JournalNotWritten{.reason = error.message()}, path.string());
 }
 
 fs::path numbered(const fs::path& stem, int number) {

@@ -52,7 +52,7 @@ class Journal {
   std::filesystem::path keep(const std::filesystem::path& file);
   std::filesystem::path kept_folder() const { return path_.string() + ".parts"; }
 
-  // Each of these throws Error(io) where writing fails.
+  // Each of these throws Error(io) with the id editor.journal_not_written where writing fails.
   void add(const std::string& label, const std::string& before, const std::string& after);
   void undo();
   void redo();

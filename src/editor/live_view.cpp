@@ -14,6 +14,7 @@
 #include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "editor/facts.h"
 #include "mesh_frames.h"
 #include "script/symmetry.h"
 
@@ -262,7 +263,7 @@ HandlePose LiveView::pose_of(const PoseSpec& spec, const ShownHandle& shown) con
   } else if (const auto* redrawn = std::get_if<PoseSpec::Redrawn>(&spec.kind)) {
     pose.curve = redraw_curve(shown.handle, base_->selections->mesh.positions, redrawn->polyline);
   } else {
-    throw Error(ErrorCode::input, "a pose from a file cannot be dragged", "poses");
+    throw Error(facts::editor::PoseFromFile{}, "poses");
   }
   return pose;
 }
@@ -288,10 +289,10 @@ std::vector<HandlePose> LiveView::poses_of(const DeformStep& step) const {
   return poses;
 }
 
-std::vector<std::string> LiveView::notes() const {
-  std::vector<std::string> notes = shown_.notes;
+std::vector<Note> LiveView::notes() const {
+  std::vector<Note> notes = shown_.notes;
   if (!shown_.symmetry) return notes;
-  const std::vector<std::string> on_poses =
+  const std::vector<Note> on_poses =
       pose_notes(*shown_.symmetry, shown_.region.handles, shown_.poses, base_->selections->mesh.positions);
   notes.insert(notes.end(), on_poses.begin(), on_poses.end());
   return notes;
@@ -377,7 +378,11 @@ std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const C
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses, bool exact_alone) {
   *exact_alone_ = exact_alone;
-  shown_.live->drag(poses);
+  try {
+    shown_.live->drag(poses);
+  } catch (const Error& error) {
+    throw error.at({});  // the number of the pose means nothing to the page, which knows what it asked for
+  }
   ++last_pose_;
 }
 
@@ -401,11 +406,9 @@ HandleShape LiveView::shape_of(const std::string& handle) const {
     if (h + twins < shown_.handles.size()) return shown_.handles[h].handle.shape;
     const std::string& leader =
         shown_.handles[shown_.symmetry->twin_of[h - (shown_.handles.size() - twins)]].handle.name;
-    throw Error(ErrorCode::usage, fmt::format("the handle '{}' follows '{}'", handle, leader), "poses",
-                fmt::format("Drag '{}', or switch the symmetry off.", leader));
+    throw Error(facts::editor::HandleFollows{.handle = handle, .leader = leader}, "poses");
   }
-  throw Error(ErrorCode::input, fmt::format("there is no handle named '{}' that can be dragged", handle),
-              "poses");
+  throw Error(facts::editor::NoDraggableHandle{.handle = handle}, "poses");
 }
 
 void LiveView::poll() {

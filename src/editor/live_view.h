@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/deform/live_deformer.h>
 
 #include "folders.h"
@@ -73,8 +74,8 @@ class LiveView {
   /// The document's poses, one per element of `handles()`.
   const std::vector<HandlePose>& poses() const { return shown_.poses; }
   const std::optional<SymmetryFacts>& symmetry() const { return shown_.symmetry; }
-  /// Returns sentences about deviations of the result from the request.
-  std::vector<std::string> notes() const;
+  /// Returns notes about deviations of the result from the request.
+  std::vector<Note> notes() const;
   Json counts() const;
 
  private:
@@ -117,8 +118,8 @@ class LiveView {
     std::shared_ptr<const std::vector<Index>> moving;
     std::vector<ShownHandle> handles;
     std::optional<SymmetryFacts> symmetry;
-    std::vector<std::string> notes;  ///< without those about poses
-    std::vector<HandlePose> poses;   ///< of the document
+    std::vector<Note> notes;        ///< without those about poses
+    std::vector<HandlePose> poses;  ///< of the document
     Origin origin;
     std::int64_t dragged = 0;  ///< number of poses requested until it was parked
     DeformerOptions options;

@@ -9,6 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "editor/facts.h"
 #include "graft_frames.h"
 #include "script/sha256.h"
 
@@ -89,7 +90,7 @@ const std::shared_ptr<const Object>& Stage::named(const std::string& name) const
   if (model->name == name) return model;
   for (const auto& part : parts)
     if (part->name == name) return part;
-  throw Error(ErrorCode::input, fmt::format("there is no object named '{}'", name), "mesh");
+  throw Error(facts::editor::NoSuchPart{.name = name}, "mesh");
 }
 
 struct Objects::Keys {

@@ -1,12 +1,14 @@
 #include "protocol.h"
 
-#include <filesystem>
-#include <new>
 #include <utility>
 
 #include <meshgraft/script/edit_file.h>
 
 #include "binary_frame.h"
+#include "document.h"
+#include "editor/facts.h"
+#include "script/fact_json.h"
+#include "script/facts.h"
 #include "script/json_value.h"
 
 namespace meshgraft::editor {
@@ -25,11 +27,11 @@ Request parse_request(std::string_view text, Json& id) {
   request.message = json::parse(text, "message", edit_file_depth_limit);
   const std::string document = "message";
   const json::Value root(request.message, document);
-  if (!root.is_object()) root.fail("expected an object");
+  if (!root.is_object()) root.fail_type("an object");
   const Json given = request.message.value("id", Json());
-  if (!given.is_number_integer() && !given.is_string()) root.fail("the field 'id' is a whole number or a word");
+  if (!given.is_number_integer() && !given.is_string()) root.fail(facts::editor::IdUnusable{});
   id = request.id = given;
-  if (!request.message.contains("do")) root.fail("the field 'do' is missing");
+  if (!request.message.contains("do")) root.fail(facts::script::MissingField{.field = "do"});
   request.what = root.member("do").name();
   return request;
 }
@@ -57,12 +59,10 @@ void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
 }
 
 Json error_json(const Error& error) {
-  Json told = {{"code", to_string(error.code())},
-               {"problem", error.problem()},
-               {"location", error.location()},
-               {"remedy", error.remedy()}};
-  if (const auto* replaces = dynamic_cast<const ReplaceError*>(&error))
-    told["replaces"] = replaces->file().string();
+  Json told = to_json(error);
+  const DocumentPlace place = place_in_document(error.location());
+  told["location"] = place.rest;
+  if (place.step) told["step"] = *place.step;
   return told;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,18 +25,6 @@ struct Request {
 /// Parses a request. Throws Error(input); `id` is set even then, if the text has one.
 Request parse_request(std::string_view text, Json& id);
 
-/// The file to be written exists, or was changed by another program, and the request does not ask to
-/// overwrite it.
-class ReplaceError : public Error {
- public:
-  ReplaceError(const Error& error, std::filesystem::path file)
-      : Error(error), file_(std::make_shared<const std::filesystem::path>(std::move(file))) {}
-  const std::filesystem::path& file() const noexcept { return *file_; }
-
- private:
-  std::shared_ptr<const std::filesystem::path> file_;  // copying must not throw
-};
-
 /// Sends messages to one page; callable from any thread.
 class Outbox {
  public:
@@ -54,7 +41,8 @@ class Outbox {
   std::shared_ptr<Channel> channel_;
 };
 
-/// Returns {code, problem, location, remedy}, and the file that would be replaced.
+/// Returns what `to_json` returns, with a location in the document in parts: `location` is the place in the
+/// step `step`.
 Json error_json(const Error& error);
 
 }  // namespace meshgraft::editor

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "editor/facts.h"
+
 namespace meshgraft::editor {
 
 template <class Condition>
@@ -21,8 +23,7 @@ std::vector<Request> RequestQueue::push(Request request) {
     needless = take_out([&](const Request& other) { return other.what == request.what; });
     if (request.what == "open" && running_ && running_->what == "open") stop_.request_stop();
   }
-  if (waiting_.size() >= limit)
-    throw Error(ErrorCode::usage, "too many requests wait", request.what, "Wait for their replies.");
+  if (waiting_.size() >= limit) throw Error(facts::editor::TooManyRequests{}, request.what);
   waiting_.push_back(std::move(request));
   changed_.notify_all();
   return needless;

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include <fmt/format.h>
-
+#include "core/facts.h"
+#include "editor/facts.h"
 #include "script/selection_resolver.h"
 
 namespace meshgraft::editor {
@@ -19,7 +19,7 @@ namespace {
 Index vertex_in(const json::Value& value, const Object& base) {
   const Index vertex = value.vertex();
   if (vertex >= base.mesh().vertex_count())
-    value.fail(fmt::format("vertex {} does not exist; the mesh has {}", vertex, base.mesh().vertex_count()));
+    value.fail(facts::core::NoSuchVertex{.vertex = vertex, .count = base.mesh().vertex_count()});
   return base.weld.of(vertex);
 }
 
@@ -37,7 +37,7 @@ std::vector<Index> loop_of(const json::Value& value, Index vertex, const Selecti
     std::sort(loop.begin(), loop.end());
     return loop;
   }
-  value.fail("the vertex lies on no boundary loop");
+  value.fail(facts::editor::VertexOffLoops{.vertex = vertex});
 }
 
 using Edge = std::array<Index, 3>;  // the two ends, and a triangle

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
+
+#include "editor/facts.h"
 
 namespace meshgraft::editor {
 
@@ -13,8 +13,7 @@ namespace {
 Json& step_at(Json& document, std::size_t index) {
   Json& steps = document["steps"];
   if (index >= steps.size())
-    throw Error(ErrorCode::input, fmt::format("there is no step {}; there are {}", index, steps.size()),
-                "index", "Steps are counted from 0.");
+    throw Error(facts::editor::NoSuchStep{.step = index, .count = steps.size()}, "index");
   return steps[index];
 }
 
@@ -50,7 +49,7 @@ void change_step(Json& document, std::size_t index, const StepChange& change) {
     Json& handles = step["handles"];
     const auto handle = std::find_if(handles.begin(), handles.end(), is_meant);
     if (handle == handles.end())
-      throw Error(ErrorCode::input, fmt::format("step {} has no handle named '{}'", index, name), "poses");
+      throw Error(facts::editor::NoHandleInStep{.step = index, .handle = name}, "poses");
     (*handle)["pose"] = pose;
   }
 }
@@ -69,9 +68,7 @@ void set_start(Json& document, std::size_t index, std::size_t pair, const Match&
 
 void remove_step(Json& document, std::size_t index) {
   step_at(document, index);
-  if (document["steps"].size() == 1)
-    throw Error(ErrorCode::usage, "this is the only step", "index",
-                "Change it, or go back to the first state.");
+  if (document["steps"].size() == 1) throw Error(facts::editor::OnlyStep{}, "index");
   document["steps"].erase(index);
 }
 

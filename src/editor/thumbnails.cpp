@@ -7,6 +7,7 @@
 #include <meshgraft/core/error.h>
 
 #include "binary_frame.h"
+#include "editor/facts.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "render/render.h"
 #endif
@@ -36,10 +37,7 @@ void require_pictures() {}
 #else
 std::vector<std::uint8_t> picture_of(const Mesh&, int, bool, const Context&) { return {}; }
 
-void require_pictures() {
-  throw Error(ErrorCode::usage, "this build of meshgraft makes no pictures", "thumbnail",
-              "Build it with MESHGRAFT_WITH_RENDER.");
-}
+void require_pictures() { throw Error(facts::editor::NoPictures{}, "thumbnail"); }
 #endif
 
 }  // namespace
@@ -56,8 +54,7 @@ Thumbnails::~Thumbnails() {
 void Thumbnails::push(Task task) {
   require_pictures();
   const std::lock_guard lock(mutex_);
-  if (waiting_.size() >= most_waiting)
-    throw Error(ErrorCode::usage, "too many requests wait", "thumbnail", "Wait for their replies.");
+  if (waiting_.size() >= most_waiting) throw Error(facts::editor::TooManyRequests{}, "thumbnail");
   waiting_.push_back(std::move(task));
   changed_.notify_all();
 }

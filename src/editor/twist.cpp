@@ -8,6 +8,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "editor/facts.h"
+
 namespace meshgraft::editor {
 
 namespace {
@@ -34,7 +36,7 @@ LoopArcs loop_from(const Mesh& mesh, Index first) {
     for (double& arc : along.arcs) arc /= length > 0 ? length : 1;
     return along;
   }
-  throw Error(ErrorCode::input, "the start is on no boundary loop", "twist", "Pair the loops anew.");
+  throw Error(facts::editor::StartOffLoops{}, "twist");
 }
 
 double to_unit(double arc) { return arc - std::floor(arc); }

@@ -1,13 +1,16 @@
 #include "worker.h"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/version.h>
 #include <meshgraft/samples/samples.h>
+
+#include "core/facts.h"
+#include "editor/facts.h"
+#include "script/facts.h"
 
 namespace meshgraft::editor {
 
@@ -28,6 +31,12 @@ Json welcome(const Shared& shared) {
 }
 
 }  // namespace
+
+void require_one_of(const json::Value& message, std::initializer_list<std::string_view> names) {
+  const auto is_given = [&](std::string_view name) { return message.raw().contains(name); };
+  if (std::count_if(names.begin(), names.end(), is_given) != 1)
+    message.fail(facts::script::NotOneOf{.names = names});
+}
 
 Worker::Worker(std::shared_ptr<Channel> channel, const Shared& shared)
     : shared_(shared), outbox_(std::move(channel)), thumbnails_(outbox_) {
@@ -52,8 +61,7 @@ void Worker::receive(std::string_view text) {
 void Worker::queue(Request request) {
   const Json id = request.id;
   const auto refuse = [&](const std::vector<Request>& needless) {
-    for (const Request& one : needless)
-      outbox_.refuse(one.id, Error(ErrorCode::cancelled, "cancelled", one.what));
+    for (const Request& one : needless) outbox_.refuse(one.id, Error(facts::core::Cancelled{}, one.what));
   };
   const bool is_of_set_up = request.message.contains("of") && request.message["of"].is_null();
   if (request.what == "cancel" && !is_of_set_up) {
@@ -107,8 +115,7 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"state", &Worker::state},
   };
   const auto answer = answers.find(what);
-  if (answer == answers.end())
-    throw Error(ErrorCode::input, fmt::format("'{}' is not a request", what), "message.do");
+  if (answer == answers.end()) throw Error(facts::editor::NoSuchRequest{.name = what}, "message.do");
   return answer->second;
 }
 
@@ -127,8 +134,6 @@ void Worker::perform(const RequestQueue::Work& work) {
     const json::Value message(request.message, request.what);
     Json result = (this->*answer_to(request.what))(message, context_of(work));
     if (!result.is_discarded()) outbox_.reply(request.id, std::move(result));
-  } catch (const ReplaceError& error) {
-    outbox_.refuse(request.id, error);
   } catch (...) {
     outbox_.refuse(request.id, current_error());
   }
@@ -144,7 +149,7 @@ Context Worker::context_of(const RequestQueue::Work& work) const {
 }
 
 Workspace& Worker::open_one() {
-  if (!workspace_) throw Error(ErrorCode::usage, "nothing is open", {}, "Open a model first.");
+  if (!workspace_) throw Error(facts::editor::NothingOpen{});
   return *workspace_;
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -27,6 +28,9 @@ struct Shared {
   std::filesystem::path upload_folder;        ///< empty: uploads are disabled
   Numbers numbers{};
 };
+
+/// Throws Error(input) unless a message has exactly one of these fields.
+void require_one_of(const json::Value& message, std::initializer_list<std::string_view> names);
 
 /// Works on one page's requests (protocol.schema.json) on a thread of its own.
 class Worker {

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "defects.h"
+#include "editor/facts.h"
 #include "graft_actions.h"
 #include "graft_frames.h"
 #include "mesh_frames.h"
+#include "script/fact_json.h"
 #include "twist.h"
 
 namespace meshgraft::editor {
@@ -244,7 +246,7 @@ void Workspace::change(const std::string& label, const Json& changed, const Cont
 }
 
 void Workspace::undo(const Context& context) {
-  if (!history_.can_undo()) throw Error(ErrorCode::usage, "there is nothing to undo", "undo");
+  if (!history_.can_undo()) throw Error(facts::editor::NothingToUndo{}, "undo");
   if (show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context))
     before_set_up_ = history_.position();
   write([](Journal& journal) { journal.undo(); });
@@ -253,7 +255,7 @@ void Workspace::undo(const Context& context) {
 }
 
 void Workspace::redo(const Context& context) {
-  if (!history_.can_redo()) throw Error(ErrorCode::usage, "there is nothing to redo", "redo");
+  if (!history_.can_redo()) throw Error(facts::editor::NothingToRedo{}, "redo");
   if (show(checked(parse_document(history_.after().document, document_.edit.base_folder)), context))
     before_set_up_ = history_.position();
   write([](Journal& journal) { journal.redo(); });
@@ -280,8 +282,7 @@ Json Workspace::set_up_label() const {
 void Workspace::leave_set_up(const Context& context) {
   const auto origin = set_up_origin();
   const bool goes_on = merge_in_work(document_.edit) != nullptr ? graft_view_.is_busy() : !view_.settled();
-  if (!goes_on || !origin || *origin == history_.position())
-    throw Error(ErrorCode::usage, "there is no set-up that can be taken back", "cancel");
+  if (!goes_on || !origin || *origin == history_.position()) throw Error(facts::editor::NoSetUp{}, "cancel");
   const bool begins =
       show(checked(parse_document(history_.at(*origin).document, document_.edit.base_folder)), context);
   while (history_.position() > *origin) {
@@ -306,7 +307,7 @@ std::optional<Json> Workspace::offer() const {
 }
 
 void Workspace::restore(const Context& context) {
-  if (!offer()) throw Error(ErrorCode::usage, "there is nothing to restore", "restore");
+  if (!offer()) throw Error(facts::editor::NothingToRestore{}, "restore");
   History restored = journal_->found()->history;
   show(checked(parse_document(restored.current(), document_.edit.base_folder)), context);
   history_ = std::move(restored);
@@ -320,8 +321,7 @@ Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_de
   const auto* merge = index < steps.size() ? std::get_if<MergeStep>(&steps[index].action) : nullptr;
   const Json found = merge != nullptr && index < stage_.found.size() ? stage_.found[index] : Json();
   if (found.is_null() || merge->at || pair >= found["starts"].size())
-    throw Error(ErrorCode::input, fmt::format("step {} is no earlier graft with a pair {}", index, pair),
-                "twist");
+    throw Error(facts::editor::NoSuchGraft{.step = index, .pair = pair}, "twist");
   const Json& start = found["starts"][pair];
   const auto source = objects_.after(document_, index, merge->source, context);
   const auto target = objects_.after(document_, index, merge->target, context);
@@ -330,7 +330,7 @@ Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_de
 }
 
 fs::path Workspace::decline() {
-  if (!offer()) throw Error(ErrorCode::usage, "there is nothing to discard", "discard");
+  if (!offer()) throw Error(facts::editor::NothingToRestore{}, "discard");
   return journal_->set_aside();
 }
 
@@ -376,15 +376,14 @@ fs::path Workspace::kept_upload(const fs::path& upload) {
 fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
 
 // Loading found these defects; this only formats them.
-std::vector<std::string> Workspace::defects(const std::string& name, const fs::path& uploads) {
-  std::vector<std::string> notes;
+std::vector<Note> Workspace::defects(const std::string& name, const fs::path& uploads) {
+  std::vector<Note> notes;
   for (const EditInput& input : document_.edit.inputs) {
     if (input.file.empty() || (!name.empty() && input.name != name)) continue;
     const fs::path file = (document_.edit.base_folder / input.file).lexically_normal();
     const bool is_upload = file.parent_path() == uploads || file.parent_path() == kept_folder();
     const auto scene = objects_.after(document_, 0, input.name, {});
-    if (auto note = defect_note(*scene, (is_upload ? uploaded_as(file) : file).string()))
-      notes.push_back(std::move(*note));
+    for (const Note& note : defect_notes(*scene, is_upload ? uploaded_as(file) : file)) notes.push_back(note);
   }
   return notes;
 }
@@ -395,8 +394,9 @@ Json Workspace::summary() const {
   for (const Json& step : document_.json["steps"])
     steps.push_back(
         step_summary(step, steps.size() < stage_.found.size() ? stage_.found[steps.size()] : Json()));
-  Json settings = nullptr, symmetry = nullptr, notes = document_.edit.notes;
-  for (const std::string& note : view_.notes()) notes.push_back(note);
+  Json settings = nullptr, symmetry = nullptr;
+  std::vector<Note> notes = document_.edit.notes;
+  for (const Note& note : view_.notes()) notes.push_back(note);
   if (deform_in_work(document_.edit) != nullptr) {
     const Json& step = document_.json["steps"].back();
     settings = step["settings"];
@@ -425,7 +425,7 @@ Json Workspace::summary() const {
           {"counts", view_.counts()},
           {"settings", settings},
           {"symmetry", symmetry},
-          {"notes", notes},
+          {"notes", to_json(notes)},
           {"selected", selection.vertices.size()},
           {"selected_on", selection.on->name},
           {"undo", history_.can_undo() ? Json(history_.label()) : Json()},

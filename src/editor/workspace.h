@@ -103,9 +103,9 @@ class Workspace {
   /// given. Throws Error(input) for a step that is no such graft, and for an unknown pair.
   Match twisted_start(std::size_t step, std::size_t pair, double by_deg, const Context& context);
 
-  /// Returns one sentence for each defective input, about the input `name` or, where it is empty, about all.
-  /// `uploads`: the folder of files whose names are generated.
-  std::vector<std::string> defects(const std::string& name, const std::filesystem::path& uploads);
+  /// Returns notes on the defects of the input `name` or, where it is empty, of all inputs. `uploads`: the
+  /// folder of files whose names are generated.
+  std::vector<Note> defects(const std::string& name, const std::filesystem::path& uploads);
 
   /// Returns the fields of the event `state`.
   Json summary() const;

@@ -10,6 +10,7 @@
 
 #include "core/platform/file.h"
 #include "core/platform/memory.h"
+#include "io/facts.h"
 
 namespace meshgraft {
 
@@ -19,40 +20,45 @@ namespace fs = std::filesystem;
 using platform::File;
 using platform::OpenMode;
 
-/// Returns a remedy for a failed system call on a file.
-std::string remedy_for(const std::error_code& error) {
-  if (error == std::errc::no_such_file_or_directory) return "Check the spelling and the folder";
-  if (error == std::errc::not_a_directory) return "A part of the path is a file, not a folder";
+/// Returns the fact of a failed system call: the file cannot be opened, read, …
+Fact system_fault(std::string_view action, const std::error_code& error) {
+  const std::string reason = error.message();
+  if (error == std::errc::no_such_file_or_directory)
+    return facts::io::FileNotFound{.action = action, .reason = reason};
+  if (error == std::errc::not_a_directory) return facts::io::NotAFolder{.action = action, .reason = reason};
   if (error == std::errc::permission_denied || error == std::errc::operation_not_permitted)
-    return "Change the permissions of the file or its folder, or choose another place";
-  if (platform::is_disk_full(error)) return "Free some space on the disk, or choose another place";
-  if (error == std::errc::file_too_large)
-    return "Files of that size cannot be written there; choose another place";
-  if (error == std::errc::too_many_symbolic_link_levels) return "Links lead round in a circle there";
-  if (error == std::errc::read_only_file_system) return "The disk is read-only; choose another place";
-  if (error == std::errc::filename_too_long) return "Choose a shorter name";
-  return {};
+    return facts::io::NoPermission{.action = action, .reason = reason};
+  if (platform::is_disk_full(error)) return facts::io::DiskFull{.action = action, .reason = reason};
+  if (error == std::errc::file_too_large) return facts::io::FileTooLarge{.action = action, .reason = reason};
+  if (error == std::errc::too_many_symbolic_link_levels)
+    return facts::io::LinkLoop{.action = action, .reason = reason};
+  if (error == std::errc::read_only_file_system) return facts::io::ReadOnly{.action = action, .reason = reason};
+  if (error == std::errc::filename_too_long) return facts::io::NameTooLong{.action = action, .reason = reason};
+  return facts::io::FileFailed{.action = action, .reason = reason};
 }
 
-[[noreturn]] void fail(const fs::path& path, std::string_view what, const std::error_code& error) {
-  throw Error(ErrorCode::io, std::string(what) + ": " + error.message(), path.string(), remedy_for(error));
+[[noreturn]] void fail(const fs::path& path, std::string_view action, const std::error_code& error) {
+  throw io::file_error(path, action, error);
 }
 
-void require(const std::error_code& error, const fs::path& path, std::string_view what) {
-  if (error) fail(path, what, error);
+void require(const std::error_code& error, const fs::path& path, std::string_view action) {
+  if (error) fail(path, action, error);
 }
 
 /// Refuses empty names and names with a NUL character. Names from an edit file or a mesh may be anything.
 void require_name(const fs::path& path) {
-  if (path.empty()) throw Error(ErrorCode::io, "no file name is given");
+  if (path.empty()) throw Error(facts::io::NoFileName{});
   if (path.native().find('\0') != fs::path::string_type::npos)
-    throw Error(ErrorCode::io, "the name holds a NUL character", path.string().c_str(),
-                "No file can be called so");
+    throw Error(facts::io::NameWithNul{}, path.string().c_str());
 }
 
 }  // namespace
 
 namespace io {
+
+Error file_error(const fs::path& path, std::string_view action, const std::error_code& error) {
+  return {system_fault(action, error), path.string()};
+}
 
 /// A temporary file in the folder of its target, removed again unless it became the target.
 class PendingFile::TemporaryFile {
@@ -63,19 +69,19 @@ class PendingFile::TemporaryFile {
   ~TemporaryFile() { remove(); }
 
   void keep_permissions_of(const fs::path& old) {
-    require(file_.copy_permissions(old), target_, "cannot keep the permissions of the old file");
+    require(file_.copy_permissions(old), target_, "given the permissions of the old file");
   }
 
   void fill(std::string_view content) {
-    require(file_.write(content), target_, "cannot be written");
-    require(file_.flush(), target_, "cannot be flushed to the disk");
-    require(file_.close(), target_, "cannot be written");
+    require(file_.write(content), target_, "written");
+    require(file_.flush(), target_, "flushed to the disk");
+    require(file_.close(), target_, "written");
   }
 
   void replace_target() {
     std::error_code error;
     fs::rename(path_, target_, error);
-    require(error, target_, "cannot be replaced");
+    require(error, target_, "replaced");
     path_.clear();
     flush_folder();
   }
@@ -88,7 +94,7 @@ class PendingFile::TemporaryFile {
     if (error == std::errc::operation_not_permitted || error == std::errc::not_supported ||
         error == std::errc::function_not_supported)
       return false;
-    require(error, target_, "cannot be created");
+    require(error, target_, "created");
     remove();
     flush_folder();
     return true;
@@ -104,7 +110,7 @@ class PendingFile::TemporaryFile {
       if (!error) return file;
       if (error == std::errc::file_exists && attempt < 100) continue;
       path_.clear();
-      fail(target_, "cannot be created", error);
+      fail(target_, "created", error);
     }
   }
 
@@ -131,14 +137,13 @@ namespace {
 void write_through(const fs::path& path, std::string_view content) {
   std::error_code error;
   File file(path, OpenMode::write, error);
-  require(error, path, "cannot be opened for writing");
-  require(file.write(content), path, "cannot be written");
-  require(file.close(), path, "cannot be written");
+  require(error, path, "opened for writing");
+  require(file.write(content), path, "written");
+  require(file.close(), path, "written");
 }
 
 [[noreturn]] void refuse_existing(const fs::path& path) {
-  throw Error(ErrorCode::io, "the file exists already", path.string(),
-              "Choose another name, or ask for it to be replaced");
+  throw Error(facts::io::FileExists{.file = path}, path.string());
 }
 
 }  // namespace
@@ -151,9 +156,8 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
   std::error_code error;
   const fs::file_status old = fs::status(path, error);
   const bool exists = fs::exists(old);
-  if (!exists && error != std::errc::no_such_file_or_directory) fail(path, "cannot be written", error);
-  if (fs::is_directory(old))
-    throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
+  if (!exists && error != std::errc::no_such_file_or_directory) fail(path, "written", error);
+  if (fs::is_directory(old)) throw Error(facts::io::IsFolder{}, path.string());
   if (exists && !fs::is_regular_file(old)) {
     for_device_ = content;
     return;
@@ -161,7 +165,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
   if (exists && existing == Existing::refuse) refuse_existing(path);
   target_ = follow_links(path);  // not earlier: the link of /dev/stdout leads to no path
   // A rename would replace even a write-protected file.
-  if (exists) require(platform::check_may_write(target_), path, "cannot be replaced");
+  if (exists) require(platform::check_may_write(target_), path, "replaced");
   temporary_ = std::make_unique<TemporaryFile>(target_);
   if (exists) temporary_->keep_permissions_of(path);
   temporary_->fill(content);
@@ -204,11 +208,10 @@ std::string read_file(const fs::path& path) {
   require_name(path);
   std::error_code error;
   File file(path, OpenMode::read, error);
-  require(error, path, "cannot be opened");
+  require(error, path, "opened");
   const File::Status status = file.status(error);
-  require(error, path, "cannot be read");
-  if (status.type == fs::file_type::directory)
-    throw Error(ErrorCode::io, "is a folder", path.string(), "Give the name of a file in it");
+  require(error, path, "read");
+  if (status.type == fs::file_type::directory) throw Error(facts::io::IsFolder{}, path.string());
 
   // Reads by pieces through a buffer that stays in the cache. Resizing the string to its full size first
   // would fill all of it with zeros.
@@ -221,7 +224,7 @@ std::string read_file(const fs::path& path) {
   }
   for (;;) {
     const std::size_t count = file.read(buffer.get(), piece, error);
-    require(error, path, "cannot be read");
+    require(error, path, "read");
     if (count == 0) return content;
     content.append(buffer.get(), count);
   }

@@ -3,8 +3,14 @@
 #include <filesystem>
 #include <memory>
 #include <string_view>
+#include <system_error>
+
+#include <meshgraft/core/error.h>
 
 namespace meshgraft::io {
+
+/// Returns the error of a failed system call: the file at `path` cannot be `action`, e.g. "written".
+Error file_error(const std::filesystem::path& path, std::string_view action, const std::error_code& error);
 
 /// The behaviour of `write_file` if `path` exists already.
 enum class Existing { replace, refuse };

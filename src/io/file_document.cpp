@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <utility>
 
 #include <meshgraft/mesh/join.h>
 
@@ -39,14 +37,10 @@ std::vector<const FileDocument*> documents_of(const Mesh& mesh) {
   return documents;
 }
 
-std::vector<std::string> left_out_notes(const Mesh& mesh) {
-  std::vector<std::string> notes;
-  for (const FileDocument* document : documents_of(mesh)) {
-    const std::vector<std::string> lost = document->beside_the_mesh();
-    if (!lost.empty())
-      notes.push_back(fmt::format("of {} this is left out, for the file is composed anew: {}",
-                                  document->path.filename().string(), fmt::join(lost, ", ")));
-  }
+std::vector<Note> left_out_notes(const Mesh& mesh) {
+  std::vector<Note> notes;
+  for (const FileDocument* document : documents_of(mesh))
+    for (Note& note : document->beside_the_mesh()) notes.push_back(std::move(note));
   return notes;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
@@ -18,9 +19,9 @@ struct FileDocument : SourceDocument {
   void remember_topology(const Mesh& mesh);
   bool has_topology_of(const Mesh& mesh) const;
 
-  /// Lists the file's contents that neither the mesh nor its attributes hold, e.g. "3 'l' lines". They are
-  /// lost if the file is composed anew.
-  virtual std::vector<std::string> beside_the_mesh() const = 0;
+  /// Returns notes on the file's contents that neither the mesh nor its attributes hold, e.g. io.left_out. They
+  /// are lost if the file is composed anew.
+  virtual std::vector<Note> beside_the_mesh() const = 0;
 
   /// Returns the unit of length as the format spells it ("millimeter"). Returns an empty string if the file
   /// names none.
@@ -42,7 +43,7 @@ struct FileDocument : SourceDocument {
 /// Returns the files behind a mesh, each once.
 std::vector<const FileDocument*> documents_of(const Mesh& mesh);
 
-/// Returns the losses of a mesh that is composed anew: one sentence per file behind it.
-std::vector<std::string> left_out_notes(const Mesh& mesh);
+/// Returns the losses of a mesh that is composed anew: the notes of all files behind it.
+std::vector<Note> left_out_notes(const Mesh& mesh);
 
 }  // namespace meshgraft::io

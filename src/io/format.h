@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -22,7 +23,7 @@ struct NewFile {
 struct Written {
   std::string content;
   std::vector<NewFile> companions{};  ///< files that the content refers to
-  std::vector<std::string> notes{};   ///< losses, a sentence each
+  std::vector<Note> notes{};          ///< losses
 };
 
 /// A mesh file format: how its files are recognised, read and written. A new format needs a header and a

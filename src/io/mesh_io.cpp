@@ -10,6 +10,7 @@
 #include "file_document.h"
 #include "format.h"
 #include "gltf/gltf.h"
+#include "io/facts.h"
 #include "obj/obj.h"
 #include "off/off.h"
 #include "ply/ply.h"
@@ -42,14 +43,10 @@ std::string lower_case_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-std::string known_extensions() {
-  std::string list;
-  for (const io::Format& format : io::formats()) {
-    for (const std::string_view extension : format.extensions) {
-      if (!list.empty()) list += ", ";
-      list += extension;
-    }
-  }
+std::vector<std::string_view> known_extensions() {
+  std::vector<std::string_view> list;
+  for (const io::Format& format : io::formats())
+    list.insert(list.end(), format.extensions.begin(), format.extensions.end());
   return list;
 }
 
@@ -64,9 +61,8 @@ const io::Format* format_named_by(const std::filesystem::path& path) {
 const io::Format& format_of_extension(const std::filesystem::path& path) {
   if (const io::Format* format = format_named_by(path)) return *format;
   const std::string extension = lower_case_extension(path);
-  const std::string problem =
-      extension.empty() ? "the name has no extension" : "the extension '" + extension + "' is unknown";
-  throw Error(ErrorCode::input, problem, path.string(), "Known mesh formats: " + known_extensions());
+  if (extension.empty()) throw Error(facts::io::NoExtension{.known = known_extensions()}, path.string());
+  throw Error(facts::io::UnknownExtension{.extension = extension, .known = known_extensions()}, path.string());
 }
 
 const io::Format& format_of_content(std::string_view content, const std::filesystem::path& path) {
@@ -79,10 +75,8 @@ const io::Format& format_of_content(std::string_view content, const std::filesys
 void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std::filesystem::path& path) {
   require_morph_targets(path);
   if (target.rest.rows() != mesh.positions.rows())
-    throw Error(ErrorCode::usage,
-                "the rest positions have " + std::to_string(target.rest.rows()) + " rows, the mesh has " +
-                    std::to_string(mesh.positions.rows()) + " vertices",
-                path.string(), "A morph target needs the vertices that it starts from");
+    throw Error(facts::io::MorphTargetSize{.rows = target.rest.rows(), .vertices = mesh.positions.rows()},
+                path.string());
 }
 
 }  // namespace
@@ -90,9 +84,7 @@ void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std
 Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
   context.step("read", 0);
   std::string content = read_file(path);
-  if (content.empty()) {
-    throw Error(ErrorCode::input, "the file is empty", path.string(), "Export or copy it again");
-  }
+  if (content.empty()) throw Error(facts::io::EmptyFile{}, path.string());
   const io::Format& format = format_of_content(content, path);
   Mesh mesh = format.read(std::move(content), path.string(), context);
   context.step("read", 1);
@@ -132,9 +124,7 @@ std::string unit_of(const Mesh& mesh) {
 void require_mesh_format(const std::filesystem::path& path) { format_of_extension(path); }
 
 void require_morph_targets(const std::filesystem::path& path) {
-  if (!format_of_extension(path).has_morph_targets)
-    throw Error(ErrorCode::usage, "this format has no morph targets", path.string(),
-                "Give the file a name that ends in .glb or .gltf");
+  if (!format_of_extension(path).has_morph_targets) throw Error(facts::io::NoMorphTargets{}, path.string());
 }
 
 std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path) {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "io/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
@@ -136,19 +138,20 @@ std::size_t size_of(ScalarType type) {
   return 8;
 }
 
-std::string describe_fault(std::string_view text, ScalarType type, NumberFault fault) {
-  constexpr std::size_t longest = 40;
-  std::string shown(text.substr(0, longest));
-  std::replace_if(shown.begin(), shown.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
-  if (text.size() > longest) shown += "…";
-  if (fault == NumberFault::out_of_range) return "'" + shown + "' is out of the range of its type";
-  return "'" + shown + "' is not " + (is_integer(type) ? "a whole number" : "a number");
+Fact bad_number(std::string_view value, std::string_view word, ScalarType type, NumberFault fault) {
+  if (fault == NumberFault::out_of_range)
+    return facts::io::NumberOutOfRange{.value = value, .word = shown(word)};
+  if (word.find(',') != std::string_view::npos)
+    return facts::io::DecimalComma{.value = value, .word = shown(word)};
+  if (is_integer(type)) return facts::io::NotAWholeNumber{.value = value, .word = shown(word)};
+  return facts::io::NotANumber{.value = value, .word = shown(word)};
 }
 
-std::string remedy_for(std::string_view text, NumberFault fault) {
-  if (fault == NumberFault::out_of_range) return "Correct the value, or declare a wider type";
-  if (text.find(',') != std::string_view::npos) return "Write numbers with a decimal point, not a comma";
-  return "Correct the value, or export the file again";
+std::string shown(std::string_view word) {
+  constexpr std::size_t longest = 40;
+  std::string text(word.substr(0, longest));
+  std::ranges::replace_if(text, [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  return word.size() > longest ? text + "…" : text;
 }
 
 std::string line_name(std::string_view content, std::size_t offset) {

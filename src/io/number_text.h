@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
@@ -33,9 +34,12 @@ bool same_value(double a, double b);
 bool is_integer(ScalarType type);
 std::size_t size_of(ScalarType type);
 
-/// Return the problem with `text` and the remedy, for an Error.
-std::string describe_fault(std::string_view text, ScalarType type, NumberFault fault);
-std::string remedy_for(std::string_view text, NumberFault fault);
+/// Returns the fact that `word` is no value of `type`: io.not_a_number, io.not_a_whole_number,
+/// io.decimal_comma or io.number_out_of_range. `value` names what it should be, "x of vertex".
+Fact bad_number(std::string_view value, std::string_view word, ScalarType type, NumberFault fault);
+
+/// Returns a word of a file for an Error: shortened, and without control characters.
+std::string shown(std::string_view word);
 
 /// Returns the line of `offset` as "line 12". LF, CRLF and CR each count as one line end.
 std::string line_name(std::string_view content, std::size_t offset);

@@ -3,38 +3,37 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/facts.h"
 #include "obj/materials.h"
 
 namespace meshgraft::io {
 
 namespace {
 
-// Returns the name in quotes. If other attributes share the name, the domain is added.
+// Returns the attribute's name. If other attributes share it, the domain stands before it.
 std::string name_of(const Attribute& attribute, const Mesh& mesh) {
-  std::string name = "'" + attribute.name + "'";
-  if (std::ranges::count(mesh.attributes, attribute.name, &Attribute::name) == 1) return name;
+  if (std::ranges::count(mesh.attributes, attribute.name, &Attribute::name) == 1) return attribute.name;
   switch (attribute.domain) {
-    case Domain::vertex: return name + " of the vertices";
-    case Domain::face: return name + " of the faces";
+    case Domain::vertex: return "vertex " + attribute.name;
+    case Domain::face: return "face " + attribute.name;
     case Domain::corner: break;
   }
-  return name + " of the corners";
+  return "corner " + attribute.name;
 }
 
 }  // namespace
 
 void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_list<const Attribute*> written,
-                    std::vector<std::string>& notes) {
-  std::string names;
+                    std::vector<Note>& notes) {
+  std::vector<std::string> names;
   for (const Attribute& attribute : mesh.attributes) {
     if (std::ranges::find(written, &attribute) != written.end()) continue;
     if (std::ranges::all_of(attribute.values, [](double value) { return std::isnan(value); })) continue;
-    names += (names.empty() ? "" : ", ") + name_of(attribute, mesh);
+    names.push_back(name_of(attribute, mesh));
   }
-  if (!names.empty())
-    notes.push_back(std::string(format) + " has no place for " + names + "; a PLY file keeps it");
+  if (!names.empty()) notes.push_back(facts::io::AttributesLeftOut{.format = format, .attributes = names});
   for (const std::string& library : material_libraries_of(mesh))
-    notes.push_back(std::string(format) + " has no place for the materials that " + library + " defines");
+    notes.push_back(facts::io::MaterialsLeftOut{.format = format, .library = library});
 }
 
 }  // namespace meshgraft::io

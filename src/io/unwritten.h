@@ -5,13 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
 
-/// Adds a sentence each for the attributes and the material libraries that a format cannot hold. Attributes
+/// Adds a note each for the attributes and the material libraries that a format cannot hold. Attributes
 /// without a value and those in `written` are left out; nulls in `written` are ignored.
 void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_list<const Attribute*> written,
-                    std::vector<std::string>& notes);
+                    std::vector<Note>& notes);
 
 }  // namespace meshgraft::io

@@ -2,6 +2,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "io/facts.h"
 #include "number_text.h"
 
 namespace meshgraft::io {
@@ -16,8 +17,7 @@ bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 void require_text(std::string_view content, const std::string& name, std::string_view format) {
   const std::size_t zero = content.find('\0');
   if (zero == std::string_view::npos) return;
-  throw Error(ErrorCode::input, "the file is not text", name + ", byte " + std::to_string(zero),
-              "Check that it is an " + std::string(format) + " mesh, and copy or export it again");
+  throw Error(facts::io::NotText{.format = format}, name + ", byte " + std::to_string(zero));
 }
 
 WordCursor::WordCursor(std::string_view content, const std::string& name, Comments comments, std::size_t offset)
@@ -66,17 +66,13 @@ bool WordCursor::to_number(std::string_view word, ScalarType type, double& value
   return parsed.fault == NumberFault::none;
 }
 
-void WordCursor::fail_number(std::string_view word, ScalarType type, const std::string& what) const {
-  if (word.empty()) {
-    fail("the file ends before the " + what,
-         "The file is cut off or its counts are wrong; copy or export it again");
-  }
-  const NumberFault fault = parse_number(word, type).fault;
-  fail("the " + what + ": " + describe_fault(word, type, fault), io::remedy_for(word, fault));
+void WordCursor::fail_number(std::string_view word, ScalarType type, const std::string& value) const {
+  if (word.empty()) fail(facts::io::Truncated{.missing = value});
+  fail(bad_number(value, word, type, parse_number(word, type).fault));
 }
 
-void WordCursor::fail(const std::string& problem, const std::string& remedy) const {
-  throw Error(ErrorCode::input, problem, *name_ + ", " + line_name(content_, word_begin_), remedy);
+void WordCursor::fail(Fact fact) const {
+  throw Error(std::move(fact), *name_ + ", " + line_name(content_, word_begin_));
 }
 
 }  // namespace meshgraft::io

@@ -5,12 +5,13 @@
 #include <string_view>
 #include <utility>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
 
-/// Throws Error(input) naming the first zero byte, which no text has. `format` is the common name of the
-/// format.
+/// Throws Error(input) with the id io.not_text at the first zero byte, which no text has. `format` is the
+/// common name of the format.
 void require_text(std::string_view content, const std::string& name, std::string_view format);
 
 /// Walks over the words of a text. Lines end in LF, CRLF or CR. A byte order mark is skipped.
@@ -30,7 +31,7 @@ class WordCursor {
   /// Returns the rest of this line without surrounding blanks. Comments are not recognised.
   std::string_view rest_of_line();
 
-  /// Returns the next word as a number. `what` names it in messages: "coordinate of vertex 3".
+  /// Returns the next word as a number. `what` returns its name for messages: "position of vertex 3".
   template <class What>
   double number(ScalarType type, const What& what) {
     const std::string_view word = next();
@@ -44,8 +45,9 @@ class WordCursor {
   std::size_t remaining() const { return content_.size() - offset_; }
 
   /// Throws Error(input) at the line of the last word.
-  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
-  [[noreturn]] void fail_number(std::string_view word, ScalarType type, const std::string& what) const;
+  [[noreturn]] void fail(Fact fact) const;
+  /// The same for a word that is no number, or missing. `value` names what it should be.
+  [[noreturn]] void fail_number(std::string_view word, ScalarType type, const std::string& value) const;
 
   static bool to_number(std::string_view word, ScalarType type, double& value);
 

@@ -5,14 +5,13 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
 #include "blas_threads.h"
 #include "core/platform/memory.h"
 #include "core/platform/processor.h"
+#include "linalg/facts.h"
 
 #ifdef MESHGRAFT_HAS_OPENBLAS
 extern "C" {
@@ -66,9 +65,7 @@ void map_buffers([[maybe_unused]] int threads) {
   constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // includes room for alignment
   const std::size_t bytes = static_cast<std::size_t>(missing) * buffer_bytes;
   if (!platform::can_reserve_address_space(bytes))
-    throw Error(ErrorCode::memory,
-                fmt::format("there is no room for {} MB of buffers of OpenBLAS", bytes >> 20), "",
-                "Give the program more memory, or fewer threads");
+    throw Error(facts::linalg::NoRoomForBuffers{.megabytes = bytes >> 20});
   std::vector<void*> buffers;
   for (int thread = 0; thread < threads; ++thread) buffers.push_back(blas_memory_alloc(0));
   for (void* const buffer : buffers) blas_memory_free(buffer);

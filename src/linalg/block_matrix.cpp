@@ -1,13 +1,15 @@
 #include "block_matrix.h"
 
 #include <algorithm>
+#include <array>
 
-#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
+
+#include "linalg/facts.h"
 
 // The loops below gain from the processor's widest registers, but the library is built for any processor.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
@@ -286,10 +288,8 @@ class BlockMatrixOf final : public BlockMatrix {
       const Block block = Eigen::Map<const Block>(&diagonal_[node * block_size]);
       const Eigen::LLT<Block> cholesky(block);
       if (cholesky.info() != Eigen::Success)
-        throw Error(ErrorCode::unsolvable,
-                    fmt::format("the normal equations are not positive definite (at unknown {} of {})",
-                                order_.nodes.unknown[static_cast<std::size_t>(node) * width], unknowns),
-                    "", "Add a constraint, or choose another treatment of degenerate vertices");
+        throw Error(facts::linalg::NotPositiveDefinite{
+            .count = unknowns, .at = std::array{order_.nodes.unknown[static_cast<std::size_t>(node) * width]}});
       Eigen::Map<Block> inverse(&diagonal_inverse_[node * block_size]);
       inverse = block.inverse();
     }

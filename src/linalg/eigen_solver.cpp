@@ -1,9 +1,12 @@
+#include <array>
+
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 
 #include <meshgraft/core/error.h>
 
 #include "backends.h"
+#include "linalg/facts.h"
 
 namespace meshgraft {
 
@@ -24,8 +27,7 @@ class EigenSolver final : public LinearSolver {
     context.step("factorise");
     cholesky_.factorize(lower);
     if (cholesky_.info() != Eigen::Success)
-      throw Error(ErrorCode::unsolvable, "the normal equations are not positive definite", "",
-                  "Add a constraint, or choose another treatment of degenerate vertices");
+      throw Error(facts::linalg::NotPositiveDefinite{.count = lower.rows(), .at = std::array<Index, 0>{}});
     const auto& factor = cholesky_.matrixL().nestedExpression();
     statistics_.factor_nonzeros = factor.nonZeros();
     statistics_.factor_flops = 0;

@@ -13,6 +13,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
+#include "linalg/facts.h"
+
 namespace meshgraft {
 
 namespace {
@@ -76,9 +78,7 @@ BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context
 }
 
 std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Context& context) {
-  if (lower.nonZeros() > std::numeric_limits<idx_t>::max() / 2)
-    throw Error(ErrorCode::memory, "the matrix has too many entries to be factorised", "",
-                "Choose a smaller region");
+  if (lower.nonZeros() > std::numeric_limits<idx_t>::max() / 2) throw Error(facts::linalg::MatrixTooLarge{});
   struct Input {
     std::vector<idx_t> offsets, neighbours, order, inverse_permutation;
   };

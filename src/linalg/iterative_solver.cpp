@@ -4,8 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
@@ -14,6 +12,7 @@
 #include "block_matrix.h"
 #include "block_rows.h"
 #include "coarse_space.h"
+#include "linalg/facts.h"
 
 namespace meshgraft {
 
@@ -167,13 +166,10 @@ class IterativeSolver final : public LinearSolver {
       matrix_->multiply(p, q, quiet);
       const FourNumbers pq = dot(p, q, quiet);
       if (iteration == most_iterations || !rz.isFinite().all() || !pq.isFinite().all() || (pq < 0).any())
-        throw Error(
-            ErrorCode::unsolvable,
-            fmt::format("conjugate gradients did not converge: after {} iterations the error is {:.1e} of "
-                        "the solution, not {:.1e}",
-                        iteration, options.tolerance * std::sqrt(std::max(0.0, quotient(rz, goal).maxCoeff())),
-                        options.tolerance),
-            "", "Choose a direct backend or a smaller region, or repair needle-like triangles");
+        throw Error(facts::linalg::NotConverged{
+            .iterations = iteration,
+            .error = options.tolerance * std::sqrt(std::max(0.0, quotient(rz, goal).maxCoeff())),
+            .tolerance = options.tolerance});
       const FourNumbers alpha = quotient(rz, pq);
       combine(FourNumbers::Ones(), x, alpha, p, quiet);
       combine(FourNumbers::Ones(), r, -alpha, q, quiet);

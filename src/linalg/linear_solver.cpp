@@ -5,6 +5,7 @@
 #include <meshgraft/core/error.h>
 
 #include "backends.h"
+#include "linalg/facts.h"
 
 namespace meshgraft {
 
@@ -23,8 +24,7 @@ std::unique_ptr<LinearSolver> make_solver(SolverBackend backend) {
 #ifdef MESHGRAFT_HAS_MULTIFRONTAL
   return make_multifrontal_solver();
 #else
-  throw Error(ErrorCode::input, "this build of meshgraft has no multifrontal solver", "backend",
-              "Choose 'auto', 'eigen' or 'iterative', or build with MESHGRAFT_WITH_MULTIFRONTAL=ON");
+  throw Error(facts::linalg::NoMultifrontalSolver{}, "backend");
 #endif
 }
 

@@ -1,19 +1,20 @@
 #include "multifrontal.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
 
-#include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <meshgraft/core/error.h>
 
 #include "blas_threads.h"
 #include "dense_cholesky.h"
+#include "linalg/facts.h"
 
 namespace meshgraft {
 
@@ -171,10 +172,8 @@ void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Eliminati
   add_updates(node, 0, f.columns, row_at, elimination, f.panel, 0, f.rows);
   const int good = factorise_panel(f.panel, f.rows, f.columns, context);
   if (good < f.columns)
-    throw Error(ErrorCode::unsolvable,
-                fmt::format("the normal equations are not positive definite (at step {} of {})", f.first + good,
-                            pattern_.order.size()),
-                "", "Add a constraint, or choose another treatment of degenerate vertices");
+    throw Error(facts::linalg::NotPositiveDefinite{.count = pattern_.order.size(),
+                                                   .at = std::array{pattern_.order[f.first + good]}});
   if (f.below() > 0) {
     UpdateStore::Block& update = elimination.updates[node];
     update = elimination.store.take(f.update_size());

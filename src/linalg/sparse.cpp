@@ -12,6 +12,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
+#include "linalg/facts.h"
+
 namespace meshgraft {
 
 namespace {
@@ -22,9 +24,7 @@ struct SparseRow {
 };
 
 void require_countable(std::int64_t entries) {
-  if (entries > std::numeric_limits<int>::max())
-    throw Error(ErrorCode::input, "the region is too large: an operator has more than 2^31 non-zeros", "",
-                "Choose a smaller region");
+  if (entries > std::numeric_limits<int>::max()) throw Error(facts::linalg::OperatorTooLarge{});
 }
 
 /// Sums sparse rows in a dense array. Returns the touched columns sorted.

@@ -7,13 +7,14 @@
 #include <numeric>
 #include <utility>
 
-#include <fmt/format.h>
 #include <Eigen/LU>
 
 #include <meshgraft/core/error.h>
 
 #include "../deform/rotations.h"
 #include "loop_curve.h"
+#include "merge/facts.h"
+#include "open_start.h"
 
 namespace meshgraft {
 
@@ -62,21 +63,17 @@ void require_one_turn(std::span<const Knot> knots, Index target_size, const Loop
     const Knot& to = knots[(m + 1) % knots.size()];
     const Index step = ((from.target - to.target) % target_size + target_size) % target_size;
     if (knots.size() > 1 && step == 0)
-      throw Error(ErrorCode::input,
-                  fmt::format("source vertices {} and {} are matched with the same target vertex {}",
-                              pair.source[from.source], pair.source[to.source], pair.target[to.target]),
-                  location, "Match each target vertex once");
+      throw Error(facts::merge::TargetMatchedTwice{.source = pair.source[from.source],
+                                                   .other_source = pair.source[to.source],
+                                                   .target = pair.target[to.target]},
+                  location);
     walked += step;
     if (walked > target_size)
-      throw Error(
-          ErrorCode::input,
-          fmt::format("the matches cross: source vertices {} and {} follow one another, target vertices "
-                      "{} and {} do not",
-                      pair.source[from.source], pair.source[to.source], pair.target[from.target],
-                      pair.target[to.target]),
-          location,
-          "Match the vertices in their order; source and target loops run opposite ways round the seam "
-          "(where a mesh is wound the other way, use --fix-winding)");
+      throw Error(facts::merge::MatchesCross{.source = pair.source[from.source],
+                                             .next_source = pair.source[to.source],
+                                             .target = pair.target[from.target],
+                                             .next_target = pair.target[to.target]},
+                  location);
   }
 }
 
@@ -89,21 +86,19 @@ Correspondence match_by_arc_length(const LoopPair& pair, std::span<const Match> 
   for (const Match& match : matches) {
     const Knot knot{place_in(pair.source, match.source), place_in(pair.target, match.target)};
     if (knot.source < 0 || knot.target < 0)
-      throw Error(ErrorCode::input,
-                  fmt::format("{} vertex {} is not on the pair's loop", knot.source < 0 ? "source" : "target",
-                              knot.source < 0 ? match.source : match.target),
-                  location, "Match vertices of the two boundary loops");
+      throw Error(facts::merge::MatchNotOnLoop{.role = knot.source < 0 ? "source" : "target",
+                                               .vertex = knot.source < 0 ? match.source : match.target},
+                  location);
     knots.push_back(knot);
   }
   std::sort(knots.begin(), knots.end());
   knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
   for (std::size_t m = 1; m < knots.size(); ++m)
     if (knots[m].source == knots[m - 1].source)
-      throw Error(ErrorCode::input,
-                  fmt::format("source vertex {} is matched with two target vertices, {} and {}",
-                              pair.source[knots[m].source], pair.target[knots[m - 1].target],
-                              pair.target[knots[m].target]),
-                  location, "Keep one of the two");
+      throw Error(facts::merge::SourceMatchedTwice{.source = pair.source[knots[m].source],
+                                                   .target = pair.target[knots[m - 1].target],
+                                                   .other_target = pair.target[knots[m].target]},
+                  location);
   require_one_turn(knots, static_cast<Index>(pair.target.size()), pair, location);
   return {parameters_between(knots, LoopCurve(source.points), LoopCurve(target.points)), 1.0};
 }
@@ -311,21 +306,40 @@ OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence
   return {number, {pair.source.front(), pair.target[there]}, confidence};
 }
 
-[[noreturn]] void refuse_guess(const std::vector<OpenStart>& open, std::span<const std::string> locations) {
-  const auto& [number, start, confidence] = open.front();
-  throw OpenStartError(
-      Error(ErrorCode::input,
-            fmt::format("the loops fit as well from other starts, so where they begin to meet is open "
-                        "(confidence {:.2f})",
-                        confidence),
-            locations[number],
-            fmt::format("Say which vertices meet: target vertex {0} at source vertex {1} turns the part least "
-                        "from how it stands (--start {0}:{1})",
-                        start.target, start.source)),
-      open);
+}  // namespace
+
+Fact open_start_fact(const std::vector<OpenStart>& starts) {
+  std::vector<std::size_t> pairs;
+  std::vector<Index> targets, sources;
+  std::vector<double> confidences;
+  for (const OpenStart& start : starts) {
+    pairs.push_back(start.pair);
+    targets.push_back(start.least_turned.target);
+    sources.push_back(start.least_turned.source);
+    confidences.push_back(start.confidence);
+  }
+  return facts::merge::OpenStart{.confidence = confidences.front(),
+                                 .target = targets.front(),
+                                 .source = sources.front(),
+                                 .pairs = pairs,
+                                 .targets = targets,
+                                 .sources = sources,
+                                 .confidences = confidences};
 }
 
-}  // namespace
+std::vector<OpenStart> open_starts(const Fact& fact) {
+  using Integers = std::vector<std::int64_t>;
+  const auto& pairs = fact.get<Integers>("pairs");
+  const auto& targets = fact.get<Integers>("targets");
+  const auto& sources = fact.get<Integers>("sources");
+  const auto& confidences = fact.get<std::vector<double>>("confidences");
+  std::vector<OpenStart> starts;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    starts.push_back({static_cast<std::size_t>(pairs[k]),
+                      {static_cast<Index>(sources[k]), static_cast<Index>(targets[k])},
+                      confidences[k]});
+  return starts;
+}
 
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                                 std::span<const LoopGeometry> sources,
@@ -353,7 +367,7 @@ std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                 start_at_vertices(least_turn(source_samples[p], target_samples[p]), sources[p],
                                                   targets[p], nullptr)));
   }
-  if (!open.empty()) refuse_guess(open, locations);
+  if (!open.empty()) throw Error(open_start_fact(open), locations[open.front().pair]);
   return found;
 }
 

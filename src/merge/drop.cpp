@@ -6,12 +6,11 @@
 #include <span>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/intersections.h>
 
 #include "drop_size.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -48,10 +47,7 @@ Trial graft_in_hole(OpenedHole hole, const Mesh& part, const MergeOptions& asked
     }
   drop.notes = trial.hole.notes;
   if (drop.options.normal_angle_deg != asked.normal_angle_deg)
-    drop.notes.push_back(fmt::format(
-        "the part's rim turned inside out where it bends into the surface, so it bends less: a normal "
-        "angle of {:.0f}° was used",
-        drop.options.normal_angle_deg));
+    drop.notes.push_back(facts::merge::BentLess{.normal_angle_deg = drop.options.normal_angle_deg});
   drop.intersections = count_intersections(part, drop.merge, context);
   return trial;
 }
@@ -79,9 +75,7 @@ MergeIntersections count_intersections(const Mesh& source, const MergeResult& me
 DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const MergeOptions& options, const Context& context) {
   constexpr int most_tries = 3;
-  if (options.pose != MergePose::find)
-    throw Error(ErrorCode::input, "a part that is dropped has no pose to keep", "pose",
-                "Let the pose be found");
+  if (options.pose != MergePose::find) throw Error(facts::merge::DroppedPoseKept{}, "pose");
   Drop trying = drop;
   const auto trial_of_size = [&] {
     return graft_in_hole(open_hole(target, source, source_loop, trying, context), source, options, context);
@@ -101,14 +95,11 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
       if (error.code() == ErrorCode::cancelled) throw;
       continue;  // the source does not fit in this size
     }
-    best.drop.notes.push_back(fmt::format(
-        "the part is scaled by {:.3g}: larger, it turns inside out or cuts into the target", *trying.size));
+    best.drop.notes.push_back(facts::merge::SourceScaledToGraft{.size = *trying.size});
   }
   if (best.inverted() > 0 && options.shape == MergeShape::similar)
-    throw Error(ErrorCode::input,
-                fmt::format("the part turns inside out at {} vertices beside the hole, at size {:.3g}",
-                            best.inverted(), best.hole.size),
-                "surface_point", "Name another place, or a smaller size");
+    throw Error(facts::merge::DroppedSourceInverted{.vertices = best.inverted(), .size = best.hole.size},
+                "surface_point");
   // Composes the target's map from the closed target, before the hole was cut.
   IndexMap& map = best.drop.merge.target;
   IndexMap from_closed = best.hole.vertex;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "../mesh/box_diagonal.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -46,11 +47,11 @@ SizeTrial SizeSearch::at(double size, bool may_widen) const {
     fit.chart = make_chart(refined, drop_, reach(size), context_);
     fit.footprint = lay_outline(*fit.chart, loop_.outline, size, fit.placement);
   }
-  if (std::optional<Misfit> obstacle = find_obstacle(fit.chart->target, fit.footprint))
-    return {nullptr, std::move(obstacle->what)};
+  if (std::optional<Note> obstacle = find_obstacle(fit.chart->target, fit.footprint, size))
+    return {nullptr, std::move(obstacle)};
   const double width = width_of(fit.chart->target, fit.footprint) / loop_.outline.width();
   if (width < roomy * (may_widen ? size : fit.footprint.scale))
-    return {nullptr, "the surface is too narrow there for the loop"};
+    return {nullptr, facts::merge::SurfaceTooNarrow{.size = size}};
   return {std::make_shared<const FitResult>(std::move(fit)), {}};
 }
 

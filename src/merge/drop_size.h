@@ -2,9 +2,10 @@
 
 #include <memory>
 #include <numbers>
-#include <string>
+#include <optional>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 
 #include "footprint.h"
 
@@ -24,7 +25,7 @@ struct FitResult {
 /// The result of trying a size.
 struct SizeTrial {
   std::shared_ptr<const FitResult> fit;  ///< null where the outline has no room
-  std::string misfit;                    ///< reason, where `fit` is null
+  std::optional<Note> misfit;            ///< reason, where `fit` is null
 };
 
 /// The range of sizes that are tried for a loop on a target.

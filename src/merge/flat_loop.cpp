@@ -5,13 +5,13 @@
 #include <numbers>
 #include <utility>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
 
 #include "loop_curve.h"
 #include "loops.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -64,14 +64,10 @@ FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
   PlanePoints polygon = (points.rowwise() - mean) * axes;
   const double length = LoopCurve(points).length();
   if (!(2 * std::numbers::pi * double_area(polygon) > least_area * length * length))
-    throw Error(ErrorCode::input, fmt::format("the source's loop at vertex {} spans no area", loop.front()), "",
-                "Cut the source where the loop is open like a ring");
+    throw Error(facts::merge::LoopWithoutArea{.vertex = loop.front()});
   const bool simple = is_simple(polygon);
   if (!simple && !smooth_until_simple(polygon))
-    throw Error(
-        ErrorCode::input,
-        fmt::format("the source's loop at vertex {} crosses itself as seen along its axis", loop.front()), "",
-        "Cut the source again, along a simpler curve");
+    throw Error(facts::merge::LoopCrossesItself{.vertex = loop.front()});
   const Vector middle = mean + centre(polygon) * axes.transpose();
   return {std::move(loop), axis, first, middle, Outline(std::move(polygon)), !simple};
 }

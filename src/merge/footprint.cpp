@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <utility>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/mesh/refine.h>
 
 #include "../mesh/edge_table.h"
 #include "exponential_map.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -109,8 +109,8 @@ Footprint lay_outline(const Chart& chart, const Outline& outline, double size, c
   return cover_as_wide(chart.target, outline, size, chart.uv * turn);
 }
 
-std::optional<Misfit> find_obstacle(const PreparedTarget& target, const Footprint& footprint) {
-  if (footprint.inside.empty()) return Misfit{"the loop is too small for the target's faces"};
+std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint& footprint, double size) {
+  if (footprint.inside.empty()) return facts::merge::LoopSmallerThanFaces{.size = size};
   std::vector<Index> around;
   bool crossed = false;
   for (Eigen::Index t = 0; t < target.triangles.rows(); ++t) {
@@ -120,7 +120,7 @@ std::optional<Misfit> find_obstacle(const PreparedTarget& target, const Footprin
     if (count > 0) around.insert(around.end(), corners.begin(), corners.end());
     crossed = crossed || (count > 0 && count < 3);
   }
-  if (!crossed) return Misfit{"the loop is larger than the surface there"};
+  if (!crossed) return facts::merge::LoopLargerThanSurface{.size = size};
   const Eigen::Map<const Triangles> star(around.data(), static_cast<Eigen::Index>(around.size()) / 3, 3);
   const Mesh patch = make_mesh(target.mesh.positions, star);
   const EdgeTable table(patch.vertex_count(), patch.faces);
@@ -130,13 +130,12 @@ std::optional<Misfit> find_obstacle(const PreparedTarget& target, const Footprin
     const auto along = table.half_edges[e];
     const auto tail = [&](std::size_t k) { return patch.faces.corners()[along[k]]; };
     if (along.size() > 2 || (along.size() == 2 && tail(0) == tail(1)))
-      return Misfit{fmt::format("the target is not an oriented manifold within the hole, at edge {}–{}", a, b)};
+      return facts::merge::HoleNotManifold{.vertex = a, .other_vertex = b, .size = size};
   }
   for (const std::vector<Index>& loop : boundary_loops(patch))
     for (const Index v : loop)
-      if (footprint.is_inside(v))
-        return Misfit{fmt::format("the hole would reach the boundary at vertex {}", v)};
-  if (inner_euler_characteristic(target, footprint) != 1) return Misfit{no_disc};
+      if (footprint.is_inside(v)) return facts::merge::HoleReachesBoundary{.vertex = v, .size = size};
+  if (inner_euler_characteristic(target, footprint) != 1) return facts::merge::HoleNotDisc{.size = size};
   return std::nullopt;
 }
 

@@ -2,10 +2,10 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "placement.h"
@@ -43,16 +43,8 @@ Footprint lay_outline(const Chart& chart, const Outline& outline, double size, c
 /// Returns the width of a footprint: the square root of the norm of its boundary's area vector.
 double width_of(const PreparedTarget& target, const Footprint& footprint);
 
-/// The reason why a hole cannot be opened.
-struct Misfit {
-  std::string what;
-};
-
-inline constexpr const char* no_disc =
-    "the loop reaches round the surface there, so that what it encloses is no disc";
-
-/// Returns the reason why the footprint cannot be cut out, if there is one.
-std::optional<Misfit> find_obstacle(const PreparedTarget& target, const Footprint& footprint);
+/// Returns the reason why the footprint cannot be cut out, if there is one. `size` is named in it.
+std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint& footprint, double size);
 
 /// Halves edges around the outline that are longer than `longest`. Returns null where there are none.
 std::shared_ptr<const Mesh> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,

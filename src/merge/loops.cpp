@@ -14,6 +14,7 @@
 #include <meshgraft/mesh/winding.h>
 
 #include "loop_curve.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -29,67 +30,57 @@ class MeshLoops {
 
   /// Returns the list in the direction of the mesh's loop. Throws where it is not one whole simple loop.
   std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& location) const {
-    if (loops_.empty())
-      throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop, its surface is closed", role_),
-                  location, "Cut it open first (meshgraft cut), or drop the part onto it at a point (--at)");
-    if (listed.empty()) throw Error(ErrorCode::input, fmt::format("no {} loop is named", role_), location);
+    if (loops_.empty()) throw Error(facts::merge::NoBoundaryLoop{.role = role_}, location);
+    if (listed.empty()) throw Error(facts::merge::NoLoopNamed{.role = role_}, location);
     for (const Index v : listed) require_on_one_loop(v, location);
     const std::vector<Index>& loop = loops_[at_.at(listed.front()).front()];
     for (const Index v : listed)
       if (&loops_[at_.at(v).front()] != &loop)
-        throw Error(ErrorCode::input,
-                    fmt::format("{} vertices {} and {} are on two boundary loops", role_, listed.front(), v),
-                    location, "Name the vertices of one loop");
+        throw Error(
+            facts::merge::VerticesOfTwoLoops{.role = role_, .vertex = listed.front(), .other_vertex = v},
+            location);
     if (listed.size() != loop.size())
-      throw Error(ErrorCode::input,
-                  fmt::format("{} vertices are listed of the {}'s boundary loop of {}", listed.size(), role_,
-                              loop.size()),
-                  location, "List each vertex of the loop once, in its order");
+      throw Error(
+          facts::merge::LoopNotListedWhole{.listed = listed.size(), .role = role_, .count = loop.size()},
+          location);
     require_length(loop, location);
     std::vector<Index> turned = loop;
     std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), listed.front()), turned.end());
     const bool backwards = !std::equal(turned.begin(), turned.end(), listed.begin()) &&
                            std::equal(turned.begin() + 1, turned.end(), listed.rbegin());
     if (!backwards && turned != listed)
-      throw Error(ErrorCode::input, fmt::format("the {}'s loop is not listed in its order", role_), location,
-                  "List neighbouring vertices one after another");
+      throw Error(facts::merge::LoopNotListedInOrder{.role = role_}, location);
     return turned;
   }
 
  private:
   void require_on_one_loop(Index v, const std::string& location) const {
     if (v < 0 || v >= mesh_.vertex_count())
-      throw Error(ErrorCode::input,
-                  fmt::format("{} vertex {} does not exist; the mesh has {}", role_, v, mesh_.vertex_count()),
+      throw Error(facts::merge::NoSuchVertex{.role = role_, .vertex = v, .count = mesh_.vertex_count()},
                   location);
     const auto found = at_.find(v);
     if (found == at_.end())
-      throw Error(ErrorCode::input, fmt::format("{} vertex {} is not on a boundary", role_, v), location,
-                  "Name a boundary loop; 'meshgraft info' lists them");
+      throw Error(facts::merge::VertexNotOnBoundary{.role = role_, .vertex = v}, location);
     if (found->second.size() > 1)
-      throw Error(ErrorCode::input,
-                  fmt::format("the {}'s boundary touches {} in vertex {}", role_,
-                              found->second[0] == found->second[1] ? "itself" : "another boundary loop", v),
-                  location, "Separate the loops there: take a face away, or repair the mesh");
+      throw Error(facts::merge::BoundaryTouchesItself{.role = role_, .vertex = v}, location);
   }
 
   void require_length(const std::vector<Index>& loop, const std::string& location) const {
     Points points(static_cast<Eigen::Index>(loop.size()), 3);
-    for (std::size_t i = 0; i < loop.size(); ++i)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
       points.row(static_cast<Eigen::Index>(i)) = mesh_.positions.row(loop[i]);
-    if (!points.allFinite())
-      throw Error(ErrorCode::input, fmt::format("a vertex of the {}'s loop is not finite", role_), location);
+      if (!mesh_.positions.row(loop[i]).allFinite())
+        throw Error(facts::merge::VertexNotFinite{.role = role_, .vertex = loop[i]}, location);
+    }
     const double size = points.cwiseAbs().maxCoeff();
     constexpr double least = 1e-60, most = 1e60;  // keeps squares and cubes of lengths in range
     if (LoopCurve(points).length() > 0 && !(LoopCurve(points).length() > least && size < most))
-      throw Error(ErrorCode::input,
-                  fmt::format("the {}'s loop at vertex {} is {:.1e} long in coordinates up to {:.1e}", role_,
-                              loop.front(), LoopCurve(points).length(), size),
-                  location, "Bring the mesh to units in which sizes are between 1e-60 and 1e60");
+      throw Error(
+          facts::merge::LoopLengthOutOfRange{
+              .role = role_, .vertex = loop.front(), .length = LoopCurve(points).length(), .coordinate = size},
+          location);
     if (!(LoopCurve(points).length() > 1e-12 * size))
-      throw Error(ErrorCode::input,
-                  fmt::format("the {}'s loop at vertex {} has no length", role_, loop.front()), location,
-                  "Repair the mesh: all vertices of the loop are in one place");
+      throw Error(facts::merge::LoopWithoutLength{.role = role_, .vertex = loop.front()}, location);
   }
 
   const Mesh& mesh_;
@@ -105,9 +96,7 @@ std::string pair_location(std::size_t pair, std::size_t count) {
 }
 
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs) {
-  if (pairs.empty())
-    throw Error(ErrorCode::input, "no pair of loops is given", "",
-                "Name a loop of the source and the loop of the target that it meets");
+  if (pairs.empty()) throw Error(facts::merge::NoPairs{});
   const MeshLoops target_loops(target, "target"), source_loops(source, "source");
   std::vector<LoopPair> checked;
   std::map<Index, std::size_t> source_owner, target_owner;
@@ -116,9 +105,7 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
     const auto [at, added] = owner.emplace(*std::min_element(loop.begin(), loop.end()), p);
     if (!added)
       throw Error(
-          ErrorCode::input,
-          fmt::format("pairs {} and {} name the same {} loop (vertex {})", at->second, p, role, at->first), "",
-          "Use each loop once");
+          facts::merge::LoopNamedTwice{.pair = at->second, .other_pair = p, .role = role, .vertex = at->first});
   };
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const std::string location = pair_location(p, pairs.size());
@@ -146,11 +133,7 @@ void require_held_components(const Mesh& source, std::span<const LoopPair> pairs
   for (const LoopPair& pair : pairs) held[component[pair.source.front()]] = 1;
   for (Index c = 0; c < count; ++c)
     if (!held[c])
-      throw Error(ErrorCode::input,
-                  fmt::format("no pair holds component {} of the source ({} vertices, the first is vertex {})",
-                              c, size[c], first[c]),
-                  "",
-                  "Pair one of its loops with one of the target's, or take the component out of the source");
+      throw Error(facts::merge::ComponentWithoutPair{.component = c, .vertices = size[c], .vertex = first[c]});
 }
 
 LoopGeometry loop_geometry(const Mesh& mesh, const Points& vertex_normals, const std::vector<Index>& loop) {

@@ -19,7 +19,8 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
 /// simple loop.
 std::vector<Index> checked_loop(const Mesh& mesh, const char* role, const std::vector<Index>& listed);
 
-/// Throws Error(input) naming the first component of the source that no pair constrains.
+/// Throws Error(input) with the id merge.component_without_pair for the first component of the source that no
+/// pair constrains.
 void require_held_components(const Mesh& source, std::span<const LoopPair> pairs);
 
 /// Returns the points of a loop and the surface's unit normals along it. The normals are those of the uncut

@@ -7,8 +7,6 @@
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/normals.h>
@@ -19,8 +17,11 @@
 #include "../core/stopwatch.h"
 #include "../mesh/box_diagonal.h"
 #include "boundary_condition.h"
+#include "core/facts.h"
 #include "graft.h"
 #include "loops.h"
+#include "merge/facts.h"
+#include "open_start.h"
 #include "shape_report.h"
 
 namespace meshgraft {
@@ -44,30 +45,32 @@ std::string_view to_string(MergeShape value) {
 namespace {
 
 void validate_options(const MergeOptions& options, const Mesh& source, const Mesh& target) {
-  const auto require = [](bool good, std::string what, const char* field, std::string remedy = {}) {
-    if (!good) throw Error(ErrorCode::input, std::move(what), field, std::move(remedy));
+  const auto require = [](bool good, const auto& fact, const char* field) {
+    if (!good) throw Error(fact, field);
   };
   if (options.size) {
     constexpr double extreme = 1e6;
     const double same =
         box_diagonal(target.positions) / box_diagonal(source.positions);  // makes both equally large
-    require(*options.size > 0, fmt::format("{} is not a positive number", *options.size), "size");
-    require(!(*options.size < same / extreme) && !(*options.size > same * extreme),
-            fmt::format("{:.3g} makes the part over a million times {} than the target", *options.size,
-                        *options.size < same ? "smaller" : "larger"),
-            "size", fmt::format("Size {:.2g} makes both equally large", same));
+    require(*options.size > 0, facts::core::NotPositive{.value = *options.size}, "size");
+    require(!(*options.size < same / extreme),
+            facts::merge::SizeMakesSourceTiny{.size = *options.size, .same_size = same}, "size");
+    require(!(*options.size > same * extreme),
+            facts::merge::SizeMakesSourceHuge{.size = *options.size, .same_size = same}, "size");
   }
   require(std::abs(options.normal_angle_deg) <= 180,
-          fmt::format("{} is not between -180 and 180", options.normal_angle_deg), "normal_angle_deg");
-  require(!options.reach.rings || *options.reach.rings >= 1, "it is less than one ring", "reach");
-  require(!options.reach.length || *options.reach.length > 0, "it is not a positive length", "reach");
-  require(!(options.reach.rings && options.reach.length), "it is given in rings and as a length", "reach",
-          "Give one of the two");
-  require(options.fixed.empty() || options.pose == MergePose::keep,
-          "the pose is found, so nothing stays in place", "fixed",
-          "Keep the pose (--pose keep), or mark the part as a feature");
+          facts::core::OutOfRange{.value = options.normal_angle_deg, .low = -180, .high = 180},
+          "normal_angle_deg");
+  if (const auto rings = options.reach.rings)
+    require(*rings >= 1, facts::merge::ReachLessThanOneRing{.rings = *rings}, "reach");
+  if (const auto length = options.reach.length)
+    require(*length > 0, facts::core::NotPositive{.value = *length}, "reach");
+  require(!(options.reach.rings && options.reach.length), facts::merge::ReachGivenTwice{}, "reach");
+  require(options.fixed.empty() || options.pose == MergePose::keep, facts::merge::FixedWhilePoseFound{},
+          "fixed");
   for (const Index v : options.fixed)
-    require(v >= 0 && v < source.vertex_count(), fmt::format("source vertex {} does not exist", v), "fixed");
+    require(v >= 0 && v < source.vertex_count(),
+            facts::merge::NoSuchVertex{.role = "source", .vertex = v, .count = source.vertex_count()}, "fixed");
 }
 
 /// The source during a merge: refined at its loops, and turned over where necessary.
@@ -146,38 +149,45 @@ void refine_within_reach(Source& source, const Context& context) {
   }
 }
 
-/// Calls `match_automatically`; errors carry the indices among all pairs.
+/// Calls `match_automatically` for some of the pairs. Where starts are ambiguous, appends them to `open` with
+/// their indices among all pairs, and returns correspondences that are not to be used.
 std::vector<Correspondence> match_members(const std::vector<std::size_t>& members,
                                           std::span<const LoopPair> pairs,
                                           std::span<const LoopGeometry> sources,
                                           std::span<const LoopGeometry> targets, bool posed,
-                                          std::span<const std::string> locations) {
+                                          std::span<const std::string> locations,
+                                          std::vector<OpenStart>& open) {
   try {
     return match_automatically(pairs, sources, targets, posed, locations);
-  } catch (const OpenStartError& error) {
-    std::vector<OpenStart> starts = error.starts();
-    for (OpenStart& start : starts) start.pair = members[start.pair];
-    throw OpenStartError(error, std::move(starts));
+  } catch (const Error& error) {
+    if (error.id() != facts::merge::OpenStart::id) throw;
+    for (OpenStart start : open_starts(error.fact())) {
+      start.pair = members[start.pair];
+      open.push_back(start);
+    }
+    return std::vector<Correspondence>(members.size());
   }
 }
 
 /// Returns one correspondence per pair. It follows the pair's matches where there are any. Else it is found
-/// automatically, for each component of the source over all its pairs without matches.
+/// automatically, for each component of the source over all its pairs without matches. Throws
+/// Error(input) with the id merge.open_start, which lists the ambiguous pairs of all components.
 std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::span<const MergePair> pairs,
                                         std::span<const LoopGeometry> sources,
                                         std::span<const LoopGeometry> targets,
                                         const std::vector<Index>& component, bool posed) {
   std::vector<Correspondence> found(loops.size());
-  std::map<Index, std::vector<std::size_t>> open;  // by component
+  std::map<Index, std::vector<std::size_t>> unmatched;  // by component
   for (std::size_t p = 0; p < loops.size(); ++p) {
     if (pairs[p].matches.empty()) {
-      open[component[loops[p].source.front()]].push_back(p);
+      unmatched[component[loops[p].source.front()]].push_back(p);
     } else {
       found[p] = match_by_arc_length(loops[p], pairs[p].matches, sources[p], targets[p],
                                      pair_location(p, loops.size()));
     }
   }
-  for (const auto& [number, members] : open) {
+  std::vector<OpenStart> open;
+  for (const auto& [number, members] : unmatched) {
     std::vector<LoopPair> some;
     std::vector<LoopGeometry> some_sources, some_targets;
     std::vector<std::string> some_places;
@@ -188,8 +198,12 @@ std::vector<Correspondence> match_loops(std::span<const LoopPair> loops, std::sp
       some_places.push_back(pair_location(p, loops.size()));
     }
     const std::vector<Correspondence> matched =
-        match_members(members, some, some_sources, some_targets, posed, some_places);
+        match_members(members, some, some_sources, some_targets, posed, some_places, open);
     for (std::size_t k = 0; k < members.size(); ++k) found[members[k]] = matched[k];
+  }
+  if (!open.empty()) {
+    std::ranges::sort(open, {}, &OpenStart::pair);
+    throw Error(open_start_fact(open), pair_location(open.front().pair, loops.size()));
   }
   return found;
 }
@@ -239,10 +253,7 @@ std::vector<Index> fixed_beside_loops(const std::vector<Index>& fixed,
   std::set<Index> staying(fixed.begin(), fixed.end());
   for (const auto& loop : loops)
     for (const Index v : loop) staying.erase(v);
-  if (staying.empty())
-    throw Error(ErrorCode::input,
-                "all that shall stay is on the loops that meet the target, so nothing keeps the pose", "fixed",
-                "Name vertices beside the loops, or none: then the part beyond reach stays");
+  if (staying.empty()) throw Error(facts::merge::FixedAllOnLoops{}, "fixed");
   return {staying.begin(), staying.end()};
 }
 
@@ -331,45 +342,27 @@ void add_notes(MergeReport& report, const MergeOptions& options) {
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
-      report.notes.push_back(
-          fmt::format("a boundary of pair {} is ragged ({:.0f}° of turn per vertex too much); "
-                      "--smooth-boundary smooths it first",
-                      p, pair.raggedness_deg));
+      report.notes.push_back(facts::merge::BoundaryRagged{.pair = p, .turn_deg = pair.raggedness_deg});
     if (pair.confidence < unsure)
-      report.notes.push_back(
-          fmt::format("where pair {} begins was found with little confidence ({:.2f}): target "
-                      "vertex {} at source vertex {}; name a start if the part is turned",
-                      p, pair.confidence, pair.start.target, pair.start.source));
+      report.notes.push_back(facts::merge::StartUnsure{
+          .pair = p, .confidence = pair.confidence, .target = pair.start.target, .source = pair.start.source});
   }
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const double misfit = report.pairs[p].misfit_rel;
     if (options.pose == MergePose::keep && (misfit > far_off || (misfit > 1 && report.shape.inverted > 0)))
-      report.notes.push_back(fmt::format(
-          "the source's loop of pair {} is {:.3g} times the radius of the target's away, and the part "
-          "is drawn out that far; --pose find brings it there",
-          p, misfit));
+      report.notes.push_back(facts::merge::SourceDrawnOut{.pair = p, .radii = misfit});
     else if (report.seam.dihedral_p99_deg > folded_deg && misfit > unlike)
-      report.notes.push_back(fmt::format(
-          "the loops of pair {} differ in shape (by {:.0f} % of their radius on average), so the seam "
-          "is bent by {:.0f}°; match more vertices, or cut loops that are more alike",
-          p, 100 * misfit, report.seam.dihedral_p99_deg));
+      report.notes.push_back(facts::merge::LoopsDiffer{
+          .pair = p, .difference_percent = 100 * misfit, .bend_deg = report.seam.dihedral_p99_deg});
   }
   constexpr double pinched = 0.3;
   if (report.shape.smallest_singular_p5 < pinched)
     report.notes.push_back(
-        fmt::format("the part is squeezed to {:.0f} % of its width near the seam; another reach, a "
-                    "finer part, or a given size may help",
-                    100 * report.shape.smallest_singular_p5));
-  if (!report.seam.manifold)
-    report.notes.emplace_back(
-        "the result is not a manifold; `meshgraft info` tells whether one of the two meshes was not");
-  if (report.evaluation.fell_back_to_linear)
-    report.notes.emplace_back("a feature turned inside out, so maps were blended linearly");
+        facts::merge::SourceSqueezed{.width_percent = 100 * report.shape.smallest_singular_p5});
+  if (!report.seam.manifold) report.notes.push_back(facts::merge::ResultNotManifold{});
+  if (report.evaluation.fell_back_to_linear) report.notes.push_back(facts::merge::FeaturesBlended{});
   if (report.shape.inverted > 0)
-    report.notes.push_back(
-        fmt::format("the part turns inside out at {} vertices; another start or more matches may "
-                    "help, or a longer reach",
-                    report.shape.inverted));
+    report.notes.push_back(facts::merge::SourceInverted{.vertices = report.shape.inverted});
 }
 
 /// Removes stored cut normals of loops that are no longer open.
@@ -405,12 +398,8 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   const bool turn = windings_disagree(target, source_mesh);
   if (turn && !options.fix_winding)
     throw Error(
-        ErrorCode::input,
-        fmt::format("the faces of the {} point inward, those of the {} outward, so that their loops do not "
-                    "run opposite ways",
-                    enclosed_volume(target) < 0 ? "target" : "source",
-                    enclosed_volume(target) < 0 ? "source" : "target"),
-        "", "Turn one of the two over, or use --fix-winding, which turns the source over");
+        facts::merge::OrientationsDisagree{.inward = enclosed_volume(target) < 0 ? "target" : "source",
+                                           .outward = enclosed_volume(target) < 0 ? "source" : "target"});
   Source source{turn ? turned_over(source_mesh) : source_mesh, {}, 0};
   source.pairs = checked_loops(target, source.mesh, pairs);
   require_held_components(source.mesh, source.pairs);

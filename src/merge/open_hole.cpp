@@ -9,7 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
@@ -20,6 +19,7 @@
 #include "drop_size.h"
 #include "flat_loop.h"
 #include "footprint.h"
+#include "merge/facts.h"
 #include "placement.h"
 #include "prepared_target.h"
 
@@ -118,14 +118,14 @@ bool cuts_through(const Mesh& source, const FlatLoop& loop, const FitResult& fit
                      [&](const TrianglePair& pair) { return pair[0] < of_target && pair[1] >= of_target; });
 }
 
-/// Cuts out the inside of the outline.
-std::variant<OpenedHole, Misfit> cut_open(const FitResult& fit, const FlatLoop& loop, Index target_vertices,
-                                          const Context& context) {
+/// Cuts out the inside of the outline. Returns the reason where this is not possible.
+std::variant<OpenedHole, Note> cut_open(const FitResult& fit, const FlatLoop& loop, Index target_vertices,
+                                        const Context& context) {
   constexpr double snap = 0.25;  // the ring around the hole is removed anyway
   const PlanePoints& uv = fit.footprint.uv;
   CutResult cut = cut_at_zero(fit.chart->target.mesh, fit.footprint.values,
                               {.keep = CutKeep::above, .snap = snap}, context);
-  if (cut.loops.size() != 1) return Misfit{no_disc};
+  if (cut.loops.size() != 1) return Note(facts::merge::HoleNotDisc{.size = fit.size});
   std::vector<double> arcs;
   for (const Index v : cut.loops.front()) {
     const EdgePoint& origin = cut.origin[static_cast<std::size_t>(v)];
@@ -144,18 +144,17 @@ std::variant<OpenedHole, Misfit> cut_open(const FitResult& fit, const FlatLoop& 
 
 constexpr int most_tries_to_clear = 4;
 
-/// Returns advice for a part that reaches into the target.
-std::string advice_to_clear(const Mesh& source, const FlatLoop& loop, const SizeSearch& search, double size,
-                            const Context& context) {
+/// Returns advice for a source that reaches into the target.
+Note advice_to_clear(const Mesh& source, const FlatLoop& loop, const SizeSearch& search, double size,
+                     const Context& context) {
   double other = size;
   for (int k = 0; k < most_tries_to_clear; ++k) {
     other *= next_size_ratio;
     const SizeTrial trial = search.at(other, true);
     if (trial.fit && !cuts_through(source, loop, *trial.fit, context))
-      return fmt::format("the part reaches into the target at size {:.3g}; at {:.3g} it stands clear", size,
-                         other);
+      return facts::merge::SourceClearIfSmaller{.size = size, .clear_size = other};
   }
-  return "the part reaches into the target; another spin or place may help";
+  return facts::merge::SourceReachesIn{};
 }
 
 OpenedHole open_at_size(const Mesh& target, const Mesh& source, const FlatLoop& loop, const Drop& drop,
@@ -163,15 +162,12 @@ OpenedHole open_at_size(const Mesh& target, const Mesh& source, const FlatLoop& 
   const SizeRange range(target, loop);
   const double size = *drop.size;
   if (size < range.least)
-    throw Error(
-        ErrorCode::input,
-        fmt::format("the part's loop would be less than a millionth of the target's size at {:.3g}", size),
-        "size", fmt::format("Use a size of {:.2g} or more", 1.1 * range.least));
+    throw Error(facts::merge::SizeTooSmall{.size = size, .least = 1.1 * range.least}, "size");
   const SizeSearch search(target, loop, drop, std::min(size, range.largest), context);
-  std::string problem = "the part's loop is larger than the target";
+  Note why = facts::merge::LoopLargerThanTarget{.size = size};
   if (size <= range.largest) {
     const SizeTrial trial = search.at(size, true);
-    problem = trial.misfit;
+    if (trial.misfit) why = *trial.misfit;
     if (trial.fit) {
       auto opened = cut_open(*trial.fit, loop, target.vertex_count(), context);
       if (auto* hole = std::get_if<OpenedHole>(&opened)) {
@@ -179,45 +175,41 @@ OpenedHole open_at_size(const Mesh& target, const Mesh& source, const FlatLoop& 
         if (!hole->clear) hole->notes.push_back(advice_to_clear(source, loop, search, size, context));
         return std::move(*hole);
       }
-      problem = std::get<Misfit>(opened).what;
+      why = std::get<Note>(opened);
     }
   }
   const double fits = search.largest_below(std::min(size, range.largest), range.least);
-  throw Error(ErrorCode::input, fmt::format("{}, at size {:.3g}", problem, size), "surface_point",
-              fits > 0 ? fmt::format("Use a size of at most {:.3g}, or name another place", fits)
-                       : "Name another place");
+  if (fits > 0) throw Error(facts::merge::NoHole{.size = size, .largest = fits}, "surface_point").with(why);
+  throw Error(facts::merge::NoHoleAtAnySize{}, "surface_point").with(why);
 }
 
-/// Opens a hole in the part's own size, or in the largest smaller one that has room and keeps the part clear
-/// of the target.
+/// Opens a hole in the source's own size, or in the largest smaller one that has room and keeps the source
+/// clear of the target.
 OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const FlatLoop& loop, const Drop& drop,
                                 const Context& context) {
   constexpr double least_width = 1e-3;  // × the target's diagonal
   const SizeRange range(target, loop);
-  if (range.least > 1)
-    throw Error(ErrorCode::input, "the part's loop is less than a millionth of the target's size", "size",
-                fmt::format("Are their units different? Give a size of {:.2g} or more", 1.1 * range.least));
+  if (range.least > 1) throw Error(facts::merge::SourceTooSmall{.least = 1.1 * range.least}, "size");
   const double least = std::min(next_size_ratio, least_width * range.largest);
   const SizeSearch search(target, loop, drop, std::min(1.0, range.largest), context);
-  std::string why = "the part's loop is larger than the target";
-  const auto open = [&](const FitResult& fit, const std::string& reason) -> std::optional<OpenedHole> {
+  Note why = facts::merge::LoopLargerThanTarget{.size = 1};
+  const auto open = [&](const FitResult& fit, const Note& reason) -> std::optional<OpenedHole> {
     auto opened = cut_open(fit, loop, target.vertex_count(), context);
     if (auto* hole = std::get_if<OpenedHole>(&opened)) {
-      if (fit.size < 1)
-        hole->notes.push_back(fmt::format("the part is scaled by {:.3g}: {}", fit.size, reason));
+      if (fit.size < 1) hole->notes = {facts::merge::SourceScaled{.size = fit.size}, reason};
       return std::move(*hole);
     }
-    why = std::get<Misfit>(opened).what;
+    why = std::get<Note>(opened);
     return std::nullopt;
   };
-  std::shared_ptr<const FitResult> widest;  // largest one with room, though the part reaches into the target
-  std::string why_widest;
+  std::shared_ptr<const FitResult> widest;  // largest one with room, though the source reaches in
+  Note why_widest = why;
   int tries = 0;
   for (double size = 1; size >= least && tries < most_tries_to_clear; size *= next_size_ratio) {
     if (size > range.largest) continue;
     const SizeTrial trial = search.at(size, false);
-    if (!trial.fit) {
-      why = trial.misfit;
+    if (trial.misfit) {
+      why = *trial.misfit;
     } else if (!cuts_through(source, loop, *trial.fit, context)) {
       if (auto hole = open(*trial.fit, why)) return *std::move(hole);
     } else {
@@ -226,17 +218,17 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
         widest = trial.fit;
         why_widest = why;
       }
-      why = "it would reach into the target";
+      why = facts::merge::SourceWouldReachIn{.size = size};
     }
   }
   if (widest) {
     if (auto hole = open(*widest, why_widest)) {
       hole->clear = false;
-      hole->notes.emplace_back("the part reaches into the target; another spin or place may help");
+      hole->notes.push_back(facts::merge::SourceReachesIn{});
       return *std::move(hole);
     }
   }
-  throw Error(ErrorCode::input, why, "surface_point", "Name another place");
+  throw Error(facts::merge::NoHoleAtAnySize{}, "surface_point").with(why);
 }
 
 /// Refuses a boundary vertex: a hole around it would reach the boundary at any size.
@@ -245,9 +237,7 @@ void require_inner_point(const Mesh& target, const Drop& drop) {
   if (vertex == nullptr) return;
   for (const auto& loop : boundary_loops(target))
     if (std::find(loop.begin(), loop.end(), *vertex) != loop.end())
-      throw Error(ErrorCode::input, fmt::format("target vertex {} is on the boundary", *vertex),
-                  "surface_point",
-                  "Name a vertex farther inside, or fill the hole there by a merge without --at");
+      throw Error(facts::merge::VertexOnBoundary{.vertex = *vertex}, "surface_point");
 }
 
 }  // namespace
@@ -279,8 +269,7 @@ OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<I
   const FlatLoop flat = flatten_loop(target, source, source_loop);
   OpenedHole hole = drop.size ? open_at_size(target, source, flat, drop, context)
                               : open_at_largest_size(target, source, flat, drop, context);
-  if (flat.smoothed)
-    hole.notes.emplace_back("the source's loop crosses itself as seen along its axis; the hole is rounded off");
+  if (flat.smoothed) hole.notes.push_back(facts::merge::LoopRoundedOff{});
   return hole;
 }
 

@@ -11,6 +11,9 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/winding.h>
 
+#include "deform/facts.h"
+#include "merge/facts.h"
+
 namespace meshgraft {
 
 namespace {
@@ -31,10 +34,10 @@ Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* s
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Index v = pairs[i].*side;
     if (v < 0 || v >= mesh.vertex_count())
-      throw Error(ErrorCode::input,
-                  fmt::format("there is no vertex {} among the {}'s {}", v,
-                              side == &Match::source ? "source" : "target", mesh.vertex_count()),
-                  fmt::format("{}[{}]", location, i));
+      throw Error(
+          facts::merge::NoSuchVertex{
+              .role = side == &Match::source ? "source" : "target", .vertex = v, .count = mesh.vertex_count()},
+          fmt::format("{}[{}]", location, i));
     points.row(static_cast<Eigen::Index>(i)) = mesh.positions.row(v);
   }
   return points;
@@ -55,7 +58,7 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
   const Eigen::Matrix3d linear = map.linear();
   const double determinant = linear.determinant();
   if (!(std::abs(determinant) > 1e-12 * std::pow(linear.norm(), 3)))
-    throw Error(ErrorCode::input, "the transform flattens the source", location);
+    throw Error(facts::merge::TransformFlattens{}, location);
   Mesh moved = mesh;
   moved.positions = ((mesh.positions * linear.transpose()).rowwise() + map.translation().transpose()).eval();
   for (Attribute& attribute : moved.attributes)
@@ -66,7 +69,7 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
 
 Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location) {
   const double length = plane.normal.norm();
-  if (!(length > 0)) throw Error(ErrorCode::input, "the normal has no length", location);
+  if (!(length > 0)) throw Error(facts::deform::NormalWithoutLength{}, location);
   const Eigen::Vector3d n = plane.normal / length;
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
   map.linear() -= 2 * n * n.transpose();
@@ -76,17 +79,12 @@ Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location
 
 Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs,
                              const std::string& location) {
-  if (pairs.size() < 3)
-    throw Error(ErrorCode::input, fmt::format("three pairs of vertices pose a part, {} given", pairs.size()),
-                location);
+  if (pairs.size() < 3) throw Error(facts::merge::TooFewPairs{.count = pairs.size()}, location);
   const Points from = gathered(source, pairs, &Match::source, location);
   const Points to = gathered(target, pairs, &Match::target, location);
   for (const Points* side : {&from, &to})
     if (on_a_line(*side))
-      throw Error(ErrorCode::input,
-                  fmt::format("the vertices of the {} lie on a line, so that any turn about it fits",
-                              side == &from ? "source" : "target"),
-                  location, "Choose vertices that span a triangle.");
+      throw Error(facts::merge::VerticesOnALine{.role = side == &from ? "source" : "target"}, location);
   return Eigen::Affine3d(Eigen::umeyama(from.transpose(), to.transpose(), true));
 }
 

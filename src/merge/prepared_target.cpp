@@ -6,13 +6,14 @@
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
 #include "../mesh/box_diagonal.h"
+#include "core/facts.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -66,37 +67,37 @@ PreparedTarget::PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Co
 
 void validate(const Drop& drop, const Mesh& target) {
   if (drop.size && !(*drop.size > 0 && *drop.size < 1e100))
-    throw Error(ErrorCode::input, fmt::format("{} is not a positive number", *drop.size), "size");
-  if (!std::isfinite(drop.spin_deg)) throw Error(ErrorCode::input, "the angle is not finite", "spin_deg");
+    throw Error(facts::core::NotPositive{.value = *drop.size}, "size");
+  if (!std::isfinite(drop.spin_deg)) throw Error(facts::core::NotFinite{.what = "the angle"}, "spin_deg");
   if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point);
       point != nullptr && !point->allFinite())
-    throw Error(ErrorCode::input, "the point is not finite", "surface_point");
+    throw Error(facts::core::NotFinite{.what = "the point"}, "surface_point");
   const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex != nullptr && (*vertex < 0 || *vertex >= target.vertex_count()))
-    throw Error(ErrorCode::input,
-                fmt::format("target vertex {} does not exist; the mesh has {}", *vertex, target.vertex_count()),
-                "surface_point", "Name another vertex, or a point");
+    throw Error(facts::merge::NoSuchSurfaceVertex{.vertex = *vertex, .count = target.vertex_count()},
+                "surface_point");
 }
 
 SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) {
   constexpr double near_surface = 0.05;  // × the target's diagonal
   if (const auto* vertex = std::get_if<Index>(&drop.surface_point)) {
     if (target.rings[*vertex].empty())
-      throw Error(ErrorCode::input, fmt::format("target vertex {} belongs to no face", *vertex),
-                  "surface_point", "Name another vertex, or a point");
+      throw Error(facts::merge::VertexWithoutFace{.vertex = *vertex}, "surface_point");
     return {target.mesh.positions.row(*vertex), {*vertex}};
   }
   const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();
-  if (target.triangles.rows() == 0) throw Error(ErrorCode::input, "the target has no faces");
+  if (target.triangles.rows() == 0) throw Error(facts::merge::TargetWithoutFaces{});
   SurfacePoint found = nearest_on(target, point);
   const double distance = (found.point - point).norm();
   if (!(distance <= near_surface * box_diagonal(target.mesh.positions)))
-    throw Error(ErrorCode::input,
-                fmt::format("the point ({:.6g}, {:.6g}, {:.6g}) is {:.4g} away from the target's surface",
-                            point.x(), point.y(), point.z(), distance),
-                "surface_point",
-                fmt::format("Name a point near it; the nearest one is {:.6g},{:.6g},{:.6g}", found.point.x(),
-                            found.point.y(), found.point.z()));
+    throw Error(facts::merge::PointOffSurface{.x = point.x(),
+                                              .y = point.y(),
+                                              .z = point.z(),
+                                              .distance = distance,
+                                              .nearest_x = found.point.x(),
+                                              .nearest_y = found.point.y(),
+                                              .nearest_z = found.point.z()},
+                "surface_point");
   return found;
 }
 

@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/refine.h>
 
 #include "../mesh/edge_table.h"
+#include "merge/facts.h"
 
 namespace meshgraft {
 
@@ -227,12 +228,8 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
         ++for_length[k];
         to_halve.push_back(k);
       } else if (outer[k].empty()) {
-        if (for_shape[k]++ == most_halvings_for_shape) {
-          throw Error(ErrorCode::input,
-                      "the ring of faces at the target's loop cannot be taken away without cutting off more",
-                      requests[k].location,
-                      "Repair the target near the loop: it is not an oriented manifold there");
-        }
+        if (for_shape[k]++ == most_halvings_for_shape)
+          throw Error(facts::merge::RingNotRemovable{}, requests[k].location);
         to_halve.push_back(k);
       }
     }

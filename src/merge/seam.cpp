@@ -14,7 +14,9 @@
 
 #include "../mesh/area_vector.h"
 #include "../mesh/edge_table.h"
+#include "core/facts.h"
 #include "gap_fill.h"
+#include "merge/facts.h"
 #include "ring_removal.h"
 #include "seam_attributes.h"
 #include "seam_fairing.h"
@@ -30,12 +32,17 @@ using Loop = std::vector<Index>;
 std::string location_of(std::size_t pair) { return "pair " + std::to_string(pair); }
 
 void check_options(const SeamOptions& options) {
-  const auto fail = [](const std::string& what) { throw Error(ErrorCode::input, what, "seam options"); };
-  if (!(options.edge_ratio >= 1)) fail("the edge ratio must be at least 1");
-  if (options.smoothing_steps < 0) fail("the number of smoothing steps must not be negative");
-  if (options.target_rings < 0 || options.source_rings < 0) fail("the number of rings must not be negative");
-  if (!(options.sharp_angle_deg >= 0 && options.sharp_angle_deg <= 180))
-    fail("the sharp angle must lie between 0 and 180 degrees");
+  const auto require = [](bool good, const auto& fact, const char* option) {
+    if (!good) throw Error(fact, option);
+  };
+  require(options.edge_ratio >= 1, facts::merge::EdgeRatioBelowOne{.edge_ratio = options.edge_ratio},
+          "edge_ratio");
+  require(options.smoothing_steps >= 0, facts::core::Negative{.value = options.smoothing_steps},
+          "smoothing_steps");
+  require(options.target_rings >= 0, facts::core::Negative{.value = options.target_rings}, "target_rings");
+  require(options.source_rings >= 0, facts::core::Negative{.value = options.source_rings}, "source_rings");
+  require(options.sharp_angle_deg >= 0 && options.sharp_angle_deg <= 180,
+          facts::core::OutOfRange{.value = options.sharp_angle_deg, .low = 0, .high = 180}, "sharp_angle_deg");
 }
 
 // Returns the half-edges without a partner, from vertex to vertex.
@@ -51,51 +58,32 @@ std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
 
 // Throws unless each loop is a simple boundary loop in the direction of its mesh's half-edges and shares no
 // vertex with another.
-void check_loops(const Mesh& mesh, const std::string& mesh_name, const std::vector<const Loop*>& loops) {
+void check_loops(const Mesh& mesh, const std::string& role, const std::vector<const Loop*>& loops) {
   const auto steps = border_steps(mesh);
   std::unordered_map<Index, std::size_t> owner;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const Loop& loop = *loops[k];
-    const std::string location = location_of(k) + ", " + mesh_name + " loop";
-    if (loop.size() < 3) {
-      throw Error(ErrorCode::input,
-                  "a loop needs at least 3 vertices, this one has " + std::to_string(loop.size()), location);
-    }
+    const std::string location = location_of(k) + ", " + role + " loop";
+    if (loop.size() < 3) throw Error(facts::merge::LoopTooShort{.count = loop.size()}, location);
     for (const Index v : loop) {
       if (v >= 0 && v < mesh.vertex_count()) continue;
-      throw Error(ErrorCode::input,
-                  "index " + std::to_string(v) + " is not one of the " + std::to_string(mesh.vertex_count()) +
-                      " vertices",
+      throw Error(facts::merge::NoSuchVertex{.role = role, .vertex = v, .count = mesh.vertex_count()},
                   location);
     }
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
       const auto [entry, is_new] = owner.emplace(a, k);
-      if (!is_new) {
-        const bool own = entry->second == k;
-        throw Error(
-            ErrorCode::input,
-            own ? "the loop passes vertex " + std::to_string(a) + " twice"
-                : "the loop meets that of " + location_of(entry->second) + " in vertex " + std::to_string(a),
-            location, "List each vertex of one simple boundary loop once");
-      }
-      if (!mesh.positions.row(a).allFinite()) {
-        throw Error(ErrorCode::input, "vertex " + std::to_string(a) + " has no finite position", location);
-      }
+      if (!is_new && entry->second == k) throw Error(facts::merge::LoopPassesTwice{.vertex = a}, location);
+      if (!is_new) throw Error(facts::merge::LoopsMeet{.pair = entry->second, .vertex = a}, location);
+      if (!mesh.positions.row(a).allFinite())
+        throw Error(facts::merge::VertexNotFinite{.role = role, .vertex = a}, location);
       const auto runs = [&](Index from, Index to) {
         const auto found = steps.find(from);
         return found != steps.end() && std::count(found->second.begin(), found->second.end(), to) > 0;
       };
       if (runs(a, b)) continue;
-      if (runs(b, a)) {
-        throw Error(ErrorCode::input,
-                    "the loop runs against the half-edges of its mesh at vertex " + std::to_string(a), location,
-                    "List it with the surface at the left hand, or flip the mesh's faces");
-      }
-      throw Error(
-          ErrorCode::input,
-          "vertices " + std::to_string(a) + " and " + std::to_string(b) + " are not joined by a boundary edge",
-          location, "List all vertices of a boundary loop in order");
+      if (runs(b, a)) throw Error(facts::merge::LoopRunsBackwards{.vertex = a}, location);
+      throw Error(facts::merge::NoBoundaryEdge{.vertex = a, .next_vertex = b}, location);
     }
   }
 }
@@ -257,7 +245,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
       mesh = std::move(unfaired);
       result.band.clear();
       result.report = before;
-      result.notes.emplace_back("fairing would have folded the surface at the seam, so it was left as it is");
+      result.notes.push_back(facts::merge::SeamNotFaired{});
     }
   }
   result.report.expected_euler_characteristic =

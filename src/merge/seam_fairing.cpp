@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/laplacian.h>
 
+#include "merge/facts.h"
 #include "reduce_folds.h"
 #include "tangential_relaxation.h"
 
@@ -173,9 +174,8 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
   Points points = band.patch.points;
   for (Index v = 0; v < static_cast<Index>(points.rows()); ++v) {
     if (points.row(v).allFinite()) continue;
-    throw Error(ErrorCode::input, "a vertex near the seam has no finite position",
-                "vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh",
-                "Repair the mesh that it comes from");
+    throw Error(facts::merge::SeamVertexNotFinite{.vertex = band.patch.vertex[v]},
+                "vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh");
   }
   if (band.unknowns > 0 && options.smoothing_steps > 0) {
     // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it moves vertices

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,10 +10,12 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
 #include "cut_snap.h"
 #include "disjoint_sets.h"
 #include "drawn_cut.h"
 #include "edge_table.h"
+#include "mesh/facts.h"
 
 namespace meshgraft {
 
@@ -23,14 +24,11 @@ namespace {
 constexpr double ulp = std::numeric_limits<double>::epsilon();
 
 void check(const Mesh& mesh, std::span<const double> values, const CutOptions& options) {
-  if (values.size() != static_cast<std::size_t>(mesh.vertex_count())) {
-    throw Error(ErrorCode::input, std::to_string(values.size()) + " values were given for " +
-                                      std::to_string(mesh.vertex_count()) + " vertices");
-  }
+  if (values.size() != static_cast<std::size_t>(mesh.vertex_count()))
+    throw Error(facts::mesh::ValueCountMismatch{.values = values.size(), .vertices = mesh.vertex_count()});
   const auto missing = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
-  if (missing != values.end())
-    throw Error(ErrorCode::input, "the value is not a finite number",
-                "vertex " + std::to_string(missing - values.begin()));
+  if (const auto v = missing - values.begin(); missing != values.end())
+    throw Error(facts::mesh::ValueNotFinite{.vertex = v}, fmt::format("vertex {}", v));
   check(mesh, options);
 }
 
@@ -223,14 +221,13 @@ class Drawing {
 };
 
 void require_crossed(std::span<const double> heights) {
-  if (heights.empty()) throw Error(ErrorCode::input, "the mesh has no vertices");
+  if (heights.empty()) throw Error(facts::mesh::NoVertices{});
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   if (*low < 0 && *high > 0) return;
   const bool is_above = *low >= 0;
-  throw Error(ErrorCode::input,
-              fmt::format("the plane does not cut the mesh, which lies {} it, {:.6g} to {:.6g} away",
-                          is_above ? "above" : "below", is_above ? 0.0 + *low : 0.0 - *high,
-                          is_above ? 0.0 + *high : 0.0 - *low));
+  throw Error(facts::mesh::PlaneMissesMesh{.side = is_above ? "above" : "below",
+                                           .low = is_above ? 0.0 + *low : 0.0 - *high,
+                                           .high = is_above ? 0.0 + *high : 0.0 - *low});
 }
 
 }  // namespace
@@ -252,7 +249,7 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
   context.step("cut", 0.4);
   Drawing(coarse, rounded, cut).run();
   if (std::all_of(cut.side.begin(), cut.side.end(), [](Side side) { return side == 0; }))
-    throw Error(ErrorCode::input, "nothing is cut: no part of the surface has neighbours on both sides");
+    throw Error(facts::mesh::NothingCut{});
   for (const double value : rounded) cut.vertex_side.push_back(value > 0 ? 1 : -1);
   context.step("cut", 0.6);
   cut.normals = whole_normals(mesh, cut);
@@ -265,16 +262,14 @@ CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eig
                        const CutOptions& options, const Context& context) {
   check(mesh, options);
   const double length = normal.stableNorm();
-  if (!point.allFinite()) throw Error(ErrorCode::input, "the plane's point is not finite");
-  if (!(length > 0) || !std::isfinite(length))
-    throw Error(ErrorCode::input, "the plane's normal must be finite and not zero");
+  if (!point.allFinite()) throw Error(facts::core::NotFinite{.what = "the plane's point"});
+  if (!(length > 0) || !std::isfinite(length)) throw Error(facts::mesh::PlaneNormalUnusable{});
   const Eigen::Vector3d unit = normal / length;
 
   std::vector<double> values(mesh.vertex_count());
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const Eigen::Vector3d x = mesh.positions.row(v);
-    if (!x.allFinite())
-      throw Error(ErrorCode::input, "the position is not finite", "vertex " + std::to_string(v));
+    if (!x.allFinite()) throw Error(facts::mesh::PositionNotFinite{.vertex = v}, fmt::format("vertex {}", v));
     const double rounding = 4 * ulp * (x.cwiseAbs().maxCoeff() + point.cwiseAbs().maxCoeff());
     values[v] = (x - point).dot(unit);
     if (std::abs(values[v]) <= rounding) values[v] = 0;

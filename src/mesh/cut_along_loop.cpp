@@ -8,11 +8,13 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
 
+#include "core/facts.h"
 #include "cut_snap.h"
 #include "disjoint_sets.h"
 #include "drawn_cut.h"
 #include "edge_table.h"
 #include "fans.h"
+#include "mesh/facts.h"
 #include "surface_path.h"
 
 namespace meshgraft {
@@ -32,18 +34,13 @@ struct CurvePoint {
 std::string name(Index v) { return "vertex " + std::to_string(v); }
 
 void check_vertices(const Mesh& mesh, std::span<const Index> vertices) {
-  if (vertices.size() < 3) {
-    throw Error(ErrorCode::input, "a loop needs three vertices, here are " + std::to_string(vertices.size()));
-  }
+  if (vertices.size() < 3) throw Error(facts::mesh::LoopTooShort{.count = vertices.size()});
   std::set<Index> seen;
   for (const Index v : vertices) {
-    if (v < 0 || v >= mesh.vertex_count()) {
-      throw Error(ErrorCode::input, "index " + std::to_string(v) + " is not one of the " +
-                                        std::to_string(mesh.vertex_count()) + " vertices");
-    }
-    if (!seen.insert(v).second) throw Error(ErrorCode::input, "is listed twice", name(v));
-    if (!mesh.positions.row(v).allFinite())
-      throw Error(ErrorCode::input, "the position is not finite", name(v));
+    if (v < 0 || v >= mesh.vertex_count())
+      throw Error(facts::core::NoSuchVertex{.vertex = v, .count = mesh.vertex_count()});
+    if (!seen.insert(v).second) throw Error(facts::mesh::LoopRepeatsVertex{.vertex = v}, name(v));
+    if (!mesh.positions.row(v).allFinite()) throw Error(facts::mesh::PositionNotFinite{.vertex = v}, name(v));
   }
 }
 
@@ -108,15 +105,13 @@ class LoopCut {
     }
   }
 
-  std::string leg_name(std::size_t leg) const {
-    return "between vertices " + std::to_string(stations_[leg]) + " and " +
-           std::to_string(stations_[(leg + 1) % stations_.size()]);
-  }
+  Index leg_end(std::size_t leg) const { return stations_[(leg + 1) % stations_.size()]; }
 
   [[noreturn]] void fail_crossing(const CurvePoint& a, const CurvePoint& b) const {
-    throw Error(ErrorCode::input,
-                "the curve crosses or touches itself, " + leg_name(a.leg) + " and " + leg_name(b.leg), {},
-                "List more vertices, in order around the loop.");
+    throw Error(facts::mesh::LoopCrossesItself{.from = stations_[a.leg],
+                                               .to = leg_end(a.leg),
+                                               .other_from = stations_[b.leg],
+                                               .other_to = leg_end(b.leg)});
   }
 
   void require_simple() const {
@@ -130,18 +125,15 @@ class LoopCut {
     std::map<Index, const CurvePoint*> seen;
     for (const CurvePoint& point : curve_) {
       if (!point.at_vertex()) continue;
-      if (on_border[point.at.from] || fans[point.at.from] != 1) {
-        throw Error(ErrorCode::input,
-                    "the curve touches the boundary, or a place where the surface is not manifold, " +
-                        leg_name(point.leg),
-                    name(point.at.from), "Lead the loop around it, by more vertices.");
-      }
+      if (const Index v = point.at.from; on_border[v] || fans[v] != 1)
+        throw Error(
+            facts::mesh::LoopTouchesBoundary{
+                .vertex = v, .from = stations_[point.leg], .to = leg_end(point.leg)},
+            name(v));
       if (const auto [other, is_new] = seen.try_emplace(point.at.from, &point); !is_new)
         fail_crossing(*other->second, point);
     }
-    if (curve_.size() < 3)
-      throw Error(ErrorCode::input, "the curve encloses nothing: its shortest ways lie on one another", {},
-                  "List more vertices, in order around the loop.");
+    if (curve_.size() < 3) throw Error(facts::mesh::LoopEnclosesNothing{});
   }
 
   // --- snapping ---
@@ -392,8 +384,7 @@ class LoopCut {
     cut_.face_side.assign(faces.size(), 0);
     if (above == below) {
       if (keep == CutKeep::both) return;
-      throw Error(ErrorCode::input, "the loop does not part the surface: there is no side to keep", {},
-                  "Keep both; the cut opens the surface along two loops.");
+      throw Error(facts::mesh::LoopDoesNotPart{});
     }
     for (Index f = 0; f < faces.size(); ++f) {
       if (components.root(f) == above) cut_.face_side[f] = 1;

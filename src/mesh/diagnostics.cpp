@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include <meshgraft/core/error.h>
@@ -9,10 +10,12 @@
 
 #include "closed_components.h"
 #include "coincident.h"
+#include "counted_note.h"
 #include "edge_table.h"
 #include "face_defects.h"
 #include "face_keys.h"
 #include "fans.h"
+#include "mesh/facts.h"
 
 namespace meshgraft {
 
@@ -76,19 +79,6 @@ std::vector<Index> repeated_faces(const Mesh& mesh, const EdgeTable& table) {
   return repeated;
 }
 
-std::string counted(Index count, const std::string& one, const std::string& many) {
-  return count == 1 ? "1 " + one : std::to_string(count) + " " + many;
-}
-
-std::string list_first(std::span<const Index> indices) {
-  constexpr std::size_t shown = 5;
-  std::string text;
-  for (std::size_t k = 0; k < std::min(shown, indices.size()); ++k) {
-    text += (k ? ", " : "") + std::to_string(indices[k]);
-  }
-  return indices.size() > shown ? text + ", …" : text;
-}
-
 }  // namespace
 
 const Finding* Diagnostics::find(std::string_view name) const {
@@ -99,12 +89,11 @@ const Finding* Diagnostics::find(std::string_view name) const {
 
 Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   Diagnostics report;
-  const auto add = [&](Finding finding, const std::string& one, const std::string& many) {
-    if (finding.count == 0) finding.count = static_cast<Index>(finding.indices.size());
-    finding.description = counted(finding.count, one, many);
-    if (finding.count > 0) report.findings.push_back(std::move(finding));
+  const auto add = [&](const char* name, Severity severity, Domain domain, CountedNote note,
+                       std::vector<Index> indices, std::size_t edges = 0) {
+    const auto count = static_cast<Index>(edges > 0 ? edges : indices.size());
+    if (count > 0) report.findings.push_back({name, severity, count, domain, std::move(indices), note(count)});
   };
-  const auto count_of = [](const std::vector<Index>& list) { return static_cast<Index>(list.size()); };
 
   context.step("check", 0);
   const Index vertices = mesh.vertex_count();
@@ -112,20 +101,10 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const auto where = [&](Index count, const auto& predicate) {
     return indices_where(count, predicate, context);
   };
-  add({.name = "non-finite",
-       .severity = Severity::refused,
-       .domain = Domain::vertex,
-       .indices = where(vertices, [&](Index v) { return !is_finite(mesh, v); }),
-       .remedy = "Remove these vertices or give them finite coordinates; 'meshgraft repair' removes them with "
-                 "their faces."},
-      "vertex has a coordinate that is not a finite number",
-      "vertices have a coordinate that is not a finite number");
-  add({.name = "index-out-of-range",
-       .severity = Severity::refused,
-       .domain = Domain::face,
-       .indices = where(faces, [&](Index f) { return !in_range(mesh, f); }),
-       .remedy = "Export the mesh again, or remove these faces: 'meshgraft repair' does."},
-      "face names a vertex that does not exist", "faces name a vertex that does not exist");
+  add("non-finite", Severity::refused, Domain::vertex, counted<facts::mesh::NonFinite>,
+      where(vertices, [&](Index v) { return !is_finite(mesh, v); }));
+  add("index-out-of-range", Severity::refused, Domain::face, counted<facts::mesh::IndexOutOfRange>,
+      where(faces, [&](Index f) { return !in_range(mesh, f); }));
 
   const auto degenerate = [&](Index f) { return is_degenerate(mesh.faces[f]); };
   const auto without_area = [&](Index f) {
@@ -135,19 +114,10 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
     }
     return has_no_area(mesh.faces[f], mesh.positions);
   };
-  add({.name = "degenerate-face",
-       .severity = Severity::repaired,
-       .domain = Domain::face,
-       .indices = where(faces, degenerate),
-       .remedy = "Repeated corners are skipped; the file keeps them."},
-      "face has fewer than three corners or a vertex twice",
-      "faces have fewer than three corners or a vertex twice");
-  add({.name = "zero-area-face",
-       .severity = Severity::repaired,
-       .domain = Domain::face,
-       .indices = where(faces, without_area),
-       .remedy = "Weights and normals leave them out; the file keeps them."},
-      "face has no area", "faces have no area");
+  add("degenerate-face", Severity::repaired, Domain::face, counted<facts::mesh::DegenerateFace>,
+      where(faces, degenerate));
+  add("zero-area-face", Severity::repaired, Domain::face, counted<facts::mesh::ZeroAreaFace>,
+      where(faces, without_area));
 
   context.step("check", 0.2);
   const EdgeTable table(vertices, mesh.faces);
@@ -156,62 +126,23 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
   const auto against =
       where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
-  add({.name = "isolated-vertex",
-       .severity = Severity::repaired,
-       .domain = Domain::vertex,
-       .indices = where(vertices, [&](Index v) { return fans[v] == 0; }),
-       .remedy = "They keep their place and their line in the file."},
-      "vertex belongs to no face", "vertices belong to no face");
-  add({.name = "duplicate-vertex",
-       .severity = Severity::repaired,
-       .domain = Domain::vertex,
-       .indices = torn_vertices(mesh, table),
-       .remedy = "The surface is open between them: as a soup of faces, or along a seam. 'meshgraft repair' "
-                 "welds them "
-                 "for good."},
-      "boundary vertex lies where another does", "boundary vertices lie where others do");
-  add({.name = "non-manifold-edge",
-       .severity = Severity::note,
-       .count = count_of(crowded),
-       .domain = Domain::vertex,
-       .indices = ends_of(table, crowded),
-       .remedy = "A loop there cannot be merged: take faces away until each edge has two at most."},
-      "edge has more than two faces", "edges have more than two faces");
-  add({.name = "non-manifold-vertex",
-       .severity = Severity::note,
-       .domain = Domain::vertex,
-       .indices = where(vertices, [&](Index v) { return fans[v] > 1; }),
-       .remedy = "A loop there cannot be merged: give each fan a vertex of its own, or take one away."},
-      "vertex joins separate fans of faces", "vertices join separate fans of faces");
-  add({.name = "duplicate-face",
-       .severity = Severity::note,
-       .domain = Domain::face,
-       .indices = repeated_faces(mesh, table),
-       .remedy = "Their edges have faces too many: take all but one of them away."},
-      "face has the corners of an earlier one", "faces have the corners of an earlier one");
-  add({.name = "inconsistent-winding",
-       .severity = Severity::note,
-       .count = count_of(against),
-       .domain = Domain::vertex,
-       .indices = ends_of(table, against),
-       .remedy = "Normals there are unreliable, and a loop there cannot be merged: make the faces' orientation "
-                 "consistent (a Möbius strip has none: cut it open)."},
-      "edge has two faces that are wound against each other",
-      "edges have two faces that are wound against each other");
+  add("isolated-vertex", Severity::repaired, Domain::vertex, counted<facts::mesh::IsolatedVertex>,
+      where(vertices, [&](Index v) { return fans[v] == 0; }));
+  add("duplicate-vertex", Severity::repaired, Domain::vertex, counted<facts::mesh::DuplicateVertex>,
+      torn_vertices(mesh, table));
+  add("non-manifold-edge", Severity::note, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
+      ends_of(table, crowded), crowded.size());
+  add("non-manifold-vertex", Severity::note, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
+      where(vertices, [&](Index v) { return fans[v] > 1; }));
+  add("duplicate-face", Severity::note, Domain::face, counted<facts::mesh::DuplicateFace>,
+      repeated_faces(mesh, table));
+  add("inconsistent-winding", Severity::note, Domain::vertex, counted<facts::mesh::InconsistentWinding>,
+      ends_of(table, against), against.size());
   context.step("check", 0.9);
-  add({.name = "inward-facing-component",
-       .severity = Severity::note,
-       .domain = Domain::vertex,
-       .indices = inward_components(mesh, table, context).components,
-       .remedy = "Its normals point into it: turn its faces over."},
-      "closed part faces inward (its first vertex is named)",
-      "closed parts face inward (their first vertices are named)");
-  add({.name = "polygon",
-       .severity = Severity::note,
-       .domain = Domain::face,
-       .indices = where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }),
-       .remedy = "They are solved on their triangles and written as they were."},
-      "face has more than three corners", "faces have more than three corners");
+  add("inward-facing-component", Severity::note, Domain::vertex, counted<facts::mesh::InwardFacingComponent>,
+      inward_components(mesh, table, context).components);
+  add("polygon", Severity::note, Domain::face, counted<facts::mesh::Polygon>,
+      where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }));
   context.step("check", 1);
   return report;
 }
@@ -241,9 +172,10 @@ void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const
       if (touches(finding, i)) here.push_back(i);
     }
     if (here.empty()) continue;
-    const std::string kind = finding.domain == Domain::vertex ? "vertex " : "face ";
-    const std::string first = (reach.empty() ? "" : "within reach: ") + kind + list_first(here);
-    throw Error(ErrorCode::input, finding.description + " (" + first + ")", name, finding.remedy);
+    const auto first = std::span(here).first(std::min<std::size_t>(here.size(), 5));
+    if (finding.domain == Domain::vertex)
+      throw Error(facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = first}, name);
+    throw Error(facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = first}, name);
   }
 }
 

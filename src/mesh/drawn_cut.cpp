@@ -13,8 +13,10 @@
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "core/facts.h"
 #include "disjoint_sets.h"
 #include "edge_table.h"
+#include "mesh/facts.h"
 
 namespace meshgraft {
 
@@ -271,14 +273,12 @@ class Separation {
 
 void check(const Mesh& mesh, const CutOptions& options) {
   constexpr double most = 1e60;  // products of lengths must stay finite
-  if (mesh.face_count() == 0)
-    throw Error(ErrorCode::input, "the mesh has no faces", {}, "Export it with its faces.");
+  if (mesh.face_count() == 0) throw Error(facts::core::NoFaces{});
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (const double size = mesh.positions.row(v).cwiseAbs().maxCoeff(); size > most && std::isfinite(size))
-      throw Error(ErrorCode::input, fmt::format("a coordinate is as large as {:.1e}", size),
-                  fmt::format("vertex {}", v), "Scale the mesh down, to sizes below 1e60.");
+      throw Error(facts::mesh::CoordinateTooLarge{.vertex = v, .size = size}, fmt::format("vertex {}", v));
   if (!(options.snap >= 0 && options.snap <= 0.5))
-    throw Error(ErrorCode::input, "must be between 0 and 0.5", "snap");
+    throw Error(facts::core::OutOfRange{.value = options.snap, .low = 0, .high = 0.5}, "snap");
 }
 
 Points whole_normals(const Mesh& mesh, const DrawnCut& cut) {

@@ -24,7 +24,7 @@ struct DrawnCut {
   std::vector<Side> vertex_side;  ///< per vertex of the mesh, for isolated ones; those with 0 are always kept
 };
 
-/// Throws Error(input) for options out of range.
+/// Throws Error(input) for a mesh without faces or of huge coordinates, and for options out of range.
 void check(const Mesh& mesh, const CutOptions& options);
 
 /// Returns the normals of the whole surface at all vertices, including those inserted by the cut.

@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "mesh/facts.h"
+
 namespace meshgraft {
 
 namespace {
@@ -246,8 +248,8 @@ class Joiner {
     const bool is_material = a.name == "material";
     if (is_material || a.name == "group" || !a.labels.empty() || !b.labels.empty()) {
       for (const auto& [old_name, new_name] : join_labels(a, b, is_material && !same_source())) {
-        result_.notes.push_back("The second mesh's " + a.name + " '" + old_name + "' is called '" + new_name +
-                                "', for the first has one of that name too.");
+        result_.notes.push_back(
+            facts::mesh::RenamedLabel{.attribute = a.name, .name = old_name, .new_name = new_name});
         if (is_material) renamed_materials_[old_name] = new_name;
       }
     }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <string>
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -11,6 +10,7 @@
 #include <meshgraft/core/parallel.h>
 
 #include "area_vector.h"
+#include "core/facts.h"
 #include "face_defects.h"
 #include "tangents.h"
 
@@ -195,11 +195,9 @@ Points vertex_normals(const Mesh& mesh) {
 }
 
 void update_normals(Mesh& mesh, const Points& rest) {
-  if (rest.rows() != mesh.positions.rows()) {
-    throw Error(ErrorCode::usage, "the rest positions have " + std::to_string(rest.rows()) +
-                                      " rows, the mesh has " + std::to_string(mesh.positions.rows()) +
-                                      " vertices");
-  }
+  if (rest.rows() != mesh.positions.rows())
+    throw Error(facts::core::SizeMismatch{
+        .what = "rest positions", .given = rest.rows(), .of = "vertices", .needed = mesh.positions.rows()});
   const Flags moved = moved_faces(mesh, rest);
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.name != "normal" || attribute.components != 3) continue;

@@ -1,10 +1,10 @@
 #include <meshgraft/mesh/refine.h>
 
-#include <string>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
 #include "edge_table.h"
 #include "traced_faces.h"
 
@@ -18,10 +18,7 @@ EdgePoint midpoint_of(Index a, Index b) { return {a, b, 0.5}; }
 Flags mark(Index vertex_count, std::span<const Index> vertices) {
   Flags marked(vertex_count, false);
   for (const Index v : vertices) {
-    if (v < 0 || v >= vertex_count) {
-      throw Error(ErrorCode::input, "index " + std::to_string(v) + " is not one of the " +
-                                        std::to_string(vertex_count) + " vertices");
-    }
+    if (v < 0 || v >= vertex_count) throw Error(facts::core::NoSuchVertex{.vertex = v, .count = vertex_count});
     marked[v] = true;
   }
   return marked;

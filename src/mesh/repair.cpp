@@ -5,6 +5,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "mesh/facts.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
@@ -13,21 +15,18 @@ namespace {
 
 void check(const RepairOptions& options) {
   if (options.weld_distance && !(*options.weld_distance >= 0 && std::isfinite(*options.weld_distance)))
-    throw Error(ErrorCode::input, "must be a length of 0 or more", "weld_distance");
+    throw Error(facts::core::NegativeOrNotFinite{.value = *options.weld_distance}, "weld_distance");
   if (!(options.debris_rel >= 0 && options.debris_rel <= 1))
-    throw Error(ErrorCode::input, "must be 0 to 1", "debris_rel");
+    throw Error(facts::core::OutOfRange{.value = options.debris_rel, .low = 0, .high = 1}, "debris_rel");
   if (options.hole_edges && *options.hole_edges < 0)
-    throw Error(ErrorCode::input, "must be 0 or more", "hole_edges");
+    throw Error(facts::core::Negative{.value = *options.hole_edges}, "hole_edges");
 }
 
 // Throws for invalid elements, because no other step works with them.
 void require_valid(const Mesh& mesh) {
   triangulate(mesh);  // throws for an index out of range
   for (const Index v : mesh.faces.corners())
-    if (!mesh.positions.row(v).allFinite())
-      throw Error(ErrorCode::input,
-                  "vertex " + std::to_string(v) + " has a coordinate that is not a finite number", "",
-                  "Let the repair remove invalid faces.");
+    if (!mesh.positions.row(v).allFinite()) throw Error(facts::mesh::VertexNotFinite{.vertex = v});
 }
 
 // Runs all steps except those that need a clean surface. Returns whether anything changed.
@@ -66,8 +65,7 @@ RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Contex
   RepairSurface surface(mesh, context);
   for (int round = 0;; ++round) {
     if (round == most_rounds) {
-      surface.note("After " + std::to_string(most_rounds) +
-                   " rounds there was still something to change; repair the result once more.");
+      surface.note(facts::mesh::RepairUnfinished{.rounds = most_rounds});
       break;
     }
     context.step("repair", static_cast<double>(round) / most_rounds);

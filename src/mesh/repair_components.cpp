@@ -6,6 +6,7 @@
 
 #include "coincident.h"
 #include "face_keys.h"
+#include "mesh/facts.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
@@ -34,7 +35,7 @@ ConnectedComponents components_of(const RepairSurface& surface) {
 namespace {
 
 bool remove_components(RepairSurface& surface, const ConnectedComponents& components, const Flags& doomed,
-                       const std::string& name, const std::string& one, const std::string& many) {
+                       const std::string& name, CountedNote note) {
   const auto count = static_cast<Index>(std::count(doomed.begin(), doomed.end(), 1));
   if (count == 0) return false;
   Flags faces(components.of_face.size());
@@ -43,7 +44,7 @@ bool remove_components(RepairSurface& surface, const ConnectedComponents& compon
     faces[f] = doomed[components.of_face[f]];
     if (faces[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
-  surface.report(name, Domain::face, std::move(given), count, one, many);
+  surface.report(name, Domain::face, std::move(given), count, note);
   surface.remove_faces(faces);
   return true;
 }
@@ -78,8 +79,7 @@ bool remove_duplicate_shells(RepairSurface& surface) {
       for (const Index g : own) covered[g] = 1;
   }
   return remove_components(surface, components, doomed, "removed-duplicate-shell",
-                           "part that lies on another one, face by face, was removed",
-                           "parts that lie on another one, face by face, were removed");
+                           counted<facts::mesh::RemovedDuplicateShell>);
 }
 
 bool remove_debris(RepairSurface& surface, double debris_rel) {
@@ -91,8 +91,7 @@ bool remove_debris(RepairSurface& surface, double debris_rel) {
   for (std::size_t component = 0; component < doomed.size(); ++component)
     doomed[component] = components.faces[component] < debris_rel * most_faces &&
                         components.area[component] < debris_rel * largest_area;
-  return remove_components(surface, components, doomed, "removed-debris", "small loose part was removed",
-                           "small loose parts were removed");
+  return remove_components(surface, components, doomed, "removed-debris", counted<facts::mesh::RemovedDebris>);
 }
 
 }  // namespace meshgraft

@@ -6,6 +6,7 @@
 
 #include "face_defects.h"
 #include "face_keys.h"
+#include "mesh/facts.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
@@ -29,12 +30,9 @@ bool remove_invalid(RepairSurface& surface) {
   }
   if (any_out)
     surface.report_faces("removed-out-of-range-face", out_of_range,
-                         "face that names a vertex which does not exist was removed",
-                         "faces that name a vertex which does not exist were removed");
+                         counted<facts::mesh::RemovedOutOfRangeFace>);
   if (any_non_finite)
-    surface.report_faces("removed-non-finite-face", non_finite,
-                         "face at a vertex without finite coordinates was removed",
-                         "faces at a vertex without finite coordinates were removed");
+    surface.report_faces("removed-non-finite-face", non_finite, counted<facts::mesh::RemovedNonFiniteFace>);
   if (!any_out && !any_non_finite) return false;
   for (Index f = 0; f < mesh.face_count(); ++f) out_of_range[f] |= non_finite[f];
   surface.remove_faces(out_of_range);
@@ -77,9 +75,7 @@ bool clean_corners(RepairSurface& surface) {
   bool any = false;
   for (Index f = 0; f < faces.size(); ++f) any |= (degenerate[f] = is_degenerate(faces[f])) != 0;
   if (!any) return false;
-  surface.report_faces("mended-degenerate-face", degenerate,
-                       "face with fewer than three corners or a vertex twice was mended or removed",
-                       "faces with fewer than three corners or a vertex twice were mended or removed");
+  surface.report_faces("mended-degenerate-face", degenerate, counted<facts::mesh::MendedDegenerateFace>);
   const RepairFaces& traced = surface.traced();
   RepairFaces mended;
   for (Index f = 0; f < faces.size(); ++f) {
@@ -102,9 +98,7 @@ bool remove_duplicate_faces(RepairSurface& surface) {
   for (const auto& group : groups)
     for (std::size_t k = 1; k < group.size(); ++k) repeated[group[k]] = 1;
   if (groups.empty()) return false;
-  surface.report_faces("removed-duplicate-face", repeated,
-                       "face with the corners of an earlier one was removed",
-                       "faces with the corners of an earlier one were removed");
+  surface.report_faces("removed-duplicate-face", repeated, counted<facts::mesh::RemovedDuplicateFace>);
   surface.remove_faces(repeated);
   return true;
 }
@@ -142,8 +136,7 @@ bool remove_zero_area(RepairSurface& surface, bool may_split_edges) {
   if (!any_needle && !any_cap) return false;
   Flags both(needles.size());
   for (std::size_t f = 0; f < both.size(); ++f) both[f] = needles[f] || caps[f];
-  surface.report_faces("removed-zero-area-face", both, "face without area was removed",
-                       "faces without area were removed");
+  surface.report_faces("removed-zero-area-face", both, counted<facts::mesh::RemovedZeroAreaFace>);
   if (any_needle) surface.unite_vertices(sets);
   if (any_cap) surface.remove_faces(caps);
   return true;

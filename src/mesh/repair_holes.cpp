@@ -13,6 +13,7 @@
 #include "face_defects.h"
 #include "hole_refinement.h"
 #include "hole_triangulation.h"
+#include "mesh/facts.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
@@ -303,22 +304,16 @@ void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& 
   }
   const auto count = static_cast<Index>(given.size());
   surface.report("rejoined-vertex", Domain::vertex, std::move(given), count,
-                 "copy of a vertex was joined with it again, between closed holes that touched there",
-                 "copies of vertices were joined with them again, between closed holes that touched there");
+                 counted<facts::mesh::RejoinedVertex>);
   surface.unite_vertices(sets);
 }
 
 }  // namespace
 
 bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
-  const auto note_left = [&](Index number, const std::string& why) {
-    if (number > 0)
-      surface.note(std::to_string(number) + (number == 1 ? " hole was" : " holes were") +
-                   " not closed: " + why);
-  };
   Index count = 0, left = 0, unsound = 0;
   const std::vector<TouchingHoles> holes = find_holes(surface, options.hole_edges, unsound);
-  note_left(unsound, "the faces around are not consistently oriented, or more than two meet in an edge.");
+  if (unsound > 0) surface.note(facts::mesh::HoleBesideInconsistentFaces{.count = unsound});
   if (holes.empty()) return false;
   RepairFaces filled = surface.traced();
   std::vector<NewVertex> added;
@@ -343,11 +338,9 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
       for (const auto& [copy, index] : hole.copies) rejoined.emplace_back(copy, hole.vertices[index]);
     }
   }
-  note_left(left, "no triangles fit.");
+  if (left > 0) surface.note(facts::mesh::HoleWithoutFill{.count = left});
   if (count == 0) return false;
-  surface.report("filled-hole", Domain::vertex, std::move(given), count,
-                 "hole was closed (the vertices around it are named)",
-                 "holes were closed (the vertices around them are named)");
+  surface.report("filled-hole", Domain::vertex, std::move(given), count, counted<facts::mesh::FilledHole>);
   surface.add_vertices(added);
   surface.replace_faces(std::move(filled));
   if (!rejoined.empty()) rejoin(surface, rejoined);

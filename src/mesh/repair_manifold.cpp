@@ -5,6 +5,7 @@
 
 #include "closed_components.h"
 #include "fans.h"
+#include "mesh/facts.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
@@ -50,9 +51,7 @@ bool part_fans(RepairSurface& surface) {
   }
   if (added.empty()) return false;
   surface.report("split-non-manifold-vertex", Domain::vertex, std::move(given),
-                 static_cast<Index>(added.size()),
-                 "fan of faces at a vertex, or along an edge, of several got a vertex of its own",
-                 "fans of faces at a vertex, or along an edge, of several got vertices of their own");
+                 static_cast<Index>(added.size()), counted<facts::mesh::SplitNonManifoldVertex>);
   RepairFaces parted = surface.traced();
   parted.faces = {};
   std::vector<Index> face;
@@ -81,8 +80,7 @@ bool thin_crowded_edges(RepairSurface& surface) {
       if (c != a && c != b) doomed[surface.face_of(c)] = any = true;
   }
   if (!any) return false;
-  surface.report_faces("removed-non-manifold-face", doomed, "face beyond the two of an edge was removed",
-                       "faces beyond the two of an edge were removed");
+  surface.report_faces("removed-non-manifold-face", doomed, counted<facts::mesh::RemovedNonManifoldFace>);
   surface.remove_faces(doomed);
   return true;
 }
@@ -174,13 +172,9 @@ bool unify_winding(RepairSurface& surface) {
   bool changed = false;
   Index contradictions = 0;
   const Flags against = faces_against_the_rest(surface, contradictions);
-  if (contradictions > 0)
-    surface.note(std::to_string(contradictions) + (contradictions == 1 ? " edge keeps" : " edges keep") +
-                 " faces that are wound against each other: a surface with one side, as a Möbius strip "
-                 "is, has no winding for all of its faces.");
+  if (contradictions > 0) surface.note(facts::mesh::OneSidedSurface{.count = contradictions});
   if (std::find(against.begin(), against.end(), 1) != against.end()) {
-    surface.report_faces("turned-face", against, "face was turned over, to be wound as its neighbours are",
-                         "faces were turned over, to be wound as their neighbours are");
+    surface.report_faces("turned-face", against, counted<facts::mesh::TurnedFace>);
     turn_faces(surface, against);
     changed = true;
   }
@@ -195,8 +189,7 @@ bool unify_winding(RepairSurface& surface) {
     if (turn[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
   surface.report("turned-part", Domain::face, std::move(given), static_cast<Index>(inward.components.size()),
-                 "closed part that faced inward was turned over",
-                 "closed parts that faced inward were turned over");
+                 counted<facts::mesh::TurnedPart>);
   turn_faces(surface, turn);
   return true;
 }

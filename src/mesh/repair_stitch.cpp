@@ -15,6 +15,7 @@
 
 #include "box_diagonal.h"
 #include "coincident.h"
+#include "mesh/facts.h"
 #include "repair_surface.h"
 #include "vertex_tree.h"
 
@@ -167,9 +168,7 @@ bool stitch(RepairSurface& surface, std::optional<double> distance) {
     if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
   }
   if (count == 0) return false;
-  surface.report("welded-vertex", Domain::vertex, std::move(given), count,
-                 "boundary vertex was welded to another at its place",
-                 "boundary vertices were welded to others at their place");
+  surface.report("welded-vertex", Domain::vertex, std::move(given), count, counted<facts::mesh::WeldedVertex>);
   surface.unite_vertices(sets);
   return true;
 }
@@ -354,8 +353,7 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
   for (const Index v : torn.vertices)
     if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
   surface.report("split-t-junction", Domain::vertex, std::move(given), static_cast<Index>(torn.vertices.size()),
-                 "boundary vertex lay on an edge, which was split there",
-                 "boundary vertices lay on edges, which were split there");
+                 counted<facts::mesh::SplitTJunction>);
   surface.replace_faces(std::move(split));
   return true;
 }

@@ -13,6 +13,7 @@
 #include "area_vector.h"
 #include "face_defects.h"
 #include "fill_attributes.h"
+#include "mesh/facts.h"
 #include "traced_faces.h"
 
 namespace meshgraft {
@@ -123,25 +124,18 @@ Index RepairSurface::add_vertices(std::span<const NewVertex> vertices) {
 }
 
 void RepairSurface::report(const std::string& name, Domain domain, std::vector<Index> given_indices,
-                           Index count, const std::string& one, const std::string& many) {
-  auto telling = std::find_if(tellings_.begin(), tellings_.end(),
-                              [&](const Telling& some) { return some.change.name == name; });
-  if (telling == tellings_.end()) {
-    telling = tellings_.emplace(tellings_.end());
-    telling->change.name = name;
-    telling->change.domain = domain;
-    telling->one = one;
-    telling->many = many;
-  }
-  telling->change.count += count;
-  auto& indices = telling->change.indices;
+                           Index count, CountedNote note_of) {
+  auto change = std::ranges::find(changes_, name, &RepairChange::name);
+  if (change == changes_.end()) change = changes_.insert(change, {name, 0, domain, {}, note_of(0)});
+  change->count += count;
+  change->note = note_of(change->count);
+  auto& indices = change->indices;
   indices.insert(indices.end(), given_indices.begin(), given_indices.end());
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
 }
 
-void RepairSurface::report_faces(const std::string& name, const Flags& chosen, const std::string& one,
-                                 const std::string& many) {
+void RepairSurface::report_faces(const std::string& name, const Flags& chosen, CountedNote note_of) {
   std::vector<Index> given;
   Index count = 0;
   for (Index f = 0; f < mesh_.face_count(); ++f) {
@@ -149,11 +143,11 @@ void RepairSurface::report_faces(const std::string& name, const Flags& chosen, c
     ++count;
     if (!traced_.is_new[f]) given.push_back(traced_.origin[f]);
   }
-  report(name, Domain::face, std::move(given), count, one, many);
+  report(name, Domain::face, std::move(given), count, note_of);
 }
 
-void RepairSurface::note(const std::string& sentence) {
-  if (std::find(notes_.begin(), notes_.end(), sentence) == notes_.end()) notes_.push_back(sentence);
+void RepairSurface::note(const Note& note) {
+  if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
 }
 
 std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairResult& result) {
@@ -174,10 +168,10 @@ std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairRes
   }
   if (const auto count = static_cast<Index>(non_finite.size()); count > 0)
     report("removed-non-finite-vertex", Domain::vertex, std::move(non_finite), count,
-           "vertex without finite coordinates was removed", "vertices without finite coordinates were removed");
+           counted<facts::mesh::RemovedNonFiniteVertex>);
   if (const auto count = static_cast<Index>(isolated.size()); count > 0)
     report("removed-isolated-vertex", Domain::vertex, std::move(isolated), count,
-           "vertex that no face has was removed", "vertices that no face has were removed");
+           counted<facts::mesh::RemovedIsolatedVertex>);
 
   std::vector<Index> new_index(mesh_.vertex_count(), -1);
   Index count = 0;
@@ -281,12 +275,11 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
     }
     const bool may_separate =
         attribute.name != "colour" && !given_.find_attribute(Domain::corner, attribute.name);
-    if (parted && !may_separate)
-      note("Vertices that were welded differ in their " + attribute.name + ": the first one's was kept.");
+    if (parted && !may_separate) note(facts::mesh::WeldedValuesDropped{.attribute = attribute.name});
     if (parted && may_separate) {
       result.mesh.attributes.push_back(interpolate_attribute(attribute, corner_vertex));
       result.mesh.attributes.back().domain = Domain::corner;
-      note("Vertices that were welded differ in their " + attribute.name + ": it is kept per corner now.");
+      note(facts::mesh::WeldedValuesPerCorner{.attribute = attribute.name});
     } else {
       result.mesh.attributes.push_back(
           interpolate_attribute(attribute, attribute.domain == Domain::vertex ? vertex_value
@@ -301,11 +294,7 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
 RepairResult RepairSurface::finish(bool remove_isolated) {
   RepairResult result;
   const std::vector<Index> new_index = place_vertices(remove_isolated, result);
-  for (Telling& telling : tellings_) {
-    telling.change.description =
-        std::to_string(telling.change.count) + " " + (telling.change.count == 1 ? telling.one : telling.many);
-    result.changes.push_back(std::move(telling.change));
-  }
+  result.changes = std::move(changes_);
   result.face.new_index.assign(given_.face_count(), -1);
   std::vector<Index> face;
   for (Index f = 0; f < mesh_.face_count(); ++f) {

@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/repair.h>
 
+#include "counted_note.h"
 #include "disjoint_sets.h"
 #include "edge_table.h"
 
@@ -67,10 +68,10 @@ class RepairSurface {
 
   // Reports of changes. Indices refer to the surface before the change.
   void report(const std::string& name, Domain domain, std::vector<Index> given_indices, Index count,
-              const std::string& one, const std::string& many);
-  void report_faces(const std::string& name, const Flags& chosen, const std::string& one,
-                    const std::string& many);
-  void note(const std::string& sentence);
+              CountedNote note_of);
+  void report_faces(const std::string& name, const Flags& chosen, CountedNote note_of);
+  /// Adds a note that is not there already.
+  void note(const Note& note);
 
   /// Returns the repaired mesh with all reports. `remove_isolated` removes the vertices that are in no face
   /// of the given mesh.
@@ -81,11 +82,6 @@ class RepairSurface {
   void carry_attributes(std::span<const Index> new_index, RepairResult& result);
   void turn_normals(Attribute& attribute, const RepairResult& result) const;
 
-  struct Telling {
-    RepairChange change;
-    std::string one, many;
-  };
-
   const Mesh& given_;
   const Context& context_;
   Mesh mesh_;
@@ -93,8 +89,8 @@ class RepairSurface {
   std::vector<Index> vertex_origin_;
   std::vector<EdgePoint> vertex_value_;  // between vertices of the given mesh
   std::vector<Index> stands_for_;        // per vertex: the one that it was united with, or itself
-  std::vector<Telling> tellings_;
-  std::vector<std::string> notes_;
+  std::vector<RepairChange> changes_;
+  std::vector<Note> notes_;
   mutable std::optional<EdgeTable> edges_;
   mutable std::vector<Index> face_of_;
 };

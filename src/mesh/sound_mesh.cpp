@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "face_defects.h"
+#include "mesh/facts.h"
 #include "traced_faces.h"
 
 namespace meshgraft {
@@ -58,12 +59,9 @@ SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std
   usable.faces = std::move(kept.faces);
 }
 
-std::string SoundMesh::note() const {
+std::optional<Note> SoundMesh::note() const {
   if (faces_.empty()) return {};
-  return name_ + ": " + std::to_string(faces_.size()) +
-         (faces_.size() == 1 ? " face that has no place was left out"
-                             : " faces that have no place were left out") +
-         " ('meshgraft check' names the vertices without finite coordinates and the indices out of range)";
+  return facts::mesh::FacesLeftOut{.mesh = name_, .count = faces_.size()};
 }
 
 void SoundMesh::require_beyond(std::span<const Index> reach) const {
@@ -82,10 +80,8 @@ void SoundMesh::require_beyond(std::span<const Index> reach) const {
 }
 
 Error SoundMesh::explained(const Error& error) const {
-  if (faces_.empty()) return error;
-  std::string remedy = error.remedy();
-  if (!remedy.empty() && remedy.back() != '.') remedy += '.';
-  return Error(error.code(), error.problem(), error.location(), remedy + (remedy.empty() ? "" : " ") + note());
+  const std::optional<Note> left_out = note();
+  return left_out ? error.with(*left_out) : error;
 }
 
 void SoundMesh::put_back(const IndexMap& vertex, Mesh& result) const {

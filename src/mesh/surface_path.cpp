@@ -5,13 +5,13 @@
 #include <functional>
 #include <limits>
 #include <queue>
-#include <string>
 #include <unordered_map>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 
 #include "area_vector.h"
+#include "mesh/facts.h"
 
 namespace meshgraft {
 
@@ -99,10 +99,7 @@ SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Contex
       front.emplace(candidate, face_[other]);
     }
   }
-  throw Error(ErrorCode::input,
-              "there is no path over the surface from vertex " + std::to_string(from) + " to vertex " +
-                  std::to_string(to),
-              {}, "Choose vertices of one connected component.");
+  throw Error(facts::mesh::NoPath{.from = from, .to = to});
 }
 
 // Removes detours that return to an earlier triangle of the strip, and the triangles at its ends that lie

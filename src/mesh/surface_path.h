@@ -24,7 +24,7 @@ class SurfacePaths {
 
   /// Returns the points between two vertices, in order: on edges, with 0 < t < 1 and from < to, or at vertices
   /// (from = to). Neighbours in the list lie in one triangle. Empty if the vertices share an edge. Throws
-  /// Error(input) if there is no path.
+  /// Error(input) with the id mesh.no_path if there is none.
   std::vector<EdgePoint> between(Index from, Index to, const Context& context = {}) const;
 
  private:

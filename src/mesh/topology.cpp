@@ -11,6 +11,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
+#include "core/facts.h"
 #include "disjoint_sets.h"
 #include "edge_table.h"
 #include "fans.h"
@@ -29,10 +30,7 @@ bool repeats(const Triangles& triangles, Eigen::Index t, int corner) {
 bool in_range(Index vertex, Index vertex_count) { return vertex >= 0 && vertex < vertex_count; }
 
 [[noreturn]] void fail_index(Index vertex, Index vertex_count, const std::string& location) {
-  throw Error(
-      ErrorCode::input,
-      "index " + std::to_string(vertex) + " is not one of the " + std::to_string(vertex_count) + " vertices",
-      location);
+  throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = vertex_count}, location);
 }
 
 void check_seeds(std::span<const Index> seeds, Index vertex_count) {

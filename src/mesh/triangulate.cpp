@@ -14,6 +14,7 @@
 #include <meshgraft/mesh/mesh.h>
 
 #include "area_vector.h"
+#include "mesh/facts.h"
 
 namespace meshgraft {
 
@@ -247,10 +248,8 @@ bool refers_to_vertices(const Mesh& mesh, Index face, const TriangulateOptions& 
   for (const Index v : mesh.faces[face]) {
     if (v >= 0 && v < mesh.vertex_count()) continue;
     if (options.skip_out_of_range) return false;
-    throw Error(ErrorCode::input,
-                "index " + std::to_string(v) + " is not one of the " + std::to_string(mesh.vertex_count()) +
-                    " vertices",
-                "face " + std::to_string(face), "Repair or remove the face.");
+    throw Error(facts::mesh::FaceIndexOutOfRange{.face = face, .vertex = v, .count = mesh.vertex_count()},
+                "face " + std::to_string(face));
   }
   return true;
 }

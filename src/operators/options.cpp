@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
+
+#include "core/facts.h"
 
 namespace meshgraft {
 
@@ -12,7 +12,7 @@ namespace {
 
 void require_between(double value, double low, double high, const char* field) {
   if (!(value >= low && value <= high))
-    throw Error(ErrorCode::input, fmt::format("{} is not between {} and {}", value, low, high), field);
+    throw Error(facts::core::OutOfRange{.value = value, .low = low, .high = high}, field);
 }
 
 }  // namespace

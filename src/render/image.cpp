@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "render/facts.h"
 #include "render/render.h"
 
 namespace meshgraft::render {
@@ -112,13 +113,14 @@ void draw_caption(Image& image, const std::string& text, int left, int top, int 
 }  // namespace
 
 Image side_by_side(std::span<const Image> images, std::span<const std::string> captions) {
-  if (images.empty()) throw Error(ErrorCode::usage, "there is no picture to place");
+  if (images.empty()) throw Error(facts::render::NoPicture{});
   if (!captions.empty() && captions.size() != images.size())
-    throw Error(ErrorCode::usage, "captions are given for some pictures only");
+    throw Error(facts::render::CaptionsIncomplete{.captions = captions.size(), .pictures = images.size()});
   Image out;
   out.width = gap * (static_cast<int>(images.size()) - 1);
   for (const Image& image : images) {
-    if (image.height != images.front().height) throw Error(ErrorCode::usage, "the pictures differ in height");
+    if (image.height != images.front().height)
+      throw Error(facts::render::HeightsDiffer{.heights = std::array{images.front().height, image.height}});
     out.width += image.width;
   }
   const int height = images.front().height;
@@ -137,7 +139,7 @@ Image side_by_side(std::span<const Image> images, std::span<const std::string> c
 }
 
 Image stacked(std::span<const Image> images) {
-  if (images.empty()) throw Error(ErrorCode::usage, "there is no picture to place");
+  if (images.empty()) throw Error(facts::render::NoPicture{});
   Image out;
   for (const Image& image : images) {
     out.width = std::max(out.width, image.width);
@@ -162,22 +164,19 @@ std::vector<std::uint8_t> png_bytes(const Image& image) {
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::uint8_t> bytes(size);
   if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
-    throw Error(ErrorCode::io, std::string("cannot make the picture: ") + header.message);
+    throw Error(facts::render::PictureNotMade{.reason = header.message});
   bytes.resize(size);
   return bytes;
 }
 
 void write_png(const Image& image, const std::filesystem::path& path) {
-  const auto failed = [&](const std::string& why) {
-    return Error(ErrorCode::io, "cannot write the picture: " + why, path.string());
-  };
   const std::vector<std::uint8_t> bytes = png_bytes(image);
 
   // Written beside the target, so that the rename stays within one file system.
   std::filesystem::path partial = path;
   partial += ".partial";
   std::FILE* file = std::fopen(partial.c_str(), "wb");
-  if (!file) throw failed("the folder does not take a new file");
+  if (!file) throw Error(facts::render::FileNotMade{}, path.string());
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const bool closed = std::fclose(file) == 0;
   std::error_code error;
@@ -185,7 +184,8 @@ void write_png(const Image& image, const std::filesystem::path& path) {
   if (written && closed && !error) return;
   std::error_code ignored;
   std::filesystem::remove(partial, ignored);
-  throw failed(error ? error.message() : "the disk may be full");
+  if (error) throw Error(facts::render::PictureNotWritten{.reason = error.message()}, path.string());
+  throw Error(facts::render::DiskFull{}, path.string());
 }
 
 }  // namespace meshgraft::render

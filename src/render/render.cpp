@@ -15,6 +15,8 @@
 #include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "render/facts.h"
+
 namespace meshgraft::render {
 
 namespace {
@@ -123,7 +125,8 @@ std::vector<std::uint8_t> outlines(const Mesh& mesh, const Triangulation& triang
 Surface prepare(const Shape& shape, const RenderOptions& options, const Context& context) {
   const Mesh& mesh = *shape.mesh;
   if (shape.colours.rows() > 0 && shape.colours.rows() != mesh.positions.rows())
-    throw Error(ErrorCode::input, "the picture needs one colour per vertex");
+    throw Error(
+        facts::render::ColoursIncomplete{.colours = shape.colours.rows(), .vertices = mesh.vertex_count()});
   const Triangulation triangulation = triangulate(mesh);
   Surface surface;
   surface.positions = mesh.positions.rowwise() + shape.offset.transpose();
@@ -149,7 +152,7 @@ struct View {
 View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   const Camera& camera = options.camera;
   if (!(camera.from_direction.norm() > 0.0) || !(camera.up.cross(camera.from_direction).norm() > 0.0))
-    throw Error(ErrorCode::usage, "the camera needs a direction that is not its up direction");
+    throw Error(facts::render::CameraWithoutDirection{});
   Eigen::Vector3d low = camera.low, high = camera.high;
   const bool fit = (low.array() > high.array()).any();
   if (fit) {
@@ -210,7 +213,7 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
 class Tracer {
  public:
   Tracer(std::span<const Surface> surfaces, const View& view) : device_(rtcNewDevice("threads=1")) {
-    if (!device_) throw Error(ErrorCode::internal, "the ray tracer could not start");
+    if (!device_) throw Error(facts::render::NoRayTracer{});
     scene_.reset(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
     for (const Surface& surface : surfaces) attach(surface, view);
@@ -553,11 +556,12 @@ Points vertex_colours(const Mesh& mesh) {
 
 Image render(std::span<const Shape> shapes, const RenderOptions& options, const Context& context) {
   if (options.width < 1 || options.height < 1 || options.samples < 1)
-    throw Error(ErrorCode::usage, "a picture needs a positive width, height and number of samples");
+    throw Error(
+        facts::render::NoSize{.width = options.width, .height = options.height, .samples = options.samples});
   std::vector<Surface> surfaces;
   for (const Shape& shape : shapes) surfaces.push_back(prepare(shape, options, context));
   if (std::none_of(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.triangles.rows() > 0; }))
-    throw Error(ErrorCode::input, "there is no face to make a picture of");
+    throw Error(facts::render::NoFace{});
   const View view = fit_view(surfaces, options);
   const Painter painter(surfaces, view, options);
 

@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <ranges>
 #include <string>
 #include <vector>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
+#include "core/facts.h"
 #include "isosurface.h"
 #include "models.h"
 
@@ -50,13 +52,15 @@ constexpr auto infos = [] {
   return list;
 }();
 
+std::string location_of(std::string_view name) { return "sample \"" + std::string(name) + '"'; }
+
 const Entry& find_entry(std::string_view name) {
   for (const Entry& entry : entries)
     if (entry.info.name == name) return entry;
-  std::string names;
-  for (const SampleInfo& info : infos) names += (names.empty() ? "" : ", ") + std::string(info.name);
-  throw Error(ErrorCode::input, "there is no built-in model of this name",
-              "sample \"" + std::string(name) + '"', "The models are: " + names);
+  throw Error(
+      facts::core::NoSuchName{
+          .what = "built-in model", .name = name, .known = infos | std::views::transform(&SampleInfo::name)},
+      location_of(name));
 }
 
 // Flags the triangles to keep: those on the right side of the cut, in the largest connected components.
@@ -179,8 +183,9 @@ Mesh make_sample(std::string_view name, int resolution, const Context& context) 
   const Entry& entry = find_entry(name);
   if (resolution == 0) resolution = entry.info.default_resolution;
   if (resolution < smallest_resolution || resolution > largest_resolution)
-    throw Error(ErrorCode::input, "the resolution " + std::to_string(resolution) + " is out of range",
-                "sample \"" + std::string(name) + '"', "Choose one from 4 to 4096");
+    throw Error(
+        facts::core::OutOfRange{.value = resolution, .low = smallest_resolution, .high = largest_resolution},
+        location_of(name) + ", resolution");
   context.throw_if_stopped();
   return entry.build ? entry.build(resolution) : mesh_sculpture(entry.sculpt(), resolution, context);
 }

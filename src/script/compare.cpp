@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <exception>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,9 +9,11 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/version.h>
 
+#include "fact_json.h"
 #include "json_text.h"
 #include "report_json.h"
 #include "run_steps.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -21,17 +22,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void require_distinct(std::span<const Method> methods) {
-  if (methods.empty()) throw Error(ErrorCode::usage, "no method to compare is given");
+  if (methods.empty()) throw Error(facts::script::NoMethods{});
   for (auto method = methods.begin(); method != methods.end(); ++method)
     if (std::find(methods.begin(), method, *method) != method)
-      throw Error(ErrorCode::usage, fmt::format("the method '{}' is given twice", to_string(*method)));
+      throw Error(facts::script::MethodGivenTwice{.method = to_string(*method)});
 }
 
 void require_deform_step(const EditFile& edit) {
   if (std::none_of(edit.steps.begin(), edit.steps.end(),
                    [](const EditStep& step) { return std::holds_alternative<DeformStep>(step.action); }))
-    throw Error(ErrorCode::input, "no step deforms anything, so that methods have nothing to differ in",
-                edit.location);
+    throw Error(facts::script::NothingToCompare{}, edit.location);
 }
 
 // Returns a context whose progress also names the method.
@@ -52,12 +52,27 @@ std::optional<double> set_up_seconds(const MethodOutcome& outcome) {
   return seconds.assemble + seconds.analyse + seconds.factorise;
 }
 
-std::vector<std::string> notes_of(const EditReport& report) {
-  std::vector<std::string> notes = report.notes;
+/// A note, and the name of the step that it is about; empty for the whole edit and for steps without a name.
+struct PlacedNote {
+  std::string step;
+  Note note;
+};
+
+std::vector<PlacedNote> notes_of(const EditReport& report) {
+  std::vector<PlacedNote> notes;
+  for (const Note& note : report.notes) notes.push_back({{}, note});
   for (const StepReport& step : report.steps)
-    for (const std::string& note : step.notes)
-      notes.push_back(step.name.empty() ? note : fmt::format("{}: {}", step.name, note));
+    for (const Note& note : step.notes) notes.push_back({step.name, note});
   return notes;
+}
+
+Json notes_json(const EditReport& report) {
+  Json list = Json::array();
+  for (const PlacedNote& placed : notes_of(report)) {
+    list.push_back(to_json(placed.note));
+    if (!placed.step.empty()) list.back()["step"] = placed.step;
+  }
+  return list;
 }
 
 constexpr std::array columns = {
@@ -75,7 +90,7 @@ std::string where_known(const std::optional<T>& value, Write write) {
 
 Row row_of(const MethodOutcome& outcome) {
   const std::string name(to_string(outcome.method));
-  if (!outcome.result) return {name, "failed: " + outcome.failure};
+  if (!outcome.result) return {name, fmt::format("failed: {}", outcome.failure->what())};
   const Quality& quality = outcome.result->report.quality;
   const auto degrees = [](double angle) { return fmt::format("{:.1f}°", angle); };
   const auto sigma = [](double value) { return fmt::format("{:.3f}", value); };
@@ -140,7 +155,7 @@ std::string table_of(const std::vector<Row>& rows) {
 Json outcome_json(const MethodOutcome& outcome) {
   Json json = {{"method", std::string(to_string(outcome.method))}};
   if (!outcome.result) {
-    json["failure"] = outcome.failure;
+    json["failure"] = to_json(*outcome.failure);
     return json;
   }
   const EditReport& report = outcome.result->report;
@@ -151,7 +166,7 @@ Json outcome_json(const MethodOutcome& outcome) {
   json["seconds"] = {{"set_up", set_up ? Json(*set_up) : Json(nullptr)}, {"solve", report.seconds.solve}};
   json["max_displacement"] = report.max_displacement;
   json["quality"] = quality_json(report.quality);
-  json["notes"] = notes_of(report);
+  json["notes"] = notes_json(report);
   return json;
 }
 
@@ -163,7 +178,6 @@ Comparison compare_methods(const EditFile& edit, std::span<const Method> methods
   Comparison comparison;
   comparison.edit = edit.location;
   const LoadedInputs inputs = load_inputs(edit, context);
-  std::exception_ptr first_failure;
   for (const Method& method : methods) {
     MethodOutcome outcome{method, {}, {}};
     RunOptions options;
@@ -174,14 +188,13 @@ Comparison compare_methods(const EditFile& edit, std::span<const Method> methods
       outcome.result = run_steps(edit, inputs, options, context_of(method, number, methods.size(), context));
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
-      if (!first_failure) first_failure = std::current_exception();
-      outcome.failure = error.what();
+      outcome.failure = error;
     }
     comparison.outcomes.push_back(std::move(outcome));
   }
   const bool any = std::any_of(comparison.outcomes.begin(), comparison.outcomes.end(),
                                [](const MethodOutcome& outcome) { return outcome.result.has_value(); });
-  if (!any) std::rethrow_exception(first_failure);
+  if (!any) throw *comparison.outcomes.front().failure;
   return comparison;
 }
 
@@ -191,8 +204,9 @@ std::string comparison_table(const Comparison& comparison) {
   for (const MethodOutcome& outcome : comparison.outcomes) {
     rows.push_back(row_of(outcome));
     if (!outcome.result) continue;
-    for (const std::string& note : notes_of(outcome.result->report))
-      notes += fmt::format("- {}: {}\n", to_string(outcome.method), note);
+    for (const auto& [step, note] : notes_of(outcome.result->report))
+      notes += fmt::format("- {}: {}\n", to_string(outcome.method),
+                           error_sentence(step, note.text(), note.remedy()));
   }
   return table_of(rows) + (notes.empty() ? "" : "\n" + notes);
 }

@@ -1,6 +1,7 @@
 #include <meshgraft/script/edit_file.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <limits>
 #include <map>
@@ -12,8 +13,10 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "core/facts.h"
 #include "json_value.h"
 #include "parse_parts.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -25,14 +28,14 @@ using json::Value;
 // Parses a step by its kind. A kind without a parser belongs to the format but not to this version.
 EditStep parse_step(const Value& value) {
   if (!value.is_object()) Object(value, {});
-  if (!value.raw().contains("kind")) value.fail("the field 'kind' is missing");
+  if (!value.raw().contains("kind")) value.fail(facts::script::MissingField{.field = "kind"});
   using Parser = EditStep (*)(const Value&);
   const Value kind = value.member("kind");
   const auto parser = kind.choice<Parser>({{"deform", &parse_deform_step},
                                            {"cut", &parse_cut_step},
                                            {"merge", &parse_merge_step},
                                            {"accept", nullptr}});
-  if (!parser) kind.fail(fmt::format("'{}' steps are not part of this version", kind.string()));
+  if (!parser) kind.fail(facts::script::UnsupportedStep{.kind = kind.string()});
   EditStep step = parser(value);
   if (value.raw().contains("name")) step.name = value.member("name").name();
   if (value.raw().contains("about")) step.about = value.member("about").string();
@@ -40,36 +43,37 @@ EditStep parse_step(const Value& value) {
 }
 
 // Notes words of earlier versions in a step that was read.
-void note_former_words(const Value& step, std::vector<std::string>& notes) {
+void note_former_words(const Value& step, std::vector<Note>& notes) {
   if (!step.raw().contains("settings")) return;
   const Value settings = step.member("settings");
   if (!settings.raw().contains("backend")) return;
   const Value backend = settings.member("backend");
   if (backend.raw() == former_multifrontal)
-    notes.push_back(fmt::format("{}: the solver '{}' is called 'multifrontal' now, and that is what was used",
-                                backend.location(), former_multifrontal));
+    notes.push_back(facts::script::FormerBackend{
+        .location = backend.location(), .former = former_multifrontal, .name = "multifrontal"});
 }
 
 std::string parse_sha256(const Value& value) {
   const std::string& digits = value.string();
   if (digits.size() != 64 || digits.find_first_not_of("0123456789abcdef") != std::string::npos)
-    value.fail("expected 64 lower-case hexadecimal digits");
+    value.fail(facts::script::NotASha256{});
   return digits;
 }
 
 EditInput parse_input(const std::string& name, const Value& value) {
   const Object fields(value, {"file", "sha256", "sample", "resolution"});
-  if (fields.has("file") == fields.has("sample")) value.fail("expected one of the fields 'file' and 'sample'");
+  if (fields.has("file") == fields.has("sample"))
+    value.fail(facts::script::NotOneOf{.names = std::array{"file", "sample"}});
   EditInput input;
   input.name = name;
   fields.optional("file", [&](const Value& v) { input.file = v.name(); });
   fields.optional("sample", [&](const Value& v) { input.sample = v.name(); });
   fields.optional("sha256", [&](const Value& v) {
-    if (input.file.empty()) v.fail("goes with 'file'");
+    if (input.file.empty()) v.fail(facts::script::FieldNeedsField{.field = "sha256", .needed = "file"});
     input.sha256 = parse_sha256(v);
   });
   fields.optional("resolution", [&](const Value& v) {
-    if (input.sample.empty()) v.fail("goes with 'sample'");
+    if (input.sample.empty()) v.fail(facts::script::FieldNeedsField{.field = "resolution", .needed = "sample"});
     input.resolution = static_cast<int>(v.integer_in(4, 4096));
   });
   return input;
@@ -79,7 +83,7 @@ std::string parse_colour(const Value& value) {
   const std::string& colour = value.string();
   if (colour.size() != 7 || colour[0] != '#' ||
       colour.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
-    value.fail("expected a colour, '#rrggbb'");
+    value.fail(facts::script::NotAColour{});
   return colour;
 }
 
@@ -144,12 +148,11 @@ std::vector<std::string> names_of(const List& list) {
 
 [[noreturn]] void fail_unknown_name(const std::string& location, std::string_view what, const std::string& name,
                                     const std::vector<std::string>& known) {
-  std::string remedy;
   if (const auto meant = json::nearest_name(name, known))
-    remedy = fmt::format("Did you mean '{}'?", *meant);
-  else if (!known.empty())
-    remedy = fmt::format("Known are '{}'.", fmt::join(known, "', '"));
-  throw Error(ErrorCode::input, fmt::format("there is no {} named '{}'", what, name), location, remedy);
+    throw Error(facts::script::MisspeltName{.what = what, .name = name, .meant = *meant, .known = known},
+                location);
+  if (known.empty()) throw Error(facts::script::NoSelections{.name = name}, location);
+  throw Error(facts::core::NoSuchName{.what = what, .name = name, .known = known}, location);
 }
 
 // Checks that selections refer to each other without cycles and with a depth that is safe to resolve.
@@ -168,23 +171,20 @@ class ReferenceCheck {
   int depth(const NamedSelection& selection, int above = 0) {
     const std::string location = fmt::format("{}: selections.{}", edit_.location, selection.name);
     if (above > edit_file_depth_limit)
-      throw Error(
-          ErrorCode::input,
-          fmt::format("selections use each other more than {} deep or in a circle", edit_file_depth_limit),
-          location);
+      throw Error(facts::script::SelectionsTooDeep{.limit = edit_file_depth_limit}, location);
     if (const auto known = depths_.find(selection.name); known != depths_.end()) return known->second;
     require_named(selection.selection, location);
     int deepest = 0;
     for_each_selection(selection.selection, [&](const SelectionSpec& part) {
       if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind)) {
-        if (named->name == selection.name) throw Error(ErrorCode::input, "a selection uses itself", location);
+        if (named->name == selection.name)
+          throw Error(facts::script::SelectionUsesItself{.name = named->name}, location);
         const auto used = std::find(names_.begin(), names_.end(), named->name) - names_.begin();
         deepest = std::max(deepest, depth(edit_.selections[static_cast<std::size_t>(used)], above + 1));
       }
     });
     if (deepest + 1 > edit_file_depth_limit)
-      throw Error(ErrorCode::input,
-                  fmt::format("selections use each other more than {} deep", edit_file_depth_limit), location);
+      throw Error(facts::script::SelectionsTooDeep{.limit = edit_file_depth_limit}, location);
     return depths_[selection.name] = deepest + 1;
   }
 
@@ -222,30 +222,31 @@ EditFile parse_version_2(const Value& root) {
   fields.optional("name", [&](const Value& v) { edit.name = v.string(); });
   fields.optional("about", [&](const Value& v) { edit.about = v.string(); });
   const Value inputs = fields.required("inputs");
-  if (!inputs.is_object() || inputs.raw().empty()) inputs.fail("expected an object with at least one mesh");
+  if (!inputs.is_object() || inputs.raw().empty()) inputs.fail(facts::script::NoInputs{});
   for (const auto& [name, input] : inputs.raw().items()) {
-    if (name.empty()) inputs.fail("a mesh needs a name");
+    if (name.empty()) inputs.fail(facts::script::Nameless{.what = "mesh"});
     edit.inputs.push_back(parse_input(name, inputs.member(name)));
   }
   fields.optional("selections", [&](const Value& selections) {
-    if (!selections.is_object()) selections.fail("expected an object of named selections");
+    if (!selections.is_object()) selections.fail_type("an object of named selections");
     for (const auto& [name, selection] : selections.raw().items()) {
-      if (name.empty()) selections.fail("a selection needs a name");
-      if (name == "all") selections.member(name).fail("'all' already means every vertex");
+      if (name.empty()) selections.fail(facts::script::Nameless{.what = "selection"});
+      if (name == "all") selections.member(name).fail(facts::script::ReservedName{.name = name});
       edit.selections.push_back({name, parse_selection(selections.member(name))});
     }
   });
   fields.optional("colours", [&](const Value& colours) {
-    if (!colours.is_object()) colours.fail("expected an object of colours");
+    if (!colours.is_object()) colours.fail_type("an object of colours");
     for (const auto& [name, colour] : colours.raw().items()) {
       const auto named = std::find_if(edit.selections.begin(), edit.selections.end(),
                                       [&](const NamedSelection& one) { return one.name == name; });
-      if (named == edit.selections.end()) colours.member(name).fail("there is no selection of this name");
+      if (named == edit.selections.end())
+        fail_unknown_name(colours.member(name).location(), "selection", name, names_of(edit.selections));
       named->colour = parse_colour(colours.member(name));
     }
   });
   const Value steps = fields.required("steps");
-  if (steps.size() == 0) steps.fail("expected at least one step");
+  if (steps.size() == 0) steps.fail(facts::script::EmptyList{.what = "step"});
   std::set<std::string> step_names;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Value step = steps[i];
@@ -259,7 +260,7 @@ EditFile parse_version_2(const Value& root) {
 }
 
 EditFile parse_version_1(const Value& root) {
-  if (!root.raw().contains("kind")) root.fail("the field 'kind' is missing");
+  if (!root.raw().contains("kind")) root.fail(facts::script::MissingField{.field = "kind"});
   const Value kind = root.member("kind");
   using Parser = EditFile (*)(const Value&);
   return kind.choice<Parser>({{"deform", &parse_deform_version_1}, {"merge", &parse_merge_version_1}})(root);
@@ -267,8 +268,7 @@ EditFile parse_version_1(const Value& root) {
 
 void require_size(std::uintmax_t size, const std::string& location) {
   if (size > edit_file_size_limit)
-    throw Error(ErrorCode::input, fmt::format("larger than {} MiB", edit_file_size_limit >> 20), location,
-                "Put long lists of vertices into text files of their own: {\"file\": \"rim.txt\"}.");
+    throw Error(facts::script::FileTooLarge{.limit_mib = edit_file_size_limit >> 20}, location);
 }
 
 }  // namespace
@@ -300,12 +300,11 @@ EditFile parse_edit(std::string_view text, const std::string& location,
   const json::Json document = json::parse(text, location, edit_file_depth_limit);
   const Value root(document, location);
   if (!root.is_object() || !document.contains("format") || document["format"] != "meshgraft-edit")
-    root.fail("not an edit file", "It begins with {\"format\": \"meshgraft-edit\", \"version\": 2, …}.");
-  if (!document.contains("version")) root.fail("the field 'version' is missing");
+    root.fail(facts::script::NotAnEditFile{});
+  if (!document.contains("version")) root.fail(facts::script::MissingField{.field = "version"});
   const Value version = root.member("version");
   const std::int64_t number = version.integer_in(0, std::numeric_limits<int>::max());
-  if (number != 1 && number != 2)
-    version.fail(fmt::format("version {} is not known", number), "This program reads versions 1 and 2.");
+  if (number != 1 && number != 2) version.fail(facts::script::UnknownVersion{.version = number});
 
   EditFile edit = number == 1 ? parse_version_1(root) : parse_version_2(root);
   edit.location = location;

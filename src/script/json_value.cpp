@@ -11,6 +11,9 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "script/facts.h"
+
 namespace meshgraft::json {
 
 namespace {
@@ -56,39 +59,25 @@ std::string_view type_name(const Json& json) {
   }
 }
 
-std::string quoted_list(std::span<const std::string> words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "'" : ", '") + word + "'";
-  return list;
-}
-
-std::string meant_or_known(std::string_view word, std::span<const std::string> words) {
-  if (const auto meant = nearest_name(word, words)) return fmt::format("Did you mean '{}'?", *meant);
-  return fmt::format("Known are {}.", quoted_list(words));
-}
-
 }  // namespace
 
 Json parse(std::string_view text, const std::string& location, int depth_limit) {
   std::vector<std::set<std::string>> keys;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    if (depth > depth_limit)
-      throw Error(ErrorCode::input, fmt::format("nested more than {} deep", depth_limit), location,
-                  "Give inner selections a name and use that.");
+    if (depth > depth_limit) throw Error(facts::script::NestedTooDeep{.limit = depth_limit}, location);
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      throw Error(ErrorCode::input, fmt::format("the field '{}' is given twice", parsed.get<std::string>()),
-                  location);
+      throw Error(facts::script::RepeatedField{.field = parsed.get<std::string>()}, location);
     return true;
   };
   try {
     return Json::parse(text.begin(), text.end(), watch);
   } catch (const Json::parse_error& error) {
-    throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())),
+    throw Error(facts::script::NotJson{.reason = reason(error.what())},
                 fmt::format("{}: {}", location, line_and_column(text, error.byte)));
   } catch (const Json::exception& error) {
-    throw Error(ErrorCode::input, fmt::format("not valid JSON: {}", reason(error.what())), location);
+    throw Error(facts::script::NotJson{.reason = reason(error.what())}, location);
   }
 }
 
@@ -118,16 +107,16 @@ std::string Value::location() const {
   return path.empty() ? *document_ : *document_ + ": " + path;
 }
 
-void Value::fail(std::string problem, std::string remedy) const {
-  throw Error(ErrorCode::input, std::move(problem), location(), std::move(remedy));
-}
+void Value::fail(const Fact& fact) const { throw Error(fact, location()); }
 
 void Value::fail_type(std::string_view expected) const {
-  fail(fmt::format("expected {}, found {}", expected, type_name(*json_)));
+  fail(facts::script::WrongType{.expected = expected, .found = type_name(*json_)});
 }
 
 void Value::fail_choice(std::span<const std::string> words) const {
-  fail(fmt::format("unknown word '{}'", string()), meant_or_known(string(), words));
+  if (const auto meant = nearest_name(string(), words))
+    fail(facts::script::MisspeltWord{.word = string(), .meant = *meant, .known = words});
+  fail(facts::script::UnknownWord{.word = string(), .known = words});
 }
 
 const std::string& Value::string() const {
@@ -136,7 +125,7 @@ const std::string& Value::string() const {
 }
 
 const std::string& Value::name() const {
-  if (string().empty()) fail("must not be empty");
+  if (string().empty()) fail(facts::script::EmptyName{});
   return string();
 }
 
@@ -152,13 +141,13 @@ double Value::number() const {
 
 double Value::number_in(double min, double max) const {
   const double value = number();
-  if (!(value >= min && value <= max)) fail(fmt::format("must be from {} to {}, is {}", min, max, value));
+  if (!(value >= min && value <= max)) fail(facts::core::OutOfRange{.value = value, .low = min, .high = max});
   return value;
 }
 
 double Value::positive_number() const {
   const double value = number();
-  if (!(value > 0)) fail(fmt::format("must be positive, is {}", value));
+  if (!(value > 0)) fail(facts::core::NotPositive{.value = value});
   return value;
 }
 
@@ -167,7 +156,7 @@ std::int64_t Value::integer_in(std::int64_t min, std::int64_t max) const {
   const bool too_large =
       json_->is_number_unsigned() && json_->get<std::uint64_t>() > static_cast<std::uint64_t>(max);
   if (too_large || json_->get<std::int64_t>() < min || json_->get<std::int64_t>() > max)
-    fail(fmt::format("must be from {} to {}, is {}", min, max, json_->dump()));
+    fail(facts::core::OutOfRange{.value = json_->get<double>(), .low = min, .high = max});
   return json_->get<std::int64_t>();
 }
 
@@ -179,38 +168,38 @@ std::uint64_t Value::unsigned_integer() const {
 Index Value::vertex() const { return static_cast<Index>(integer_in(0, std::numeric_limits<Index>::max())); }
 
 Eigen::Vector3d Value::vector3() const {
-  if (!json_->is_array() || json_->size() != 3) fail("expected 3 numbers");
+  if (!json_->is_array() || json_->size() != 3) fail(facts::script::NotAVector{.count = 3});
   return {(*this)[0].number(), (*this)[1].number(), (*this)[2].number()};
 }
 
 Eigen::Vector3d Value::direction() const {
   const Eigen::Vector3d vector = vector3();
-  if (!(vector.norm() > 0)) fail("must not be the zero vector");
+  if (!(vector.norm() > 0)) fail(facts::script::ZeroVector{});
   return vector;
 }
 
 Eigen::Matrix3d Value::matrix3() const {
-  if (!json_->is_array() || json_->size() != 3) fail("expected 3 rows of 3 numbers");
+  if (!json_->is_array() || json_->size() != 3) fail(facts::script::NotAMatrix{.size = 3});
   Eigen::Matrix3d matrix;
   for (std::size_t row = 0; row < 3; ++row) matrix.row(static_cast<Eigen::Index>(row)) = (*this)[row].vector3();
   return matrix;
 }
 
 Eigen::Matrix4d Value::affine_matrix() const {
-  if (!json_->is_array() || json_->size() != 4) fail("expected 4 rows of 4 numbers");
+  if (!json_->is_array() || json_->size() != 4) fail(facts::script::NotAMatrix{.size = 4});
   Eigen::Matrix4d matrix;
   for (std::size_t r = 0; r < 4; ++r) {
     const Value row = (*this)[r];
-    if (!row.is_array() || row.raw().size() != 4) row.fail("expected 4 numbers");
+    if (!row.is_array() || row.raw().size() != 4) row.fail(facts::script::NotAVector{.count = 4});
     for (std::size_t c = 0; c < 4; ++c)
       matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = row[c].number();
   }
-  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) (*this)[3].fail("must be 0, 0, 0, 1: the map is affine");
+  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) (*this)[3].fail(facts::script::NotAffine{});
   return matrix;
 }
 
 Points Value::points(std::size_t min_count) const {
-  if (size() < min_count) fail(fmt::format("expected at least {} points", min_count));
+  if (size() < min_count) fail(facts::script::TooFew{.least = min_count, .what = "points"});
   Points points(static_cast<Eigen::Index>(size()), 3);
   for (std::size_t i = 0; i < size(); ++i) points.row(static_cast<Eigen::Index>(i)) = (*this)[i].vector3();
   return points;
@@ -236,16 +225,18 @@ Value Value::member(std::string_view key) const {
 }
 
 Object::Object(const Value& value, std::span<const std::string_view> known) : value_(&value) {
-  if (!value.is_object()) value.fail(fmt::format("expected an object, found {}", type_name(value.raw())));
+  if (!value.is_object()) value.fail_type("an object");
   for (const auto& [key, member] : value.raw().items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::vector<std::string> words(known.begin(), known.end());
-    value.fail(fmt::format("unknown field '{}'", key), meant_or_known(key, words));
+    if (const auto meant = nearest_name(key, words))
+      value.fail(facts::script::MisspeltField{.field = key, .meant = *meant, .known = words});
+    value.fail(facts::script::UnknownField{.field = key, .known = words});
   }
 }
 
 Value Object::required(std::string_view key) const {
-  if (!has(key)) value_->fail(fmt::format("the field '{}' is missing", key));
+  if (!has(key)) value_->fail(facts::script::MissingField{.field = key});
   return value_->member(key);
 }
 

@@ -12,14 +12,15 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::json {
 
 using Json = nlohmann::json;
 
-/// Parses a document. Throws Error(input) with line and column for malformed text, a repeated key, or nesting
-/// deeper than `depth_limit`.
+/// Parses a document. Throws Error(input): with line and column for malformed text (script.not_json), also for
+/// a repeated key and for nesting deeper than `depth_limit`.
 Json parse(std::string_view text, const std::string& location, int depth_limit);
 
 /// Returns the candidate that is most similar to `name`, or nothing if none is similar.
@@ -33,7 +34,10 @@ class Value {
 
   /// Returns "edit.json: steps[0].mesh", or "edit.json" for the root.
   std::string location() const;
-  [[noreturn]] void fail(std::string problem, std::string remedy = {}) const;
+  /// Throws this error at the value's location.
+  [[noreturn]] void fail(const Fact& fact) const;
+  /// Fails with script.wrong_type. `expected` is a name with its article, e.g. "a list".
+  [[noreturn]] void fail_type(std::string_view expected) const;
 
   const Json& raw() const { return *json_; }
   bool is_object() const { return json_->is_object(); }
@@ -82,7 +86,6 @@ class Value {
   Value(const Json& json, const Value& parent, std::string_view key, std::size_t index)
       : json_(&json), document_(parent.document_), parent_(&parent), key_(key), index_(index) {}
   [[noreturn]] void fail_choice(std::span<const std::string> words) const;
-  [[noreturn]] void fail_type(std::string_view expected) const;
 
   const Json* json_;
   const std::string* document_;

@@ -2,59 +2,74 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
+
+#include "script/facts.h"
 
 namespace meshgraft {
 
 namespace {
 
-std::string loop_list(const MergeSide& side) {
-  std::string list;
+// Returns the numbers of vertices of the first loops.
+std::vector<std::size_t> sizes_of(const MergeSide& side) {
   constexpr std::size_t most = 8;
-  const auto& loops = side.context.loops;
-  for (std::size_t k = 0; k < std::min(most, loops.size()); ++k)
-    list += fmt::format("{}{} ({} vertices)", k == 0 ? "" : ", ", k, loops[k].size());
-  return loops.size() > most ? list + ", …" : list;
+  std::vector<std::size_t> sizes;
+  for (const auto& loop : std::views::take(side.context.loops, most)) sizes.push_back(loop.size());
+  return sizes;
 }
 
 void require_loops(const MergeSide& side, const std::string& location) {
   if (!side.context.loops.empty()) return;
-  const std::string name = fmt::format("the {} ({})", side.name, side.scene.label);
+  const std::string& mesh = side.scene.label;
   if (side.scene.mesh.face_count() == 0)
-    throw Error(ErrorCode::input, name + " has no faces", location, "Export it with its faces.");
+    throw Error(facts::script::SideWithoutFaces{.side = side.name, .mesh = mesh}, location);
   if (const Finding* edges = side.scene.diagnostics.find("non-manifold-edge"))
-    throw Error(ErrorCode::input,
-                fmt::format("{} has no closed boundary loop: {}, first at vertex {}", name, edges->description,
-                            edges->indices.front()),
-                location, edges->remedy);
-  throw Error(ErrorCode::input, name + " has no boundary loop", location,
-              "Cut it open first: 'meshgraft cut'.");
+    throw Error(
+        facts::script::SideWithoutClosedLoop{
+            .side = side.name, .mesh = mesh, .edges = edges->count, .vertex = edges->indices.front()},
+        location);
+  throw Error(facts::script::SideWithoutLoop{.side = side.name, .mesh = mesh}, location);
+}
+
+// Throws a fact of the class Row if the defect is on the loop.
+template <class Row>
+void require_without(std::string_view defect, const MergeSide& side, std::size_t number,
+                     const std::string& location) {
+  const Finding* finding = side.scene.diagnostics.find(defect);
+  if (!finding) return;
+  std::vector<Index> here;
+  for (const Index v : side.context.loops[number])
+    if (std::binary_search(finding->indices.begin(), finding->indices.end(), v)) here.push_back(v);
+  if (here.empty()) return;
+  constexpr std::size_t most = 6;
+  std::sort(here.begin(), here.end());
+  here.resize(std::min(most, here.size()));
+  throw Error(Row{.loop = number,
+                  .side = side.name,
+                  .mesh = side.scene.label,
+                  .count = finding->count,
+                  .vertices = here},
+              location);
 }
 
 // Refuses a loop along which the surface is not an oriented manifold, because it cannot be joined to another
 // one.
 void require_sound(const MergeSide& side, std::size_t number, const std::string& location) {
-  const std::vector<Index>& loop = side.context.loops[number];
-  for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
-    const Finding* finding = side.scene.diagnostics.find(defect);
-    if (!finding) continue;
-    std::vector<Index> here;
-    for (const Index v : loop)
-      if (std::binary_search(finding->indices.begin(), finding->indices.end(), v)) here.push_back(v);
-    if (here.empty()) continue;
-    constexpr std::size_t most = 6;
-    std::sort(here.begin(), here.end());
-    const std::string more = here.size() > most ? ", …" : "";
-    here.resize(std::min(most, here.size()));
-    throw Error(ErrorCode::input,
-                fmt::format("loop {} of the {} ({}) cannot be merged: {}, on the loop at vertices {}{}", number,
-                            side.name, side.scene.label, finding->description, fmt::join(here, ", "), more),
-                location, finding->remedy);
-  }
+  using namespace facts::script;
+  require_without<LoopOnNonManifoldEdge>("non-manifold-edge", side, number, location);
+  require_without<LoopOnNonManifoldVertex>("non-manifold-vertex", side, number, location);
+  require_without<LoopWoundInconsistently>("inconsistent-winding", side, number, location);
+}
+
+Error off_loops(const MergeSide& side, Index vertex, const std::string& location) {
+  return Error(
+      facts::script::VertexOffLoops{
+          .side = side.name, .vertex = vertex, .loops = side.context.loops.size(), .sizes = sizes_of(side)},
+      location);
 }
 
 // Returns the boundary loop that consists of exactly the selected vertices.
@@ -64,8 +79,10 @@ std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::strin
   if (const auto* loop = std::get_if<Selection::Loop>(&spec.kind)) {
     if (loop->number >= 0 && static_cast<std::size_t>(loop->number) < loops.size())
       return static_cast<std::size_t>(loop->number);
-    throw Error(ErrorCode::input, fmt::format("the {} has no boundary loop {}", side.name, loop->number),
-                location, fmt::format("Its loops are {}.", loop_list(side)));
+    throw Error(
+        facts::script::NoSuchLoop{
+            .side = side.name, .loop = loop->number, .loops = loops.size(), .sizes = sizes_of(side)},
+        location);
   }
   const std::vector<Index> wanted = side.selections.vertices(spec, location);
   for (std::size_t k = 0; k < loops.size(); ++k) {
@@ -79,12 +96,11 @@ std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::strin
                        [&](const auto& loop) { return std::find(loop.begin(), loop.end(), v) != loop.end(); });
   };
   const auto stray = std::find_if_not(wanted.begin(), wanted.end(), is_on_boundary);
-  const std::string problem =
-      stray != wanted.end()
-          ? fmt::format("vertex {} is not on a boundary of the {}", *stray, side.name)
-          : fmt::format("the {} selected vertices are not those of one boundary loop of the {}", wanted.size(),
-                        side.name);
-  throw Error(ErrorCode::input, problem, location, fmt::format("Its loops are {}.", loop_list(side)));
+  if (stray != wanted.end()) throw off_loops(side, *stray, location);
+  throw Error(
+      facts::script::NotOneLoop{
+          .side = side.name, .count = wanted.size(), .loops = loops.size(), .sizes = sizes_of(side)},
+      location);
 }
 
 // Returns the boundary loop that contains a matched vertex.
@@ -93,12 +109,13 @@ std::size_t loop_through(const MergeSide& side, Index vertex, const std::string&
   const auto& loops = side.context.loops;
   for (std::size_t k = 0; k < loops.size(); ++k)
     if (std::find(loops[k].begin(), loops[k].end(), vertex) != loops[k].end()) return k;
-  throw Error(ErrorCode::input,
-              vertex < side.scene.mesh.vertex_count()
-                  ? fmt::format("vertex {} is not on a boundary of the {}", vertex, side.name)
-                  : fmt::format("there is no vertex {} among the {}'s {}", vertex, side.name,
-                                side.scene.mesh.vertex_count()),
-              location, fmt::format("Its loops are {}.", loop_list(side)));
+  if (vertex < side.scene.mesh.vertex_count()) throw off_loops(side, vertex, location);
+  throw Error(facts::script::NoSuchVertex{.side = side.name,
+                                          .vertex = vertex,
+                                          .count = side.scene.mesh.vertex_count(),
+                                          .loops = loops.size(),
+                                          .sizes = sizes_of(side)},
+              location);
 }
 
 // Returns the vertex that `vertex` specifies; a point stands for the nearest vertex of `loop`, or of all
@@ -150,10 +167,7 @@ void add_matches(const MergeStep& step, const MergeSide& source, const MergeSide
                              [&](const LoopNumbers& p) { return p.source == from || p.target == to; });
     if (pair == pairs.end() && step.pairs.empty()) pair = pairs.insert(pairs.end(), {from, to, {}});
     if (pair == pairs.end() || pair->source != from || pair->target != to)
-      throw Error(
-          ErrorCode::input,
-          fmt::format("it joins loop {} of the target and loop {} of the source, which are no pair", to, from),
-          where);
+      throw Error(facts::script::MatchOfNoPair{.target = to, .source = from}, where);
     pair->matches.push_back(match);
   }
 }
@@ -175,11 +189,11 @@ std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, M
   if (numbers.empty()) {
     for (const MergeSide* side : {&target, &source}) require_loops(*side, location);
     if (source.context.loops.size() != 1 || target.context.loops.size() != 1)
-      throw Error(ErrorCode::input,
-                  fmt::format("which loops meet is not clear: the target has the loops {}, the source has {}",
-                              loop_list(target), loop_list(source)),
-                  location,
-                  "Say so with 'pairs' ('--pair TARGET_LOOP:SOURCE_LOOP'), or match a vertex of each loop.");
+      throw Error(facts::script::PairsUnclear{.target_loops = target.context.loops.size(),
+                                              .target_sizes = sizes_of(target),
+                                              .source_loops = source.context.loops.size(),
+                                              .source_sizes = sizes_of(source)},
+                  location);
     numbers.push_back({});
   }
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -198,10 +212,9 @@ std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::str
   if (drop.source_loop) return loop_of(source, *drop.source_loop, location + ".source_loop");
   require_loops(source, location);
   if (source.context.loops.size() != 1)
-    throw Error(ErrorCode::input,
-                fmt::format("which loop of the source meets the target is not clear: it has the loops {}",
-                            loop_list(source)),
-                location, "Name one with 'source_loop' ('--source-loop LOOP').");
+    throw Error(
+        facts::script::SourceLoopUnclear{.loops = source.context.loops.size(), .sizes = sizes_of(source)},
+        location);
   return 0;
 }
 

@@ -52,11 +52,11 @@ struct MergeSide {
 
   /// Checks after the merge that no excluded element lies where the result is new. Then puts the excluded
   /// elements back.
-  void finish(const IndexMap& map, MergeResult& result, std::vector<std::string>& notes) const {
+  void finish(const IndexMap& map, MergeResult& result, std::vector<Note>& notes) const {
     if (!usable.any()) return;
     usable.require_beyond(reached(map, result.mesh, result.new_faces));
     usable.put_back(map, result.mesh);
-    if (std::string note = usable.note(); !note.empty()) notes.push_back(std::move(note));
+    if (const auto note = usable.note()) notes.push_back(*note);
   }
 };
 

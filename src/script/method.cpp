@@ -2,12 +2,10 @@
 
 #include <string>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <meshgraft/core/error.h>
 
 #include "json_value.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -27,10 +25,9 @@ Method method_named(std::string_view name) {
     if (to_string(method) == name) return method;
     names.emplace_back(to_string(method));
   }
-  std::string remedy = fmt::format("Known are {}.", fmt::join(names, ", "));
   if (const auto meant = json::nearest_name(name, names))
-    remedy = fmt::format("Did you mean '{}'? {}", *meant, remedy);
-  throw Error(ErrorCode::usage, fmt::format("there is no method named '{}'", name), "", remedy);
+    throw Error(facts::script::MisspeltMethod{.name = name, .meant = *meant, .known = names});
+  throw Error(facts::script::NoSuchMethod{.name = name, .known = names});
 }
 
 }  // namespace meshgraft

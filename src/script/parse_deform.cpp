@@ -1,8 +1,6 @@
 #include <functional>
 #include <set>
 
-#include <fmt/format.h>
-
 #include <meshgraft/script/edit_file.h>
 
 #include "parse_parts.h"
@@ -79,7 +77,7 @@ HandleMotion parse_motion(const Object& fields) {
     else if (v.is_number())
       motion.scale = Eigen::Vector3d::Constant(v.number());
     else
-      v.fail("expected a number or 3 numbers");
+      v.fail_type("a number or 3 numbers");
   });
   fields.optional("pivot", [&](const Value& v) { motion.pivot = v.vector3(); });
   return motion;
@@ -91,12 +89,11 @@ PoseSpec parse_pose(const Value& value, HandleShape shape) {
   const Object fields(value, {"matrix", "def", "curve", "translate", "rotate", "scale", "pivot"});
   for (const std::string_view alone : {"matrix", "def", "curve"})
     if (fields.has(alone) && value.raw().size() > 1)
-      value.fail(fmt::format("'{}' says the whole pose and goes with no other field", alone));
+      value.fail(facts::script::PoseWithMoreFields{.field = alone});
   if (fields.has("matrix")) return {fields.required("matrix").affine_matrix()};
   if (fields.has("def")) return {PoseSpec::DefFile{fields.required("def").name()}};
   if (fields.has("curve")) {
-    if (shape != HandleShape::curve)
-      fields.required("curve").fail("only a handle of shape 'curve' can be redrawn");
+    if (shape != HandleShape::curve) fields.required("curve").fail(facts::script::RedrawnNoCurve{});
     return {PoseSpec::Redrawn{fields.required("curve").points(2)}};
   }
   return {parse_motion(fields)};
@@ -115,7 +112,7 @@ HandleSpec parse_handle(const Value& value) {
   handle.name = fields.required("name").name();
   fields.optional("shape", [&](const Value& v) { handle.shape = parse_shape(v); });
   fields.optional("closed", [&](const Value& v) {
-    if (handle.shape != HandleShape::curve) v.fail("only a handle of shape 'curve' can be closed");
+    if (handle.shape != HandleShape::curve) v.fail(facts::script::ClosedNoCurve{});
     handle.closed = v.boolean();
   });
   handle.select = parse_selection(fields.required("select"));
@@ -253,7 +250,7 @@ EditFile parse_deform_version_1(const Value& root) {
   step.settings.deformer.method = DeformMethod::ft05;
   const Value roi = fields.required("roi");
   if (roi.is_string()) {
-    if (roi.string() != "all") roi.fail("expected a list of vertices or 'all'");
+    if (roi.string() != "all") roi.fail_type("a list of vertices or 'all'");
   } else {
     step.region = {Selection::Indices{roi.vertices()}};
   }

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <set>
 
-#include <fmt/format.h>
-
 #include <meshgraft/script/edit_file.h>
 
 #include "parse_parts.h"
@@ -22,7 +20,7 @@ VertexSpec parse_vertex(const Value& value) {
 
 // Parses a source and a target vertex, in this order.
 MatchSpec parse_match(const Value& value) {
-  if (value.size() != 2) value.fail("expected a vertex of the source and one of the target");
+  if (value.size() != 2) value.fail(facts::script::NotAMatch{});
   return {parse_vertex(value[0]), parse_vertex(value[1])};
 }
 
@@ -52,14 +50,14 @@ template <class Element>
 std::vector<Element> parse_list(const Value& value, Element (*parse)(const Value&)) {
   std::vector<Element> list;
   for (std::size_t i = 0; i < value.size(); ++i) list.push_back(parse(value[i]));
-  if (list.empty()) value.fail("expected at least one element");
+  if (list.empty()) value.fail(facts::script::EmptyList{.what = "element"});
   return list;
 }
 
 DropSpec parse_drop(const Value& value) {
   const Object fields(value, {"vertex", "point", "spin_deg", "source_loop"});
   if (fields.has("vertex") == fields.has("point"))
-    value.fail("expected one of the fields 'vertex' and 'point'");
+    value.fail(facts::script::NotOneOf{.names = std::array{"vertex", "point"}});
   DropSpec drop;
   fields.optional("vertex", [&](const Value& v) { drop.surface_point = v.vertex(); });
   fields.optional("point", [&](const Value& v) { drop.surface_point = v.vector3(); });
@@ -76,7 +74,7 @@ MirrorPlane parse_plane(const Value& value) {
 Reach parse_reach(const Value& value) {
   const Object fields(value, {"rings", "length"});
   if (fields.has("rings") == fields.has("length"))
-    value.fail("expected one of the fields 'rings' and 'length'");
+    value.fail(facts::script::NotOneOf{.names = std::array{"rings", "length"}});
   Reach reach;
   fields.optional("rings", [&](const Value& v) { reach.rings = static_cast<int>(v.integer_in(1, max_rings)); });
   fields.optional("length", [&](const Value& v) { reach.length = v.positive_number(); });
@@ -133,18 +131,15 @@ MergeCounts parse_merge_counts(const Value& value) {
 // Checks fields that exclude or require each other.
 void require_sense(const MergeStep& step, const Object& fields) {
   for (const std::string_view loops : {"pairs", "matches"})
-    if (step.at && fields.has(loops))
-      fields.required("at").fail(fmt::format("'at' makes the target's loop, so it goes without '{}'", loops));
-  if (step.at && step.pose != MergePose::find)
-    fields.required("at").fail("'at' says where the part goes, so its pose is not kept");
-  if (step.source_transform && fields.has("align"))
-    fields.required("align").fail("'align' and 'source_transform' both pose the source", "Keep one of them.");
+    if (step.at && fields.has(loops)) fields.required("at").fail(facts::script::AtWithLoops{.field = loops});
+  if (step.at && step.pose != MergePose::find) fields.required("at").fail(facts::script::AtWithKeptPose{});
+  if (step.source_transform && fields.has("align")) fields.required("align").fail(facts::script::PosedTwice{});
   if (fields.has("align") && step.align.size() < 3)
-    fields.required("align").fail("expected at least 3 pairs of a source and a target vertex");
+    fields.required("align").fail(facts::script::TooFew{.least = 3, .what = "pairs of vertices"});
   if (fields.has("fixed") && step.pose != MergePose::keep)
-    fields.required("fixed").fail("nothing stays where the pose is to be found", "Add \"pose\": \"keep\".");
+    fields.required("fixed").fail(facts::script::FixedWithFoundPose{});
   if (fields.has("size") && step.pose != MergePose::find)
-    fields.required("size").fail("the size is kept with the pose", "Scale the source with 'source_transform'.");
+    fields.required("size").fail(facts::script::SizeWithKeptPose{});
 }
 
 // Parses a version 1 pair, whose lists of loop vertices begin with the start.
@@ -243,7 +238,8 @@ EditStep parse_merge_step(const Value& value) {
 
 EditStep parse_cut_step(const Value& value) {
   const Object fields(value, {"kind", "name", "about", "mesh", "result", "plane", "loop", "keep", "snap"});
-  if (fields.has("plane") == fields.has("loop")) value.fail("expected one of the fields 'plane' and 'loop'");
+  if (fields.has("plane") == fields.has("loop"))
+    value.fail(facts::script::NotOneOf{.names = std::array{"plane", "loop"}});
   CutStep step;
   step.mesh = fields.required("mesh").name();
   fields.optional("result", [&](const Value& v) { step.result = v.name(); });
@@ -253,7 +249,7 @@ EditStep parse_cut_step(const Value& value) {
   });
   fields.optional("loop", [&](const Value& v) {
     std::vector<Index> vertices = v.vertices();
-    if (vertices.size() < 3) v.fail("expected at least 3 vertices that a closed curve joins");
+    if (vertices.size() < 3) v.fail(facts::script::TooFew{.least = 3, .what = "vertices"});
     step.along = std::move(vertices);
   });
   fields.optional("keep", [&](const Value& v) {
@@ -288,8 +284,7 @@ EditFile parse_merge_version_1(const Value& root) {
                   [&](const Value& v) { step.normal_angle_deg = v.number_in(-180, 180); });
   fields.optional("handles", [&](const Value& v) {
     std::vector<Index> held = parse_handles_version_1(v);
-    if (!held.empty() && step.pose != MergePose::keep)
-      v.fail("nothing is held where the mode is pose-independent");
+    if (!held.empty() && step.pose != MergePose::keep) v.fail(facts::script::HandlesWithFoundPose{});
     if (!held.empty()) step.fixed = SelectionSpec{Selection::Indices{std::move(held)}};
   });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_counts_version_1(v); });

@@ -7,11 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include <meshgraft/script/edit_file.h>
 
 #include "json_value.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -34,7 +33,7 @@ inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
   fields.optional("about", [&](const json::Value& v) { edit.about = v.string(); });
   fields.optional("paper", [](const json::Value& v) { v.string(); });
   fields.optional("expected", [](const json::Value& v) {
-    if (!v.is_null() && !v.is_object()) v.fail("expected an object or null");
+    if (!v.is_null() && !v.is_object()) v.fail_type("an object or null");
   });
 }
 
@@ -50,7 +49,7 @@ inline constexpr std::string_view former_multifrontal = "cholmod";
 
 /// Refuses an element whose name an earlier one of its list has.
 inline void require_new_name(std::set<std::string>& names, const std::string& name, const json::Value& value) {
-  if (!names.insert(name).second) value.fail(fmt::format("the name '{}' is already taken", name));
+  if (!names.insert(name).second) value.fail(facts::script::NameTaken{.name = name});
 }
 
 EditStep parse_deform_step(const json::Value& value);

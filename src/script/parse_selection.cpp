@@ -4,6 +4,7 @@
 
 #include <meshgraft/script/edit_file.h>
 
+#include "deform/facts.h"
 #include "parse_parts.h"
 
 namespace meshgraft {
@@ -20,14 +21,14 @@ SelectionSpec::Child parse_child(const Value& value) {
 std::vector<SelectionSpec> parse_operands(const Value& value) {
   std::vector<SelectionSpec> operands;
   for (std::size_t i = 0; i < value.size(); ++i) operands.push_back(parse_selection(value[i]));
-  if (operands.empty()) value.fail("expected at least one selection");
+  if (operands.empty()) value.fail(facts::script::EmptyList{.what = "selection"});
   return operands;
 }
 
 SelectionSpec::Kind parse_box(const Value& value) {
   const Object fields(value, {"min", "max"});
   Selection::Box box{fields.required("min").vector3(), fields.required("max").vector3()};
-  if ((box.min.array() > box.max.array()).any()) value.fail("'min' is greater than 'max'");
+  if ((box.min.array() > box.max.array()).any()) value.fail(facts::deform::BoxReversed{});
   return box;
 }
 
@@ -119,11 +120,8 @@ SelectionSpec parse_selection(const Value& value) {
   const Object fields(
       value, {"indices", "box", "sphere", "half_space", "component", "loop", "nearest", "path", "file", "sel",
               "take", "produced", "grow", "grow_length", "union", "minus", "intersect", "mirror", "rim"});
-  const std::size_t expected_fields = fields.has("sel") ? 2 : 1;
-  if (value.raw().size() != expected_fields)
-    value.fail(fields.has("sel") ? "expected the fields 'sel' and 'take'"
-                                 : "expected exactly one field that says what is selected",
-               "Combine selections with 'union', 'minus' or 'intersect'.");
+  if (fields.has("sel") && value.raw().size() != 2) value.fail(facts::script::NotSelAndTake{});
+  if (!fields.has("sel") && value.raw().size() != 1) value.fail(facts::script::NotOneSelection{});
   for (const auto& [key, parser] : parsers) {
     if (!fields.has(key)) continue;
     SelectionSpec selection{parser(value.member(key))};
@@ -131,7 +129,7 @@ SelectionSpec parse_selection(const Value& value) {
       sel->take = parse_sel_part(fields.required("take"));
     return selection;
   }
-  value.fail("'take' goes with 'sel'");
+  value.fail(facts::script::FieldNeedsField{.field = "take", .needed = "sel"});
 }
 
 SelectionSpec parse_selection(std::string_view text, const std::string& location) {

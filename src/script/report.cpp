@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/version.h>
 
+#include "fact_json.h"
 #include "json_text.h"
 #include "report_json.h"
 #include "settings_json.h"
@@ -70,8 +71,8 @@ Json diagnostics_json(const Diagnostics& diagnostics, std::size_t index_limit) {
          {"domain", domain_word(finding.domain)},
          {"first", std::vector<Index>(finding.indices.begin(),
                                       finding.indices.begin() + static_cast<std::ptrdiff_t>(shown))},
-         {"description", finding.description},
-         {"remedy", finding.remedy}});
+         {"description", finding.description()},
+         {"remedy", finding.remedy()}});
   }
   return findings;
 }
@@ -208,7 +209,7 @@ Json deform_json(const StepReport& step) {
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
   json["proxy"] = proxy_json(step.proxy);
   json["symmetry"] = symmetry_json(step);
-  json["notes"] = step.notes;
+  json["notes"] = to_json(step.notes);
   return json;
 }
 
@@ -222,7 +223,7 @@ Json step_json(const StepReport& step) {
                {"seconds", seconds_json(step.seconds)}};
   if (step.merge) add_merge(json, *step.merge);
   if (step.cut) add_cut(json, *step.cut);
-  json["notes"] = step.notes;
+  json["notes"] = to_json(step.notes);
   return json;
 }
 
@@ -261,7 +262,7 @@ std::string write_report(const EditReport& report) {
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION}};
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
-  json["notes"] = report.notes;
+  json["notes"] = to_json(report.notes);
   const auto deform = std::find_if(report.steps.begin(), report.steps.end(),
                                    [](const StepReport& step) { return !step.merge && !step.cut; });
   json["method"] = deform == report.steps.end() ? Json(nullptr) : Json(std::string(to_string(deform->method)));

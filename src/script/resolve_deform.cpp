@@ -12,6 +12,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "core/facts.h"
+#include "deform/facts.h"
+#include "script/facts.h"
 #include "selection_resolver.h"
 #include "symmetry.h"
 
@@ -38,24 +41,26 @@ class Roles {
     handles_.push_back(name);
     const auto beyond = std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return !is_inside(v); });
     if (beyond > 0)
-      throw Error(ErrorCode::input,
-                  fmt::format("{} of the handle's {} vertices lie outside the region", beyond, vertices.size()),
-                  location, "Enlarge the region, or 'intersect' the handle with it.");
+      throw Error(facts::script::HandleOutsideRegion{.handle = name, .outside = beyond, .all = vertices.size()},
+                  location);
     for (const Index v : vertices) {
-      if (owner_[v] == handle)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is given twice", v), location);
-      if (owner_[v] != nobody)
-        throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", v, holder_of(v)), location,
-                    "Take it out of one of the two with 'minus'.");
+      if (owner_[v] == handle) throw Error(facts::deform::VertexNamedTwice{.vertex = v}, location);
+      require_free(v, location);
       owner_[v] = handle;
     }
   }
 
-  std::string holder_of(Index vertex) const {
-    const int owner = owner_[vertex];
-    if (owner == fixed) return "fixed";
-    if (owner == constrained) return "constrained by itself";
-    return fmt::format("part of the handle '{}'", handles_[static_cast<std::size_t>(owner)]);
+  /// Throws where the vertex, which is inside, has a role.
+  void require_free(Index v, const std::string& location) const {
+    if (is_free(v)) return;
+    if (const std::string* holder = holder_of(v))
+      throw Error(facts::script::VertexHeld{.vertex = v, .handle = *holder}, location);
+    throw Error(facts::script::VertexFixed{.vertex = v}, location);
+  }
+
+  /// Returns the name of the handle that a vertex is part of, or null.
+  const std::string* holder_of(Index v) const {
+    return owner_[v] < 0 ? nullptr : &handles_[static_cast<std::size_t>(owner_[v])];
   }
 
   static constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
@@ -88,19 +93,12 @@ Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, con
   const bool is_curve = spec.shape == HandleShape::curve;
   handle.vertices =
       is_curve ? selections.ordered(spec.select, select) : selections.vertices(spec.select, select);
-  if (handle.vertices.empty())
-    throw Error(ErrorCode::input, fmt::format("the handle '{}' has no vertices", spec.name), select,
-                "Look at the mesh's bounding box with 'meshgraft info' and make the selection larger.");
+  if (handle.vertices.empty()) throw Error(facts::script::HandleEmpty{.handle = spec.name}, select);
   for (const Index v : handle.vertices)
     if (!context.mesh.positions.row(v).allFinite())
-      throw Error(ErrorCode::input,
-                  fmt::format("the handle '{}' has vertex {}, a coordinate of which is not a finite number",
-                              spec.name, v),
-                  select, "Leave it out, or remove it first: 'meshgraft repair' does.");
+      throw Error(facts::script::HandleNotFinite{.handle = spec.name, .vertex = v}, select);
   if (spec.shape == HandleShape::vertex && handle.vertices.size() != 1)
-    throw Error(ErrorCode::input,
-                fmt::format("a handle of shape 'vertex' has one vertex, not {}", handle.vertices.size()),
-                select, "Use the shape 'region', or select with 'nearest'.");
+    throw Error(facts::script::NotOneVertex{.handle = spec.name, .count = handle.vertices.size()}, select);
   if (is_curve) handle.closed = spec.closed.value_or(ends_share_edge(handle.vertices, context.rings));
   return handle;
 }
@@ -138,14 +136,14 @@ class OwnConstraints {
   void add(const TargetSpec& target, const std::string& where) {
     VertexConstraint& constraint = constraint_of(target.vertex, where);
     if (constraint.position && (context_.weld.empty() || *constraint.position != target.position))
-      throw Error(ErrorCode::input, fmt::format("vertex {} has two targets", constraint.vertex), where);
+      throw Error(facts::script::TwoTargets{.vertex = constraint.vertex}, where);
     constraint.position = target.position;
   }
 
   void add(const TransformSpec& transform, const std::string& where) {
     VertexConstraint& constraint = constraint_of(transform.vertex, where);
     if (constraint.transform && (context_.weld.empty() || *constraint.transform != transform.matrix))
-      throw Error(ErrorCode::input, fmt::format("vertex {} has two transforms", constraint.vertex), where);
+      throw Error(facts::script::TwoTransforms{.vertex = constraint.vertex}, where);
     constraint.transform = transform.matrix;
   }
 
@@ -174,16 +172,12 @@ class OwnConstraints {
   VertexConstraint& constraint_of(Index vertex, const std::string& where) {
     const Index vertex_count = context_.mesh.vertex_count();
     if (vertex >= vertex_count)
-      throw Error(ErrorCode::input,
-                  fmt::format("vertex {} does not exist; the mesh has {}", vertex, vertex_count), where);
+      throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = vertex_count}, where);
     vertex = context_.weld.of(vertex);
     auto [entry, is_new] = constraints_.try_emplace(vertex);
     if (!is_new) return entry->second;
-    if (!roles_.is_inside(vertex))
-      throw Error(ErrorCode::input, fmt::format("vertex {} lies outside the region", vertex), where);
-    if (!roles_.is_free(vertex))
-      throw Error(ErrorCode::input, fmt::format("vertex {} is already {}", vertex, roles_.holder_of(vertex)),
-                  where, "Take it out of that selection with 'minus'.");
+    if (!roles_.is_inside(vertex)) throw Error(facts::script::VertexOutsideRegion{.vertex = vertex}, where);
+    roles_.require_free(vertex, where);
     roles_.take(vertex, Roles::constrained);
     entry->second.vertex = vertex;
     return entry->second;
@@ -198,8 +192,8 @@ void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found,
   const auto require = [&](const std::optional<Index>& count, const std::optional<Index>& actual,
                            std::string_view name) {
     if (count && *count != *actual)
-      throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, *actual),
-                  fmt::format("{}.counts.{}", location, name), "Is it the right mesh?");
+      throw Error(facts::script::WrongCount{.expected = *count, .found = *actual},
+                  fmt::format("{}.counts.{}", location, name));
   };
   require(expected.vertices, found.vertices, "vertices");
   require(expected.faces, found.faces, "faces");
@@ -253,7 +247,7 @@ class DeformResolver {
   std::vector<Index> find_region() {
     std::vector<Index> inside = is_whole() ? every_vertex(context_.mesh.vertex_count())
                                            : selections_.vertices(step_.region, location_ + ".region");
-    if (inside.empty()) throw Error(ErrorCode::input, "the region has no vertices", location_ + ".region");
+    if (inside.empty()) throw Error(facts::script::RegionEmpty{}, location_ + ".region");
     if (!symmetry_) return inside;
     inside = symmetry_->with_images(inside);
     const std::vector<Index> lost = symmetry_->without_partner(inside);
@@ -316,16 +310,14 @@ class DeformResolver {
   void require_free(const Handle& twin, const Roles& roles, std::size_t i) const {
     for (const HandleSpec& other : step_.handles)
       if (other.name == twin.name)
-        throw Error(ErrorCode::input, fmt::format("the name '{}' is that of a twin", twin.name),
-                    handle_location(i) + ".name", "Choose another name.");
+        throw Error(facts::script::NameOfTwin{.name = twin.name}, handle_location(i) + ".name");
     const auto taken = std::find_if(twin.vertices.begin(), twin.vertices.end(),
                                     [&](Index v) { return roles.is_inside(v) && !roles.is_free(v); });
     if (taken == twin.vertices.end()) return;
-    throw Error(ErrorCode::input,
-                fmt::format("vertex {} of the mirror image of the handle '{}' is already {}", *taken,
-                            step_.handles[i].name, roles.holder_of(*taken)),
-                handle_location(i) + ".select",
-                "'symmetry' makes the handle on the other side: take out what is there.");
+    const std::string &name = step_.handles[i].name, where = handle_location(i) + ".select";
+    if (const std::string* holder = roles.holder_of(*taken))
+      throw Error(facts::script::MirrorImageHeld{.vertex = *taken, .handle = name, .other = *holder}, where);
+    throw Error(facts::script::MirrorImageFixed{.vertex = *taken, .handle = name}, where);
   }
 
   std::vector<VertexConstraint> find_constraints(Roles& roles) const {
@@ -345,7 +337,7 @@ class DeformResolver {
       for (const Index v : vertices_of(step_.anchors[i].select, where)) {
         if (!roles.is_free(v)) continue;  // held and immovable vertices need no anchor
         if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
-          throw Error(ErrorCode::input, fmt::format("vertex {} is anchored twice", v), where);
+          throw Error(facts::script::AnchoredTwice{.vertex = v}, where);
       }
     }
     std::vector<Anchor> list;
@@ -384,15 +376,12 @@ ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, cons
   return DeformResolver(edit, step, context, location, produced).resolve();
 }
 
-std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
-                                    std::span<const HandlePose> poses, const Points& rest) {
-  std::vector<std::string> notes;
+std::vector<Note> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+                             std::span<const HandlePose> poses, const Points& rest) {
+  std::vector<Note> notes;
   for (const std::size_t h : symmetry.own)
     if (!is_symmetric(poses[h], handles[h], rest, symmetry.reflection))
-      notes.push_back(
-          fmt::format("the handle '{}' is its own mirror image, but its pose is not: the result is as little "
-                      "symmetric as the pose",
-                      handles[h].name));
+      notes.push_back(facts::script::AsymmetricPose{.handle = handles[h].name});
   return notes;
 }
 

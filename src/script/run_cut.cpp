@@ -60,7 +60,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& location, std::
     result = cut(usable.mesh(), step, context);
     usable.require_beyond(vertices_at_cut(result));
     usable.put_back(result.vertex, result.mesh);
-    if (std::string note = usable.note(); !note.empty()) report.notes.push_back(std::move(note));
+    if (const auto note = usable.note()) report.notes.push_back(*note);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw usable.explained(error).within(location);

@@ -4,8 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/memory.h>
@@ -22,6 +20,7 @@
 #include "../core/stopwatch.h"
 #include "refine_boundary.h"
 #include "run_steps.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -87,9 +86,7 @@ std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const V
 Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const DeformSettings& settings,
                            StepReport& report, const Context& context) {
   const Region& region = problem.deform.region;
-  if (!region.anchors.empty())
-    throw Error(ErrorCode::input, fmt::format("the method '{}' knows no anchors", to_string(method)), "anchors",
-                "Leave them out, or compare without this method.");
+  if (!region.anchors.empty()) throw Error(facts::script::NoAnchors{.method = to_string(method)}, "anchors");
   Stopwatch watch;
   context.step("solve");
   const std::vector<VertexConstraint> constraints = joined_constraints(problem, context);
@@ -182,39 +179,24 @@ Solution solve(const DeformProblem& problem, const DeformSettings& settings, con
   const Index free = count_free_vertices(problem);
   if (proxy == 0 && choose_path(free, settings.deformer, memory) == SolvePath::proxy) {
     proxy = proxy_vertices_for(settings.deformer, memory);
-    report.notes.push_back(fmt::format(
-        "a solve for {} free vertices does not fit the {} MB of memory there are: it was made on a proxy", free,
-        memory / 1'000'000));
+    report.notes.push_back(facts::script::ProxyForMemory{.free = free, .megabytes = memory / 1'000'000});
   }
   if (proxy == 0) return solve_by(settings.deformer, problem, options, report, context);
   return solve_by(ProxyOptions{settings.deformer, proxy}, problem, options, report, context);
 }
 
-std::vector<std::string> notes_of(const StepReport& report) {
-  std::vector<std::string> notes;
+std::vector<Note> notes_of(const StepReport& report) {
+  std::vector<Note> notes;
   if (report.proxy && report.proxy->free_vertices < report.counts.free)
     notes.push_back(
-        fmt::format("a proxy with {} free vertices was solved in the place of {}: an approximation, closer "
-                    "with more of them",
-                    report.proxy->free_vertices, report.counts.free));
-  if (report.evaluation && report.evaluation->fell_back_to_linear)
-    notes.emplace_back(
-        "a handle mirrors or flattens what it holds, so there is no rotation to follow; maps were blended "
-        "linearly");
+        facts::script::ProxySolved{.proxy = report.proxy->free_vertices, .free = report.counts.free});
+  if (report.evaluation && report.evaluation->fell_back_to_linear) notes.push_back(facts::script::NoRotation{});
   constexpr double settled_enough = 0.02;  // radians: about one degree
   if (report.evaluation && report.evaluation->last_rotation_change > settled_enough)
-    notes.push_back(fmt::format(
-        "the rotations had not settled after {} steps (they would have changed by another "
-        "{:.1f}°); more 'iterations' or less of a turn helps",
-        report.evaluation->iterations, report.evaluation->last_rotation_change * 180 / std::numbers::pi));
+    notes.push_back(facts::script::NotSettled{
+        .iterations = report.evaluation->iterations,
+        .change_deg = report.evaluation->last_rotation_change * 180 / std::numbers::pi});
   return notes;
-}
-
-std::string weld_note(const Weld& weld) {
-  return fmt::format(
-      "{} boundary vertices were welded to others at their place for the solve; the result keeps them apart "
-      "('weld': false lets such places open)",
-      weld.copies);
 }
 
 Index count_handle_vertices(const Region& region) {
@@ -337,9 +319,9 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
   report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
-  const std::vector<std::string> notes = notes_of(report);
+  const std::vector<Note> notes = notes_of(report);
   report.notes.insert(report.notes.end(), notes.begin(), notes.end());
-  if (!weld.empty()) report.notes.push_back(weld_note(weld));
+  if (!weld.empty()) report.notes.push_back(facts::script::Welded{.vertices = weld.copies});
   report.seconds.measure += watch.lap();
   report.seconds.total = watch.seconds();
   return report;

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/quality.h>
@@ -15,6 +14,7 @@
 
 #include "../core/stopwatch.h"
 #include "run_steps.h"
+#include "script/facts.h"
 #include "sha256.h"
 
 namespace meshgraft {
@@ -25,10 +25,8 @@ void require_hash(const EditInput& input, const std::filesystem::path& path, con
   if (!input.sha256) return;
   const std::string found = sha256(read_file(path));
   if (found != *input.sha256)
-    throw Error(
-        ErrorCode::input,
-        fmt::format("{} has the SHA-256 {}, the edit was made for {}", path.string(), found, *input.sha256),
-        location + ".sha256", "Restore the file, or drop the field if the other one is meant.");
+    throw Error(facts::script::WrongSha256{.file = path, .found = found, .expected = *input.sha256},
+                location + ".sha256");
 }
 
 std::string label_of(const EditInput& input) {
@@ -197,8 +195,7 @@ EditResult run_edit(const EditFile& edit, const RunOptions& options, const Conte
   const std::vector<std::string> names = mesh_names(edit);
   for (const std::string& wanted : options.keep)
     if (std::find(names.begin(), names.end(), wanted) == names.end())
-      throw Error(ErrorCode::usage, fmt::format("the edit has no mesh named '{}'", wanted), edit.location,
-                  fmt::format("It has '{}'.", fmt::join(names, "', '")));
+      throw Error(facts::script::NoMeshToKeep{.name = wanted, .known = names}, edit.location);
   return run_steps(edit, load_inputs(edit, context), options, context);
 }
 

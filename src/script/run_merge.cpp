@@ -14,6 +14,7 @@
 #include "../core/stopwatch.h"
 #include "merge_sides.h"
 #include "run_steps.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -23,8 +24,8 @@ void require_merge_counts(const MergeCounts& expected, const MergeSide& source, 
                           const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& location) {
   const auto require = [&](const char* name, const std::optional<Index>& count, std::size_t found) {
     if (count && static_cast<std::size_t>(*count) != found)
-      throw Error(ErrorCode::input, fmt::format("{} expected, {} found", *count, found),
-                  fmt::format("{}.counts.{}", location, name), "Is it the right mesh?");
+      throw Error(facts::script::WrongCount{.expected = *count, .found = found},
+                  fmt::format("{}.counts.{}", location, name));
   };
   const auto require_sizes = [&](const char* name, const std::vector<Index>& sizes, auto size_of) {
     if (sizes.empty()) return;
@@ -53,9 +54,7 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
   options.reach = step.reach;
   if (step.fixed) {
     options.fixed = source.selections.vertices(*step.fixed, location + ".fixed");
-    if (options.fixed.empty())
-      throw Error(ErrorCode::input, "it selects no vertex of the source", location + ".fixed",
-                  "Name some, or leave it out: then the part beyond reach stays");
+    if (options.fixed.empty()) throw Error(facts::script::FixedEmpty{}, location + ".fixed");
   }
   for (std::size_t i = 0; i < step.features.size(); ++i)
     options.features.push_back({source.selections.vertices(step.features[i].select,
@@ -103,22 +102,23 @@ Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& lo
 // Returns the error of a library call with the location of the field of the step.
 Error placed(const Error& error, const std::string& location) {
   const std::string& inner = error.location();
-  if (inner.starts_with("pair "))
-    return Error(error.code(), error.problem(), fmt::format("{}.pairs[{}]", location, inner.substr(5)),
-                 error.remedy());
-  if (inner == "surface_point") return Error(error.code(), error.problem(), location + ".at", error.remedy());
+  if (inner.starts_with("pair ")) return error.at(fmt::format("{}.pairs[{}]", location, inner.substr(5)));
+  if (inner == "surface_point") return error.at(location + ".at");
   for (const char* field : {"size", "normal_angle_deg", "reach", "fixed", "features"})
-    if (inner == field) return Error(error.code(), error.problem(), location + "." + inner, error.remedy());
+    if (inner == field) return error.at(location + "." + inner);
   return error.within(location);
 }
 
 void judge_intersections(const MergeIntersections& found, const MergeStep& step, bool strict,
-                         std::vector<std::string>& notes, const std::string& location) {
+                         std::vector<Note>& notes, const std::string& location) {
+  using namespace facts::script;
   if (!found.any_new()) return;
-  const std::string problem = fmt::format("{} pairs of faces of the result intersect", found.result);
-  const std::string remedy = step.at ? "place, spin or size may help" : "start, size or shape may help";
-  if (strict) throw Error(ErrorCode::unsolvable, problem, location, "Another " + remedy);
-  notes.push_back(problem + "; another " + remedy);
+  if (strict && step.at) throw Error(StrictDropIntersects{.pairs = found.result}, location);
+  if (strict) throw Error(StrictGraftIntersects{.pairs = found.result}, location);
+  if (step.at)
+    notes.push_back(DropIntersects{.pairs = found.result});
+  else
+    notes.push_back(GraftIntersects{.pairs = found.result});
 }
 
 std::vector<Index> present(const IndexMap& map, Index count) {
@@ -242,8 +242,6 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
       intersections = count_intersections(part, result, context);
       report.seconds.measure = measuring.seconds();
     }
-  } catch (const OpenStartError& error) {
-    throw OpenStartError(placed(error, location), error.starts());
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw placed(target.usable.explained(source.usable.explained(error)), location);
@@ -262,8 +260,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   outcome.self_intersections = intersections.result;
   outcome.source_self_intersections = intersections.source;
   if (options.strict && !outcome.report.seam.manifold)
-    throw Error(ErrorCode::unsolvable, "the result is not a manifold", location,
-                "`meshgraft info` tells whether one of the two meshes was not");
+    throw Error(facts::script::StrictNotManifold{}, location);
   judge_intersections(intersections, step, options.strict, report.notes, location);
 
   report.counts.vertices = result.mesh.vertex_count();

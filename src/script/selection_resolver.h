@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,8 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/resolve_deform.h>
+
+#include "script/facts.h"
 
 namespace meshgraft {
 
@@ -84,13 +87,6 @@ class SelectionResolver {
     return selections;
   }
 
-  template <class Named>
-  static std::string names_of(const std::map<std::string, Named>& map) {
-    std::string names;
-    for (const auto& [name, value] : map) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
-    return names;
-  }
-
   template <class Kind>
   Selection bind_kind(const Kind& kind, const std::string&) {
     return Selection(kind);
@@ -123,18 +119,14 @@ class SelectionResolver {
         return Selection(Selection::Indices{set->second});
     if (step != produced_.end())
       throw Error(
-          ErrorCode::input,
-          fmt::format("the step '{}' produces no selection '{}' on this mesh", wanted.step, wanted.what),
-          location, fmt::format("It produces {}.", names_of(step->second)));
+          facts::script::NoSuchProduct{
+              .step = wanted.step, .what = wanted.what, .known = std::views::keys(step->second)},
+          location);
     const bool exists = std::any_of(edit_.steps.begin(), edit_.steps.end(),
                                     [&](const EditStep& other) { return other.name == wanted.step; });
-    if (exists)
-      throw Error(ErrorCode::input, fmt::format("the step '{}' has produced nothing on this mesh", wanted.step),
-                  location, "Cut and merge steps before this one do, on the mesh that they leave.");
-    throw Error(ErrorCode::input, fmt::format("there is no step named '{}'", wanted.step), location,
-                produced_.empty()
-                    ? "Cut and merge steps with a name produce selections."
-                    : fmt::format("Those that produced something here: {}.", names_of(produced_)));
+    if (exists) throw Error(facts::script::NothingProduced{.step = wanted.step}, location);
+    if (produced_.empty()) throw Error(facts::script::NoProducingSteps{.step = wanted.step}, location);
+    throw Error(facts::script::NoSuchStep{.step = wanted.step, .known = std::views::keys(produced_)}, location);
   }
   Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& location) {
     return Selection(Selection::Grow{bind_child(grow.of, location), grow.rings});

@@ -7,13 +7,15 @@
 
 #include <meshgraft/core/error.h>
 
+#include "script/facts.h"
+
 namespace meshgraft {
 
 std::string sha256(std::string_view bytes) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int length = 0;
   if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1)
-    throw Error(ErrorCode::internal, "OpenSSL cannot compute SHA-256");
+    throw Error(facts::script::Sha256Failed{});
   std::string text;
   for (unsigned int k = 0; k < length; ++k) text += fmt::format("{:02x}", digest[k]);
   return text;

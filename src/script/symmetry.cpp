@@ -14,14 +14,11 @@
 
 #include "mesh/box_diagonal.h"
 #include "mesh/vertex_tree.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 
 namespace {
-
-[[noreturn]] void fail(const std::string& location, const std::string& problem, const std::string& remedy) {
-  throw Error(ErrorCode::input, problem, location, remedy);
-}
 
 // Returns the vertices that belong to a face and have finite positions.
 std::vector<Index> candidates_of(const SelectionContext& context) {
@@ -69,11 +66,18 @@ MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& c
   });
 }
 
+void MirrorMatch::require_face(Index v, const std::string& where) const {
+  if (image_distance(v) < 0) throw Error(facts::script::VertexWithoutFace{.vertex = v}, where);
+}
+
 Index MirrorMatch::required_partner(Index v, const std::string& where) const {
   if (partner(v) >= 0) return partner(v);
-  if (image_distance(v) < 0)
-    fail(where, fmt::format("vertex {} is of no face, so it has no mirror image", v), "Leave it out.");
-  fail(where, fmt::format("vertex {} has no vertex at its mirror image", v), sufficient_tolerance({v}));
+  require_face(v, where);
+  const Lack lack = lack_of({v});
+  if (lack.tolerance_rel)
+    throw Error(facts::script::VertexWithoutMirrorImage{.vertex = v, .tolerance_rel = *lack.tolerance_rel},
+                where);
+  throw Error(facts::script::VertexNotMirrored{.vertex = v, .distance_rel = lack.distance_rel}, where);
 }
 
 std::vector<Index> MirrorMatch::images(const std::vector<Index>& set) const {
@@ -100,8 +104,8 @@ std::vector<Index> MirrorMatch::course_of_images(const Handle& handle, const std
   std::vector<Index> distinct = course;
   sort_distinct(distinct);
   if (distinct.size() != course.size())
-    fail(where, fmt::format("the mirror image of the curve '{}' comes back to a vertex", handle.name),
-         "Make 'symmetry.tolerance_rel' smaller, or give both curves without 'symmetry'.");
+    throw Error(facts::script::MirroredCurveReturns{.handle = handle.name, .tolerance_rel = tolerance_rel_},
+                where);
   return course;
 }
 
@@ -120,27 +124,33 @@ void MirrorMatch::require_partners(const Handle& handle, const std::string& wher
     if (partner(v) < 0) lost.push_back(v);
   if (lost.empty()) return;
   std::sort(lost.begin(), lost.end());
-  fail(
-      where,
-      fmt::format("{} of the {} vertices of the handle '{}' have no vertex at their mirror image, the first is "
-                  "{}",
-                  lost.size(), handle.vertices.size(), handle.name, lost.front()),
-      sufficient_tolerance(lost));
+  for (const Index v : lost) require_face(v, where);
+  const Lack lack = lack_of(lost);
+  if (lack.tolerance_rel)
+    throw Error(facts::script::NoMirrorImage{.handle = handle.name,
+                                             .lost = lost.size(),
+                                             .all = handle.vertices.size(),
+                                             .first = lost.front(),
+                                             .tolerance_rel = *lack.tolerance_rel},
+                where);
+  throw Error(facts::script::NotMirrored{.handle = handle.name,
+                                         .lost = lost.size(),
+                                         .all = handle.vertices.size(),
+                                         .first = lost.front(),
+                                         .distance_rel = lack.distance_rel},
+              where);
 }
 
-std::string MirrorMatch::sufficient_tolerance(const std::vector<Index>& vertices) const {
-  double farthest = 0;
-  for (const Index v : vertices) farthest = std::max(farthest, image_distance(v));
-  if (!(diagonal_ > 0)) return "Leave them out.";
-  // Round up to two digits.
-  const double needed = farthest / diagonal_;
+// The vertices belong to faces and have no partner, so that the diagonal is not zero.
+Lack MirrorMatch::lack_of(const std::vector<Index>& vertices) const {
+  Lack lack;
+  for (const Index v : vertices) lack.distance_rel = std::max(lack.distance_rel, image_distance(v) / diagonal_);
   constexpr double most = 0.05;  // beyond it, any nearest vertex would be taken for an image
-  if (needed > most)
-    return "Choose a plane that mirrors the mesh: this one leaves images " +
-           fmt::format("{:.2g} of its diagonal from any vertex; or leave them out.", needed);
-  const double unit = std::pow(10.0, std::floor(std::log10(std::max(needed, 1e-12))) - 1);
-  return fmt::format("A 'symmetry.tolerance_rel' of {:.2g} finds one for each; or leave them out.",
-                     std::ceil(needed / unit) * unit);
+  if (lack.distance_rel > most) return lack;
+  // Round up to two digits.
+  const double unit = std::pow(10.0, std::floor(std::log10(std::max(lack.distance_rel, 1e-12))) - 1);
+  lack.tolerance_rel = std::stod(fmt::format("{:.2g}", std::ceil(lack.distance_rel / unit) * unit));
+  return lack;
 }
 
 std::optional<Handle> MirrorMatch::twin_of(Handle& handle, const std::string& where) const {
@@ -158,11 +168,8 @@ std::optional<Handle> MirrorMatch::twin_of(Handle& handle, const std::string& wh
   const auto shared = std::count_if(twin.vertices.begin(), twin.vertices.end(),
                                     [&](Index v) { return std::binary_search(held.begin(), held.end(), v); });
   if (shared > 0)
-    fail(where,
-         fmt::format("the handle '{}' overlaps its mirror image, in {} of {} vertices", handle.name, shared,
-                     held.size()),
-         "Keep it on one side of the plane, or make it its own mirror image: the 'union' of it and its "
-         "'mirror'.");
+    throw Error(facts::script::OverlapsMirrorImage{.handle = handle.name, .shared = shared, .all = held.size()},
+                where);
   return twin;
 }
 
@@ -173,12 +180,17 @@ std::vector<Index> MirrorMatch::without_partner(const std::vector<Index>& set) c
   return lost;
 }
 
-std::string MirrorMatch::note_about(const std::vector<Index>& without_partner, std::size_t of) const {
-  return fmt::format(
-      "{} of the region's {} vertices have no vertex at their mirror image, the first is {}: there the result "
-      "is "
-      "not symmetric. {}",
-      without_partner.size(), of, without_partner.front(), sufficient_tolerance(without_partner));
+Note MirrorMatch::note_about(const std::vector<Index>& without_partner, std::size_t of) const {
+  const Lack lack = lack_of(without_partner);
+  if (lack.tolerance_rel)
+    return facts::script::RegionWithoutMirrorImage{.lost = without_partner.size(),
+                                                   .all = of,
+                                                   .first = without_partner.front(),
+                                                   .tolerance_rel = *lack.tolerance_rel};
+  return facts::script::RegionNotMirrored{.lost = without_partner.size(),
+                                          .all = of,
+                                          .first = without_partner.front(),
+                                          .distance_rel = lack.distance_rel};
 }
 
 namespace {

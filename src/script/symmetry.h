@@ -7,12 +7,19 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/deform/handle.h>
 #include <meshgraft/deform/selection.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/resolve_deform.h>
 
 namespace meshgraft {
+
+/// How far the mirror images of some vertices are from any vertex.
+struct Lack {
+  double distance_rel = 0;              ///< at most, × the mesh's diagonal
+  std::optional<double> tolerance_rel;  ///< finds a partner for each; absent where images are too far off
+};
 
 /// Matches the vertices of a mesh with those of its mirror image. On a symmetric mesh every vertex has one
 /// partner, and the relation is mutual. On a nearly symmetric mesh several vertices may share a partner.
@@ -27,7 +34,8 @@ class MirrorMatch {
   /// belongs to no face.
   Index partner(Index v) const { return partner_[static_cast<std::size_t>(v)]; }
 
-  /// Returns the partner of `v`. Throws Error(input), naming `where`, where there is none.
+  /// Returns the partner of `v`. Throws Error(input), naming `where`, where there is none: with the id
+  /// script.vertex_without_mirror_image if a larger tolerance finds one, else script.vertex_not_mirrored.
   Index required_partner(Index v, const std::string& where) const;
 
   /// Returns `set` (ascending) and its mirror images: the partners of its vertices, and the vertices whose
@@ -36,21 +44,23 @@ class MirrorMatch {
 
   /// Returns the handle of the mirror images of `handle`. Returns nothing for a handle that is its own mirror
   /// image, and extends it to hold all of its images. Throws Error(input), naming `where`, for a handle that
-  /// partly overlaps its image, and for one with vertices that have no partner.
+  /// partly overlaps its image (script.overlaps_mirror_image), and for one with vertices that have no partner
+  /// (script.no_mirror_image if a larger tolerance finds one for each, else script.not_mirrored).
   std::optional<Handle> twin_of(Handle& handle, const std::string& where) const;
 
   /// Returns the vertices of `set` that belong to a face and have no partner, ascending.
   std::vector<Index> without_partner(const std::vector<Index>& set) const;
 
-  /// Returns a sentence about such vertices.
-  std::string note_about(const std::vector<Index>& without_partner, std::size_t of) const;
+  /// Returns a note about such vertices.
+  Note note_about(const std::vector<Index>& without_partner, std::size_t of) const;
 
  private:
   std::vector<Index> images(const std::vector<Index>& set) const;
   std::vector<Index> course_of_images(const Handle& handle, const std::string& where) const;
   bool is_own_image(const Handle& handle) const;
   void require_partners(const Handle& handle, const std::string& where) const;
-  std::string sufficient_tolerance(const std::vector<Index>& vertices) const;
+  void require_face(Index v, const std::string& where) const;
+  Lack lack_of(const std::vector<Index>& vertices) const;
   double image_distance(Index v) const { return distance_[static_cast<std::size_t>(v)]; }
 
   const SelectionContext& context_;

@@ -7,6 +7,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "server/facts.h"
+
 namespace meshgraft {
 
 namespace {
@@ -27,7 +29,7 @@ std::string decode(std::string_view text) {
     }
     const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1,
               low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
-    if (high < 0 || low < 0) throw Error(ErrorCode::input, "a percent sign stands before what is no number");
+    if (high < 0 || low < 0) throw Error(facts::server::BadEscape{});
     decoded += static_cast<char>(16 * high + low);
     i += 2;
   }
@@ -49,7 +51,7 @@ std::string Target::field(const std::string& name) const {
 }
 
 Target parse_target(std::string_view target) {
-  if (!target.starts_with('/')) throw Error(ErrorCode::input, "the target does not begin with a slash");
+  if (!target.starts_with('/')) throw Error(facts::server::TargetWithoutSlash{});
   const std::size_t question = std::min(target.find('?'), target.size());
   Target parsed{decode(target.substr(0, question)), {}};
   std::string_view query = target.substr(std::min(question + 1, target.size()));

@@ -26,6 +26,7 @@
 #include <meshgraft/core/error.h>
 
 #include "access.h"
+#include "server/facts.h"
 #include "utf8.h"
 
 namespace meshgraft {
@@ -230,9 +231,8 @@ void Server::Impl::take_address() {
   error_code failed = listen(options.port);
   if (failed == asio::error::address_in_use && options.or_free_port) failed = listen(0);
   if (failed)
-    throw Error(ErrorCode::io, fmt::format("the address cannot be taken: {}", failed.message()),
-                fmt::format("{}:{}", options.address, options.port),
-                "Choose another port, or 0 for a free one");
+    throw Error(facts::server::AddressNotTaken{.reason = failed.message()},
+                fmt::format("{}:{}", options.address, options.port));
   access = std::make_unique<Access>(token, options.address, acceptor.local_endpoint().port());
 }
 

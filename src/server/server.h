@@ -65,7 +65,7 @@ class Server {
  public:
   using MakeSession = std::function<std::unique_ptr<PageSession>(std::shared_ptr<Channel>)>;
 
-  /// Binds the address. Throws Error(io) if it cannot be bound.
+  /// Binds the address. Throws Error(io) with the id server.address_not_taken if it cannot be bound.
   Server(ServerOptions options, std::span<const PageFile> page, MakeSession make_session);
   ~Server();
   Server(const Server&) = delete;

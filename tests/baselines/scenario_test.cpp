@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,7 @@ struct StandardTest {
     triangles.resize(faces, 3);
     for (double& value : rest.reshaped<Eigen::RowMajor>()) off >> value;
     for (Index t = 0; t < faces; ++t) off >> corners >> triangles(t, 0) >> triangles(t, 1) >> triangles(t, 2);
-    if (!off) throw Error(ErrorCode::input, "the OFF file cannot be read", name);
+    if (!off) throw std::runtime_error(name + ": the OFF file cannot be read");
     selection = parse_sel(read_text(data_folder() / (name + ".sel")), vertices, name);
     const Eigen::Affine3d move(parse_def(read_text(data_folder() / (name + ".def")), name));
     for (Index v : selection.fixed)

@@ -1,3 +1,5 @@
+#include <filesystem>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -42,6 +44,19 @@ TEST_F(CommandLine, TheManualAndTheCompletionsKnowEveryCommandAndOption) {
   }
   for (const char* option : {"\\-\\-degenerate", "\\-\\-report", "\\-\\-in\\-place", "ft05\\-noise|apex|auto"})
     EXPECT_NE(manual.find(option), std::string::npos) << option;
+}
+
+TEST_F(CommandLine, MessagesNameCommandsAndOptionsThatExist) {
+  std::string known = run("completion fish").out + " -l help -l version";
+  if (run("render --help").status != 0) known += " -l from -l up";  // built without the renderer
+  const std::regex named("--([a-z][a-z-]+)|'meshgraft ([a-z]+)");
+  for (const char* table : {"cli/facts.json", "cli/texts.json"}) {
+    const std::string text = read_text(std::filesystem::path(MESHGRAFT_SOURCE_DIR) / table);
+    for (std::sregex_iterator one(text.begin(), text.end(), named), end; one != end; ++one) {
+      const std::string word = (*one)[1].matched ? " -l " + (*one)[1].str() : " -a " + (*one)[2].str();
+      EXPECT_NE(known.find(word), std::string::npos) << table << ": " << one->str();
+    }
+  }
 }
 
 TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {

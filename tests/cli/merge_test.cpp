@@ -29,7 +29,7 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --match 9:1", 3,
        "error: --match 9:1: vertex 9 is not on"},
       {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --align 0:0 --align 1:1 --align 999:2", 3,
-       "error: --align 999:2: there is no vertex 999"},
+       "error: --align 999:2: target vertex 999 does not exist; the mesh has 64"},
       {"merge sheet.obj gone.obj -o o.ply", 5, "error: gone.obj: "},
       {"merge sheet.obj sheet.obj -o o.ply --size nan", 2, "--size: 'nan' is not a positive number"},
       {"merge sheet.obj sheet.obj -o o.ply --size -1", 2, "--size: '-1' is not a positive number"},
@@ -163,13 +163,11 @@ TEST_F(CommandLine, SaysWhyALoopCannotBeMerged) {
   };
   const std::string merge = "merge body.obj ", to = " -o o.ply";
   says(merge + "three.obj" + to,
-       "loop 0 of the source (three.obj) cannot be merged: 1 edge has more than two faces, on the loop at "
-       "vertices 0, 1. "
-       "A loop there cannot be merged: take faces away");
+       "loop 0 of the source (three.obj) cannot be merged: 1 edge has more than two faces, on the loop, "
+       "first at vertices 0, 1. Take faces away");
   says("merge moebius.obj body.obj" + to,
        "loop 0 of the target (moebius.obj) cannot be merged: 1 edge has two faces that are wound against each "
-       "other, on "
-       "the loop at vertices 0, 1. Normals there");
+       "other, on the loop, first at vertices 0, 1. Make the faces' orientation consistent");
   says(merge + "points.obj" + to, "the source (points.obj) has no faces. Export it");
   says("cut points.obj --plane x=0.5" + to, "the mesh has no faces");
   says("info points.obj", "none, there are no faces");

@@ -1,32 +1,58 @@
 #include <meshgraft/core/error.h>
 
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "core/facts.h"
+#include "support/sample_fact.h"
 
 namespace meshgraft {
 namespace {
 
 TEST(Error, JoinsThePartsThatAreGiven) {
-  EXPECT_STREQ(Error(ErrorCode::input, "no faces").what(), "no faces");
-  EXPECT_STREQ(Error(ErrorCode::input, "no faces", "arm.ply").what(), "arm.ply: no faces");
-  EXPECT_STREQ(Error(ErrorCode::input, "no faces", "arm.ply", "Give a mesh").what(),
-               "arm.ply: no faces. Give a mesh");
-  EXPECT_STREQ(Error(ErrorCode::input, "no faces", "", "Give a mesh").what(), "no faces. Give a mesh");
+  EXPECT_EQ(error_sentence("", "no faces", ""), "no faces");
+  EXPECT_EQ(error_sentence("arm.ply", "no faces", ""), "arm.ply: no faces");
+  EXPECT_EQ(error_sentence("arm.ply", "no faces", "Give a mesh."), "arm.ply: no faces. Give a mesh.");
+  EXPECT_EQ(error_sentence("", "no faces", "Give a mesh."), "no faces. Give a mesh.");
 }
 
-TEST(Error, WithinPutsTheOuterPlaceFirst) {
-  const Error inner(ErrorCode::unsolvable, "nothing is fixed", "component 2", "Fix a vertex");
-  const Error outer = inner.within("edit.json").within("batch");
-  EXPECT_EQ(outer.code(), ErrorCode::unsolvable);
-  EXPECT_EQ(outer.location(), "batch: edit.json: component 2");
-  EXPECT_EQ(outer.remedy(), inner.remedy());
-  EXPECT_EQ(Error(ErrorCode::io, "cannot read").within("a.ply").location(), "a.ply");
+TEST(Error, IsAFactAndALocation) {
+  const Error error(facts::core::NoSuchVertex{.vertex = 9, .count = 3}, "arm.ply");
+  EXPECT_EQ(error.id(), "core.no_such_vertex");
+  EXPECT_EQ(error.code(), ErrorCode::input);
+  EXPECT_EQ(error.fact().get<std::int64_t>("vertex"), 9);
+  EXPECT_STREQ(error.what(), "arm.ply: vertex 9 does not exist; the mesh has 3. Vertices are numbered from 0.");
+  EXPECT_THROW((void)error.fact().value("face"), std::out_of_range);
 }
+
+TEST(Error, WithinPutsTheOuterLocationFirst) {
+  const Error inner(facts::core::NoFaces{}, "component 2");
+  const Error outer = inner.within("edit.json").within("batch");
+  EXPECT_EQ(outer.fact(), inner.fact());
+  EXPECT_EQ(outer.location(), "batch: edit.json: component 2");
+  EXPECT_EQ(Error(facts::core::NoFaces{}).within("a.ply").location(), "a.ply");
+  EXPECT_EQ(inner.at("a.ply").location(), "a.ply");
+}
+
+TEST(Error, EndsWithItsNotes) {
+  const Error error =
+      Error(facts::core::NoFaces{}, "arm.ply").with(facts::core::NotFinite{.what = "the point"});
+  EXPECT_EQ(error.notes().size(), 1u);
+  EXPECT_STREQ(error.within("edit.json").what(),
+               "edit.json: arm.ply: the mesh has no faces. Export it with its faces. the point is not finite");
+}
+
+TEST(Error, IsCopiedWithoutThrowing) { EXPECT_TRUE(std::is_nothrow_copy_constructible_v<Error>); }
 
 TEST(Error, EveryCodeHasItsOwnNameAndAFailingStatus) {
-  const ErrorCode codes[] = {ErrorCode::usage, ErrorCode::input,     ErrorCode::unsolvable,
-                             ErrorCode::io,    ErrorCode::cancelled, ErrorCode::internal};
+  const ErrorCode codes[] = {ErrorCode::usage,  ErrorCode::input,     ErrorCode::unsolvable, ErrorCode::io,
+                             ErrorCode::memory, ErrorCode::cancelled, ErrorCode::internal};
   for (const ErrorCode a : codes) {
     EXPECT_GT(exit_status(a), 0);
     EXPECT_LT(exit_status(a), 256);
@@ -34,6 +60,46 @@ TEST(Error, EveryCodeHasItsOwnNameAndAFailingStatus) {
       EXPECT_EQ(to_string(a) == to_string(b), a == b);
       EXPECT_EQ(exit_status(a) == exit_status(b), a == b);
     }
+  }
+}
+
+TEST(Fact, FillsInNumbersCountsAndLists) {
+  constexpr FieldType fields[] = {{"n", FieldKind::integer},
+                                  {"x", FieldKind::number},
+                                  {"name", FieldKind::text},
+                                  {"list", FieldKind::texts}};
+  const FactType type{"test.fact", {}, fields, "", ""};
+  const auto filled = [&](std::int64_t n, std::string_view text) {
+    return fill_in(text, Fact(type, {n, 0.25, "arm", std::vector<std::string>{"a", "b"}}));
+  };
+  EXPECT_EQ(filled(1, "{n:face has|faces have} no area"), "1 face has no area");
+  EXPECT_EQ(filled(3, "{n:face has|faces have} no area"), "3 faces have no area");
+  EXPECT_EQ(filled(7, "{n:03d} of {x:.1e}, '{name}': {list}"), "007 of 2.5e-01, 'arm': a, b");
+}
+
+// The library's texts are complete sentences about their fields, in the library's terms.
+TEST(Fact, EveryIdHasATextWithoutFlagsOrCommands) {
+  ASSERT_GT(fact_types().size(), 100u);
+  for (const FactType* type : fact_types()) {
+    const Fact fact = test::sample_fact(*type);
+    EXPECT_FALSE(fact.text().empty()) << type->id;
+    for (const std::string& text : {fact.text(), fact.remedy()}) {
+      for (const FieldType& field : type->fields)
+        EXPECT_EQ(text.find("{" + std::string(field.name)), std::string::npos) << type->id << ": " << text;
+      EXPECT_EQ(text.find("--"), std::string::npos) << type->id << ": " << text;
+      EXPECT_EQ(text.find("'meshgraft "), std::string::npos) << type->id << ": " << text;
+    }
+    if (const std::string remedy = fact.remedy(); !remedy.empty()) {
+      EXPECT_TRUE(remedy.ends_with('.') || remedy.ends_with('?')) << type->id;
+    }
+  }
+}
+
+TEST(Fact, IdsAreDistinctAndSorted) {
+  std::string_view before;
+  for (const FactType* type : fact_types()) {
+    EXPECT_NE(type->id, before);
+    before = type->id;
   }
 }
 

@@ -2,6 +2,7 @@
 #include <limits>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,14 +18,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Expects an Error with this code whose message contains `words`; those about an edit also tell what to do.
+/// Expects an Error with this id whose message contains `words`; those about an edit also tell what to do.
 template <typename Call>
-void expect_error(ErrorCode code, const std::vector<std::string>& words, Call call) {
+void expect_error(ErrorCode code, std::string_view id, const std::vector<std::string>& words, Call call) {
   try {
     call();
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_EQ(error.id(), id) << error.what();
     for (const std::string& word : words)
       EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
     if (code == ErrorCode::unsolvable) {
@@ -46,7 +48,8 @@ TEST(Errors, CoplanarPositionsAloneDoNotFixAMap) {
   const Scene scene = make_scene(flat_sheet(18, 12));
   Region region = two_handles(scene);
   for (Handle& handle : region.handles) handle.constrain_transform = false;
-  expect_error(ErrorCode::unsolvable, {"component 1", "plane", "transform"}, [&] { make(scene.mesh, region); });
+  expect_error(ErrorCode::unsolvable, "deform.component_held_by_positions",
+               {"component 1", "plane", "transform"}, [&] { make(scene.mesh, region); });
   region.handles[0].constrain_transform = true;
   EXPECT_NO_THROW(make(scene.mesh, region));
 }
@@ -55,21 +58,25 @@ TEST(Errors, CollinearAndSinglePositionsDoNotFixAMap) {
   const TestMesh sheet = flat_sheet(10, 8), ball = bumpy_sphere(2);
   Handle point = make_handle("point", {5});
   point.constrain_transform = false;
-  expect_error(ErrorCode::unsolvable, {"single place"}, [&] { make(ball, whole_with({point})); });
+  expect_error(ErrorCode::unsolvable, "deform.component_held_by_positions", {"one place"},
+               [&] { make(ball, whole_with({point})); });
   TestMesh even = grid(10, 8);
   even.positions.col(2).setZero();
   Handle line = make_handle("line", {0, 1, 2, 3, 4});
   line.constrain_transform = false;
-  expect_error(ErrorCode::unsolvable, {"one line"}, [&] { make(even, whole_with({line})); });
+  expect_error(ErrorCode::unsolvable, "deform.component_held_by_positions", {"one line"},
+               [&] { make(even, whole_with({line})); });
   EXPECT_NO_THROW(make(sheet, whole_with({make_handle("point", {5})})));
 }
 
 TEST(Errors, NoConstraintAtAll) {
   const TestMesh mesh = bumpy_sphere(2);
-  expect_error(ErrorCode::unsolvable, {"component 1", "fixed"}, [&] { make(mesh, whole_with({})); });
+  expect_error(ErrorCode::unsolvable, "deform.component_not_held", {"component 1", "fixed"},
+               [&] { make(mesh, whole_with({})); });
   Handle turning = make_handle("turning", {1, 2, 3});
   turning.constrain_position = false;
-  expect_error(ErrorCode::unsolvable, {"component 1"}, [&] { make(mesh, whole_with({turning})); });
+  expect_error(ErrorCode::unsolvable, "deform.component_not_held", {"component 1"},
+               [&] { make(mesh, whole_with({turning})); });
 }
 
 TEST(Errors, AComponentWithoutConstraintIsNamed) {
@@ -81,31 +88,34 @@ TEST(Errors, AComponentWithoutConstraintIsNamed) {
   two.triangles.conservativeResize(2 * ball.triangles.rows(), 3);
   two.triangles.bottomRows(ball.triangles.rows()) = ball.triangles.array() + n;
   Region region = held_foot(make_scene(ball));
-  expect_error(ErrorCode::unsolvable, {"component 2", "vertex " + std::to_string(n)},
-               [&] { make(two, region); });
+  expect_error(ErrorCode::unsolvable, "deform.component_not_held",
+               {"component 2", "vertex " + std::to_string(n)}, [&] { make(two, region); });
   region.whole = false;
   for (Index v = 0; v < n; ++v) region.vertices.push_back(v);
   EXPECT_NO_THROW(make(two, region));
   // A region that is all of a component touches nothing fixed.
   Region second;
   for (Index v = n; v < 2 * n; ++v) second.vertices.push_back(v);
-  expect_error(ErrorCode::unsolvable, {"component 1", "vertex " + std::to_string(n)},
-               [&] { make(two, second); });
+  expect_error(ErrorCode::unsolvable, "deform.component_not_held",
+               {"component 1", "vertex " + std::to_string(n)}, [&] { make(two, second); });
 }
 
 TEST(Errors, HandlesAreNeitherEmptyNorShared) {
   const Scene scene = make_scene(bumpy_sphere(2));
   Region region = held_foot(scene);
   region.handles.push_back(make_handle("nobody", {}));
-  expect_error(ErrorCode::input, {"nobody", "no vertices"}, [&] { make(scene.mesh, region); });
+  const auto expect_refused = [&](std::string_view id, const std::vector<std::string>& words) {
+    expect_error(ErrorCode::input, id, words, [&] { make(scene.mesh, region); });
+  };
+  expect_refused("deform.no_vertices", {"nobody", "no vertices"});
   region.handles[1].vertices = {scene.head.front()};
-  expect_error(ErrorCode::input, {"nobody", "'head'"}, [&] { make(scene.mesh, region); });
+  expect_refused("deform.vertex_of_two_handles", {"nobody", "'head'"});
   region.handles[1].vertices = {scene.foot.front()};
-  expect_error(ErrorCode::input, {"nobody", "fixed"}, [&] { make(scene.mesh, region); });
+  expect_refused("deform.vertex_also_fixed", {"nobody", "fixed"});
   region.handles[1].vertices = {scene.mesh.size()};
-  expect_error(ErrorCode::input, {"nobody"}, [&] { make(scene.mesh, region); });
+  expect_refused("core.no_such_vertex", {"nobody"});
   region.handles[1].vertices = {-1};
-  expect_error(ErrorCode::input, {"nobody"}, [&] { make(scene.mesh, region); });
+  expect_refused("core.no_such_vertex", {"nobody"});
 }
 
 TEST(Errors, WhatIsNotFiniteIsRefusedWithinReach) {
@@ -114,31 +124,36 @@ TEST(Errors, WhatIsNotFiniteIsRefusedWithinReach) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Scene broken = scene;
     broken.mesh.positions(200, 1) = value;
-    expect_error(ErrorCode::input, {"vertex 200"}, [&] { make(broken.mesh, held_foot(scene)); });
+    expect_error(ErrorCode::input, "deform.vertex_not_finite", {"vertex 200"},
+                 [&] { make(broken.mesh, held_foot(scene)); });
   }
   const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene));
   for (int k = 0; k < 3; ++k) {
     HandlePose pose;
     pose.transform.translation()[k] = std::numeric_limits<double>::quiet_NaN();
-    expect_error(ErrorCode::input, {}, [&] { deformer.evaluate(std::vector{pose}); });
+    expect_error(ErrorCode::input, "deform.too_large_or_not_finite", {"position"},
+                 [&] { deformer.evaluate(std::vector{pose}); });
   }
 }
 
 TEST(Errors, CallsOfTheWrongShapeAreRefused) {
   const Scene scene = make_scene(bumpy_sphere(2));
   const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene));
-  expect_error(ErrorCode::usage, {}, [&] { deformer.evaluate(std::vector<HandlePose>{}); });
+  const std::string_view size_mismatch = "core.size_mismatch";
+  expect_error(ErrorCode::usage, size_mismatch, {}, [&] { deformer.evaluate(std::vector<HandlePose>{}); });
   Points small(3, 3);
-  expect_error(ErrorCode::usage, {}, [&] { deformer.evaluate(std::vector{HandlePose{}}, small); });
+  expect_error(ErrorCode::usage, size_mismatch, {},
+               [&] { deformer.evaluate(std::vector{HandlePose{}}, small); });
   TestMesh broken = scene.mesh;
   broken.triangles(0, 0) = broken.size();
-  expect_error(ErrorCode::input, {"triangle 0"}, [&] { make(broken, held_foot(scene)); });
+  expect_error(ErrorCode::input, "core.no_such_vertex", {"triangle 0"},
+               [&] { make(broken, held_foot(scene)); });
   std::vector<DeformerOptions> wrong(3);
   wrong[0].operators.apex_height_rel = -1;
   wrong[1].operators.laplacian_order = 4;
   wrong[2].residual_corrections = -1;
   for (const DeformerOptions& options : wrong)
-    expect_error(ErrorCode::input, {},
+    expect_error(ErrorCode::input, "core.out_of_range", {},
                  [&] { Deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), options); });
 }
 
@@ -148,7 +163,7 @@ TEST(Errors, AStopIsHeeded) {
   stop.request_stop();
   Context context;
   context.stop_token = stop.get_token();
-  expect_error(ErrorCode::cancelled, {},
+  expect_error(ErrorCode::cancelled, "core.cancelled", {},
                [&] { Deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), {}, context); });
 }
 

@@ -329,18 +329,18 @@ TEST(Intersections, TheNumberOfThreadsDoesNotMatter) {
 
 TEST(Intersections, MalformedCallsAreNamed) {
   const TestMesh mesh = tetrahedron();
-  const auto code = [&](const Points& edited, const Triangles& triangles, const std::vector<Index>& free) {
+  const auto id = [&](const Points& edited, const Triangles& triangles, const std::vector<Index>& free) {
     try {
       new_self_intersections(mesh.positions, edited, triangles, free);
     } catch (const Error& error) {
-      return error.code();
+      return std::string(error.id());
     }
-    return ErrorCode::internal;
+    return std::string("no error");
   };
-  EXPECT_EQ(code(Points::Zero(3, 3), mesh.triangles, {}), ErrorCode::usage);
-  EXPECT_EQ(code(mesh.positions, mesh.triangles, {4}), ErrorCode::usage);
-  EXPECT_EQ(code(mesh.positions, mesh.triangles, {-1}), ErrorCode::usage);
-  EXPECT_EQ(code(mesh.positions, Triangles::Constant(1, 3, 9), {}), ErrorCode::input);
+  EXPECT_EQ(id(Points::Zero(3, 3), mesh.triangles, {}), "core.size_mismatch");
+  EXPECT_EQ(id(mesh.positions, mesh.triangles, {4}), "deform.no_such_free_vertex");
+  EXPECT_EQ(id(mesh.positions, mesh.triangles, {-1}), "deform.no_such_free_vertex");
+  EXPECT_EQ(id(mesh.positions, Triangles::Constant(1, 3, 9), {}), "core.no_such_vertex");
 }
 
 TEST(Intersections, ARequestToStopIsHeard) {

@@ -411,17 +411,17 @@ TEST(Quality, TheNumberOfThreadsDoesNotMatter) {
 
 TEST(Quality, MalformedCallsAreNamed) {
   const Surface sheet = grid(2, 2);
-  const auto code = [&](const Points& edited, const Triangles& triangles, std::vector<Index> free) {
+  const auto id = [&](const Points& edited, const Triangles& triangles, std::vector<Index> free) {
     try {
       measure_quality(sheet.positions, edited, triangles, free);
     } catch (const Error& error) {
-      return error.code();
+      return std::string(error.id());
     }
-    return ErrorCode::internal;
+    return std::string("no error");
   };
-  EXPECT_EQ(code(Points::Zero(4, 3), sheet.triangles, {}), ErrorCode::usage);
-  EXPECT_EQ(code(sheet.positions, sheet.triangles, {9}), ErrorCode::usage);
-  EXPECT_EQ(code(sheet.positions, Triangles::Constant(1, 3, 9), {}), ErrorCode::input);
+  EXPECT_EQ(id(Points::Zero(4, 3), sheet.triangles, {}), "core.size_mismatch");
+  EXPECT_EQ(id(sheet.positions, sheet.triangles, {9}), "deform.no_such_free_vertex");
+  EXPECT_EQ(id(sheet.positions, Triangles::Constant(1, 3, 9), {}), "core.no_such_vertex");
 }
 
 }  // namespace

@@ -40,12 +40,14 @@ class OnGrid : public testing::Test {
     return vertices;
   }
 
-  void expect_error(Selection::Kind kind, const std::string& place, const std::string& part_of_problem) const {
+  void expect_error(Selection::Kind kind, const std::string& place, const std::string& id,
+                    const std::string& part_of_problem = "") const {
     try {
       select(std::move(kind));
-      ADD_FAILURE() << "no error, expected '" << part_of_problem << "'";
+      ADD_FAILURE() << "no error, expected " << id;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
+      EXPECT_EQ(error.id(), id);
       EXPECT_EQ(error.location(), place);
       EXPECT_NE(error.problem().find(part_of_problem), std::string::npos) << error.problem();
     }
@@ -58,8 +60,9 @@ TEST_F(OnGrid, All) {
 
 TEST_F(OnGrid, IndicesKeepTheirOrderWithoutRepeats) {
   EXPECT_EQ(select(Selection::Indices{{9, 3, 9, 48, 3}}), (Indices{9, 3, 48}));
-  expect_error(Selection::Indices{{0, 49}}, "roi.indices[1]", "index 49 is not one of the 49 vertices");
-  expect_error(Selection::Indices{{-1}}, "roi.indices[0]", "index -1");
+  expect_error(Selection::Indices{{0, 49}}, "roi.indices[1]", "core.no_such_vertex",
+               "vertex 49 does not exist; the mesh has 49");
+  expect_error(Selection::Indices{{-1}}, "roi.indices[0]", "core.no_such_vertex", "vertex -1");
 }
 
 TEST_F(OnGrid, BoxSphereAndHalfSpaceIncludeTheirBoundary) {
@@ -68,16 +71,17 @@ TEST_F(OnGrid, BoxSphereAndHalfSpaceIncludeTheirBoundary) {
   EXPECT_EQ(select(Selection::Box{{0.1, 0.1, 0}, {0.9, 0.9, 0}}), Indices{});
   EXPECT_EQ(select(Selection::Sphere{{3, 3, 0}, 1}), (Indices{17, 23, 24, 25, 31}));
   EXPECT_EQ(select(Selection::HalfSpace{{0, 5, 0}, {0, 9, 0}}), where([](int, int y) { return y >= 5; }));
-  expect_error(Selection::Box{{1, 0, 0}, {0, 1, 1}}, "roi.box", "'min' is greater than 'max'");
-  expect_error(Selection::Box{{NAN, 0, 0}, {0, 1, 1}}, "roi.box.min", "not a finite number");
-  expect_error(Selection::Sphere{{0, 0, 0}, -1}, "roi.sphere.radius", "not negative");
-  expect_error(Selection::HalfSpace{{0, 0, 0}, {0, 0, 0}}, "roi.half_space.normal", "no length");
+  expect_error(Selection::Box{{1, 0, 0}, {0, 1, 1}}, "roi.box", "deform.box_reversed");
+  expect_error(Selection::Box{{NAN, 0, 0}, {0, 1, 1}}, "roi.box.min", "core.not_finite");
+  expect_error(Selection::Sphere{{0, 0, 0}, -1}, "roi.sphere.radius", "core.negative_or_not_finite");
+  expect_error(Selection::HalfSpace{{0, 0, 0}, {0, 0, 0}}, "roi.half_space.normal",
+               "deform.normal_without_length");
 }
 
 TEST_F(OnGrid, NearestVertex) {
   EXPECT_EQ(select(Selection::NearestVertex{{2.2, 4.4, 3}}), Indices{30});
   EXPECT_EQ(select(Selection::NearestVertex{{0.5, 0.5, 0}}), Indices{0});  // four equals: the smallest
-  expect_error(Selection::NearestVertex{{INFINITY, 0, 0}}, "roi.nearest", "not a finite number");
+  expect_error(Selection::NearestVertex{{INFINITY, 0, 0}}, "roi.nearest", "core.not_finite");
 }
 
 TEST_F(OnGrid, GrowAndShrink) {
@@ -104,9 +108,9 @@ TEST_F(OnGrid, GrowByLength) {
   for (const double length : {0.0, 0.9, 1.0, 2.5, 100.0}) {
     EXPECT_EQ(select(Selection::GrowLength{centre, length}), diamond(length));
   }
-  expect_error(Selection::GrowLength{centre, -1}, "roi.grow_length.length", "not negative");
+  expect_error(Selection::GrowLength{centre, -1}, "roi.grow_length.length", "core.negative_or_not_finite");
   expect_error(Selection::GrowLength{share(Selection::Indices{{99}}), 1}, "roi.grow_length.of.indices[0]",
-               "99");
+               "core.no_such_vertex", "99");
 }
 
 TEST_F(OnGrid, Combinations) {
@@ -116,10 +120,10 @@ TEST_F(OnGrid, Combinations) {
   EXPECT_EQ(select(Selection::Intersect{{left, low}}), where([](int x, int y) { return x <= 3 && y <= 3; }));
   EXPECT_EQ(select(Selection::Minus{{left, low}}), where([](int x, int y) { return x <= 3 && y > 3; }));
   EXPECT_EQ(select(Selection::Minus{{left}}), select(left.kind));
-  expect_error(Selection::Union{}, "roi.union", "combines no selections");
+  expect_error(Selection::Union{}, "roi.union", "deform.no_selection");
   expect_error(Selection::Minus{{left, Selection(Selection::Sphere{{0, 0, 0}, NAN})}},
-               "roi.minus[1].sphere.radius", "finite");
-  expect_error(Selection::Grow{nullptr, 1}, "roi.grow.of", "names no selection");
+               "roi.minus[1].sphere.radius", "core.negative_or_not_finite");
+  expect_error(Selection::Grow{nullptr, 1}, "roi.grow.of", "deform.no_selection");
 }
 
 TEST_F(OnGrid, Rim) {
@@ -128,7 +132,7 @@ TEST_F(OnGrid, Rim) {
             where([](int x, int y) { return std::max(std::abs(x - 3), std::abs(y - 3)) == 2; }));
   EXPECT_EQ(select(Selection::Rim{block, 3}), select(block->kind));
   EXPECT_EQ(select(Selection::Rim{share(Selection::All{}), 2}), Indices{});
-  expect_error(Selection::Rim{block, 0}, "roi.rim.rings", "at least 1");
+  expect_error(Selection::Rim{block, 0}, "roi.rim.rings", "deform.no_rings");
 }
 
 TEST_F(OnGrid, MirrorIsSymmetric) {
@@ -141,8 +145,9 @@ TEST_F(OnGrid, MirrorIsSymmetric) {
   const auto right = share(Selection::Indices{{4}});
   EXPECT_EQ(select(Selection::Mirror{right, {5.05, 0, 0}, {1, 0, 0}}), Indices{});
   EXPECT_EQ(select(Selection::Mirror{right, {5.05, 0, 0}, {1, 0, 0}, 0.1}), Indices{6});
-  expect_error(Selection::Mirror{part, centre, {0, 0, 0}}, "roi.mirror.normal", "no length");
-  expect_error(Selection::Mirror{part, centre, x_axis, -1}, "roi.mirror.tolerance_rel", "not negative");
+  expect_error(Selection::Mirror{part, centre, {0, 0, 0}}, "roi.mirror.normal", "deform.normal_without_length");
+  expect_error(Selection::Mirror{part, centre, x_axis, -1}, "roi.mirror.tolerance_rel",
+               "core.negative_or_not_finite");
 }
 
 void expect_path(const Indices& path, const SelectionContext& context, bool closed) {
@@ -194,14 +199,17 @@ TEST_F(OnGrid, PathKeepsOffItsOtherLegs) {
 }
 
 TEST_F(OnGrid, PathNamesWhatIsWrong) {
-  expect_error(Selection::Path{{{0, 0, 0}}}, "roi.path.points", "a path needs two");
-  expect_error(Selection::Path{{{0, 0, 0}, {0.1, 0, 0}}}, "roi.path.points", "here are 1");
-  expect_error(Selection::Path{{{0, 0, 0}, {2, 0, 0}}, true}, "roi.path.points", "a closed path needs three");
+  expect_error(Selection::Path{{{0, 0, 0}}}, "roi.path.points", "deform.path_too_short", "a path needs 2");
+  expect_error(Selection::Path{{{0, 0, 0}, {0.1, 0, 0}}}, "roi.path.points", "deform.path_too_short",
+               "here are 1");
+  expect_error(Selection::Path{{{0, 0, 0}, {2, 0, 0}}, true}, "roi.path.points", "deform.path_too_short",
+               "a closed path needs 3");
   expect_error(Selection::Path{{{0, 0, 0}, {2, 0, 0}, {0, 0, 0}}}, "roi.path.points[2]",
-               "comes back to vertex 0");
-  expect_error(Selection::Path{{{0, 0, 0}, {NAN, 0, 0}}}, "roi.path.points[1]", "not a finite number");
+               "deform.path_crosses_itself", "comes back to vertex 0");
+  expect_error(Selection::Path{{{0, 0, 0}, {NAN, 0, 0}}}, "roi.path.points[1]", "core.not_finite");
   // Down the whole width at x = 3: no way across it is left.
-  expect_error(Selection::Path{{{3, 0, 0}, {3, 6, 0}, {0, 3, 0}, {6, 3, 0}}}, "roi.path", "there is no way");
+  expect_error(Selection::Path{{{3, 0, 0}, {3, 6, 0}, {0, 3, 0}, {6, 3, 0}}}, "roi.path",
+               "deform.no_way_along_edges", "there is no way");
 }
 
 TEST(SelectionOnParts, ComponentsAndLoops) {
@@ -249,9 +257,18 @@ TEST(SelectionOnParts, AMeshWithoutFacesHasOnlyVertices) {
   points.positions = Points::Zero(3, 3);
   const SelectionContext context(points);
   EXPECT_EQ(resolve(Selection(Selection::All{}), context, "roi").size(), 3);
-  EXPECT_THROW(resolve(Selection(Selection::NearestVertex{{0, 0, 0}}), context, "roi"), Error);
-  EXPECT_THROW(resolve(Selection(Selection::Component{0}), context, "roi"), Error);
-  EXPECT_THROW(resolve(Selection(Selection::Path{{{0, 0, 0}, {1, 0, 0}}}), context, "roi"), Error);
+  const auto expect_error = [&](Selection::Kind kind, const std::string& id) {
+    try {
+      resolve(Selection(std::move(kind)), context, "roi");
+      ADD_FAILURE() << "no error, expected " << id;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.id(), id);
+    }
+  };
+  expect_error(Selection::NearestVertex{{0, 0, 0}}, "deform.no_vertex_with_face");
+  expect_error(Selection::Component{0}, "deform.no_vertex_with_face");
+  expect_error(Selection::Path{{{0, 0, 0}, {1, 0, 0}}}, "deform.no_vertex_with_face");
+  expect_error(Selection::Loop{0}, "deform.no_loops");
 }
 
 TEST(SelectionMirror, FindsTheOtherSideOfATorus) {
@@ -304,9 +321,9 @@ TEST(ParseIndices, NamesTheLine) {
   EXPECT_EQ(problem_of([] { parse_indices("1\n\nx7\n", 9, "ear.txt"); }),
             "ear.txt, line 3: 'x7' is not a vertex index");
   EXPECT_EQ(problem_of([] { parse_indices("1\n9\n", 9, "ear.txt"); }),
-            "ear.txt, line 2: index 9 is not one of the 9 vertices");
+            "ear.txt, line 2: vertex 9 does not exist; the mesh has 9");
   EXPECT_EQ(problem_of([] { parse_indices("-1\n", 9, "ear.txt"); }),
-            "ear.txt, line 1: index -1 is not one of the 9 vertices");
+            "ear.txt, line 1: vertex -1 does not exist; the mesh has 9");
   EXPECT_EQ(problem_of([] { parse_indices("1,2\n", 9, "ear.txt"); }),
             "ear.txt, line 1: '1,2' is not a vertex index");
 }
@@ -325,7 +342,7 @@ TEST(ParseDef, NamesTheLine) {
   EXPECT_EQ(problem_of([] { parse_def("1 0 0 nan\n", "bar.def"); }),
             "bar.def, line 1: 'nan' is not a finite number");
   EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 0\n", "bar.def"); }),
-            "bar.def: has 8 numbers, a matrix has 16");
+            "bar.def: has 8 numbers; a matrix has 16");
   EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0.5 1\n", "bar.def"); }),
             "bar.def, line 4: the last row is not 0 0 0 1");
   EXPECT_EQ(problem_of([] { parse_def("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n2", "bar.def"); }),

@@ -139,10 +139,14 @@ TEST(Editor, AsksBeforeItReplacesAnEditThatSomethingElseWrote) {
     paint_top(*one);
   }
   saved(page, file);
-  EXPECT_EQ(other.refusal({{"do", "save"}, {"edit", file.string()}})["replaces"], file.string());
+  const Json exists = other.refusal({{"do", "save"}, {"edit", file.string()}});
+  EXPECT_EQ(exists["id"], "io.file_exists");
+  EXPECT_EQ(exists["fields"]["file"], file.string());
   pose_top(other);
   saved(other, file);
-  EXPECT_EQ(page.refusal({{"do", "save"}})["replaces"], file.string());
+  const Json changed = page.refusal({{"do", "save"}});
+  EXPECT_EQ(changed["id"], "editor.file_changed");
+  EXPECT_EQ(changed["fields"]["file"], file.string());
   page.ask({{"do", "save"}, {"edit", file.string()}, {"overwrite", true}});
   pose_top(page);
   page.ask({{"do", "save"}});
@@ -342,8 +346,9 @@ TEST(Editor, SettingsChangeTheOutcome) {
     outcomes.push_back(page.exact(page.ask({{"do", "settings"}, {"settings", settings}})["pose"]));
   for (std::size_t a = 0; a < outcomes.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) EXPECT_NE(outcomes[a], outcomes[b]) << a << " " << b;
-  EXPECT_EQ(page.refusal({{"do", "settings"}, {"settings", {{"stiffness", -1}}}})["location"],
-            "edit: steps[0].settings.stiffness");
+  const Json refused = page.refusal({{"do", "settings"}, {"settings", {{"stiffness", -1}}}});
+  EXPECT_EQ(refused["step"], 0);
+  EXPECT_EQ(refused["location"], "settings.stiffness");
   EXPECT_EQ(page.ask({{"do", "state"}})["settings"]["density"], "ft05");
 }
 
@@ -677,7 +682,7 @@ TEST(Editor, AnswersAndSurvivesWhatIsMalformed) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});
   Page page(editor.url());
-  EXPECT_EQ(page.refusal({{"do", "undo"}})["code"], "usage") << "nothing is open";
+  EXPECT_EQ(page.refusal({{"do", "undo"}})["id"], "editor.nothing_open");
   for (const std::string& text :
        {std::string(), std::string("{"), std::string("[]"), std::string("null"), std::string("{}"),
         std::string(R"({"id":[1],"do":"undo"})"), std::string(100'000, '['), std::string(R"({"do":"undo"})"),

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
@@ -54,6 +55,8 @@ TEST_F(GraftEditor, TellsWhichStartsAreOpen) {
   const Json pair = {{"source_loop", loop_0}, {"target_loop", {{"loop", 1}}}};
   const Json event = graft({{"source", "tube"}, {"pairs", {pair}}});
   ASSERT_EQ(event["error"]["code"], "input") << "circles fit from any start";
+  EXPECT_EQ(event["error"]["id"], "merge.open_start");
+  EXPECT_EQ(event["error"]["step"], 0);
   ASSERT_EQ(event["open_starts"].size(), 1U);
   const Json& open = event["open_starts"][0];
   EXPECT_EQ(open["pair"], 0);
@@ -252,6 +255,7 @@ TEST_F(GraftEditor, AcceptsWithOneClickAndGoesOn) {
         Json{{"do", "part"}, {"what", "edit"}, {"name", "head"}}}) {
     const Json error = page_.refusal(request);
     EXPECT_EQ(error["code"], "usage") << request;
+    EXPECT_EQ(error["id"], "editor.graft_in_work");
     EXPECT_EQ(error["remedy"], "Accept the graft, or cancel it, first.");
   }
   EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "remove"}, {"name", "head"}})["code"], "input");
@@ -378,7 +382,8 @@ TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
   const Json before = state();
   const Json refused =
       page_.refusal(change(0, {{"pairs", {{{"source_loop", {{"loop", 7}}}, {"target_loop", loop_0}}}}}));
-  EXPECT_NE(refused["problem"].get<std::string>().find("loop"), std::string::npos) << refused;
+  EXPECT_EQ(refused["id"], "script.no_such_loop") << refused;
+  EXPECT_EQ(refused["step"], 0);
   EXPECT_EQ(state(), before) << "nothing is lost";
 
   page_.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"twist", {{"pair", 0}, {"by_deg", 90}}}});

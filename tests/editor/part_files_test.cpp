@@ -1,6 +1,7 @@
 // Where parts come from, and what of them is kept.
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 
 #include <meshgraft/samples/samples.h>
@@ -149,7 +150,8 @@ TEST_F(PartFiles, TellsOfSizesThatCannotBeShown) {
     folder_.file("size.obj", "v 0 0 0\nv " + size + " 0 0\nv 0 " + size + " 0\nf 1 2 3\n");
     const Json notes = page_.ask({{"do", "open"}, {"path", "size.obj"}})["notes"];
     ASSERT_EQ(notes.size(), 1U) << size;
-    EXPECT_NE(notes[0].get<std::string>().find("cannot be shown"), std::string::npos) << notes;
+    EXPECT_EQ(notes[0]["id"], "editor.size_not_shown") << notes;
+    EXPECT_EQ(notes[0]["fields"]["file"], "size.obj");
   }
 }
 
@@ -170,17 +172,21 @@ f 1 2 7
 f 3 1 2
 )");
   const Json opened = page_.ask({{"do", "open"}, {"path", "torn it.obj"}});
-  ASSERT_EQ(opened["notes"].size(), 1U);
-  const std::string note = opened["notes"][0];
-  for (const char* said : {"not a finite number", "more than two faces", "belong", "corners of an earlier one",
-                           "meshgraft repair '", "-o 'torn it_repaired.obj'"})
-    EXPECT_NE(note.find(said), std::string::npos) << said << " in: " << note;
+  std::set<std::string> found;
+  for (const Json& note : opened["notes"]) found.insert(note["id"]);
+  for (const char* id :
+       {"mesh.non_finite", "mesh.non_manifold_edge", "mesh.isolated_vertex", "mesh.duplicate_face"})
+    EXPECT_TRUE(found.contains(id)) << id << " in: " << opened["notes"];
+  ASSERT_EQ(opened["notes"][0]["id"], "editor.defects");
+  EXPECT_TRUE(opened["notes"][0]["fields"]["path"].get<std::string>().ends_with("torn it.obj"));
+  EXPECT_EQ(opened["notes"][0]["fields"]["repaired"], "torn it_repaired.obj");
   page_.ask({{"do", "open"}, {"path", "bust.ply"}});
   const std::string upload = page_.upload("torn.obj", read_file(folder_ / "torn it.obj"));
   const Json added = add("upload", upload);
-  ASSERT_EQ(added["notes"].size(), 1U);
-  EXPECT_NE(added["notes"][0].get<std::string>().find("meshgraft repair torn.obj -o"), std::string::npos)
-      << added;
+  ASSERT_EQ(added["notes"][0]["id"], "editor.defects");
+  EXPECT_EQ(added["notes"][0]["fields"]["file"], "torn.obj");
+  EXPECT_EQ(added["notes"][0]["fields"]["path"], "torn.obj");
+  EXPECT_EQ(added["notes"][0]["fields"]["repaired"], "torn_repaired.obj");
 }
 
 TEST_F(PartFiles, UploadsKeepTheirNames) {
@@ -196,7 +202,8 @@ TEST_F(PartFiles, UploadsKeepTheirNames) {
   EXPECT_EQ(name_of(long_name).size(), 120U);
   EXPECT_EQ(name_of("%FF%FE"), "model");
   const Json refused = page_.refusal({{"do", "save"}, {"mesh", std::string(300, 'x') + ".ply"}});
-  EXPECT_EQ(refused["remedy"], "Choose a shorter name.");
+  EXPECT_EQ(refused["id"], "editor.name_too_long");
+  EXPECT_EQ(refused["fields"]["bytes"], 304);
 }
 
 TEST_F(PartFiles, TellsWhichAxisStandsUp) {

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <sys/wait.h>
 
@@ -10,6 +11,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/samples/samples.h>
 
+#include "editor/document.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
 
@@ -85,6 +87,20 @@ void ask_all_of_grafting(Page& page) {
   page.ask({{"do", "graft"}, {"source", "face"}});
   page.ask({{"do", "accept"}});
   page.reply_to(page.send({{"do", "thumbnail"}, {"mesh", "face"}, {"size", 32}}));  // in any build
+}
+
+TEST(Protocol, TakesLocationsApart) {
+  const auto parts = [](const char* location) {
+    const editor::DocumentPlace place = editor::place_in_document(location);
+    return std::pair(place.step ? static_cast<int>(*place.step) : -1, place.rest);
+  };
+  EXPECT_EQ(parts("edit: steps[12].handles[0].pose"), std::pair(12, std::string("handles[0].pose")));
+  EXPECT_EQ(parts("edit: steps[0].pairs[1]: source_loop"), std::pair(0, std::string("pairs[1]: source_loop")));
+  EXPECT_EQ(parts("edit: steps[3]: source"), std::pair(3, std::string("source")));
+  EXPECT_EQ(parts("edit: steps[3]"), std::pair(3, std::string()));
+  EXPECT_EQ(parts("edit: selections.ear"), std::pair(-1, std::string("selections.ear")));
+  EXPECT_EQ(parts("edit"), std::pair(-1, std::string()));
+  EXPECT_EQ(parts("/models/steps[1].ply"), std::pair(-1, std::string("/models/steps[1].ply")));
 }
 
 TEST(Protocol, IsSpokenAsItsSchemaSays) {

@@ -27,6 +27,7 @@ GltfBuilder square() {
 
 struct BadJson {
   std::string what;
+  std::string id;
   std::function<void(Json&)> spoil;
   std::vector<std::string> words;
 };
@@ -34,40 +35,82 @@ struct BadJson {
 TEST(GltfErrors, NameThePlaceInTheJson) {
   const TemporaryFolder folder;
   const std::vector<BadJson> cases = {
-      {"version", [](Json& j) { j["asset"]["version"] = "1.0"; }, {"asset.version", "1.0"}},
-      {"no version", [](Json& j) { j.erase("asset"); }, {"asset", "missing"}},
+      {"version",
+       "gltf.unknown_version",
+       [](Json& j) { j["asset"]["version"] = "1.0"; },
+       {"asset.version", "1.0"}},
+      {"no version", "gltf.member_missing", [](Json& j) { j.erase("asset"); }, {"asset", "missing"}},
       {"draco",
+       "gltf.extension_not_read",
        [](Json& j) { j["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
        {"extensionsRequired[0]", "draco"}},
-      {"view range", [](Json& j) { j["bufferViews"][0]["byteLength"] = 1e9; }, {"bufferViews[0]", "beyond"}},
+      {"view range",
+       "gltf.beyond_bytes",
+       [](Json& j) { j["bufferViews"][0]["byteLength"] = 1e9; },
+       {"bufferViews[0]", "beyond"}},
       {"view overflow",
+       "gltf.beyond_bytes",
        [](Json& j) { j["bufferViews"][0]["byteOffset"] = 9007199254740992ULL; },
        {"bufferViews[0]", "beyond"}},
       {"accessor overflow",
+       "gltf.beyond_bytes",
        [](Json& j) { j["accessors"][0]["byteOffset"] = 9007199254740992ULL; },
        {"accessors[0]", "beyond"}},
-      {"count", [](Json& j) { j["accessors"][0]["count"] = 5; }, {"accessors[0]", "beyond"}},
-      {"huge count", [](Json& j) { j["accessors"][0]["count"] = 2000000000; }, {"accessors[0]", "beyond"}},
-      {"too huge count", [](Json& j) { j["accessors"][0]["count"] = 1e15; }, {"accessors[0].count", "large"}},
+      {"count",
+       "gltf.beyond_bytes",
+       [](Json& j) { j["accessors"][0]["count"] = 5; },
+       {"accessors[0]", "beyond"}},
+      {"huge count",
+       "gltf.beyond_bytes",
+       [](Json& j) { j["accessors"][0]["count"] = 2000000000; },
+       {"accessors[0]", "beyond"}},
+      {"too huge count",
+       "io.too_many",
+       [](Json& j) { j["accessors"][0]["count"] = 1e15; },
+       {"accessors[0].count", "2147483647"}},
       {"zeros",
+       "gltf.count_without_data",
        [](Json& j) {
          j["accessors"][0].erase("bufferView");
          j["accessors"][0]["count"] = 2000000000;
        },
        {"accessors[0]", "no bufferView"}},
       {"reference",
+       "gltf.index_out_of_range",
        [](Json& j) { j["accessors"][0]["bufferView"] = 7; },
        {"accessors[0].bufferView", "7", "2 bufferViews"}},
-      {"negative", [](Json& j) { j["accessors"][0]["bufferView"] = -1; }, {"accessors[0].bufferView"}},
-      {"type", [](Json& j) { j["accessors"][0]["componentType"] = 5124; }, {"accessors[0].componentType"}},
-      {"shape", [](Json& j) { j["accessors"][0]["type"] = "VEC2"; }, {"POSITION", "components"}},
-      {"stride", [](Json& j) { j["bufferViews"][0]["byteStride"] = 4; }, {"bufferViews[0]", "byteStride"}},
-      {"cycle", [](Json& j) { j["nodes"][0]["children"] = {0}; }, {"nodes[0]", "tree"}},
-      {"node", [](Json& j) { j["scenes"][0]["nodes"] = {3}; }, {"scenes[0].nodes[0]", "3"}},
-      {"scene", [](Json& j) { j["scene"] = 3; }, {"scene", "3"}},
-      {"matrix", [](Json& j) { j["nodes"][0]["matrix"] = {1, 2, 3}; }, {"nodes[0].matrix", "16"}},
-      {"wrong kind", [](Json& j) { j["meshes"] = "none"; }, {"meshes", "array"}},
+      {"negative",
+       "gltf.wrong_type",
+       [](Json& j) { j["accessors"][0]["bufferView"] = -1; },
+       {"accessors[0].bufferView"}},
+      {"type",
+       "gltf.unknown_constant",
+       [](Json& j) { j["accessors"][0]["componentType"] = 5124; },
+       {"accessors[0].componentType"}},
+      {"shape",
+       "gltf.wrong_size",
+       [](Json& j) { j["accessors"][0]["type"] = "VEC2"; },
+       {"POSITION", "components"}},
+      {"stride",
+       "gltf.stride_mismatch",
+       [](Json& j) { j["bufferViews"][0]["byteStride"] = 4; },
+       {"bufferViews[0]", "byteStride"}},
+      {"cycle",
+       "gltf.node_reached_twice",
+       [](Json& j) { j["nodes"][0]["children"] = {0}; },
+       {"nodes[0]", "tree"}},
+      {"node",
+       "gltf.index_out_of_range",
+       [](Json& j) { j["scenes"][0]["nodes"] = {3}; },
+       {"scenes[0].nodes[0]", "3"}},
+      {"scene", "gltf.index_out_of_range", [](Json& j) { j["scene"] = 3; }, {"scene", "3"}},
+      {"matrix",
+       "gltf.wrong_size",
+       [](Json& j) { j["nodes"][0]["matrix"] = {1, 2, 3}; },
+       {"nodes[0].matrix", "16"}},
+      {"wrong kind", "gltf.wrong_type", [](Json& j) { j["meshes"] = "none"; }, {"meshes", "array"}},
       {"sparse",
+       "gltf.sparse_count_too_large",
        [](Json& j) {
          j["accessors"][0]["sparse"] = {{"count", 9},
                                         {"indices", {{"bufferView", 0}, {"componentType", 5123}}},
@@ -75,6 +118,7 @@ TEST(GltfErrors, NameThePlaceInTheJson) {
        },
        {"accessors[0].sparse.count"}},
       {"meshopt",
+       "gltf.compressed",
        [](Json& j) { j["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = Json::object(); },
        {"bufferViews[0]", "compressed"}},
   };
@@ -83,8 +127,9 @@ TEST(GltfErrors, NameThePlaceInTheJson) {
     GltfBuilder b = square();
     bad.spoil(b.json);
     const auto path = folder.file("bird.glb", b.glb());
-    expect_error([&] { read_mesh(path); }, ErrorCode::input, bad.words).location();
-    expect_error([&] { read_mesh(path); }, ErrorCode::input, {"bird.glb"});
+    const Error error = expect_error([&] { read_mesh(path); }, bad.id, bad.words);
+    EXPECT_EQ(error.code(), ErrorCode::input);
+    EXPECT_NE(error.location().find("bird.glb"), std::string::npos) << error.location();
   }
 }
 
@@ -101,31 +146,32 @@ TEST(GltfErrors, CopiesAreCountedBeforeTheyAreMade) {
     b.json["scenes"][0]["nodes"].push_back(n);
   }
   const auto path = folder.file("forest.glb", b.glb());
-  expect_error([&] { read_mesh(path); }, ErrorCode::input, {"200 million triangles", "nodes"});
+  const Error error = expect_error([&] { read_mesh(path); }, "gltf.too_many_triangles", {"nodes"});
+  EXPECT_EQ(error.fact().get<std::int64_t>("millions"), 200);
 }
 
 TEST(GltfErrors, OfContainers) {
   const TemporaryFolder folder;
   const std::string glb = square().glb();
-  const auto refuse = [&](const std::string& content, const std::vector<std::string>& words) {
+  const auto refuse = [&](const std::string& content, const std::string& id, const std::string& words) {
     const auto path = folder.file("a.glb", content);
-    expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    expect_error([&] { read_mesh(path); }, id, {words});
   };
-  refuse(glb.substr(0, 15), {"byte 15", "header"});
-  refuse(glb.substr(0, glb.size() - 4), {"byte 8"});
-  refuse(glb + "more", {"byte 8"});
+  refuse(glb.substr(0, 15), "io.truncated_header", "byte 15");
+  refuse(glb.substr(0, glb.size() - 4), "gltf.wrong_length", "byte 8");
+  refuse(glb + "more", "gltf.wrong_length", "byte 8");
   std::string long_chunk = glb;
   long_chunk[15] = '\x7f';
-  refuse(long_chunk, {"byte 12", "chunk"});
+  refuse(long_chunk, "gltf.wrong_length", "byte 12: the chunk");
   std::string version = glb;
   version[4] = 1;
-  refuse(version, {"version 1"});
+  refuse(version, "gltf.unknown_version", "version 1");
   std::string no_json = glb;
   no_json[16] = 'X';
-  refuse(no_json, {"no JSON"});
+  refuse(no_json, "gltf.first_chunk_not_json", "byte 16");
   GltfBuilder short_buffer = square();
   short_buffer.buffer.resize(8);
-  refuse(short_buffer.glb(), {"bufferViews[0]"});
+  refuse(short_buffer.glb(), "gltf.beyond_bytes", "bufferViews[0]");
 }
 
 TEST(GltfErrors, OfFilesBesideIt) {
@@ -133,12 +179,17 @@ TEST(GltfErrors, OfFilesBesideIt) {
   const GltfBuilder b = square();
   const auto read = [&](const std::string& uri) { folder.mesh("a.gltf", b.gltf(uri)); };
   expect_error([&] { read("gone.bin"); }, ErrorCode::io, {"a.gltf", "buffers[0].uri", "gone.bin"});
-  expect_error([&] { read("https://example.org/a.bin"); }, ErrorCode::input, {"buffers[0].uri", "no file"});
-  expect_error([&] { read("data:application/octet-stream;base64,!!!"); }, ErrorCode::input, {"buffers[0].uri"});
-  expect_error([&] { read("data:text/plain,abc"); }, ErrorCode::input, {"base64"});
+  const auto refuse = [&](const std::string& uri, const std::string& id, const std::string& words) {
+    expect_error([&] { read(uri); }, id, {words});
+  };
+  refuse("https://example.org/a.bin", "gltf.uri_not_local", "buffers[0].uri");
+  refuse("", "gltf.uri_not_local", "buffers[0].uri");
+  refuse("data:application/octet-stream;base64,!!!", "gltf.data_uri_not_base64", "buffers[0].uri");
+  refuse("data:text/plain,abc", "gltf.data_uri_not_base64", "buffers[0].uri");
   folder.file("short.bin", b.buffer.substr(0, 20));
-  expect_error([&] { read("short.bin"); }, ErrorCode::input, {"buffers[0]", "20"});
+  refuse("short.bin", "gltf.wrong_length", "buffers[0]: the buffer");
   std::filesystem::create_directory(folder / "sub");
+  refuse("sub", "gltf.buffer_not_a_file", "buffers[0].uri");
   folder.file("data.bin", b.buffer);
   EXPECT_EQ(folder.mesh("sub/a.gltf", b.gltf("../data.bin")).vertex_count(), 4);
   EXPECT_EQ(folder.mesh("a.gltf", b.gltf((folder / "data.bin").string())).vertex_count(), 4);
@@ -146,16 +197,16 @@ TEST(GltfErrors, OfFilesBesideIt) {
 
 TEST(GltfErrors, OfJsonText) {
   const TemporaryFolder folder;
-  const auto refuse = [&](const std::string& text, const std::vector<std::string>& words) {
-    expect_error([&] { folder.mesh("a.gltf", text); }, ErrorCode::input, words);
+  const auto refuse = [&](const std::string& text, const std::string& id, const std::string& words) {
+    expect_error([&] { folder.mesh("a.gltf", text); }, id, {words});
   };
-  refuse("{\n\"asset\": }", {"a.gltf, line 2", "malformed"});
-  refuse("[1]", {"no object"});
-  refuse("{\"asset\": {\"version\": \"2.0\"}, \"x\": 1e999}", {"too large"});
-  refuse(std::string(10000, '['), {"nested"});
+  refuse("{\n\"asset\": }", "gltf.json_malformed", "a.gltf, line 2");
+  refuse("[1]", "gltf.json_not_an_object", "begins with '{'");
+  refuse("{\"asset\": {\"version\": \"2.0\"}, \"x\": 1e999}", "gltf.json_number_too_large", "a.gltf");
+  refuse(std::string(10000, '['), "gltf.json_too_deep", "200 deep");
   std::string deep = "{\"asset\":{\"version\":\"2.0\"},\"extras\":";
   for (int k = 0; k < 10000; ++k) deep += "{\"a\":";
-  refuse(deep, {"nested"});
+  refuse(deep, "gltf.json_too_deep", "200 deep");
 }
 
 TEST(GltfErrors, IndicesOutOfRangeAndNansAreForCheckMesh) {

@@ -31,7 +31,8 @@ TEST(GltfNew, HasANodePerObjectAndAPrimitivePerMaterial) {
   const Mesh mesh = folder.mesh("a.obj", two_squares);
   const WriteResult result = write_mesh(mesh, folder / "a.glb");
   ASSERT_FALSE(result.notes.empty());
-  EXPECT_NE(result.notes[0].find("2 polygons"), std::string::npos);
+  EXPECT_EQ(result.notes[0].id(), "io.polygons_split");
+  EXPECT_EQ(result.notes[0].get<std::int64_t>("count"), 2);
   const Json json = parts_of(read_file(folder / "a.glb")).json;
   ASSERT_EQ(json["nodes"].size(), 2U);
   EXPECT_EQ(json["nodes"][0]["name"], "left");
@@ -77,9 +78,9 @@ TEST(GltfNew, TellsOfCoordinatesThatFloatsCannotHold) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh("a.obj", two_squares);
   mesh.positions.col(0).array() += 1e6;
-  EXPECT_NE(write_mesh(mesh, folder / "a.glb").notes.at(1).find("rounded"), std::string::npos);
+  EXPECT_EQ(write_mesh(mesh, folder / "a.glb").notes.at(1).id(), "gltf.coordinates_rounded");
   mesh.positions(0, 0) = 1e60;
-  expect_error([&] { write_mesh(mesh, folder / "a.glb"); }, ErrorCode::input, {"vertex 0", "floats"});
+  expect_error([&] { write_mesh(mesh, folder / "a.glb"); }, "gltf.coordinate_beyond_floats", {"vertex 0"});
 }
 
 TEST(GltfNew, NeverReplacesSomebodysBuffer) {

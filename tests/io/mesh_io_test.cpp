@@ -55,7 +55,8 @@ TEST(MeshIo, TheContentsSignatureWinsOverTheExtension) {
   EXPECT_EQ(folder.mesh("really_ply.obj", triangle_ply).face_count(), 1);
   EXPECT_EQ(folder.mesh("really_ply.dat", triangle_ply).face_count(), 1);
   const auto path = folder.file("really_obj.ply", triangle_obj);
-  expect_error([&] { read_mesh(path); }, ErrorCode::input, {"really_obj.ply", "line 1", "'ply'", "extension"});
+  expect_error([&] { read_mesh(path); }, "io.not_this_format",
+               {"really_obj.ply", "line 1", "'ply'", "extension"});
 }
 
 TEST(MeshIo, ExtensionsAreRecognisedInAnyCase) {
@@ -67,22 +68,23 @@ TEST(MeshIo, ExtensionsAreRecognisedInAnyCase) {
 TEST(MeshIo, UnknownExtensionsAreRefused) {
   const TemporaryFolder folder;
   const auto path = folder.file("mesh.xyz", "0 0 0\n");
-  expect_error([&] { read_mesh(path); }, ErrorCode::input, {"mesh.xyz", "'.xyz'", ".ply, .obj, .off"});
-  expect_error([&] { write_mesh(triangle(), folder / "out.xyz"); }, ErrorCode::input, {"out.xyz", "'.xyz'"});
-  expect_error([&] { write_mesh(triangle(), folder / "out"); }, ErrorCode::input, {"out", "no extension"});
+  expect_error([&] { read_mesh(path); }, "io.unknown_extension", {"mesh.xyz", "'.xyz'", ".ply, .obj, .off"});
+  expect_error([&] { write_mesh(triangle(), folder / "out.xyz"); }, "io.unknown_extension",
+               {"out.xyz", "'.xyz'"});
+  expect_error([&] { write_mesh(triangle(), folder / "out"); }, "io.no_extension", {"out"});
   EXPECT_EQ(folder.entry_count(), 1u);
 }
 
 TEST(MeshIo, FilesThatCannotBeReadAreNamed) {
   const TemporaryFolder folder;
-  expect_error([&] { read_mesh(folder / "missing.ply"); }, ErrorCode::io,
+  expect_error([&] { read_mesh(folder / "missing.ply"); }, "io.file_not_found",
                {"missing.ply", "No such file", "spelling"});
-  expect_error([&] { read_mesh(folder.path()); }, ErrorCode::io, {"is a folder"});
+  expect_error([&] { read_mesh(folder.path()); }, "io.is_folder", {});
   const auto file = folder.file("file.ply", triangle_ply);
-  expect_error([&] { read_mesh(file / "inside.ply"); }, ErrorCode::io, {"inside.ply", "not a folder"});
+  expect_error([&] { read_mesh(file / "inside.ply"); }, "io.not_a_folder", {"inside.ply", "not a folder"});
   for (const char* name : {"empty.ply", "empty.obj"}) {
     const auto empty = folder.file(name, "");
-    expect_error([&] { read_mesh(empty); }, ErrorCode::input, {name, "empty"});
+    expect_error([&] { read_mesh(empty); }, "io.empty_file", {name});
   }
 }
 
@@ -92,7 +94,8 @@ TEST(MeshIo, FilesWithoutPermissionAreNamed) {
   if (!user.can_be_denied()) GTEST_SKIP() << "this user may read everything";
   const auto path = folder.file("secret.ply", triangle_ply);
   fs::permissions(path, fs::perms::none);
-  expect_error([&] { read_mesh(path); }, ErrorCode::io, {"secret.ply", "Permission denied", "permissions"});
+  expect_error([&] { read_mesh(path); }, "io.no_permission",
+               {"secret.ply", "Permission denied", "permissions"});
 }
 
 TEST(MeshIo, ASharedMeshComesBackFromBothFormats) {
@@ -110,8 +113,7 @@ TEST(MeshIo, ASharedMeshComesBackFromBothFormats) {
 TEST(MeshIo, AnExistingFileIsReplacedOnlyIfAsked) {
   const TemporaryFolder folder;
   const auto path = folder.file("out.obj", "old");
-  expect_error([&] { write_mesh(triangle(), path, {.overwrite = false}); }, ErrorCode::io,
-               {"out.obj", "exists"});
+  expect_error([&] { write_mesh(triangle(), path, {.overwrite = false}); }, "io.file_exists", {"out.obj"});
   EXPECT_EQ(read_file(path), "old");
   write_mesh(triangle(), path);
   EXPECT_EQ(read_file(path), triangle_obj);
@@ -152,14 +154,14 @@ TEST(MeshIo, ALinkToNothingYetStaysALink) {
   EXPECT_EQ(read_file(folder / "deep/real.obj"), triangle_obj);
 
   fs::create_symlink("round.obj", folder / "round.obj");
-  expect_error([&] { write_mesh(triangle(), folder / "round.obj"); }, ErrorCode::io, {"round.obj", "circle"});
-  expect_error([&] { read_mesh(folder / "round.obj"); }, ErrorCode::io, {"round.obj", "circle"});
+  expect_error([&] { write_mesh(triangle(), folder / "round.obj"); }, "io.link_loop", {"round.obj", "circle"});
+  expect_error([&] { read_mesh(folder / "round.obj"); }, "io.link_loop", {"round.obj", "circle"});
 }
 
 TEST(MeshIo, NamesThatNoFileCanHaveAreRefused) {
-  expect_error([] { read_mesh(""); }, ErrorCode::io, {"no file name"});
-  expect_error([] { read_mesh(std::string("a.obj\0.ply", 10)); }, ErrorCode::io, {"NUL"});
-  expect_error([] { write_mesh(triangle(), std::string("a\0.ply", 6)); }, ErrorCode::io, {"NUL"});
+  expect_error([] { read_mesh(""); }, "io.no_file_name", {});
+  expect_error([] { read_mesh(std::string("a.obj\0.ply", 10)); }, "io.name_with_nul", {});
+  expect_error([] { write_mesh(triangle(), std::string("a\0.ply", 6)); }, "io.name_with_nul", {});
 }
 
 TEST(MeshIo, AFailedWriteLeavesTheOldFileAndNothingElse) {
@@ -167,13 +169,14 @@ TEST(MeshIo, AFailedWriteLeavesTheOldFileAndNothingElse) {
   const auto path = folder.file("out.ply", triangle_ply);
   Mesh mesh = read_mesh(path);
   mesh.positions(0, 0) = 1e300;  // no float
-  expect_error([&] { write_mesh(mesh, path); }, ErrorCode::input, {"out.ply", "vertex 0"});
+  expect_error([&] { write_mesh(mesh, path); }, "io.value_does_not_fit", {"out.ply", "vertex 0"});
   EXPECT_EQ(read_file(path), triangle_ply);
   EXPECT_EQ(folder.entry_count(), 1u);
 
-  expect_error([&] { write_mesh(triangle(), folder / "no/such/folder.ply"); }, ErrorCode::io, {"folder.ply"});
+  expect_error([&] { write_mesh(triangle(), folder / "no/such/folder.ply"); }, "io.file_not_found",
+               {"folder.ply"});
   fs::create_directory(folder / "folder.ply");
-  expect_error([&] { write_mesh(triangle(), folder / "folder.ply"); }, ErrorCode::io, {"is a folder"});
+  expect_error([&] { write_mesh(triangle(), folder / "folder.ply"); }, "io.is_folder", {"folder.ply"});
   EXPECT_EQ(folder.entry_count(), 2u);
 }
 
@@ -206,13 +209,13 @@ TEST(MeshIo, AFolderOrFileWithoutPermissionIsNamed) {
   if (!user.can_be_denied()) GTEST_SKIP() << "this user may write everywhere";
   const auto path = folder.file("out.obj", "old");
   fs::permissions(path, fs::perms::owner_read);
-  expect_error([&] { write_mesh(triangle(), path); }, ErrorCode::io, {"out.obj", "Permission denied"});
+  expect_error([&] { write_mesh(triangle(), path); }, "io.no_permission", {"out.obj", "Permission denied"});
   EXPECT_EQ(read_file(path), "old");
   fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
-  expect_error([&] { write_mesh(triangle(), folder / "new.obj"); }, ErrorCode::io,
+  expect_error([&] { write_mesh(triangle(), folder / "new.obj"); }, "io.no_permission",
                {"new.obj", "Permission denied"});
   fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
-  expect_error([&] { write_mesh(triangle(), path); }, ErrorCode::io, {"out.obj", "Permission denied"});
+  expect_error([&] { write_mesh(triangle(), path); }, "io.no_permission", {"out.obj", "Permission denied"});
   EXPECT_EQ(read_file(path), "old");
   EXPECT_EQ(folder.entry_count(), 1u);
 }
@@ -224,8 +227,8 @@ TEST(MeshIo, WritingAndReadingCanBeCancelled) {
   stop.request_stop();
   Context context;
   context.stop_token = stop.get_token();
-  expect_error([&] { read_mesh(path, context); }, ErrorCode::cancelled, {});
-  expect_error([&] { write_mesh(triangle(), folder / "out.ply", {}, context); }, ErrorCode::cancelled, {});
+  expect_error([&] { read_mesh(path, context); }, "core.cancelled", {});
+  expect_error([&] { write_mesh(triangle(), folder / "out.ply", {}, context); }, "core.cancelled", {});
   EXPECT_EQ(folder.entry_count(), 1u);
 }
 

@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -128,7 +129,7 @@ Attribute& normals_of(Mesh& mesh) {
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.name == "normal") return attribute;
   }
-  throw Error(ErrorCode::internal, "no normals");
+  throw std::runtime_error("no normals");
 }
 
 TEST(Obj, ANormalThatAllItsCornersAgreeOnIsRewrittenInPlace) {
@@ -251,7 +252,7 @@ TEST(Obj, AJoinedMeshDefinesTheMaterialsOfBoth) {
   const WriteResult result = write_mesh(join(one, two).mesh, folder / "out/whole.obj");
   ASSERT_EQ(result.files,
             (std::vector<std::filesystem::path>{folder / "out/whole.obj", folder / "out/whole.mtl"}));
-  EXPECT_EQ(result.notes, std::vector<std::string>());
+  EXPECT_TRUE(result.notes.empty());
   EXPECT_EQ(read_file(folder / "out/whole.mtl"),
             "# Materials, put together by meshgraft for whole.obj\n"
             "\nnewmtl skin\nKd 1 0 0\nmap_Kd -s 1 1 1 -o 0.5 -bm 2 ../a/tex/the skin.png\n"
@@ -295,14 +296,23 @@ TEST(Obj, NamesMaterialsThatAreNotDefined) {
   const Mesh two = folder.mesh("two.obj", with_materials("gone.mtl"));
   const WriteResult result = write_mesh(join(one, two).mesh, folder / "whole.obj");
   ASSERT_EQ(result.notes.size(), 1u);
-  EXPECT_NE(result.notes[0].find("gone.mtl"), std::string::npos) << result.notes[0];
+  EXPECT_EQ(result.notes[0].id(), "io.library_not_read");
+  EXPECT_EQ(result.notes[0].get<std::string>("library"), folder / "gone.mtl");
+  EXPECT_EQ(result.notes[0].get<std::string>("reason"), "No such file or directory");
   const std::string written = read_file(folder / "whole.obj");
   EXPECT_NE(written.find("mtllib gone.mtl\nmtllib whole.mtl\n"), std::string::npos) << written;
 
   const Mesh three = folder.mesh("three.obj", with_materials("one.mtl"));
   const WriteResult undefined = write_mesh(join(one, three).mesh, folder / "three_times.obj");
   ASSERT_EQ(undefined.notes.size(), 2u);
-  EXPECT_NE(undefined.notes[0].find("'hair'"), std::string::npos) << undefined.notes[0];
+  EXPECT_EQ(undefined.notes[0].id(), "io.material_undefined");
+  EXPECT_EQ(undefined.notes[0].get<std::string>("material"), "hair");
+
+  std::filesystem::create_directory(folder / "folder.mtl");
+  const Mesh four = folder.mesh("four.obj", with_materials("folder.mtl"));
+  const WriteResult no_file = write_mesh(join(one, four).mesh, folder / "whole.obj");
+  ASSERT_EQ(no_file.notes.size(), 1u);
+  EXPECT_EQ(no_file.notes[0].get<std::string>("reason"), "Is a directory");
 }
 
 TEST(Obj, FacesWithoutAMaterialTakeNobodysName) {
@@ -324,23 +334,26 @@ TEST(Obj, TellsWhatItCannotCarry) {
                   "property list uchar int vertex_indices\nelement edge 2\nproperty int a\nend_header\n"
                   "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n1\n2\n");
   const WriteResult result = write_mesh(ply, folder / "out.obj");
-  ASSERT_EQ(result.notes.size(), 2u);
-  EXPECT_NE(result.notes[0].find("in.ply"), std::string::npos) << result.notes[0];
-  EXPECT_NE(result.notes[0].find("2 of 'edge', 'TextureFile a.png'"), std::string::npos) << result.notes[0];
-  EXPECT_NE(result.notes[1].find("'heat'"), std::string::npos) << result.notes[1];
+  ASSERT_EQ(result.notes.size(), 3u);
+  EXPECT_EQ(result.notes[0].id(), "io.left_out");
+  EXPECT_EQ(result.notes[0].get<std::string>("file"), "in.ply");
+  EXPECT_NE(result.notes[0].text().find("edge (2)"), std::string::npos) << result.notes[0].text();
+  EXPECT_EQ(result.notes[1].get<std::string>("content"), "TextureFile a.png");
+  EXPECT_EQ(result.notes[2].get<std::vector<std::string>>("attributes"), std::vector<std::string>{"heat"});
 
   folder.file("one.mtl", "newmtl skin\n");
   const Mesh obj = folder.mesh("one.obj", with_materials("one.mtl") + "l 1 2\nl 2 3\n");
   const WriteResult as_ply = write_mesh(obj, folder / "out.ply");
   ASSERT_EQ(as_ply.notes.size(), 2u);
-  EXPECT_NE(as_ply.notes[0].find("2 'l' lines"), std::string::npos) << as_ply.notes[0];
-  EXPECT_NE(as_ply.notes[1].find("one.mtl"), std::string::npos) << as_ply.notes[1];
+  EXPECT_NE(as_ply.notes[0].text().find("l (2)"), std::string::npos) << as_ply.notes[0].text();
+  EXPECT_EQ(as_ply.notes[1].id(), "io.materials_named_only");
+  EXPECT_EQ(as_ply.notes[1].get<std::string>("library"), "one.mtl");
 
   std::filesystem::create_directory(folder / "far");
   const WriteResult moved = write_mesh(obj, folder / "far/one.obj");
   ASSERT_EQ(moved.notes.size(), 1u);
-  EXPECT_NE(moved.notes[0].find("copy"), std::string::npos) << moved.notes[0];
-  EXPECT_EQ(write_mesh(obj, folder / "other.obj").notes, std::vector<std::string>());
+  EXPECT_EQ(moved.notes[0].id(), "io.library_to_copy");
+  EXPECT_TRUE(write_mesh(obj, folder / "other.obj").notes.empty());
 }
 
 TEST(Obj, KnowsTheFilesBehindIt) {
@@ -423,6 +436,7 @@ TEST(Obj, AgreesWithTinyobjloader) {
 struct BadObj {
   const char* what;
   std::string content;
+  const char* id;
   std::vector<std::string> words;  // of the message
 };
 
@@ -452,28 +466,43 @@ TEST(Obj, ABackslashMayBeTheLastCharacter) {
 TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   const std::vector<BadObj> bad_obj_files = {
-      {"index 0", triangle + "f 0 1 2\n", {"line 4", "index 0", "count from 1"}},
-      {"out of range", triangle + "f 1 2 4\n", {"line 4", "index 4", "3 'v' lines"}},
-      {"relative out of range", triangle + "f -1 -2 -4\n", {"line 4", "index -4", "3 'v' lines before it"}},
-      {"relative to later lines", "f -1 -2 -3\n" + triangle, {"line 1", "index -1", "0 'v' lines before it"}},
-      {"uv out of range", triangle + "vt 0 0\nf 1/1 2/2 3/1\n", {"line 5", "index 2", "1 'vt' lines"}},
-      {"normal out of range", triangle + "f 1//1 2//1 3//1\n", {"line 4", "index 1", "0 'vn' lines"}},
-      {"huge index", triangle + "f 1 2 5000000000\n", {"line 4", "5000000000"}},
-      {"endless index", triangle + "f 1 2 99999999999999999999\n", {"line 4", "99999999999999999999"}},
-      {"no index", triangle + "f 1 2 x\n", {"line 4", "'x'"}},
-      {"four parts", triangle + "f 1/1/1/1 2 3\n", {"line 4", "'1/1/1/1'"}},
-      {"empty face", triangle + "f\n", {"line 4", "without corners"}},
-      {"after CR", with_line_ends(triangle + "f 1 2 x\n", "\r"), {"line 4", "'x'"}},
-      {"after CRLF", with_line_ends(triangle + "f 1 2 x\n", "\r\n"), {"line 4", "'x'"}},
-      {"two coordinates", "v 0 0 0\nv 1 2\n", {"line 2", "x, y and z"}},
-      {"too many values", "v 1 2 3 4 5 6 7 8\n", {"line 1", "more than 7"}},
-      {"no number", "v 0 zero 0\n", {"line 1", "'zero'"}},
-      {"decimal comma", "v 0,5 1 2\n", {"line 1", "'0,5'", "decimal point"}},
-      {"too large", "v 1e400 1 2\n", {"line 1", "'1e400'", "range"}},
-      {"short normal", "vn 1 2\n", {"line 1", "3 values"}},
-      {"empty uv", "vt\n", {"line 1", "texture coordinate"}},
-      {"no vertices", "# nothing\n", {"no vertices"}},
-      {"not text", std::string("v 0 0 0\n\0\1\2", 11), {"byte 8", "not text"}},
+      {"index 0", triangle + "f 0 1 2\n", "io.index_zero", {"line 4", "index 0", "count from 1"}},
+      {"out of range", triangle + "f 1 2 4\n", "io.index_out_of_range", {"line 4", "index 4", "3 'v' lines"}},
+      {"relative out of range",
+       triangle + "f -1 -2 -4\n",
+       "io.index_before_first",
+       {"line 4", "index -4", "3 'v' lines before it"}},
+      {"relative to later lines",
+       "f -1 -2 -3\n" + triangle,
+       "io.index_before_first",
+       {"line 1", "index -1", "0 'v' lines before it"}},
+      {"uv out of range",
+       triangle + "vt 0 0\nf 1/1 2/2 3/1\n",
+       "io.index_out_of_range",
+       {"line 5", "index 2", "1 'vt' lines"}},
+      {"normal out of range",
+       triangle + "f 1//1 2//1 3//1\n",
+       "io.index_out_of_range",
+       {"line 4", "index 1", "0 'vn' lines"}},
+      {"huge index", triangle + "f 1 2 5000000000\n", "io.index_out_of_range", {"line 4", "5000000000"}},
+      {"endless index",
+       triangle + "f 1 2 99999999999999999999\n",
+       "io.bad_corner",
+       {"line 4", "99999999999999999999"}},
+      {"no index", triangle + "f 1 2 x\n", "io.bad_corner", {"line 4", "'x'"}},
+      {"four parts", triangle + "f 1/1/1/1 2 3\n", "io.bad_corner", {"line 4", "'1/1/1/1'"}},
+      {"empty face", triangle + "f\n", "io.missing_value", {"line 4", "'v' of 'f'"}},
+      {"after CR", with_line_ends(triangle + "f 1 2 x\n", "\r"), "io.bad_corner", {"line 4", "'x'"}},
+      {"after CRLF", with_line_ends(triangle + "f 1 2 x\n", "\r\n"), "io.bad_corner", {"line 4", "'x'"}},
+      {"two coordinates", "v 0 0 0\nv 1 2\n", "io.missing_value", {"line 2", "'z' of 'v'"}},
+      {"too many values", "v 1 2 3 4 5 6 7 8\n", "io.extra_values", {"line 1", "'v'"}},
+      {"no number", "v 0 zero 0\n", "io.not_a_number", {"line 1", "'zero'"}},
+      {"decimal comma", "v 0,5 1 2\n", "io.decimal_comma", {"line 1", "'0,5'", "decimal point"}},
+      {"too large", "v 1e400 1 2\n", "io.number_out_of_range", {"line 1", "'1e400'", "range"}},
+      {"short normal", "vn 1 2\n", "io.missing_value", {"line 1", "'z' of 'vn'"}},
+      {"empty uv", "vt\n", "io.missing_value", {"line 1", "'u' of 'vt'"}},
+      {"no vertices", "# nothing\n", "io.no_vertices", {"no vertices"}},
+      {"not text", std::string("v 0 0 0\n\0\1\2", 11), "io.not_text", {"byte 8", "not text"}},
   };
   const TemporaryFolder folder;
   for (const BadObj& bad : bad_obj_files) {
@@ -481,7 +510,8 @@ TEST(Obj, BadFilesAreNamedWithPlaceAndRemedy) {
     const auto path = folder.file("bad.obj", bad.content);
     std::vector<std::string> words = bad.words;
     words.push_back("bad.obj");
-    const Error error = expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    const Error error = expect_error([&] { read_mesh(path); }, bad.id, words);
+    EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_FALSE(error.remedy().empty());
   }
 }

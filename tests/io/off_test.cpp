@@ -214,8 +214,10 @@ TEST(Off, WhatHasNoPlaceIsNamed) {
       "in.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\ng body\nusemtl skin\nf 1/1 2/1 3/1\n");
   const WriteResult result = write_mesh(mesh, folder / "out.off");
   ASSERT_EQ(result.notes.size(), 2u);
-  EXPECT_EQ(result.notes[0], "OFF has no place for 'uv', 'group', 'material'; a PLY file keeps it");
-  EXPECT_NE(result.notes[1].find("a.mtl"), std::string::npos);
+  EXPECT_EQ(result.notes[0].id(), "io.attributes_left_out");
+  EXPECT_EQ(result.notes[0].text(), "OFF has no place for uv, group, material; a PLY file keeps them");
+  EXPECT_EQ(result.notes[1].id(), "io.materials_left_out");
+  EXPECT_EQ(result.notes[1].get<std::string>("library"), "a.mtl");
   EXPECT_EQ(read_file(folder / "out.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
 }
 
@@ -238,38 +240,64 @@ TEST(Off, IndicesOutOfRangeAreLeftToCheckMesh) {
 struct BadOff {
   const char* what;
   std::string content;
+  const char* id;
   std::vector<std::string> words;
 };
 
 std::vector<BadOff> bad_off_files() {
   return {
-      {"another format", "hello\n", {"line 1", "'OFF'"}},
-      {"four dimensions", "4OFF\n0 0 0\n", {"line 1", "'4OFF'", "three dimensions"}},
-      {"any dimension", "nOFF 5\n0 0 0\n", {"line 1", "'nOFF'"}},
-      {"binary", "OFF BINARY\n" + std::string(12, '\0'), {"line 1", "binary OFF", "text OFF"}},
-      {"zeros", "OFF\n1 0 0\n0 0 0" + std::string(1, '\0'), {"byte 15", "not text"}},
-      {"no counts", "OFF\n", {"number of vertices"}},
-      {"negative count", "OFF\n-1 0 0\n", {"line 2", "number of vertices", "0 to 2147483647"}},
-      {"huge count", "OFF\n1 99999999999 0\n", {"line 2", "number of faces"}},
-      {"lying count", "OFF\n2000000000 1 0\n0 0 0\n", {"2000000000", "too short"}},
-      {"lying count of faces", "OFF\n1 2000000000 0\n0 0 0\n", {"2000000000", "too short"}},
-      {"a vertex short", "OFF\n3 0 0\n0 0 0 # padding\n1 2 3\n", {"line 5", "vertex 2", "cut off"}},
-      {"a face short", "OFF\n1 2 0\n0 0 0\n3 0 0 0\n", {"face 1", "cut off"}},
-      {"a face too many", plain + "3 0 1 2\n", {"line 9", "goes on"}},
-      {"no number", "OFF\n1 0 0\n0 zero 0\n", {"line 3", "vertex 0", "'zero'"}},
-      {"decimal comma", "OFF\n1 0 0\n0 0,5 0\n", {"line 3", "'0,5'", "decimal point"}},
-      {"fractional index", "OFF\n1 1 0\n0 0 0\n3 0 0 0.5\n", {"line 4", "face 0", "'0.5'", "whole number"}},
+      {"another format", "hello\n", "io.not_this_format", {"line 1", "'OFF'"}},
+      {"four dimensions", "4OFF\n0 0 0\n", "io.unsupported_variant", {"line 1", "'4OFF'", "x, y and z"}},
+      {"any dimension", "nOFF 5\n0 0 0\n", "io.unsupported_variant", {"line 1", "'nOFF'"}},
+      {"binary",
+       "OFF BINARY\n" + std::string(12, '\0'),
+       "io.unsupported_variant",
+       {"line 1", "'BINARY'", "OFF text"}},
+      {"zeros", "OFF\n1 0 0\n0 0 0" + std::string(1, '\0'), "io.not_text", {"byte 15", "not text"}},
+      {"no counts", "OFF\n", "io.truncated", {"number of vertices"}},
+      {"negative count", "OFF\n-1 0 0\n", "io.bad_count", {"line 2", "'-1'", "'vertex'", "0 to 2147483647"}},
+      {"huge count", "OFF\n1 99999999999 0\n", "io.bad_count", {"line 2", "'99999999999'", "'face'"}},
+      {"lying count", "OFF\n2000000000 1 0\n0 0 0\n", "io.too_short", {"2000000000 'vertex'"}},
+      {"lying count of faces", "OFF\n1 2000000000 0\n0 0 0\n", "io.too_short", {"2000000000 'face'"}},
+      {"a vertex short",
+       "OFF\n3 0 0\n0 0 0 # padding\n1 2 3\n",
+       "io.truncated",
+       {"line 5", "vertex 2", "cut off"}},
+      {"a face short", "OFF\n1 2 0\n0 0 0\n3 0 0 0\n", "io.truncated", {"face 1", "cut off"}},
+      {"a face too many", plain + "3 0 1 2\n", "io.trailing_data_of_off", {"line 9", "goes on"}},
+      {"no number", "OFF\n1 0 0\n0 zero 0\n", "io.not_a_number", {"line 3", "vertex 0", "'zero'"}},
+      {"decimal comma", "OFF\n1 0 0\n0 0,5 0\n", "io.decimal_comma", {"line 3", "'0,5'", "decimal point"}},
+      {"fractional index",
+       "OFF\n1 1 0\n0 0 0\n3 0 0 0.5\n",
+       "io.not_a_whole_number",
+       {"line 4", "face 0", "'0.5'", "whole number"}},
       {"colours unannounced",
        "OFF\n2 1 0\n0 0 0 .5 0 0\n1 0 0 .5 0 0\n3 0 1 0\n",
+       "io.trailing_data_of_off",
        {"line 5", "goes on", "COFF"}},
-      {"negative size", "OFF\n1 1 0\n0 0 0\n-3 0 0 0\n", {"line 4", "face 0", "-3 corners"}},
-      {"huge size", "OFF\n1 1 0\n0 0 0\n2000000000 0 0 0\n", {"line 4", "face 0", "2000000000 corners"}},
-      {"two colours", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2\n", {"line 4", "face 0", "no colour"}},
-      {"five colours", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 3 4 5\n", {"line 4", "face 0", "no colour"}},
-      {"too bright", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 256\n", {"line 4", "face 0", "255"}},
-      {"a word as colour", "OFF\n1 1 0\n0 0 0\n3 0 0 0 red\n", {"line 4", "colour of face 0", "'red'"}},
-      {"line after CR", with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r"), {"line 3", "'zero'"}},
-      {"line after CRLF", with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r\n"), {"line 3", "'zero'"}},
+      {"negative size", "OFF\n1 1 0\n0 0 0\n-3 0 0 0\n", "io.bad_length", {"line 4", "face 0", "-3"}},
+      {"huge size",
+       "OFF\n1 1 0\n0 0 0\n2000000000 0 0 0\n",
+       "io.bad_length",
+       {"line 4", "face 0", "2000000000"}},
+      {"two colours", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2\n", "io.bad_colour", {"line 4", "face 0", "no colour"}},
+      {"five colours",
+       "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 3 4 5\n",
+       "io.bad_colour",
+       {"line 4", "face 0", "no colour"}},
+      {"too bright", "OFF\n1 1 0\n0 0 0\n3 0 0 0 1 2 256\n", "io.bad_colour", {"line 4", "face 0", "255"}},
+      {"a word as colour",
+       "OFF\n1 1 0\n0 0 0\n3 0 0 0 red\n",
+       "io.not_a_number",
+       {"line 4", "colour of face 0", "'red'"}},
+      {"line after CR",
+       with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r"),
+       "io.not_a_number",
+       {"line 3", "'zero'"}},
+      {"line after CRLF",
+       with_line_ends("OFF\n1 0 0\n0 zero 0\n", "\r\n"),
+       "io.not_a_number",
+       {"line 3", "'zero'"}},
   };
 }
 
@@ -280,7 +308,8 @@ TEST(Off, BadFilesAreNamedWithPlaceAndRemedy) {
     const auto path = folder.file("bad.off", bad.content);
     std::vector<std::string> words = bad.words;
     words.push_back("bad.off");
-    const Error error = expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    const Error error = expect_error([&] { read_mesh(path); }, bad.id, words);
+    EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_FALSE(error.remedy().empty());
   }
 }

@@ -362,8 +362,8 @@ TEST(Ply, AValueThatTheFilesTypeCannotHoldIsRefused) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh("in.ply", rich_binary(false));
   mesh.positions(2, 0) = 1e300;
-  expect_error([&] { write_mesh(mesh, folder / "out.ply"); }, ErrorCode::input,
-               {"out.ply", "vertex 2", "1e+300", "'x'"});
+  expect_error([&] { write_mesh(mesh, folder / "out.ply"); }, "io.value_does_not_fit",
+               {"out.ply", "vertex 2", "1e+300", "'x'", "float"});
   EXPECT_FALSE(std::filesystem::exists(folder / "out.ply"));
 }
 
@@ -379,6 +379,7 @@ TEST(Ply, IndicesOutOfRangeAreReadForCheckMeshToName) {
 struct BadPly {
   const char* what;
   std::string content;
+  const char* id;
   std::vector<std::string> words;  // of the message
 };
 
@@ -401,59 +402,99 @@ std::vector<BadPly> bad_ply_files() {
   negative_list.replace(negative_list.find("0 0 0\n"), 6,
                         Bytes(false).put({0.f, 0.f, 0.f}).text() + "\xFF\x01\x02\x03");
   return {
-      {"no signature", "plx\nformat ascii 1.0\n", {"line 1", "does not begin with 'ply'"}},
-      {"header cut off", "ply\nformat ascii 1.0\nelement ver", {"end_header", "cut off"}},
-      {"only the signature", "ply", {"end_header"}},
-      {"no format", "ply\nelement vertex 1\nend_header\n", {"line 2", "format"}},
+      {"no signature",
+       "plx\nformat ascii 1.0\n",
+       "io.not_this_format",
+       {"line 1", "does not begin with 'ply'"}},
+      {"header cut off", "ply\nformat ascii 1.0\nelement ver", "io.truncated", {"end_header", "cut off"}},
+      {"only the signature", "ply", "io.truncated", {"end_header"}},
+      {"no format",
+       "ply\nelement vertex 1\nend_header\n",
+       "io.unexpected_word",
+       {"line 2", "'element'", "format"}},
       {"unknown format",
        "ply\nformat binary_middle_endian 1.0\nend_header\n",
+       "io.unexpected_word",
        {"line 2", "binary_middle_endian"}},
-      {"unknown version", "ply\nformat ascii 2.0\nend_header\n", {"line 2", "'2.0'"}},
-      {"unknown keyword", "ply\nformat ascii 1.0\nelephant\nend_header\n", {"line 3", "'elephant'"}},
+      {"unknown version", "ply\nformat ascii 2.0\nend_header\n", "io.unexpected_word", {"line 2", "'2.0'"}},
+      {"unknown keyword",
+       "ply\nformat ascii 1.0\nelephant\nend_header\n",
+       "io.unexpected_word",
+       {"line 3", "'elephant'"}},
       {"unknown type",
        "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n",
+       "io.unexpected_word",
        {"line 4", "'half'"}},
-      {"property before element", "ply\nformat ascii 1.0\nproperty float x\nend_header\n", {"line 3"}},
+      {"property before element",
+       "ply\nformat ascii 1.0\nproperty float x\nend_header\n",
+       "io.unexpected_word",
+       {"line 3", "element"}},
       {"malformed property",
        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float\nend_header\n",
-       {"line 4"}},
+       "io.malformed_line",
+       {"line 4", "property"}},
       {"float list length",
        "ply\nformat ascii 1.0\nelement face 1\nproperty list float int v\nend_header\n",
-       {"line 4", "'v'"}},
-      {"malformed element", "ply\nformat ascii 1.0\nelement vertex\nend_header\n", {"line 3", "count"}},
-      {"negative count", "ply\nformat ascii 1.0\nelement vertex -3\nend_header\n", {"line 3", "'-3'"}},
+       "io.non_integer_type",
+       {"line 4", "'v'", "length"}},
+      {"malformed element",
+       "ply\nformat ascii 1.0\nelement vertex\nend_header\n",
+       "io.malformed_line",
+       {"line 3", "COUNT"}},
+      {"negative count",
+       "ply\nformat ascii 1.0\nelement vertex -3\nend_header\n",
+       "io.bad_count",
+       {"line 3", "'-3'"}},
       {"huge count",
        "ply\nformat ascii 1.0\nelement vertex 99999999999999999999\nend_header\n",
+       "io.bad_count",
        {"line 3", "99999999999999999999"}},
       {"element twice",
        "ply\nformat ascii 1.0\nelement vertex 0\nelement vertex 0\nend_header\n",
+       "io.duplicate_element",
        {"line 4", "twice"}},
-      {"no vertices", "ply\nformat ascii 1.0\nend_header\n", {"'vertex'"}},
+      {"no vertices", "ply\nformat ascii 1.0\nend_header\n", "io.no_vertices", {"'vertex'"}},
       {"no z",
        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n",
+       "io.missing_property",
        {"'z'"}},
-      {"lying count", vertices("0 0 0\n", 2000000000), {"2000000000", "too short", "cut off"}},
-      {"one row short", vertices("0 0 0\n111.1 222.2 333.3\n", 3), {"line 10", "after 2 of 3", "cut off"}},
-      {"one row too many", vertices("0 0 0\n0 0 0\n", 1), {"line 9", "goes on"}},
-      {"too few values", vertices("0 0 0\n1.1234 0\n", 2), {"line 9", "too few", "'z'"}},
-      {"too many values", vertices("0 0 0 0\n"), {"line 8", "more values"}},
-      {"no number", vertices("0 zero 0\n"), {"line 8", "'y'", "'zero'", "not a number"}},
-      {"decimal comma", vertices("0,5 1 2\n"), {"line 8", "'0,5'", "decimal point"}},
-      {"too large", vertices("1e39 1 2\n"), {"line 8", "'1e39'", "range"}},
-      {"line after CR", with_line_ends(vertices("0 zero 0\n"), "\r"), {"line 8", "'zero'"}},
-      {"line after CRLF", with_line_ends(vertices("0 zero 0\n"), "\r\n"), {"line 8", "'zero'"}},
-      {"negative list", faces("-1 0 0\n"), {"line 11", "negative"}},
-      {"negative binary list", negative_list, {"face 0", "byte", "negative"}},
-      {"overlong list", faces("2000000000 0 0\n", "int int"), {"line 11", "longer than the rest"}},
-      {"list cut short", faces("3 0 0\n"), {"line 11", "too few"}},
-      {"fractional index", faces("3 0 0 0.5\n"), {"line 11", "'0.5'", "whole number"}},
-      {"index too large", faces("3 0 0 3000000000\n", "uchar uint"), {"line 11", "3000000000"}},
-      {"count out of its type", faces("200 0 0\n", "char int"), {"line 11", "'200'"}},
-      {"float indices", faces("3 0 0 0\n", "uchar float"), {"vertex_indices"}},
-      {"binary cut in the header's elements", binary.substr(0, data + 3), {"too short"}},
-      {"binary cut in the middle", binary.substr(0, binary.size() - 20), {"cut off"}},
-      {"binary cut at the end", binary.substr(0, binary.size() - 1), {"edge"}},
-      {"binary with more", binary + "more", {"byte " + std::to_string(binary.size()), "goes on"}},
+      {"lying count", vertices("0 0 0\n", 2000000000), "io.too_short", {"2000000000", "too short", "cut off"}},
+      {"one row short",
+       vertices("0 0 0\n111.1 222.2 333.3\n", 3),
+       "io.truncated_records",
+       {"line 10", "after 2 of 3", "cut off"}},
+      {"one row too many", vertices("0 0 0\n0 0 0\n", 1), "io.trailing_data", {"line 9", "goes on"}},
+      {"too few values", vertices("0 0 0\n1.1234 0\n", 2), "io.missing_value", {"line 9", "too few", "'z'"}},
+      {"too many values", vertices("0 0 0 0\n"), "io.extra_values", {"line 8", "more values"}},
+      {"no number", vertices("0 zero 0\n"), "io.not_a_number", {"line 8", "y of vertex", "'zero'"}},
+      {"decimal comma", vertices("0,5 1 2\n"), "io.decimal_comma", {"line 8", "'0,5'", "decimal point"}},
+      {"too large", vertices("1e39 1 2\n"), "io.number_out_of_range", {"line 8", "'1e39'", "range"}},
+      {"line after CR", with_line_ends(vertices("0 zero 0\n"), "\r"), "io.not_a_number", {"line 8", "'zero'"}},
+      {"line after CRLF",
+       with_line_ends(vertices("0 zero 0\n"), "\r\n"),
+       "io.not_a_number",
+       {"line 8", "'zero'"}},
+      {"negative list", faces("-1 0 0\n"), "io.bad_length", {"line 11", "vertex_indices", "-1"}},
+      {"negative binary list", negative_list, "io.bad_length", {"face 0", "byte", "-1"}},
+      {"overlong list", faces("2000000000 0 0\n", "int int"), "io.bad_length", {"line 11", "2000000000"}},
+      {"list cut short", faces("3 0 0\n"), "io.missing_value", {"line 11", "too few"}},
+      {"fractional index", faces("3 0 0 0.5\n"), "io.not_a_whole_number", {"line 11", "'0.5'", "whole number"}},
+      {"index too large",
+       faces("3 0 0 3000000000\n", "uchar uint"),
+       "io.index_too_large",
+       {"line 11", "3000000000"}},
+      {"count out of its type", faces("200 0 0\n", "char int"), "io.number_out_of_range", {"line 11", "'200'"}},
+      {"float indices", faces("3 0 0 0\n", "uchar float"), "io.non_integer_type", {"vertex_indices"}},
+      {"binary cut in the header's elements", binary.substr(0, data + 3), "io.too_short", {"too short"}},
+      {"binary cut in the middle",
+       binary.substr(0, binary.size() - 20),
+       "io.truncated_records",
+       {"after 1 of 2 'face'"}},
+      {"binary cut at the end", binary.substr(0, binary.size() - 1), "io.truncated_records", {"edge"}},
+      {"binary with more",
+       binary + "more",
+       "io.trailing_data",
+       {"byte " + std::to_string(binary.size()), "goes on"}},
   };
 }
 
@@ -464,7 +505,8 @@ TEST(Ply, BadFilesAreNamedWithPlaceAndRemedy) {
     const auto path = folder.file("bad.ply", bad.content);
     std::vector<std::string> words = bad.words;
     words.push_back("bad.ply");
-    const Error error = expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    const Error error = expect_error([&] { read_mesh(path); }, bad.id, words);
+    EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_FALSE(error.remedy().empty());
   }
 }
@@ -555,7 +597,7 @@ TEST(Ply, BinaryPolygonsCutOffAnywhereAreRefused) {
   std::string huge = binary_polygon_files()[1];
   huge[huge.size() - 5] = '\xFF';  // of the last index
   const auto path = folder.file("huge.ply", huge);
-  expect_error([&] { read_mesh(path); }, ErrorCode::input, {"face 2", "byte", "too large"});
+  expect_error([&] { read_mesh(path); }, "io.index_too_large", {"face 2", "byte"});
 }
 
 TEST(Ply, ManyRowsAreReadTheSameByAnyNumberOfThreads) {

@@ -200,10 +200,12 @@ TEST(Stl, AnythingElseIsComposedAsBinary) {
   Mesh mesh = folder.mesh("in.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.1 9 9\ng a\nf 1 2 3 4\nf 1 2\n");
   const WriteResult result = write_mesh(mesh, folder / "out.stl");
   const std::vector<std::string> expected = {
-      "STL has no place for 'group'; a PLY file keeps it", "STL has triangles only: 1 polygons are split",
-      "STL has no place for vertices without a face: 1 are left out",
-      "STL has no place for faces with fewer than three corners: 1 are left out"};
-  EXPECT_EQ(result.notes, expected);
+      "STL has no place for group; a PLY file keeps them", "STL has triangles only: 1 polygon is split",
+      "STL has no place for vertices without a face: 1 is left out",
+      "STL has no place for faces with fewer than three corners: 1 is left out"};
+  std::vector<std::string> notes;
+  for (const Note& note : result.notes) notes.push_back(note.text());
+  EXPECT_EQ(notes, expected);
   const std::string written = read_file(folder / "out.stl");
   EXPECT_EQ(written.size(), 84u + 2 * 50);
   EXPECT_FALSE(written.starts_with("solid"));
@@ -212,10 +214,9 @@ TEST(Stl, AnythingElseIsComposedAsBinary) {
   EXPECT_EQ(again.vertex_count(), 4);
 
   mesh.positions(1, 0) = 0.1;
-  EXPECT_EQ(write_mesh(mesh, folder / "out.stl").notes.back(),
-            "STL holds single precision: coordinates are rounded");
+  EXPECT_EQ(write_mesh(mesh, folder / "out.stl").notes.back().id(), "io.coordinates_rounded");
   mesh.positions(1, 0) = 1e300;
-  expect_error([&] { write_mesh(mesh, folder / "out.stl"); }, ErrorCode::input, {"vertex 1", "1e+300"});
+  expect_error([&] { write_mesh(mesh, folder / "out.stl"); }, "io.value_does_not_fit", {"vertex 1", "1e+300"});
 }
 
 TEST(Stl, TheHeaderOfTheOneFileBehindStays) {
@@ -246,6 +247,7 @@ TEST(Stl, FilesAreToldApartBySizeThenByTheirFirstWord) {
 struct BadStl {
   const char* what;
   std::string content;
+  const char* id;
   std::vector<std::string> words;
 };
 
@@ -258,25 +260,34 @@ std::vector<BadStl> bad_stl_files() {
   std::string lying = whole;
   lying.replace(80, 4, "\xFF\xFF\xFF\xFF");
   return {
-      {"another format", "v 0 0 0\n", {"line 1", "'solid'"}},
-      {"cut header", std::string(20, '\0'), {"84 bytes"}},
-      {"cut", whole.substr(0, whole.size() - 1), {"2 facets", "184 bytes", "183", "cut off"}},
-      {"trailing", whole + '\0', {"2 facets", "185", "Correct the count"}},
-      {"cut, named solid", binary(square, std::string("solid\0", 6)).substr(0, 150), {"2 facets", "cut off"}},
-      {"lying count", lying, {"4294967295 facets", "byte 80"}},
-      {"no facet", with("facet normal", "triangle normal"), {"line 2", "'triangle'", "'facet' or 'endsolid'"}},
-      {"no normal", with("normal", "direction"), {"line 2", "'direction'", "'normal'"}},
-      {"no loop", with("outer loop", "vertex"), {"line 3", "'vertex'", "'outer'"}},
-      {"four corners", with("    endloop", "    vertex 0 1 0"), {"line 7", "'vertex'", "'endloop'"}},
-      {"no endloop", with("    endloop\n", ""), {"line 7", "'endfacet'", "'endloop'"}},
-      {"no endfacet", with("  endfacet\n", ""), {"line 8", "'endsolid'", "'endfacet'"}},
-      {"no endsolid", ascii.substr(0, ascii.size() - 8), {"line 14", "ends", "'endsolid'"}},
-      {"no number", with("1e0", "one"), {"line 5", "'one'", "corner of a facet"}},
-      {"decimal comma", with("1e0", "1,0"), {"line 5", "'1,0'", "decimal point"}},
-      {"bad normal", with("0 0 1.0", "0 0 up"), {"line 2", "'up'", "normal"}},
-      {"too few numbers", with("vertex 1e0 0 0", "vertex 1e0 0"), {"line 6", "'vertex'"}},
-      {"something behind", ascii + " x\nmore", {"line 15", "'more'", "'solid'"}},
-      {"line after CR", with_line_ends(with("1e0", "one"), "\r"), {"line 5", "'one'"}},
+      {"another format", "v 0 0 0\n", "io.not_this_format", {"line 1", "'solid'"}},
+      {"cut header", std::string(20, '\0'), "io.truncated_header", {"84 bytes"}},
+      {"cut", whole.substr(0, whole.size() - 1), "io.wrong_size", {"2 facets", "184 bytes", "183", "cut off"}},
+      {"trailing", whole + '\0', "io.wrong_size", {"2 facets", "185", "count is wrong"}},
+      {"cut, named solid",
+       binary(square, std::string("solid\0", 6)).substr(0, 150),
+       "io.wrong_size",
+       {"2 facets", "cut off"}},
+      {"lying count", lying, "io.wrong_size", {"4294967295 facets", "byte 80"}},
+      {"no facet",
+       with("facet normal", "triangle normal"),
+       "io.unexpected_word",
+       {"line 2", "'triangle'", "endsolid, facet"}},
+      {"no normal", with("normal", "direction"), "io.unexpected_word", {"line 2", "'direction'", "normal"}},
+      {"no loop", with("outer loop", "vertex"), "io.unexpected_word", {"line 3", "'vertex'", "outer"}},
+      {"four corners",
+       with("    endloop", "    vertex 0 1 0"),
+       "io.unexpected_word",
+       {"line 7", "'vertex'", "endloop"}},
+      {"no endloop", with("    endloop\n", ""), "io.unexpected_word", {"line 7", "'endfacet'", "endloop"}},
+      {"no endfacet", with("  endfacet\n", ""), "io.unexpected_word", {"line 8", "'endsolid'", "endfacet"}},
+      {"no endsolid", ascii.substr(0, ascii.size() - 8), "io.truncated", {"line 14", "ends", "'endsolid'"}},
+      {"no number", with("1e0", "one"), "io.not_a_number", {"line 5", "'one'", "corner of a facet"}},
+      {"decimal comma", with("1e0", "1,0"), "io.decimal_comma", {"line 5", "'1,0'", "decimal point"}},
+      {"bad normal", with("0 0 1.0", "0 0 up"), "io.not_a_number", {"line 2", "'up'", "normal"}},
+      {"too few numbers", with("vertex 1e0 0 0", "vertex 1e0 0"), "io.not_a_number", {"line 6", "'vertex'"}},
+      {"something behind", ascii + " x\nmore", "io.unexpected_word", {"line 15", "'more'", "solid"}},
+      {"line after CR", with_line_ends(with("1e0", "one"), "\r"), "io.not_a_number", {"line 5", "'one'"}},
   };
 }
 
@@ -287,7 +298,8 @@ TEST(Stl, BadFilesAreNamedWithPlaceAndRemedy) {
     const auto path = folder.file("bad.stl", bad.content);
     std::vector<std::string> words = bad.words;
     words.push_back("bad.stl");
-    const Error error = expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    const Error error = expect_error([&] { read_mesh(path); }, bad.id, words);
+    EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_FALSE(error.remedy().empty());
   }
 }

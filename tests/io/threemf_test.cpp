@@ -186,7 +186,7 @@ TEST_F(Threemf, CopiesOfAnObjectStayOneWhileTheyAgree) {
   mesh.positions.row(6) += Eigen::RowVector3d(0, 1, 0);
   const WriteResult apart = write_mesh(mesh, file("apart.3mf"));
   ASSERT_FALSE(apart.notes.empty());
-  EXPECT_NE(apart.notes.back().find("edited apart"), std::string::npos);
+  EXPECT_EQ(apart.notes.back().id(), "threemf.copies_edited_apart");
   const Mesh again = read_mesh(file("apart.3mf"));
   EXPECT_EQ(again.positions, mesh.positions);
   EXPECT_EQ(again.faces, mesh.faces);
@@ -236,7 +236,7 @@ TEST_F(Threemf, ComposesMeshesOfAnySource) {
     SCOPED_TRACE(family.name);
     const Mesh mesh = make_mesh(family.positions, family.triangles);
     if (mesh.positions.cwiseAbs().maxCoeff() >= 1e9) {
-      test::expect_error([&] { write_mesh(mesh, file("a.3mf")); }, ErrorCode::input,
+      test::expect_error([&] { write_mesh(mesh, file("a.3mf")); }, "threemf.coordinate_too_large",
                          {"a.3mf", "vertex 0", "1e9"});
       continue;
     }
@@ -360,7 +360,8 @@ TEST_F(Threemf, MirroredCopiesFaceOutward) {
 TEST_F(Threemf, RefusesToWriteWhatItCouldNotRead) {
   Mesh mesh = read_mesh(write(package_of(one_tetrahedron())));
   mesh.positions(2, 0) = 1e10;
-  test::expect_error([&] { write_mesh(mesh, file("b.3mf")); }, ErrorCode::input, {"vertex 2", "1e9"});
+  test::expect_error([&] { write_mesh(mesh, file("b.3mf")); }, "threemf.coordinate_too_large",
+                     {"vertex 2", "1e9"});
   EXPECT_FALSE(std::filesystem::exists(file("b.3mf")));
 }
 
@@ -375,15 +376,16 @@ TEST_F(Threemf, NamesWhatItLeavesOut) {
                      {.name = "colour", .components = 3, .values = std::vector<double>(12, 0.5)}};
   const WriteResult result = write_mesh(mesh, file("a.3mf"));
   ASSERT_EQ(result.notes.size(), 2U);
-  EXPECT_NE(result.notes[0].find("lose their colours"), std::string::npos);
-  EXPECT_NE(result.notes[1].find("1 are left out"), std::string::npos);
+  EXPECT_EQ(result.notes[0].id(), "threemf.colours_lost");
+  EXPECT_EQ(result.notes[1].id(), "io.vertices_left_out");
+  EXPECT_EQ(result.notes[1].get<std::int64_t>("count"), 1);
   EXPECT_NE(read_mesh(file("a.3mf")).find_attribute(Domain::face, "material"), nullptr);
 }
 
 TEST_F(Threemf, NamesWhatIsWrong) {
-  const auto refused = [&](const Parts& parts, const std::string& problem, const std::string& place) {
+  const auto refused = [&](const Parts& parts, const std::string& id, const std::string& words) {
     const auto path = write(parts);
-    test::expect_error([&] { read_mesh(path); }, ErrorCode::input, {problem, place});
+    test::expect_error([&] { read_mesh(path); }, id, {words});
   };
   Parts parts = package_of(one_tetrahedron());
   const std::string good = parts["3D/3dmodel.model"];
@@ -393,26 +395,26 @@ TEST_F(Threemf, NamesWhatIsWrong) {
     parts["3D/3dmodel.model"] = text;
     return parts;
   };
-  refused(with("x=\"1.0\"", "x=\"1,0\""), "x of a vertex", "3D/3dmodel.model, line 7");
-  refused(with("x=\"1.0\"", "x=\"1e999\""), "x of a vertex", "line 7");
-  refused(with("x=\"1.0\"", ""), "no 'x'", "line 7");
-  refused(with("</vertices>", ""), "well-formed", "3D/3dmodel.model, line");
-  refused(with("<model ", "<!DOCTYPE a [<!ENTITY b \"c\">]><model "), "document type", "line 2");
-  refused(with("v3=\"1\"", "v3=\"44\""), "lib3mf refuses it", "a.3mf");
-  refused(with("objectid=\"7\"", "objectid=\"8\""), "lib3mf refuses it", "a.3mf");
+  refused(with("x=\"1.0\"", "x=\"1,0\""), "io.decimal_comma", "3D/3dmodel.model, line 7: x of a vertex");
+  refused(with("x=\"1.0\"", "x=\"1e999\""), "io.number_out_of_range", "line 7: x of a vertex");
+  refused(with("x=\"1.0\"", ""), "threemf.coordinate_missing", "line 7: a vertex has no 'x'");
+  refused(with("</vertices>", ""), "threemf.not_xml", "3D/3dmodel.model, line");
+  refused(with("<model ", "<!DOCTYPE a [<!ENTITY b \"c\">]><model "), "threemf.has_document_type", "line 2");
+  refused(with("v3=\"1\"", "v3=\"44\""), "threemf.model_refused", "a.3mf");
+  refused(with("objectid=\"7\"", "objectid=\"8\""), "threemf.model_refused", "a.3mf");
   parts.erase("3D/3dmodel.model");
-  refused(parts, "holds no 3D model", "a.3mf");
+  refused(parts, "threemf.no_model", "a.3mf");
 
   const std::string whole = pack(package_of(one_tetrahedron()));
   write_file_atomically(file("cut.3mf"), whole.substr(0, whole.size() / 2));
-  test::expect_error([&] { read_mesh(file("cut.3mf")); }, ErrorCode::input, {"no ZIP archive", "cut.3mf"});
+  test::expect_error([&] { read_mesh(file("cut.3mf")); }, "threemf.not_zip", {"cut.3mf"});
 }
 
 TEST_F(Threemf, RefusesWhatUnpacksWithoutMeasure) {
   Parts parts = package_of(one_tetrahedron());
   parts["Metadata/slicer.config"] = std::string(std::size_t{100} << 20, ' ');
   const auto path = write(parts);
-  test::expect_error([&] { read_mesh(path); }, ErrorCode::input,
+  test::expect_error([&] { read_mesh(path); }, "threemf.part_too_large",
                      {"more than 200 times", "Metadata/slicer.config"});
 
   std::string resources = R"(<object id="1" type="model">)" + tetrahedron() + "</object>";
@@ -422,7 +424,7 @@ TEST_F(Threemf, RefusesWhatUnpacksWithoutMeasure) {
     resources += "</components></object>";
   }
   const auto laughs = write(package_of(model(resources, R"(<item objectid="11"/>)")));
-  test::expect_error([&] { read_mesh(laughs); }, ErrorCode::input, {"copies", "a.3mf"});
+  test::expect_error([&] { read_mesh(laughs); }, "threemf.build_too_large", {"copies", "a.3mf"});
 }
 
 // Damage anywhere gives a mesh or an Error.

@@ -182,6 +182,9 @@ TEST(IterativeSolver, SaysWhereItDoesNotConverge) {
     FAIL() << "found a solution";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::unsolvable);
+    // Rounding decides whether the coarse grid's factorisation finds it already.
+    EXPECT_TRUE(error.id() == "linalg.not_converged" || error.id() == "linalg.not_positive_definite")
+        << error.what();
     EXPECT_FALSE(error.remedy().empty());
   }
 }

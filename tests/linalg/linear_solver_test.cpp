@@ -87,6 +87,8 @@ TEST_P(EveryBackend, RefusesWhatIsNotPositiveDefinite) {
     FAIL() << "accepted a negative definite matrix";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::unsolvable);
+    EXPECT_EQ(error.id(), "linalg.not_positive_definite");
+    EXPECT_EQ(error.fact().get<std::int64_t>("count"), matrix.rows());
     EXPECT_FALSE(error.remedy().empty());
   }
 }
@@ -371,6 +373,7 @@ TEST(Backends, OneThatIsNotBuiltInIsRefusedByName) {
     FAIL() << "made a solver that is not there";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
+    EXPECT_EQ(error.id(), "linalg.no_multifrontal_solver");
     EXPECT_NE(error.remedy().find("'auto'"), std::string::npos) << error.remedy();
     EXPECT_NE(error.remedy().find("MESHGRAFT_WITH_MULTIFRONTAL"), std::string::npos) << error.remedy();
   }

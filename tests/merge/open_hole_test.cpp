@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
@@ -15,8 +15,6 @@
 
 namespace meshgraft {
 namespace {
-
-using testing::HasSubstr;
 
 double length(const Points& positions, const std::vector<Index>& loop) {
   double sum = 0;
@@ -40,14 +38,22 @@ std::vector<Index> only_loop(const Mesh& mesh) {
   return loops.at(0);
 }
 
-std::string error_of(const Mesh& target, const Mesh& source, const std::vector<Index>& loop, const Drop& drop) {
+std::optional<Error> refusal_of(const Mesh& target, const Mesh& source, const std::vector<Index>& loop,
+                                const Drop& drop) {
   try {
     open_hole(target, source, loop, drop);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    return error.what();
+    return error;
   }
-  return "nothing was refused";
+  return std::nullopt;
+}
+
+// The id of a refusal, or that of the note which gives its reason.
+std::string cause_of(const Mesh& target, const Mesh& source, const std::vector<Index>& loop, const Drop& drop) {
+  const std::optional<Error> refusal = refusal_of(target, source, loop, drop);
+  if (!refusal) return "nothing was refused";
+  return std::string(refusal->notes().empty() ? refusal->id() : refusal->notes().front().id());
 }
 
 const Eigen::Vector3d bar_side(0.5, 0, 2);
@@ -146,8 +152,10 @@ TEST(OpenHole, ShrinksAPartThatDoesNotFit) {
   part.positions *= 10;
   const OpenedHole hole = open_hole(bar, part, only_loop(part), {bar_side});
   EXPECT_LT(hole.size, 0.4);
-  ASSERT_EQ(hole.notes.size(), 1U);
-  EXPECT_THAT(hole.notes.front(), HasSubstr("the part is scaled by"));
+  ASSERT_EQ(hole.notes.size(), 2U);
+  EXPECT_EQ(hole.notes[0].id(), "merge.source_scaled");
+  EXPECT_EQ(hole.notes[0].get<double>("size"), hole.size);
+  EXPECT_GT(hole.notes[1].get<double>("size"), hole.size) << hole.notes[1].text();
   part.positions *= 0.001;
   EXPECT_EQ(open_hole(bar, part, only_loop(part), {bar_side}).size, 1);
 }
@@ -166,10 +174,9 @@ TEST(OpenHole, TurnsAPartOverToThePlaceAsLittleAsPossible) {
   }
 }
 
-// The number after "at most" in a refusal.
-double size_that_fits(const std::string& message) {
-  const std::size_t found = message.find("at most ");
-  return found == std::string::npos ? 0 : std::stod(message.substr(found + 8));
+// The largest size that a refusal names; 0 if it names none.
+double size_that_fits(const std::optional<Error>& refusal) {
+  return refusal && refusal->id() == "merge.no_hole" ? refusal->fact().get<double>("largest") : 0;
 }
 
 TEST(OpenHole, NamesTheLargestSizeThatFits) {
@@ -181,11 +188,11 @@ TEST(OpenHole, NamesTheLargestSizeThatFits) {
                                                                {make_sample("cactus", 24), {0, 0, 2.7}}};
   for (const auto& [target, place] : cases) {
     for (const double size : {6.0, 1e6}) {
-      const std::string refusal = error_of(target, part, loop, {place, size});
+      const std::optional<Error> refusal = refusal_of(target, part, loop, {place, size});
       const double fitting = size_that_fits(refusal);
-      ASSERT_GT(fitting, 0) << refusal;
+      ASSERT_GT(fitting, 0) << (refusal ? refusal->what() : "nothing was refused");
       EXPECT_EQ(open_hole(target, part, loop, {place, fitting}).size, fitting);
-      EXPECT_GT(size_that_fits(error_of(target, part, loop, {place, 1.3 * fitting})), 0);
+      EXPECT_GT(size_that_fits(refusal_of(target, part, loop, {place, 1.3 * fitting})), 0);
     }
   }
 }
@@ -205,19 +212,21 @@ TEST(OpenHole, FindsRoomOrTellsAllOverASurface) {
     for (Index k = 1; k <= 3; ++k) {
       const Index v = k * target.vertex_count() / 4;
       if (on_boundary[v]) {
-        EXPECT_THAT(error_of(target, part, loop, {v}), HasSubstr("is on the boundary"));
+        EXPECT_EQ(cause_of(target, part, loop, {v}), "merge.vertex_on_boundary");
         continue;
       }
       OpenedHole hole;
       try {
         hole = open_hole(target, part, loop, {v});
       } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("too narrow there")) << name << " at " << v;
+        EXPECT_EQ(error.id(), "merge.no_hole_at_any_size") << name << " at " << v;
+        ASSERT_EQ(error.notes().size(), 1U) << name << " at " << v;
+        EXPECT_EQ(error.notes()[0].id(), "merge.surface_too_narrow") << name << " at " << v;
         ++refused;
         continue;
       }
       EXPECT_LE(hole.size, 1);
-      EXPECT_EQ(hole.size < 1, !hole.notes.empty() && hole.notes.front().starts_with("the part is scaled"));
+      EXPECT_EQ(hole.size < 1, !hole.notes.empty() && hole.notes.front().id() == "merge.source_scaled");
       EXPECT_NEAR(length(hole.target.positions, hole.pair.loops.target),
                   hole.size * length(part.positions, loop), 0.35 * hole.size * length(part.positions, loop))
           << name << " at " << v;
@@ -241,12 +250,13 @@ TEST(OpenHole, ShrinksAPartThatWouldReachIntoTheTarget) {
   const OpenedHole hole = open_hole(corner, part, loop, {Eigen::Vector3d(-0.1, 0, 0)});
   EXPECT_LT(hole.size, 1);
   EXPECT_TRUE(hole.clear);
-  ASSERT_EQ(hole.notes.size(), 1U);
-  EXPECT_THAT(hole.notes.front(), HasSubstr("reach into the target"));
+  ASSERT_EQ(hole.notes.size(), 2U);
+  EXPECT_EQ(hole.notes[0].id(), "merge.source_scaled");
+  EXPECT_EQ(hole.notes[1].id(), "merge.source_would_reach_in");
   const OpenedHole asked = open_hole(corner, part, loop, {Eigen::Vector3d(-0.1, 0, 0), 1.0});
   EXPECT_FALSE(asked.clear);
   ASSERT_EQ(asked.notes.size(), 1U);
-  EXPECT_THAT(asked.notes.front(), HasSubstr("it stands clear"));
+  EXPECT_EQ(asked.notes.front().id(), "merge.source_clear_if_smaller");
 }
 
 TEST(DropPart, GraftsOnAClosedTargetAndMapsItsVertices) {
@@ -281,20 +291,22 @@ TEST(OpenHole, RefusesWhatCannotBeOpened) {
   const Mesh bar = make_sample("bar", 12), sheet = make_sample("bumpy_plane", 20),
              tube = make_sample("cylinder", 20), part = head();
   const std::vector<Index> loop = only_loop(part);
-  EXPECT_THAT(error_of(bar, part, loop, {Index{1000000}}), HasSubstr("target vertex 1000000 does not exist"));
-  EXPECT_THAT(error_of(bar, part, loop, {Eigen::Vector3d(9, 0, 0)}),
-              HasSubstr("away from the target's surface"));
-  EXPECT_THAT(error_of(bar, part, loop, {bar_side, -1.0}), HasSubstr("not a positive number"));
-  EXPECT_THAT(error_of(bar, part, {0, 1, 2}, {bar_side}), HasSubstr("source"));
-  EXPECT_THAT(error_of(bar, part, loop, {bar_side, 1e9}), HasSubstr("larger than the target, at size 1e+09"));
-  EXPECT_THAT(error_of(bar, part, loop, {bar_side, 1e-12}), HasSubstr("less than a millionth"));
-  EXPECT_THAT(error_of(bar, part, loop, {bar_side, std::nan("")}), HasSubstr("not a positive number"));
-  EXPECT_THAT(error_of(make_sample("torus", 24), part, loop, {Eigen::Vector3d(1.4, 0, 0.4), 6.0}),
-              HasSubstr("no disc"));
-  EXPECT_THAT(error_of(sheet, part, loop, {boundary_loops(sheet).at(0).at(3)}),
-              HasSubstr("is on the boundary"));
-  EXPECT_THAT(error_of(tube, part, loop, {Eigen::Vector3d(0.5, 0, 3.9), 1.0}), HasSubstr("the boundary"));
-  EXPECT_THAT(error_of(bar, bar, loop, {bar_side}), HasSubstr("has no boundary loop"));
+  EXPECT_EQ(cause_of(bar, part, loop, {Index{1000000}}), "merge.no_such_surface_vertex");
+  EXPECT_EQ(cause_of(bar, part, loop, {Eigen::Vector3d(9, 0, 0)}), "merge.point_off_surface");
+  EXPECT_EQ(cause_of(bar, part, loop, {bar_side, -1.0}), "core.not_positive");
+  const std::optional<Error> refusal = refusal_of(bar, part, {0, 1, 2}, {bar_side});
+  ASSERT_TRUE(refusal.has_value());
+  EXPECT_EQ(refusal->fact().get<std::string>("role"), "source");
+  EXPECT_EQ(cause_of(bar, part, loop, {bar_side, 1e9}), "merge.loop_larger_than_target");
+  const std::optional<Error> huge = refusal_of(bar, part, loop, {bar_side, 1e9});
+  EXPECT_EQ(huge->notes().front().text(), "the source's loop is larger than the target, at size 1e+09");
+  EXPECT_EQ(cause_of(bar, part, loop, {bar_side, 1e-12}), "merge.size_too_small");
+  EXPECT_EQ(cause_of(bar, part, loop, {bar_side, std::nan("")}), "core.not_positive");
+  EXPECT_EQ(cause_of(make_sample("torus", 24), part, loop, {Eigen::Vector3d(1.4, 0, 0.4), 6.0}),
+            "merge.hole_not_disc");
+  EXPECT_EQ(cause_of(sheet, part, loop, {boundary_loops(sheet).at(0).at(3)}), "merge.vertex_on_boundary");
+  EXPECT_EQ(cause_of(tube, part, loop, {Eigen::Vector3d(0.5, 0, 3.9), 1.0}), "merge.hole_reaches_boundary");
+  EXPECT_EQ(cause_of(bar, bar, loop, {bar_side}), "merge.no_boundary_loop");
 }
 
 }  // namespace

@@ -103,8 +103,9 @@ TEST(PoseSource, RefusesWhatLeavesThePoseOpen) {
     }
     return std::string();
   };
-  EXPECT_EQ(message({{0, 0}, {1, 1}}), "align: three pairs of vertices pose a part, 2 given");
-  EXPECT_EQ(message({{0, 0}, {1, 1}, {2, 9999}}), "align[2]: there is no vertex 9999 among the target's 42");
+  EXPECT_EQ(message({{0, 0}, {1, 1}}), "align: three pairs of vertices pose a source, 2 given");
+  EXPECT_EQ(message({{0, 0}, {1, 1}, {2, 9999}}),
+            "align[2]: target vertex 9999 does not exist; the mesh has 42");
   EXPECT_NE(message({{0, 0}, {0, 0}, {1, 1}}).find("lie on a line"), std::string::npos);
   EXPECT_THROW(reflection({{0, 0, 0}, {0, 0, 0}}, "mirror"), Error);
   Eigen::Affine3d flat = Eigen::Affine3d::Identity();

@@ -474,12 +474,13 @@ TEST(Seam, KeepsGroupsAndCornerNormals) {
 }
 
 void expect_refused(const Mesh& target, const Mesh& source, std::vector<LoopPair> pairs,
-                    const SeamOptions& options, const std::string& words) {
+                    const SeamOptions& options, const std::string& id, const std::string& words = {}) {
   try {
     make_seam(target, source, pairs, options);
-    FAIL() << "accepted: " << words;
+    FAIL() << "accepted: " << id;
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input) << error.what();
+    EXPECT_EQ(error.id(), id) << error.what();
     EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
   }
 }
@@ -487,33 +488,33 @@ void expect_refused(const Mesh& target, const Mesh& source, std::vector<LoopPair
 TEST(Seam, RefusesWhatItCannotJoin) {
   const Graft good = tubes(24, 24, true);
   const auto& [source, target] = good.pairs[0];
-  const auto refused = [&](const LoopPair& pair, const std::string& words) {
-    expect_refused(good.target, good.source, {pair}, {}, words);
+  const auto refused = [&](const LoopPair& pair, const std::string& id, const std::string& words = {}) {
+    expect_refused(good.target, good.source, {pair}, {}, id, words);
   };
-  refused({source, {1, 2}}, "at least 3 vertices");
-  refused({source, {0, 1, 9999}}, "9999 is not one of");
-  refused({source, {0, 1, -1}}, "-1 is not one of");
-  refused({source, std::vector<Index>(target.rbegin(), target.rend())}, "against the half-edges");
-  refused({source, {30, 31, 32}}, "not joined by a boundary edge");
+  refused({source, {1, 2}}, "merge.loop_too_short");
+  refused({source, {0, 1, 9999}}, "merge.no_such_vertex", "target vertex 9999");
+  refused({source, {0, 1, -1}}, "merge.no_such_vertex", "target vertex -1");
+  refused({source, std::vector<Index>(target.rbegin(), target.rend())}, "merge.loop_runs_backwards");
+  refused({source, {30, 31, 32}}, "merge.no_boundary_edge");
   std::vector<Index> twice = target;
   twice.insert(twice.end(), target.begin(), target.end());
-  refused({source, twice}, "twice");
+  refused({source, twice}, "merge.loop_passes_twice");
   std::vector<Index> part(target.begin(), target.end() - 1);
-  refused({source, part}, "not joined by a boundary edge");
-  refused({part, target}, "source");
-  expect_refused(good.target, good.source, {good.pairs[0], good.pairs[0]}, {}, "meets that of");
+  refused({source, part}, "merge.no_boundary_edge", "target");
+  refused({part, target}, "merge.no_boundary_edge", "source");
+  expect_refused(good.target, good.source, {good.pairs[0], good.pairs[0]}, {}, "merge.loops_meet");
 
-  expect_refused(good.target, good.source, good.pairs, {.edge_ratio = 0.5}, "edge ratio");
-  expect_refused(good.target, good.source, good.pairs, {.smoothing_steps = -1}, "smoothing");
-  expect_refused(good.target, good.source, good.pairs, {.target_rings = -1}, "rings");
-  expect_refused(good.target, good.source, good.pairs, {.sharp_angle_deg = std::nan("")}, "sharp angle");
+  expect_refused(good.target, good.source, good.pairs, {.edge_ratio = 0.5}, "merge.edge_ratio_below_one");
+  expect_refused(good.target, good.source, good.pairs, {.smoothing_steps = -1}, "core.negative");
+  expect_refused(good.target, good.source, good.pairs, {.target_rings = -1}, "core.negative");
+  expect_refused(good.target, good.source, good.pairs, {.sharp_angle_deg = std::nan("")}, "core.out_of_range");
 
   Graft bad = good;
   bad.source.positions(3, 1) = std::numeric_limits<double>::quiet_NaN();
-  expect_refused(bad.target, bad.source, bad.pairs, {}, "no finite position");
+  expect_refused(bad.target, bad.source, bad.pairs, {}, "merge.vertex_not_finite", "source vertex 3");
   bad = good;
   bad.source.positions(30, 1) = std::numeric_limits<double>::infinity();
-  expect_refused(bad.target, bad.source, bad.pairs, {}, "no finite position");
+  expect_refused(bad.target, bad.source, bad.pairs, {}, "merge.seam_vertex_not_finite");
 }
 
 // The loop of the target lies on one point, or the source's does: ugly, but it ends.

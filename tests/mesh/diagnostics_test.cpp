@@ -1,5 +1,6 @@
 #include <meshgraft/mesh/diagnostics.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -26,7 +27,10 @@ void expect_finding(const Mesh& mesh, const std::string& name, Severity severity
   EXPECT_EQ(finding->count, count);
   EXPECT_EQ(finding->domain, domain);
   EXPECT_EQ(finding->indices, indices);
-  EXPECT_TRUE(finding->description.starts_with(std::to_string(count) + " ")) << finding->description;
+  EXPECT_TRUE(finding->description().starts_with(std::to_string(count) + " ")) << finding->description();
+  std::string id = "mesh." + name;
+  std::ranges::replace(id, '-', '_');
+  EXPECT_EQ(finding->note.id(), id);
 }
 
 TEST(CheckMesh, FindsNothingInGoodTriangles) {
@@ -41,7 +45,7 @@ TEST(CheckMesh, FindsNothingInCleanFamilies) {
   for (const test::TestMesh& family : test::mesh_families()) {
     SCOPED_TRACE(family.name);
     for (const Finding& finding : check_mesh(make_mesh(family.positions, family.triangles)).findings)
-      EXPECT_EQ(finding.name, "isolated-vertex") << finding.description;
+      EXPECT_EQ(finding.name, "isolated-vertex") << finding.description();
   }
 }
 
@@ -69,7 +73,7 @@ TEST(CheckMesh, FindsWhatWasInjectedAndNothingElse) {
         if (kind == "duplicate-face" &&
             (other.name == "non-manifold-edge" || other.name == "inconsistent-winding"))
           continue;
-        EXPECT_TRUE(other.name == kind || before.find(other.name)) << other.name << ": " << other.description;
+        EXPECT_TRUE(other.name == kind || before.find(other.name)) << other.name << ": " << other.description();
       }
     }
   }
@@ -173,11 +177,18 @@ TEST(RequireUsable, RefusesOnlyWithinReach) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_EQ(error.location(), "model.ply");
+    EXPECT_EQ(error.id(), "mesh.non_finite_within_reach");
     EXPECT_EQ(error.problem(),
-              "1 vertex has a coordinate that is not a finite number (within reach: vertex 3)");
+              "1 vertex has a coordinate that is not a finite number (first within reach: vertex 3)");
     EXPECT_FALSE(error.remedy().empty());
   }
-  EXPECT_THROW(require_usable(report, mesh, Indices{2}, "model.ply"), Error);
+  try {
+    require_usable(report, mesh, Indices{2}, "model.ply");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.id(), "mesh.index_out_of_range_within_reach");
+    EXPECT_EQ(error.fact().get<std::vector<std::int64_t>>("first"), std::vector<std::int64_t>{12});
+  }
   EXPECT_THROW(require_usable(report, mesh, {}, "model.ply"), Error);
 }
 

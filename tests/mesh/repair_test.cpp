@@ -30,7 +30,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 std::string findings_left(const Mesh& mesh) {
   std::string names;
   for (const Finding& finding : check_mesh(mesh).findings)
-    if (finding.name != "polygon") names += finding.name + " (" + finding.description + ") ";
+    if (finding.name != "polygon") names += finding.name + " (" + finding.description() + ") ";
   return names;
 }
 
@@ -58,7 +58,7 @@ TEST(Repair, LeavesCleanMeshesAsTheyAre) {
     const Mesh mesh = mesh_of(family);
     const RepairResult result = repair(mesh, {.remove_isolated = false});
     for (const RepairChange& change : result.changes)
-      ADD_FAILURE() << change.name << ": " << change.description;
+      ADD_FAILURE() << change.name << ": " << change.description();
     EXPECT_TRUE(same_bits(result.mesh, mesh));
     expect_sound_maps(mesh, result);
   }
@@ -94,8 +94,10 @@ TEST(Repair, GivesTheSourceBackOfACleanMesh) {
   mesh.attributes.push_back(numbered(Domain::vertex, "weight", 1, 8));
   EXPECT_EQ(repair(mesh).mesh.source, mesh.source);
   EXPECT_FALSE(repair(shapes::moebius_strip()).changed()) << "it has no winding";
-  ASSERT_EQ(repair(shapes::moebius_strip()).notes.size(), 1);
-  EXPECT_TRUE(repair(shapes::moebius_strip()).notes[0].starts_with("2 edges keep"));
+  const std::vector<Note> notes = repair(shapes::moebius_strip()).notes;
+  ASSERT_EQ(notes.size(), 1);
+  EXPECT_EQ(notes[0].id(), "mesh.one_sided_surface");
+  EXPECT_TRUE(notes[0].text().starts_with("2 edges keep")) << notes[0].text();
 }
 
 TEST(Repair, KeepsAttributesOfWhatItKeeps) {
@@ -297,7 +299,7 @@ TEST(Repair, EndsForAnyFaces) {
     const TopologySummary topology = summarise_topology(result.mesh);
     EXPECT_TRUE(topology.manifold);
     for (const Finding& finding : check_mesh(result.mesh).findings)
-      EXPECT_EQ(finding.severity, Severity::note) << finding.name << ": " << finding.description;
+      EXPECT_EQ(finding.severity, Severity::note) << finding.name << ": " << finding.description();
     EXPECT_FALSE(repair(result.mesh).changed());
     if (HasFailure()) break;
   }

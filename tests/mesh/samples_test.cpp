@@ -69,7 +69,7 @@ TEST_P(SampleModel, IsACleanManifoldOfTheDocumentedKind) {
     EXPECT_EQ(summary.boundary_loops, expected.loops);
     EXPECT_EQ(summary.euler_characteristic, expected.euler);
     const Diagnostics report = check_mesh(mesh);
-    EXPECT_TRUE(report.clean()) << report.findings.front().description;
+    EXPECT_TRUE(report.clean()) << report.findings.front().description();
     const Shape shape = measure(mesh);
     EXPECT_GE(shape.p1_angle_deg, expected.p1_angle_deg);
     if (expected.loops == 0) {
@@ -144,12 +144,23 @@ TEST(Samples, AnUnknownNameIsRefusedWithTheList) {
     FAIL() << "no exception";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
+    EXPECT_EQ(error.id(), "core.no_such_name");
+    EXPECT_EQ(error.fact().get<std::string>("name"), "octopuss");
     EXPECT_NE(std::string(error.what()).find("octopus, head"), std::string::npos);
   }
 }
 
 TEST(Samples, AResolutionOutOfRangeIsRefused) {
-  for (const int resolution : {-1, 3, 4097}) EXPECT_THROW(make_sample("bar", resolution), Error);
+  for (const int resolution : {-1, 3, 4097}) {
+    try {
+      make_sample("bar", resolution);
+      FAIL() << resolution;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.id(), "core.out_of_range");
+      EXPECT_EQ(error.fact().get<double>("value"), resolution);
+      EXPECT_TRUE(error.problem().starts_with("must be from 4 to 4096")) << error.problem();
+    }
+  }
 }
 
 TEST(Samples, CanBeCancelledAndReportProgress) {

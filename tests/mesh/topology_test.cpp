@@ -280,6 +280,7 @@ TEST(VertexTriangles, NameATriangleWithAnIndexOutOfRange) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
+    EXPECT_EQ(error.id(), "core.no_such_vertex");
     EXPECT_EQ(error.location(), "triangle 1");
   }
 }

@@ -179,7 +179,8 @@ TEST(Triangulate, NamesTheFaceWithAnIndexOutOfRange) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_EQ(error.location(), "face 1");
-    EXPECT_NE(error.problem().find("index 7"), std::string::npos);
+    EXPECT_EQ(error.id(), "mesh.face_index_out_of_range");
+    EXPECT_EQ(error.fact().get<std::int64_t>("vertex"), 7);
   }
   EXPECT_EQ(triangulate(mesh, {.skip_out_of_range = true}).face, (std::vector<Index>{0}));
 }

@@ -187,6 +187,7 @@ TEST(Options, OutOfRangeAreNamed) {
       FAIL() << field;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
+      EXPECT_EQ(error.id(), "core.out_of_range");
       EXPECT_EQ(error.location(), field);
     }
   }

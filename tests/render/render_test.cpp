@@ -124,6 +124,7 @@ TEST(WritePng, WritesAWholeFileOrNone) {
     FAIL() << "no exception";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::io);
+    EXPECT_EQ(error.id(), "render.file_not_made");
   }
 }
 

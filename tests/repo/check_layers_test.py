@@ -45,6 +45,11 @@ class CheckLayers(unittest.TestCase):
             "src/mesh/mesh.cpp": "#include <string>\n\n#include <meshgraft/deform/deformer.h>\n",
         }, "src/mesh/mesh.cpp:3", "mesh must not use deform")
 
+    def test_facts_are_of_the_layer_of_their_table(self):
+        tree = {"src/io/gltf/facts.json": "{}", "src/io/file.cpp": '#include "gltf/facts.h"\n#include "core/facts.h"\n'}
+        self.assertEqual(self.violations(tree), [])
+        self.assert_one({**tree, "src/mesh/mesh.cpp": '#include "gltf/facts.h"\n'}, "mesh must not use io")
+
     def test_upward_include_of_a_header_that_does_not_exist_yet(self):
         self.assert_one({"src/core/error.cpp": "#include <meshgraft/mesh/mesh.h>\n"}, "core must not use mesh")
 

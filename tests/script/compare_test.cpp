@@ -47,7 +47,7 @@ TEST(Compare, EveryMethodMeetsTheConstraintsAndNamesItself) {
   const EditResult expected = run_edit(edit);
   for (const MethodOutcome& outcome : comparison.outcomes) {
     const std::string name(to_string(outcome.method));
-    ASSERT_TRUE(outcome.result) << name << ": " << outcome.failure;
+    ASSERT_TRUE(outcome.result) << name << ": " << outcome.failure->what();
     const EditResult& result = *outcome.result;
     EXPECT_EQ(result.report.counts.free, expected.report.counts.free) << name;
     EXPECT_GT(result.report.max_displacement, 0.1) << name;
@@ -73,18 +73,25 @@ TEST(Compare, AMethodThatFailsIsARow) {
   const Comparison comparison = compare_methods(anchored, methods);
   EXPECT_TRUE(comparison.outcomes[0].result);
   EXPECT_FALSE(comparison.outcomes[1].result);
-  EXPECT_NE(comparison.outcomes[1].failure.find("steps[0]"), std::string::npos)
-      << comparison.outcomes[1].failure;
-  EXPECT_NE(comparison.outcomes[1].failure.find("anchors"), std::string::npos)
-      << comparison.outcomes[1].failure;
+  EXPECT_FALSE(comparison.outcomes[0].failure);
+  const Error failure = comparison.outcomes[1].failure.value();
+  EXPECT_EQ(failure.location(), "edit.json: steps[0]: anchors");
+  EXPECT_EQ(failure.id(), "script.no_anchors");
+  EXPECT_EQ(failure.fact().get<std::string>("method"), "lipman-2004");
   const std::string table = comparison_table(comparison);
   EXPECT_NE(table.find("| lipman-2004 | failed: "), std::string::npos) << table;
   const auto json = nlohmann::json::parse(write_comparison(comparison));
   EXPECT_TRUE(json["methods"][0]["failure"].is_null());
-  EXPECT_EQ(json["methods"][1]["failure"], comparison.outcomes[1].failure);
+  EXPECT_EQ(json["methods"][1]["failure"], (nlohmann::json{{"id", "script.no_anchors"},
+                                                           {"code", "input"},
+                                                           {"location", failure.location()},
+                                                           {"fields", {{"method", "lipman-2004"}}},
+                                                           {"problem", failure.problem()},
+                                                           {"remedy", failure.remedy()},
+                                                           {"notes", nlohmann::json::array()}}));
 
   const std::vector<Method> only{Baseline::lipman_2004};
-  EXPECT_EQ(message_of(anchored, only), comparison.outcomes[1].failure) << "where all fail, that is the error";
+  EXPECT_EQ(message_of(anchored, only), failure.what()) << "where all fail, that is the error";
 }
 
 TEST(Compare, RunsAllStepsByTheMethod) {
@@ -99,7 +106,7 @@ TEST(Compare, PublishedMethodsRefineTheBoundaryToo) {
   const std::vector<Method> methods{Baseline::yu_2004};
   const Comparison plain = compare_methods(bent_bar(), methods);
   const Comparison refined = compare_methods(bent_bar(R"(, "settings": {"refine_boundary": 1})"), methods);
-  ASSERT_TRUE(refined.outcomes[0].result) << refined.outcomes[0].failure;
+  ASSERT_TRUE(refined.outcomes[0].result) << refined.outcomes[0].failure->what();
   const Points& coarse = plain.outcomes[0].result->mesh.positions;
   const Points& fine = refined.outcomes[0].result->mesh.positions;
   ASSERT_EQ(coarse.rows(), fine.rows());
@@ -127,7 +134,16 @@ TEST(Compare, NotesStandBelowTheTable) {
   const std::vector<Method> methods{DeformMethod::corotational};
   const Comparison comparison = compare_methods(edit, methods);
   EXPECT_NE(comparison_table(comparison).find("\n\n- corotational: a handle mirrors"), std::string::npos);
-  EXPECT_EQ(nlohmann::json::parse(write_comparison(comparison))["methods"][0]["notes"].size(), 1u);
+  const auto notes = nlohmann::json::parse(write_comparison(comparison))["methods"][0]["notes"];
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0]["id"], "script.no_rotation");
+  EXPECT_EQ(notes[0]["fields"], nlohmann::json::object());
+  EXPECT_FALSE(notes[0].contains("step")) << "the step has no name";
+
+  edit.steps[0].name = "flip";
+  const Comparison named = compare_methods(edit, methods);
+  EXPECT_NE(comparison_table(named).find("\n\n- corotational: flip: a handle mirrors"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(write_comparison(named))["methods"][0]["notes"][0]["step"], "flip");
 }
 
 TEST(Compare, ProgressNamesTheMethod) {
@@ -160,6 +176,9 @@ TEST(Compare, RefusesNoMethodAndOneTwice) {
   EXPECT_NE(message_of(bent_bar(), {}).find("no method"), std::string::npos);
   EXPECT_NE(message_of(bent_bar(), {DeformMethod::ft05, DeformMethod::ft05}).find("'ft05' is given twice"),
             std::string::npos);
+  EditFile still = bent_bar();
+  still.steps.clear();
+  EXPECT_NE(message_of(still, {DeformMethod::ft05}).find("no step deforms anything"), std::string::npos);
 }
 
 TEST(Method, NamesGoBothWays) {
@@ -172,6 +191,7 @@ TEST(Method, NamesGoBothWays) {
       FAIL() << wrong;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::usage);
+      EXPECT_EQ(error.fact().get<std::string>("name"), wrong);
       EXPECT_NE(std::string(error.what()).find(nearest), std::string::npos) << error.what();
       EXPECT_NE(std::string(error.what()).find("yu-2004"), std::string::npos) << error.what();
     }

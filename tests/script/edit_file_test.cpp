@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -129,18 +130,21 @@ struct Refusal {
 
 TEST(EditFile, NamesTheFieldThatIsWrong) {
   const std::vector<Refusal> refusals = {
-      {"", "line 1, column 1: not valid JSON"},
-      {"{\"format\": \"meshgraft-edit\",\n \"version\": 2,,}", "edit.json: line 2, column 15: not valid JSON"},
-      {"[]", "edit.json: not an edit file"},
+      {"", "line 1, column 1: is not valid JSON"},
+      {"{\"format\": \"meshgraft-edit\",\n \"version\": 2,,}",
+       "edit.json: line 2, column 15: is not valid JSON"},
+      {"[]", "edit.json: is not an edit file"},
       {R"({"format": "meshgraft-edit", "version": 3})", "version: version 3 is not known"},
       {R"({"format": "meshgraft-edit", "version": "2"})", "version: expected an integer, found a string"},
       {R"({"format": "meshgraft-edit", "version": 2, "version": 2})", "the field 'version' is given twice"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {}, "steps": []})",
        "inputs: expected an object with at least one mesh"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {}}, "steps": []})",
-       "inputs.a: expected one of the fields 'file' and 'sample'"},
+       "inputs.a: expected exactly one of the fields file, sample"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a", "sha256": "AB"}}, "steps": []})",
        "inputs.a.sha256: expected 64 lower-case hexadecimal digits"},
+      {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"sample": "bar", "sha256": "AB"}}, "steps": []})",
+       "inputs.a.sha256: 'sha256' goes with 'file'"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"sample": "bar", "resolution": 2}}, "steps": []})",
        "inputs.a.resolution: must be from 4 to 4096"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a"}}, "steps": []})",
@@ -210,6 +214,45 @@ TEST(EditFile, NamesTheFieldThatIsWrong) {
         << expected.text << "\nsays: " << refusal(expected.text) << "\nnot:  " << expected.message;
 }
 
+Error error_of(const std::string& text) {
+  try {
+    parse_edit(text, "edit.json");
+  } catch (const Error& error) {
+    return error;
+  }
+  throw std::logic_error("accepted: " + text);
+}
+
+TEST(EditFile, SaysInFieldsWhatItExpectedAndFound) {
+  const Error type = error_of(file_with_step(R"("region": 3)"));
+  EXPECT_EQ(type.id(), "script.wrong_type");
+  EXPECT_EQ(type.location(), "edit.json: steps[0].region");
+  EXPECT_EQ(type.fact().get<std::string>("expected"), "an object");
+  EXPECT_EQ(type.fact().get<std::string>("found"), "a number");
+
+  const Error misspelt = error_of(file_with_step(R"("handels": [])"));
+  EXPECT_EQ(misspelt.id(), "script.misspelt_field");
+  EXPECT_EQ(misspelt.fact().get<std::string>("field"), "handels");
+  EXPECT_EQ(misspelt.fact().get<std::string>("meant"), "handles");
+  const Error unknown = error_of(file_with_step(R"("counts": {"qqqqqq": 3})"));
+  EXPECT_EQ(unknown.id(), "script.unknown_field");
+  EXPECT_EQ(unknown.fact().get<std::vector<std::string>>("known"),
+            (std::vector<std::string>{"vertices", "faces", "region", "fixed", "handle", "free"}));
+  EXPECT_EQ(unknown.remedy(), "Known are vertices, faces, region, fixed, handle, free.");
+
+  const Error range = error_of(file_with_step(R"("settings": {"iterations": 1001})"));
+  EXPECT_EQ(range.id(), "core.out_of_range");
+  EXPECT_EQ(range.fact().get<double>("low"), 0);
+  EXPECT_EQ(range.fact().get<double>("high"), 1000);
+  EXPECT_EQ(range.fact().get<double>("value"), 1001);
+  EXPECT_EQ(error_of(file_with_step(R"("anchors": [{}])")).id(), "script.missing_field");
+
+  const std::string coloured = R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a"}},
+      "selections": {"top": {"loop": 0}}, "colours": {"topp": "#112233"}, "steps": [{"kind": "deform", "mesh": "a"}]})";
+  EXPECT_STREQ(error_of(coloured).what(),
+               "edit.json: colours.topp: there is no selection named 'topp'. Did you mean 'top'?");
+}
+
 TEST(EditFile, RefusesSelectionsThatUseThemselves) {
   const auto with_selections = [](const std::string& selections) {
     return R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a"}}, "selections": {)" +
@@ -253,8 +296,11 @@ TEST(EditFile, ReadsTheFormerNameOfASolverAndSaysSo) {
   const EditFile edit = parse_edit(file_with_step(former), "edit.json");
   EXPECT_EQ(first_step(edit).settings.deformer.backend, SolverBackend::multifrontal);
   ASSERT_EQ(edit.notes.size(), 1U);
-  EXPECT_EQ(edit.notes[0].rfind("edit.json: steps[0].settings.backend: ", 0), 0U) << edit.notes[0];
-  EXPECT_NE(edit.notes[0].find("'multifrontal'"), std::string::npos) << edit.notes[0];
+  EXPECT_EQ(edit.notes[0].id(), "script.former_backend");
+  EXPECT_EQ(edit.notes[0].get<std::string>("location"), "edit.json: steps[0].settings.backend");
+  EXPECT_EQ(edit.notes[0].text().rfind("edit.json: steps[0].settings.backend: ", 0), 0U)
+      << edit.notes[0].text();
+  EXPECT_NE(edit.notes[0].text().find("'multifrontal'"), std::string::npos) << edit.notes[0].text();
   EXPECT_EQ(parse_edit(merge, "edit.json").notes.size(), 1U);
 
   // It is written by its name of today, which needs no note.

@@ -115,7 +115,7 @@ TEST(MergeEditFile, NamesTheFieldThatIsWrong) {
   EXPECT_EQ(merge_refusal(merge_with(R"("pairs": [{"source_loop": {"loop": 0}, "target_loop": {"loop": 0},
                                             "matches": [[1, 2], [3, -4]]}])")),
             "edit.json: steps[0].pairs[0].matches[1][1]: must be from 0 to 2147483647, is -4");
-  EXPECT_NE(merge_refusal(merge_with(R"("fixed": "all")")).find("steps[0].fixed: nothing stays"),
+  EXPECT_NE(merge_refusal(merge_with(R"("fixed": "all")")).find("steps[0].fixed: nothing can be fixed"),
             std::string::npos);
   EXPECT_NE(merge_refusal(merge_with(R"("fixed": "top", "pose": "keep")"))
                 .find("steps[0].fixed: there is no selection"),

@@ -103,7 +103,7 @@ TEST_F(RunEdit, SolvesASoupAsTheSurfaceThatItIsOf) {
     for (Index v = 0; v < soup.vertex_count(); ++v)
       EXPECT_LT((result.mesh.positions.row(v) - whole.mesh.positions.row(origin[v])).norm(), 1e-8) << v;
     ASSERT_EQ(result.report.steps[0].notes.size(), 1U);
-    EXPECT_NE(result.report.steps[0].notes[0].find("for the solve"), std::string::npos);
+    EXPECT_EQ(result.report.steps[0].notes[0].id(), "script.welded");
   }
   EXPECT_NE(refusal(edit(step(R"(, "settings": {"weld": false})"), R"({"file": "soup.ply"})")), "(accepted)");
 }
@@ -184,7 +184,9 @@ TEST_F(RunEdit, SolvesAProxyAndSaysSo) {
   EXPECT_LT(by_proxy.report.steps.front().proxy->free_vertices, exact.report.counts.free);
   EXPECT_EQ(by_proxy.report.counts.free, exact.report.counts.free);
   ASSERT_EQ(by_proxy.report.steps.front().notes.size(), 1u);
-  EXPECT_NE(by_proxy.report.steps.front().notes.front().find("proxy"), std::string::npos);
+  const Note& note = by_proxy.report.steps.front().notes.front();
+  EXPECT_EQ(note.id(), "script.proxy_solved");
+  EXPECT_EQ(note.get<std::int64_t>("free"), exact.report.counts.free);
   EXPECT_NE(write_report(by_proxy.report).find("\"spacing\""), std::string::npos);
   EXPECT_LT((by_proxy.mesh.positions - exact.mesh.positions).rowwise().norm().maxCoeff(), 0.6);  // of 3
   // From the file, too, and with a proxy of all vertices it is the exact result.
@@ -202,7 +204,7 @@ TEST_F(RunEdit, TakesAProxyWhereTheMemoryIsTooSmall) {
   const EditResult result = run_edit(edit(step()), small);
   EXPECT_TRUE(result.report.steps.front().proxy.has_value());
   ASSERT_FALSE(result.report.steps.front().notes.empty());
-  EXPECT_NE(result.report.steps.front().notes.front().find("memory"), std::string::npos);
+  EXPECT_EQ(result.report.steps.front().notes.front().id(), "script.proxy_for_memory");
   EXPECT_FALSE(run_edit(edit(step()), large).report.steps.front().proxy.has_value());
 }
 
@@ -261,7 +263,12 @@ TEST_F(RunEdit, NotesThatAMirroringHandleHasNoRotationToFollow) {
     const std::string settings = R"(, "settings": {"method": ")" + std::string(method) + "\"}";
     const EditReport mirrored = run_edit(edit(step(settings, mirror))).report;
     const auto json = nlohmann::json::parse(write_report(mirrored));
-    EXPECT_EQ(json["steps"][0]["notes"].size(), std::string(method) == "ft05" ? 0u : 1u) << method;
+    const auto& notes = json["steps"][0]["notes"];
+    EXPECT_EQ(notes.size(), std::string(method) == "ft05" ? 0u : 1u) << method;
+    for (const auto& note : notes)
+      EXPECT_EQ(note, (nlohmann::json{{"id", "script.no_rotation"},
+                                      {"fields", nlohmann::json::object()},
+                                      {"text", mirrored.steps[0].notes[0].text()}}));
     EXPECT_TRUE(run_edit(edit(step(settings))).report.steps[0].notes.empty()) << method;
   }
 }

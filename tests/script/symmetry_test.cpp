@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -150,17 +151,17 @@ double asymmetry(const SymmetricMesh& symmetric, const Points& positions) {
   return largest / (positions - symmetric.mesh.positions).rowwise().norm().maxCoeff();
 }
 
-std::string symmetry_refusal(const SymmetricMesh& symmetric, const DeformStep& step) {
+Error symmetry_refusal(const SymmetricMesh& symmetric, const DeformStep& step) {
   try {
     resolved(symmetric, step);
   } catch (const Error& error) {
     EXPECT_FALSE(error.remedy().empty()) << error.what();
-    return error.what();
+    return error;
   }
-  return "(accepted)";
+  throw std::logic_error("the step was accepted");
 }
 
-std::vector<std::string> notes_on_poses(const SymmetricMesh& symmetric, const DeformStep& step) {
+std::vector<Note> notes_on_poses(const SymmetricMesh& symmetric, const DeformStep& step) {
   const ResolvedDeform deform = resolved(symmetric, step);
   return pose_notes(*deform.symmetry, deform.region.handles, deform.poses, symmetric.mesh.positions);
 }
@@ -178,7 +179,7 @@ TEST(Symmetry, TheResultIsItsOwnMirrorImage) {
       ASSERT_EQ(deform.region.handles.size(), 2U) << symmetric.name;
       EXPECT_EQ(deform.region.handles[1].name, "tip, mirrored");
       EXPECT_EQ(deform.region.handles[1].vertices, images_of(symmetric, deform.region.handles[0].vertices));
-      EXPECT_TRUE(deform.notes.empty()) << deform.notes.front();
+      EXPECT_TRUE(deform.notes.empty()) << deform.notes.front().text();
       EXPECT_LT(asymmetry(symmetric, edited(symmetric, step)), rounding)
           << symmetric.name << ", " << to_string(method);
     }
@@ -295,27 +296,48 @@ TEST(Symmetry, RefusesWhatCannotBeMirrored) {
   std::vector<Index> half = at_plane(symmetric, 0.04);
   std::erase_if(half, [&](Index v) { return symmetric.mesh.positions(v, 0) < -1e-3; });
   across.handles[0].select = indices(half);
-  EXPECT_NE(symmetry_refusal(symmetric, across).find("overlaps its mirror image"), std::string::npos);
+  const Error overlap = symmetry_refusal(symmetric, across);
+  EXPECT_EQ(overlap.id(), "script.overlaps_mirror_image");
+  EXPECT_EQ(overlap.fact().get<std::string>("handle"), across.handles[0].name);
+  EXPECT_EQ(overlap.fact().get<std::int64_t>("all"), static_cast<std::int64_t>(half.size()));
+  EXPECT_LT(overlap.fact().get<std::int64_t>("shared"), static_cast<std::int64_t>(half.size()));
 
   DeformStep twice = good;
   twice.handles.push_back(twice.handles[0]);
   twice.handles[1].name = "other tip";
   twice.handles[1].select = indices(images_of(symmetric, tip(symmetric, 0.12)));
-  EXPECT_NE(symmetry_refusal(symmetric, twice).find("already part of the handle 'other tip'"),
-            std::string::npos);
+  const Error held = symmetry_refusal(symmetric, twice);
+  EXPECT_EQ(held.id(), "script.mirror_image_held");
+  EXPECT_EQ(held.fact().get<std::string>("other"), "other tip");
+  EXPECT_NE(held.problem().find("already part of the handle 'other tip'"), std::string::npos) << held.what();
+
+  DeformStep onto_fixed = good;
+  onto_fixed.fixed = indices(images_of(symmetric, tip(symmetric, 0.05)));
+  onto_fixed.handles[0].select = indices(tip(symmetric, 0.12));
+  EXPECT_EQ(symmetry_refusal(symmetric, onto_fixed).id(), "script.vertex_fixed");
 
   DeformStep named = good;
   named.handles.push_back({.name = "tip, mirrored", .select = {Selection::NearestVertex{{0, 0.7, 0.7}}}});
   named.fixed = indices({});
-  EXPECT_NE(symmetry_refusal(symmetric, named).find("is that of a twin"), std::string::npos);
+  EXPECT_EQ(symmetry_refusal(symmetric, named).id(), "script.name_of_twin");
 
   DeformStep aside = good;
   aside.symmetry->plane.point.x() = 0.3;
-  const std::string message = symmetry_refusal(symmetric, aside);
-  EXPECT_NE(message.find("have no vertex at their mirror image, the first is"), std::string::npos) << message;
-  EXPECT_NE(message.find("Choose a plane that mirrors the mesh"), std::string::npos) << message;
+  const Error far = symmetry_refusal(symmetric, aside);
+  EXPECT_EQ(far.id(), "script.not_mirrored");
+  EXPECT_GT(far.fact().get<double>("distance_rel"), 0.05);
+  EXPECT_NE(far.problem().find("have no vertex at their mirror image, the first is"), std::string::npos);
+  EXPECT_NE(far.remedy().find("Choose a plane that mirrors the mesh"), std::string::npos) << far.what();
   aside.symmetry->plane.point.x() = 0.02;
-  EXPECT_NE(symmetry_refusal(symmetric, aside).find("A 'symmetry.tolerance_rel' of"), std::string::npos);
+  const Error near = symmetry_refusal(symmetric, aside);
+  EXPECT_EQ(near.id(), "script.no_mirror_image");
+  EXPECT_EQ(near.fact().get<std::string>("handle"), aside.handles[0].name);
+  EXPECT_GT(near.fact().get<std::int64_t>("lost"), 0);
+  EXPECT_LE(near.fact().get<std::int64_t>("lost"), near.fact().get<std::int64_t>("all"));
+  EXPECT_NE(near.remedy().find("A 'symmetry.tolerance_rel' of"), std::string::npos) << near.what();
+  aside.handles.clear();
+  aside.targets.push_back({tip(symmetric, 0.01).front(), {0, 0, 0}});
+  EXPECT_EQ(symmetry_refusal(symmetric, aside).id(), "script.vertex_without_mirror_image");
 }
 
 /// The two sides of a scan have their vertices at other places.
@@ -333,10 +355,7 @@ TEST(Symmetry, AScanThatIsNearlySymmetricIsMatchedWithinATolerance) {
   step.handles.push_back(
       {.name = "tip", .select = indices(held), .pose = {HandleMotion{.translate = {0, 0, 1}}}});
   step.region = indices(tip(scan, 0.3));
-  const std::string message = symmetry_refusal(scan, step);
-  const std::string before = "tolerance_rel' of ";
-  ASSERT_NE(message.find(before), std::string::npos) << message;
-  step.symmetry->tolerance_rel = std::stod(message.substr(message.find(before) + before.size()));
+  step.symmetry->tolerance_rel = symmetry_refusal(scan, step).fact().get<double>("tolerance_rel");
   const ResolvedDeform deform = resolved(scan, step);
   const std::vector<Index>& twin = deform.region.handles[1].vertices;
   EXPECT_GE(twin.size(), held.size() * 8 / 10);
@@ -347,7 +366,11 @@ TEST(Symmetry, AScanThatIsNearlySymmetricIsMatchedWithinATolerance) {
     const auto is_held = [&](Index w) { return std::binary_search(twin.begin(), twin.end(), w); };
     EXPECT_TRUE(is_held(v) || !std::all_of(ring.begin(), ring.end(), is_held)) << v;
   }
-  EXPECT_EQ(deform.symmetry->without_partner > 0, deform.notes.size() == 1);
+  ASSERT_EQ(deform.symmetry->without_partner > 0, deform.notes.size() == 1);
+  for (const Note& note : deform.notes) {
+    EXPECT_EQ(note.id(), "script.region_without_mirror_image");
+    EXPECT_EQ(note.get<std::int64_t>("lost"), deform.symmetry->without_partner);
+  }
 }
 
 TEST(Symmetry, TheFileSaysItAndTheReportTellsIt) {

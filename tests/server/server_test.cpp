@@ -426,6 +426,7 @@ TEST(Server, AnAddressThatIsTakenIsNamed) {
     FAIL() << "took an address twice";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::io);
+    EXPECT_EQ(error.id(), "server.address_not_taken");
     EXPECT_NE(std::string(error.what()).find(first.host()), std::string::npos);
   }
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -292,15 +291,9 @@ Attempt attempt(const RandomGraft& graft) {
 }
 
 bool follow_remedy(RandomGraft& graft, const Error& refusal) {
-  const std::size_t named = refusal.remedy().find("--start ");
-  std::size_t pair = 0;
-  Match start;
-  if (named == std::string::npos ||
-      std::sscanf(refusal.remedy().c_str() + named, "--start %d:%d", &start.target, &start.source) != 2)
-    return false;
-  if (std::sscanf(refusal.location().c_str(), "pair %zu", &pair) == 1 && pair >= graft.pairs.size())
-    return false;
-  graft.pairs[pair].matches = {start};
+  if (refusal.id() != "merge.open_start") return false;
+  const OpenStart open = open_starts(refusal.fact()).front();
+  graft.pairs.at(open.pair).matches = {open.least_turned};
   return true;
 }
 

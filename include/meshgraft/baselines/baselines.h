@@ -61,7 +61,7 @@ struct BaselineOptions {
   SolverBackend backend = SolverBackend::automatic;
 };
 
-/// Throws Error(input), naming the field, if a value is out of its range.
+/// Throws Error(input), at the field, if a value is out of its range.
 void validate(const BaselineOptions& options);
 
 /// Returns new positions (n×3, model units) of the mesh `rest` (n×3) and `triangles` (m×3) under constraints
@@ -72,8 +72,9 @@ void validate(const BaselineOptions& options);
 /// threads.
 ///
 /// Throws Error(input) for bad indices, constraints and options, and for a non-finite coordinate that the
-/// edit reaches. Throws Error(unsolvable) where a free connected component meets no known position. With
-/// sorkine-2004 it also does so where the known positions are too few to fix a similarity (all on one line).
+/// edit reaches. Throws Error(unsolvable) where a free connected component meets no known position
+/// (baselines.free_component_not_held). With sorkine-2004 it also does so where the known positions are too
+/// few to fix a similarity, all on one line (baselines.known_positions_on_a_line).
 Points deform_by(Baseline method, const Points& rest, const Triangles& triangles, std::span<const Index> region,
                  std::span<const VertexConstraint> constraints, const BaselineOptions& options = {},
                  const Context& context = {});

@@ -1,8 +1,12 @@
 #pragma once
 
-#include <stdexcept>
+#include <exception>
+#include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+
+#include <meshgraft/core/fact.h>
 
 namespace meshgraft {
 
@@ -25,28 +29,38 @@ int exit_status(ErrorCode code) noexcept;
 /// Returns the code's name in reports, e.g. "unsolvable".
 std::string_view to_string(ErrorCode code) noexcept;
 
-/// The exception type of the library. A message has up to three parts, joined as
-/// "location: problem. remedy.".
-class Error : public std::runtime_error {
+/// The exception type of the library: a fact and its location. Copies share what they hold and do not throw.
+/// `what()` is "location: problem. remedy", in the terms of the library.
+class Error : public std::exception {
  public:
-  /// `problem` is a clause without a final full stop. `location` is a file, line, field or element; `remedy`
-  /// says what the reader can do. Both may be empty.
-  Error(ErrorCode code, std::string problem, std::string location = {}, std::string remedy = {});
+  /// `fact` is of a class of errors. `location` is a file, line, field or element, or empty.
+  Error(Fact fact, std::string location = {});
 
-  ErrorCode code() const noexcept { return code_; }
-  const std::string& problem() const noexcept { return problem_; }
-  const std::string& location() const noexcept { return location_; }
-  const std::string& remedy() const noexcept { return remedy_; }
+  const char* what() const noexcept override;
+  ErrorCode code() const noexcept;
+  const Fact& fact() const noexcept;
+  /// Returns the id of the fact, e.g. "merge.start_unclear".
+  std::string_view id() const noexcept { return fact().id(); }
+  const std::string& location() const noexcept;
+  /// Notes that explain the error. `what()` ends with them.
+  std::span<const Note> notes() const noexcept;
+  std::string problem() const { return fact().text(); }
+  std::string remedy() const { return fact().remedy(); }
 
+  /// Returns the same error at another location.
+  Error at(std::string location) const;
   /// Returns the same error with `outer` put before its location: "outer: inner location".
   Error within(std::string_view outer) const;
+  /// Returns the same error with one more note.
+  Error with(Note note) const;
 
  private:
-  ErrorCode code_;
-  std::string problem_;
-  std::string location_;
-  std::string remedy_;
+  struct Data;
+  std::shared_ptr<const Data> data_;
 };
+
+/// Returns "location: problem. remedy". Location and remedy may be empty.
+std::string error_sentence(std::string_view location, std::string_view problem, std::string_view remedy);
 
 /// Returns the exception that is being handled as an Error. An Error is returned as it is. Lack of memory has
 /// the code memory, an error of the file system io, all others internal. Must be called in a catch block.

@@ -94,8 +94,10 @@ struct EvaluationReport {
 class Deformer {
  public:
   /// `rest` is n×3, `triangles` m×3. Throws Error(input) for bad indices, an empty or overlapping handle, or
-  /// a non-finite coordinate that the edit reaches. Throws Error(unsolvable) where the constraints do not
-  /// determine a free connected component, naming the component and what to add.
+  /// a non-finite coordinate that the edit reaches (deform.vertex_not_finite). Throws Error(unsolvable) where
+  /// the constraints do not determine a free connected component, naming the component and what to add
+  /// (deform.component_not_held, deform.component_held_by_positions). Throws Error(memory) with the id
+  /// deform.solve_exceeds_memory for a region too large to solve exactly.
   Deformer(const Points& rest, const Triangles& triangles, const Region& region,
            const DeformerOptions& options = {}, const Context& context = {});
 

@@ -78,8 +78,8 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
 /// lengths around the vertex (half of each adjoining segment), and W = S·R. A curve that is not redrawn gives
 /// exactly W = I. Where the tangent is reversed (t' = −t), it turns about the normal.
 ///
-/// Throws Error(input) for a handle that is no curve, and where neighbouring points coincide so that the
-/// tangent is undefined.
+/// Throws Error(input) for a handle that is no curve, and with the id deform.curve_without_tangent where
+/// neighbouring points coincide so that the tangent is undefined.
 std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Points& rest,
                                                 const Points& rest_normals, const Points& redrawn);
 

@@ -112,8 +112,8 @@ class LiveDeformer {
   std::int64_t drag(std::span<const HandlePose> poses);
 
   /// Waits until the newest pose had its exact frame; without a pose, until the `Deformer` is ready. If that
-  /// cannot happen, it throws the reason: the Error of the set-up or of the pose, Error(cancelled) after
-  /// `close`, or Error(usage) on the callbacks' thread.
+  /// cannot happen, it throws the reason: the Error of the set-up or of the pose, Error(cancelled) with the id
+  /// deform.live_deformer_closed after `close`, or Error(usage) on the callbacks' thread.
   void wait_until_exact() const;
 
   LiveStage stage() const;

@@ -43,7 +43,8 @@ class ProxyDeformer {
  public:
   /// Takes the same arguments as `Deformer` and throws the same errors, with the mesh's own vertex indices.
   /// It reads a larger neighbourhood of the region, so that non-finite coordinates there are errors, too.
-  /// Throws Error(unsolvable) where the region could be solved but no proxy of that size.
+  /// Throws Error(unsolvable) with the id deform.no_proxy where the region could be solved but no proxy of that
+  /// size.
   ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
                 const ProxyOptions& options = {}, const Context& context = {});
 

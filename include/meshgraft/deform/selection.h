@@ -110,8 +110,9 @@ class Selection {
 };
 
 /// Returns the vertices of `selection`; there may be none. Throws Error(input) for an index, component or
-/// loop that does not exist, a malformed shape, or points of a path that are not connected. The error's
-/// location is `location` (a field of the edit file) with the field inside it.
+/// loop that does not exist (core.no_such_vertex, deform.no_such_component, deform.no_such_loop), a malformed
+/// shape, or points of a path that are not connected (deform.no_way_along_edges). The error's location is
+/// `location` (a field of the edit file) with the field inside it.
 std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
                            const std::string& location);
 
@@ -121,7 +122,8 @@ struct SelFile {
 };
 
 /// Parses the text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line
-/// for anything but 0, 1 or 2, and for a count that differs from the mesh's.
+/// for anything but 0, 1 or 2, and for a count that differs from the mesh's (deform.fewer_states_than_vertices,
+/// deform.more_states_than_vertices).
 SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location);
 
 /// Parses vertex indices (from 0) separated by white space, and returns them in their order. `#` starts a

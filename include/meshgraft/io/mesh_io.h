@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -33,7 +34,7 @@ struct WriteOptions {
 
 struct WriteResult {
   std::vector<std::filesystem::path> files;  ///< files written: the mesh, then those that it refers to
-  std::vector<std::string> notes;            ///< data that the format cannot store, one sentence each
+  std::vector<Note> notes;                   ///< data that the format cannot store
 };
 
 /// Writes a mesh in the format of `path`'s extension. The file appears whole or not at all.
@@ -44,8 +45,9 @@ struct WriteResult {
 /// attributes. An OBJ whose materials come from several files, or from another folder, gets a material
 /// library beside it; a new .gltf gets its buffer (docs/files.md).
 ///
-/// Throws Error(io) if the file cannot be written, Error(input) if the extension is unknown or the format
-/// cannot store the values. Throws Error(usage) for a morph target that does not fit the format or the mesh.
+/// Throws Error(io) if the file cannot be written, with the id io.file_exists if it must not be replaced.
+/// Throws Error(input) if the extension is unknown (io.unknown_extension) or the format cannot store the
+/// values, Error(usage) for a morph target that does not fit the format or the mesh.
 WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
                        const Context& context = {});
 
@@ -53,10 +55,12 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
 /// has none, as in most formats.
 std::string unit_of(const Mesh& mesh);
 
-/// Throws Error(input) unless the extension of `path` belongs to a format that `write_mesh` knows.
+/// Throws Error(input), io.unknown_extension or io.no_extension, unless the extension of `path` belongs to a
+/// format that `write_mesh` knows.
 void require_mesh_format(const std::filesystem::path& path);
 
-/// Throws Error(usage) unless the extension of `path` belongs to a format with morph targets.
+/// Throws Error(usage) with the id io.no_morph_targets unless the extension of `path` belongs to a format
+/// with morph targets.
 void require_morph_targets(const std::filesystem::path& path);
 
 /// Returns a mesh file and the existing files that it refers to: an OBJ's material libraries and their
@@ -70,8 +74,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 /// Follows the symbolic links of a path to their end, whether or not a file exists there.
 std::filesystem::path follow_links(std::filesystem::path path);
 
-/// Returns a whole file as bytes. Throws Error(io) with a reason (no such file, a folder, no permission) and
-/// a remedy.
+/// Returns a whole file as bytes. Throws Error(io): io.file_not_found, io.is_folder, io.no_permission, ….
 std::string read_file(const std::filesystem::path& path);
 
 }  // namespace meshgraft

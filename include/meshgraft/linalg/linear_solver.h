@@ -81,7 +81,8 @@ class LinearSolver {
   virtual void analyse(const NormalMatrix& lower, const OrderingGraph& graph = {},
                        const Context& context = {}) = 0;
 
-  /// Computes the numerical factorisation. Throws Error(unsolvable) if N is not positive definite.
+  /// Computes the numerical factorisation. Throws Error(unsolvable) with the id linalg.not_positive_definite if
+  /// N is not.
   virtual void factorise(const NormalMatrix& lower, const Context& context = {}) = 0;
 
   /// Solves for all columns of `rhs` (unknowns×k) and returns unknowns×k. Safe to call from several threads
@@ -90,7 +91,8 @@ class LinearSolver {
     return solve(rhs, SolveOptions{}, context);
   }
 
-  /// Does the same with options. Throws Error(unsolvable) where an iterative method does not converge.
+  /// Does the same with options. Throws Error(unsolvable) with the id linalg.not_converged where an iterative
+  /// method does not converge.
   virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
                                 const Context& context = {}) const = 0;
 
@@ -100,7 +102,8 @@ class LinearSolver {
 /// Returns the backends of this build, best first.
 std::vector<SolverBackend> available_backends();
 
-/// Makes a solver. Throws Error(input) if the backend is not part of this build.
+/// Makes a solver. Throws Error(input) with the id linalg.no_multifrontal_solver if the backend is not part of
+/// this build.
 std::unique_ptr<LinearSolver> make_solver(SolverBackend backend = SolverBackend::automatic);
 
 /// Returns ‖N‖₁ of the whole symmetric matrix.

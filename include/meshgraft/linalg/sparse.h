@@ -17,8 +17,8 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Computes a·b, row by row in parallel (Gustavson 1978). The order of every sum is fixed, so the result does
-/// not depend on the number of threads. The columns of each row are sorted. Throws Error(input) when the
-/// product has 2³¹ or more non-zeros.
+/// not depend on the number of threads. The columns of each row are sorted. Throws Error(input) with the
+/// id linalg.operator_too_large when the product has 2³¹ or more non-zeros.
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context = {});
 
 /// Computes a₁·b₁ − a₂·b₂ in the same way.

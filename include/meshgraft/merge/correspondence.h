@@ -1,16 +1,14 @@
 #pragma once
 
-#include <array>
-#include <memory>
+#include <cstddef>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/error.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -67,25 +65,17 @@ struct OpenStart {
   double confidence = 0;  ///< 0 … 1, confidence of the start that fits best
 };
 
-/// Error(input) for an ambiguous correspondence: the loops alone do not determine which vertices meet.
-class OpenStartError : public Error {
- public:
-  OpenStartError(const Error& error, std::vector<OpenStart> starts)
-      : Error(error), starts_(std::make_shared<const std::vector<OpenStart>>(std::move(starts))) {}
-
-  /// The ambiguous pairs that were found, at least one, in the order of pairs.
-  const std::vector<OpenStart>& starts() const noexcept { return *starts_; }
-
- private:
-  std::shared_ptr<const std::vector<OpenStart>> starts_;  // copying must not throw
-};
+/// Returns the ambiguous pairs that a fact merge.open_start lists, at least one, in the order of pairs. Throws
+/// std::out_of_range for other facts.
+std::vector<OpenStart> open_starts(const Fact& fact);
 
 /// Finds the best cyclic alignment of each pair. It is the arc-length start from which a similarity maps the
 /// loops, normals included, best onto one another. The pairs belong to one connected source and share the
 /// similarity; loops without features of their own (circles) are thus placed by the others. With `posed` the
 /// source is already in its pose, and nearness decides. `locations` name the pairs in messages. Throws
-/// OpenStartError where the best start is not distinguished from others; it names the first such pair and
-/// what to add.
+/// Error(input) with the id merge.open_start where the best start is not distinguished from others: the loops
+/// alone do not determine which vertices meet. Its location is the first such pair's; `open_starts` returns
+/// all of them.
 std::vector<Correspondence> match_automatically(std::span<const LoopPair> pairs,
                                                 std::span<const LoopGeometry> sources,
                                                 std::span<const LoopGeometry> targets, bool posed,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/merge/open_hole.h>
 #include <meshgraft/mesh/mesh.h>
@@ -26,7 +27,7 @@ struct DropResult {
   MergeResult merge;     ///< merge; its index map of the target starts from the closed target
   MergeOptions options;  ///< the options that were used, with the size and the normal angle that were found
   MergeIntersections intersections;
-  std::vector<std::string> notes;  ///< sentences for people, in addition to the merge's own
+  std::vector<Note> notes;  ///< in addition to the merge's own
 };
 
 /// Grafts a source onto a surface without a hole. It opens a hole of the shape of the source's loop
@@ -37,8 +38,9 @@ struct DropResult {
 /// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
 /// given, it bends half as far, or not at all.
 ///
-/// Throws what `open_hole` and `merge_meshes` throw. Throws Error(input), naming `surface_point`, if the
-/// graft turns inside out in all tries (shape `similar`).
+/// Throws what `open_hole` and `merge_meshes` throw. Throws Error(input) with the id
+/// merge.dropped_source_inverted, naming `surface_point`, if the graft turns inside out in all tries (shape
+/// `similar`).
 DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const MergeOptions& options = {}, const Context& context = {});
 

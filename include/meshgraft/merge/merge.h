@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/merge/correspondence.h>
 #include <meshgraft/merge/seam.h>
@@ -101,7 +102,7 @@ struct MergeReport {
   SeamReport seam;
   EvaluationReport evaluation;
   Index source_vertices_added = 0, target_vertices_added = 0;  ///< added by refinement
-  std::vector<std::string> notes;                              ///< sentences for people
+  std::vector<Note> notes;
   double match_seconds = 0, assemble_seconds = 0, factorise_seconds = 0, solve_seconds = 0, seam_seconds = 0,
          measure_seconds = 0, total_seconds = 0;
 };
@@ -121,9 +122,9 @@ struct MergeResult {
 /// Throws Error(input), naming the pair and the remedy, in these cases:
 /// - a loop is not a simple boundary loop;
 /// - loops meet;
-/// - a connected component of the source has no loop;
-/// - correspondences cross or are ambiguous;
-/// - the orientations disagree.
+/// - a connected component of the source has no loop (merge.component_without_pair);
+/// - correspondences cross (merge.matches_cross) or are ambiguous (merge.open_start, see `open_starts`);
+/// - the orientations disagree (merge.orientations_disagree).
 /// Throws Error(unsolvable) and Error(cancelled).
 MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
                          const MergeOptions& options = {}, const Context& context = {});

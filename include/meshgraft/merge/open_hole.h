@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -34,7 +35,7 @@ struct OpenedHole {
   double size = 1;  ///< scale of the source
   /// Set if the source, placed undeformed at the hole, does not cut through the target.
   bool clear = true;
-  std::vector<std::string> notes;  ///< sentences for people
+  std::vector<Note> notes;
 };
 
 /// Opens a hole of the shape of a source's boundary loop, to be passed on to `merge` with `size` locked.
@@ -53,7 +54,8 @@ struct OpenedHole {
 /// - a size is below a millionth of the target's;
 /// - the hole of a given size would reach a boundary, an edge of three faces, or all round the surface;
 /// - the surface is too narrow for a hole of a given size: less than 0.85 of the loop's width.
-/// For the last two cases the message names the largest size that fits.
+/// In the last two cases the id is merge.no_hole, whose field `largest` is the largest size that fits, or
+/// merge.no_hole_at_any_size. A note of the error is the reason.
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
                      const Drop& drop, const Context& context = {});
 

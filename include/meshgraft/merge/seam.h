@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/merge/correspondence.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -49,7 +50,7 @@ struct SeamResult {
   std::vector<Index> new_faces;  ///< faces of the strip, in `mesh`
   std::vector<Index> band;       ///< vertices of `mesh` that smoothing could move
   SeamReport report;
-  std::vector<std::string> notes;  ///< sentences for people about names of the source that were changed
+  std::vector<Note> notes;  ///< about names of the source that were changed
 };
 
 /// Joins a source whose loops lie on the target's (FT05 section 5). It removes the target's loops with their

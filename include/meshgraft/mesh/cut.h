@@ -45,17 +45,18 @@ std::vector<Index> vertices_at_cut(const CutResult& result);
 /// inserted on the edges that the zero set crosses, and faces are split there; "above" is where the function
 /// is positive. Open meshes may be cut across their boundary. Attributes follow their interpolation rule;
 /// corner values stay within their face. Throws Error(input) for a wrong number of values, for non-finite
-/// values, and where nothing is cut.
+/// values, and where nothing is cut (mesh.nothing_cut).
 CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const CutOptions& options = {},
                       const Context& context = {});
 
-/// Cuts by the plane (x − point)·normal = 0; the normal points above and need not have unit length.
+/// Cuts by the plane (x − point)·normal = 0; the normal points above and need not have unit length. Throws
+/// Error(input) with the id mesh.plane_misses_mesh where the mesh lies on one side.
 CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
                        const CutOptions& options = {}, const Context& context = {});
 
 /// Cuts along the closed curve that joins the listed vertices, in order, by shortest paths on the surface.
 /// "Above" is on the left, seen from outside. Throws Error(input) for fewer than three vertices, repeated or
-/// unconnected ones, and for a curve that crosses itself.
+/// unconnected ones (mesh.no_path), and for a curve that crosses itself (mesh.loop_crosses_itself).
 CutResult cut_along_loop(const Mesh& mesh, std::span<const Index> vertices, const CutOptions& options = {},
                          const Context& context = {});
 

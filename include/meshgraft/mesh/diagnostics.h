@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -24,8 +25,11 @@ struct Finding {
   Domain domain = Domain::vertex;  ///< elements that `indices` refer to
   /// All affected elements (for edges their ends), ascending; people see the first few.
   std::vector<Index> indices{};
-  std::string description{};  ///< one clause for people, e.g. "3 faces have no area"
-  std::string remedy{};       ///< remedy for people; may be empty
+  Note note;  ///< the fact, e.g. "mesh.zero_area_face"; its field `count` is the one above
+
+  /// Returns one clause for people, e.g. "3 faces have no area", and the remedy, which may be empty.
+  std::string description() const { return note.text(); }
+  std::string remedy() const { return note.remedy(); }
 };
 
 /// All findings, worst first.
@@ -71,8 +75,9 @@ struct Diagnostics {
 Diagnostics check_mesh(const Mesh& mesh, const Context& context = {});
 
 /// Throws Error(input) for the first refused finding that touches a vertex in `reach` (empty = the whole
-/// mesh). The error names the mesh, the number of vertices or faces, the first of them, and the remedy. A
-/// face touches `reach` if one of its vertices is in it. `name` is the mesh's file name for the message.
+/// mesh): mesh.non_finite_within_reach or mesh.index_out_of_range_within_reach, with the finding's number of
+/// vertices or faces, and the first five within reach. A face touches `reach` if one of its vertices is in
+/// it. `name` is the mesh's file name for the message.
 void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const Index> reach,
                     const std::string& name);
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -19,7 +20,7 @@ struct JoinedSources : SourceDocument {
     std::vector<std::pair<std::string, std::string>> materials;
   };
   std::vector<Part> parts;
-  std::vector<std::string> notes;  ///< names that were changed, one line each
+  std::vector<Note> notes;  ///< about names that were changed
 };
 
 /// Returns the source files of a mesh in the form for a mesh with other faces; null where there are none.
@@ -27,8 +28,8 @@ std::shared_ptr<const JoinedSources> sources_of(const Mesh& mesh);
 
 struct JoinResult {
   Mesh mesh;
-  IndexMap first, second;          ///< vertices, old → new
-  std::vector<std::string> notes;  ///< sentences for people about names that were changed
+  IndexMap first, second;   ///< vertices, old → new
+  std::vector<Note> notes;  ///< about names that were changed
 };
 
 /// Joins two meshes into one: all vertices and faces of `first`, then those of `second`, with the attributes

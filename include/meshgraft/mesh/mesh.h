@@ -117,8 +117,8 @@ struct TriangulateOptions {
 /// Splits polygons into triangles. Triangles pass through, and convex quads are split along the shorter
 /// diagonal. All other faces are split by ear clipping in the polygon's plane (Newell's normal), the
 /// best-shaped ear first. The order follows the faces. Repeated corners are skipped; a face with fewer than
-/// three corners left gives no triangle. Time is quadratic in the corners of one face. Throws Error(input) if
-/// an index is out of range.
+/// three corners left gives no triangle. Time is quadratic in the corners of one face. Throws Error(input)
+/// with the id mesh.face_index_out_of_range for an index of a vertex that does not exist.
 Triangulation triangulate(const Mesh& mesh, const TriangulateOptions& options = {});
 
 }  // namespace meshgraft

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -57,7 +58,10 @@ struct RepairChange {
   Domain domain = Domain::vertex;  ///< elements that `indices` refer to
   /// Elements of the given mesh, ascending; empty where none of its own are meant.
   std::vector<Index> indices{};
-  std::string description{};  ///< one clause for people, e.g. "12 vertices were welded to others"
+  Note note;  ///< the fact, e.g. "mesh.welded_vertex"; its field `count` is the one above
+
+  /// Returns one clause for people, e.g. "2 boundary vertices were welded to others at their place".
+  std::string description() const { return note.text(); }
 };
 
 struct RepairResult {
@@ -68,7 +72,7 @@ struct RepairResult {
   /// to the first of them.
   IndexMap vertex, face;
   std::vector<Index> vertex_origin, face_origin;  ///< new → old; -1 for elements that fill a hole
-  std::vector<std::string> notes;  ///< sentences for people about defects that remain and data that were lost
+  std::vector<Note> notes;                        ///< about defects that remain and data that were lost
 
   bool changed() const { return !changes.empty(); }
   /// Returns the change of that name, or null.

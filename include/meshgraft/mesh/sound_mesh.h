@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -25,13 +26,13 @@ class SoundMesh {
   const Mesh& mesh() const { return usable_ ? *usable_ : given_; }
   bool any() const { return usable_.has_value(); }
 
-  /// Returns a sentence for people about the faces that were left out; empty if there are none.
-  std::string note() const;
+  /// Returns a note of the faces that were left out (mesh.faces_left_out); none if there are none.
+  std::optional<Note> note() const;
 
   /// Throws Error(input) if one of the faces that were left out has a vertex in `reach`.
   void require_beyond(std::span<const Index> reach) const;
 
-  /// Returns the error of a step that worked on `mesh()`, with a note of the faces that were left out, if
+  /// Returns the error of a step that worked on `mesh()`, with the note of the faces that were left out, if
   /// any. The error may concern a boundary that only this mesh has.
   Error explained(const Error& error) const;
 

@@ -35,7 +35,7 @@ struct OperatorOptions {
   int laplacian_order = 1;  ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
 };
 
-/// Throws Error(input), naming the field, if a value is out of its range.
+/// Throws Error(input) with the id core.out_of_range, at the field, if a value is out of its range.
 void validate(const OperatorOptions& options);
 
 std::string_view to_string(WeightScheme value);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/method.h>
 #include <meshgraft/script/run_edit.h>
@@ -16,7 +17,7 @@ namespace meshgraft {
 struct MethodOutcome {
   Method method;
   std::optional<EditResult> result;  ///< absent where the method failed
-  std::string failure;               ///< message of the error, if the method failed
+  std::optional<Error> failure;      ///< absent where there is a result
 };
 
 /// The results of one edit by several methods.
@@ -28,7 +29,7 @@ struct Comparison {
 
 /// Runs an edit once by each of `methods`, all its steps by that method; the inputs are read once. Published
 /// methods run by their own defaults; of the settings they take `backend` and `refine_boundary`. A method
-/// that fails becomes an outcome with its message.
+/// that fails becomes an outcome with its error.
 ///
 /// Throws what `run_edit` throws for inputs and if cancelled, and the first method's error where all methods
 /// fail. Throws Error(usage) if no method is given or one is given twice, Error(input) for an edit without a

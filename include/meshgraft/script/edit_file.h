@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/handle.h>
 #include <meshgraft/deform/selection.h>
@@ -271,8 +272,8 @@ struct EditFile {
   std::vector<NamedSelection> selections;
   std::vector<EditStep> steps;
   std::string output;  ///< name of the resulting mesh; empty = that of the last step
-  /// Sentences for people about former words of the format, read as the current ones.
-  std::vector<std::string> notes;
+  /// Notes on former words of the format, read as the current ones.
+  std::vector<Note> notes;
 
   std::string location;               ///< name of the file in messages
   std::filesystem::path base_folder;  ///< folder of its relative paths

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/linalg/linear_solver.h>
@@ -95,15 +96,15 @@ struct StepReport {
   std::vector<std::string> handles;       ///< names; twins follow the step's own handles
   double max_displacement = 0;            ///< model units
   Quality quality;
-  std::vector<std::string> notes;  ///< sentences for people about deviations from the request
+  std::vector<Note> notes;  ///< about deviations from the request
 };
 
 /// Report on a whole edit. Fields other than `steps` summarise the steps as docs/report.md says.
 struct EditReport {
   std::string edit;                  ///< the edit file
   std::vector<std::string> outputs;  ///< files written
-  /// Sentences for people about words of the edit file, and about data that the result's file cannot store.
-  std::vector<std::string> notes;
+  /// Notes on words of the edit file, and on data that the result's file cannot store.
+  std::vector<Note> notes;
   struct Input {
     std::string name, source;  ///< `source`: the file or sample
     Index vertices = 0, faces = 0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/fact.h>
 #include <meshgraft/deform/constraints.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/handle.h>
@@ -36,7 +37,7 @@ struct ResolvedDeform {
   /// Constraints of `targets` and `transforms`, ascending by vertex.
   std::vector<VertexConstraint> constraints;
   std::optional<SymmetryFacts> symmetry;
-  std::vector<std::string> notes;  ///< sentences for people about deviations from the request
+  std::vector<Note> notes;  ///< about deviations from the request
 };
 
 /// Resolves `step` on `context.mesh`; `location` names the step in messages ("edit.json: steps[0]"). Throws
@@ -45,14 +46,14 @@ struct ResolvedDeform {
 /// - a handle is empty or outside the region;
 /// - a vertex has two roles;
 /// - counts differ;
-/// - or the mesh lacks a symmetry that the step requires.
+/// - or the mesh lacks a symmetry that the step requires (script.no_mirror_image, script.not_mirrored, …).
 /// Throws Error(io) for a file that cannot be read.
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
                               const std::string& location, const ProducedSets& produced = {});
 
-/// Returns sentences for people about handles that are their own mirror image while their poses are not.
+/// Returns notes about handles that are their own mirror image while their poses are not.
 /// `poses` has one pose per handle.
-std::vector<std::string> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
-                                    std::span<const HandlePose> poses, const Points& rest);
+std::vector<Note> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+                             std::span<const HandlePose> poses, const Points& rest);
 
 }  // namespace meshgraft

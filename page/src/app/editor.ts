@@ -1,12 +1,11 @@
 import { batch, computed, signal } from "@preact/signals";
 import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
-import { Connection, Refusal, type Link, type Outcome } from "../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
+import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
+import type { DocumentState, EngineEvent, Id, Note, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft/graft";
 import { Library } from "./library";
-import { inPanelWords } from "./error_words";
 import { baseName, folderOf } from "./paths";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
@@ -14,6 +13,10 @@ import { mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry"
 import { ToolSettings } from "./tool_settings";
 import { counted } from "./units";
 import type { ViewSettings } from "./view_settings";
+import {
+  fileInTheWay, inPanelWords, noteWords, toldOf, toldOfNote,
+  type Failure, type PageError, type Told,
+} from "./wording";
 
 export type Event<Name> = Extract<EngineEvent, { event: Name }>;
 export type OpenRequest = Extract<PageRequest, { do: "open" }>;
@@ -22,7 +25,7 @@ export type OpenRequest = Extract<PageRequest, { do: "open" }>;
 export interface Message {
   key: number;
   kind: "problem" | "note";
-  error: EngineError;
+  told: Told;
   /** The request that was refused. The message is removed once a request of this kind succeeds. */
   of?: PageRequest["do"] | "live" | undefined;
   /** A remedy, offered as a button. */
@@ -34,6 +37,13 @@ export interface Leaving {
   name: string;
   open: () => unknown;
 }
+
+const noAnswer: PageError = {
+  code: "io",
+  problem: "the engine does not answer",
+  location: "",
+  remedy: "Look whether `meshgraft edit` still runs; this page connects again by itself.",
+};
 
 const ofFiles: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
 
@@ -122,13 +132,13 @@ export class Editor {
       return answer;
     }
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
-    if (!isToldAlready) this.tell("problem", answer, { of: request.do, offer: this.offerFor(answer, request) });
+    if (!isToldAlready) this.tell("problem", toldOf(answer), { of: request.do, offer: this.offerFor(answer, request) });
     return undefined;
   }
 
   /** Offers a wider tolerance if a vertex lacks a mirror image within the current one. */
-  private offerFor(error: EngineError, refused: PageRequest): Message["offer"] {
-    const tolerance = sufficientTolerance(error);
+  private offerFor(failure: Failure, refused: PageRequest): Message["offer"] {
+    const tolerance = sufficientTolerance(failure);
     if (tolerance === undefined) return undefined;
     const run = async () => {
       mirrorTolerance.value = tolerance;
@@ -152,7 +162,7 @@ export class Editor {
     const before = handles();
     const active = this.tools.activeHandle.value;
     const answer = await this.attempt({ do: way });
-    if ("code" in answer && answer.code !== "usage") this.tell("problem", answer); // usage: nothing is left
+    if ("code" in answer && answer.code !== "usage") this.tell("problem", toldOf(answer)); // usage: nothing is left
     if ("code" in answer || this.graft.mode.value === "graft") return;
     const after = handles();
     const back = after.filter((name) => !before.includes(name));
@@ -161,8 +171,8 @@ export class Editor {
     if (next !== undefined) this.tools.activeHandle.value = next;
   }
 
-  /** Sends a request to the engine. Resolves with its answer or with the error. */
-  async attempt(request: PageRequest): Promise<Outcome | EngineError> {
+  /** Sends a request to the engine. Resolves with its answer or with the reason why it failed. */
+  async attempt(request: PageRequest): Promise<Outcome | Failure> {
     const { id, answer } = this.connection.send(request);
     this.setWork(id, { id, label: labelOf(request), since: performance.now() });
     try {
@@ -170,8 +180,9 @@ export class Editor {
       this.dismissOutdated(request.do);
       return outcome;
     } catch (failure) {
-      if (!(failure instanceof Refusal)) throw failure;
-      return failure.error;
+      if (failure instanceof Refusal) return failure.error;
+      if (failure instanceof LostConnection) return noAnswer;
+      throw failure;
     } finally {
       this.setWork(id, undefined);
     }
@@ -270,8 +281,9 @@ export class Editor {
       this.tellFiles("Saved", done);
       return true;
     }
-    if (done.replaces !== undefined) this.replacing.value = done.replaces;
-    else this.tell("problem", done);
+    const file = fileInTheWay(done);
+    if (file !== undefined) this.replacing.value = file;
+    else this.tell("problem", toldOf(done));
     return false;
   }
   /** Overwrites the edit file that another program or tab has changed. */
@@ -312,15 +324,13 @@ export class Editor {
     if (this.messages.value.some(isOutdated))
       this.messages.value = this.messages.value.filter((message) => !isOutdated(message));
   }
-  tell(kind: Message["kind"], told: EngineError, more: Pick<Message, "of" | "offer"> = {}): void {
-    const error = inPanelWords(told);
-    const same = this.messages.value.some(
-      (told) => told.error.problem === error.problem && told.error.location === error.location,
-    );
-    if (!same) this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, error, ...more }];
+  tell(kind: Message["kind"], told: Told, more: Pick<Message, "of" | "offer"> = {}): void {
+    const isSame = (other: Told) => other.problem === told.problem && other.location === told.location;
+    if (this.messages.value.some((message) => isSame(message.told))) return;
+    this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, told, ...more }];
   }
   note(problem: string, location = "", remedy = ""): void {
-    this.tell("note", { code: "usage", problem, location, remedy });
+    this.tell("note", { problem, location, remedy });
   }
   dismiss(key: number): void {
     this.messages.value = this.messages.value.filter((message) => message.key !== key);
@@ -329,12 +339,16 @@ export class Editor {
   /** Reports the files that were written and the engine's notes on them. */
   tellFiles(done: string, outcome: Outcome): void {
     const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
-    this.note(done, files.join("\n"), (outcome.notes ?? []).join("\n"));
+    this.note(done, files.join("\n"), (outcome.notes ?? []).map(noteWords).join("\n"));
   }
 
-  // Reports defects of files that were opened or added as parts. The message stays until the user closes it.
+  // Reports defects of files that were opened or added as parts, each file's in one message. It has a remedy, so it
+  // stays until the user closes it.
   private tellDefects({ notes = [] }: Outcome): void {
-    for (const note of notes) this.note("The mesh has defects that editing may come upon", "", note);
+    for (const [first, ...findings] of byFile(notes)) {
+      const { problem, remedy } = toldOfNote(first);
+      this.note(problem, "", [...findings.map(noteWords), remedy].join("\n"));
+    }
   }
 
   private onEvent(event: EngineEvent): void {
@@ -371,7 +385,7 @@ export class Editor {
         else this.offer.value = event;
         break;
       case "notice":
-        this.tell("problem", event.error);
+        this.tell("problem", inPanelWords(event.error));
         break;
     }
   }
@@ -407,7 +421,7 @@ export class Editor {
       this.setupBegan = undefined;
     }
     this.live.value = anew ? event : { ...before, ...event };
-    if (event.error !== undefined) this.tell("problem", event.error, { of: "live" });
+    if (event.error !== undefined) this.tell("problem", inPanelWords(event.error), { of: "live" });
     else if (event.quality !== undefined) this.dismissOutdated("live");
     if (event.stage === "ready" || event.stage === "failed" || event.stage === "proxy-only") {
       const progress = new Map(this.progress.value);
@@ -472,6 +486,17 @@ export class Editor {
     if (frame.kind === FrameKind.mesh && frame.header.role !== "part" && model !== undefined)
       this.box.value = boxOf(model);
   }
+}
+
+/** Splits the notes on opened files. Each file's begin with the editor's note; a note on the mesh follows per finding. */
+function byFile(notes: readonly Note[]): [Note, ...Note[]][] {
+  const files: [Note, ...Note[]][] = [];
+  for (const note of notes) {
+    const last = files.at(-1);
+    if (last !== undefined && note.id.startsWith("mesh.")) last.push(note);
+    else files.push([note]);
+  }
+  return files;
 }
 
 function boxOf({ box, offset }: Surface): Box {

@@ -1,5 +1,6 @@
 import type { DocumentState, Quality, Stage } from "../protocol";
 import type { Event } from "./editor";
+import { inPanelWords } from "./wording";
 
 export interface LiveWords {
   tone: "idle" | "busy" | "good" | "warning" | "problem";
@@ -35,26 +36,50 @@ export function liveWords(state: DocumentState | null, live: Event<"live">): Liv
     return { tone: "idle", text: "No handle yet", explained: "Paint a handle to have something to pull by." };
   if (state.counts === null)
     return { tone: "idle", text: "Nothing can move yet", explained: "The handle needs a region around it." };
-  if (live.error !== undefined) return { tone: "problem", text: live.error.problem, explained: live.error.remedy };
+  if (live.error !== undefined) {
+    const { problem, remedy } = inPanelWords(live.error);
+    return { tone: "problem", text: problem, explained: remedy };
+  }
   const [tone, text, explained] = stages[live.stage ?? "starting"];
   const quality = live.quality === undefined ? undefined : qualities[live.quality];
   if (quality === undefined || tone !== "good") return { tone, text, explained };
   return { tone, text: live.stage === "exact" ? text : quality[0], explained: quality[1] };
 }
 
-const setupWords: readonly [RegExp, string][] = [
-  [/analy|order|symbolic/i, "planning the solve"],
-  [/factor/i, "solving the equations"],
-  [/assembl|operator|matrix/i, "setting up the equations"],
-  [/proxy|decimat|simplif/i, "making a preview"],
-  [/basis|frames|reduced|column/i, "preparing quick frames"],
-  [/hierarch|coarse|cluster/i, "preparing quick frames"],
-  [/read|pars|load/i, "reading the file"],
-  [/writ|sav/i, "writing the file"],
-  [/solve/i, "solving"],
-];
+/** Words for the engine's stages. */
+const setupWords: ReadonlyMap<string, string> = new Map([
+  ["analyse", "planning the solve"],
+  ["assemble", "setting up the equations"],
+  ["basis", "preparing quick frames"],
+  ["check", "checking the mesh"],
+  ["cut", "cutting"],
+  ["decimate", "simplifying the mesh"],
+  ["factorise", "solving the equations"],
+  ["finding the surface", "finding the surface"],
+  ["graft", "grafting"],
+  ["intersections", "looking for intersections"],
+  ["iterate", "solving"],
+  ["match", "matching the loops"],
+  ["measure", "measuring the result"],
+  ["open", "opening a hole"],
+  ["path", "finding the way along the surface"],
+  ["read", "reading the file"],
+  ["reduce", "preparing quick frames"],
+  ["refine", "refining the mesh"],
+  ["rendering", "making a picture"],
+  ["repair", "repairing the mesh"],
+  ["rotations", "turning the details"],
+  ["seam", "making the seam"],
+  ["select", "finding what is selected"],
+  ["shaping triangles", "shaping triangles"],
+  ["skin", "covering the surface"],
+  ["solve", "solving"],
+  ["weld", "welding"],
+  ["write", "writing the file"],
+]);
 
 /** Returns common words for a stage of the engine's progress, or the engine's own name if there are none. */
 export function stageWords(stage: string): string {
-  return setupWords.find(([pattern]) => pattern.test(stage))?.[1] ?? stage;
+  if (stage.startsWith("proxy: ")) return "making a preview";
+  return setupWords.get(stage) ?? stage;
 }

@@ -1,6 +1,6 @@
 import { signal, type Signal } from "@preact/signals";
-import type { EngineError } from "../protocol";
 import { formatBytes } from "./units";
+import type { Told } from "./wording";
 
 /** The largest upload that the server accepts, in bytes (`ServerOptions::upload_limit`). */
 export const uploadLimit = 2 ** 30;
@@ -8,25 +8,22 @@ export const uploadLimit = 2 ** 30;
 const formats = [".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".3mf"];
 
 /** Returns why a file cannot be uploaded, checked before any byte is sent; undefined if it can. */
-export function refusalOf(file: { name: string; size: number }): EngineError | undefined {
+export function refusalOf(file: { name: string; size: number }): Told | undefined {
   if (file.size > uploadLimit)
     return {
-      code: "usage",
       problem: `The file has ${formatBytes(file.size)}; more than ${formatBytes(uploadLimit)} are not sent through the browser`,
       location: file.name,
       remedy: "Open it from its folder: start `meshgraft edit` with the file, or with --folder and its folder.",
     };
-  if (file.size === 0) return { code: "input", problem: "The file is empty", location: file.name, remedy: "" };
-  if (/\.json$/i.test(file.name))
+  if (file.size === 0) return { problem: "The file is empty", location: file.name, remedy: "" };
+  if (file.name.toLowerCase().endsWith(".json"))
     return {
-      code: "usage",
       problem: "An edit file refers to models beside it, which the browser does not see",
       location: file.name,
       remedy: "Open it from its folder: start `meshgraft edit` with it, or browse the folders.",
     };
   if (!formats.some((format) => file.name.toLowerCase().endsWith(format)))
     return {
-      code: "input",
       problem: "This kind of file cannot be opened",
       location: file.name,
       remedy: `Models are ${formats.join(", ")}.`,
@@ -45,16 +42,15 @@ export class Upload {
   ) {}
 
   /**
-   * Sends the file. Resolves with the engine's name for it, or undefined if it was cancelled. Throws an EngineError.
+   * Sends the file. Resolves with the engine's name for it, or undefined if it was cancelled. Throws a `Told`.
    */
   send(): Promise<string | undefined> {
     const { request, file } = this;
-    return new Promise((resolve, reject: (why: EngineError) => void) => {
+    return new Promise((resolve, reject: (why: Told) => void) => {
       request.upload.onprogress = ({ loaded, total }) => (this.fraction.value = total > 0 ? loaded / total : 0);
       request.onload = () => (request.status === 200 ? resolve(request.responseText.trim()) : reject(this.refused()));
       request.onerror = () =>
         reject({
-          code: "io",
           problem: "The file could not be sent",
           location: file.name,
           remedy: "Look whether `meshgraft edit` still runs, and try again.",
@@ -70,10 +66,9 @@ export class Upload {
     this.request.abort();
   }
 
-  private refused(): EngineError {
+  private refused(): Told {
     const text = this.request.responseText.trim();
     return {
-      code: "io",
       problem: text === "" ? `The engine refused the file (${this.request.status})` : text,
       location: this.file.name,
       remedy: "",

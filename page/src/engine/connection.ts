@@ -1,12 +1,15 @@
 import type { EngineError, EngineEvent, Id, PageRequest, Reply, Result } from "../protocol";
 import { BinaryFrame, PartedFrames } from "./binary_frame";
 
-/** A request that the engine refused: the problem, its location and the remedy. */
+/** The engine refused a request. */
 export class Refusal extends Error {
   constructor(readonly error: EngineError) {
     super(error.problem);
   }
 }
+
+/** The connection was lost before the engine answered. */
+export class LostConnection extends Error {}
 
 export type Link = "connecting" | "open" | "lost";
 
@@ -26,7 +29,7 @@ export type Outcome = Exclude<Result, { model: unknown }>;
 export class Connection {
   private socket: WebSocket | undefined;
   private last = 0;
-  private readonly waiting = new Map<Id, { resolve: (result: Outcome) => void; reject: (why: Refusal) => void }>();
+  private readonly waiting = new Map<Id, { resolve: (result: Outcome) => void; reject: (why: Refusal | LostConnection) => void }>();
   private retryMs = 250;
   private parts = new PartedFrames();
 
@@ -50,8 +53,8 @@ export class Connection {
   }
 
   /**
-   * Sends a request and resolves with the answer. Rejects with `Refusal` if the engine refuses or the connection is
-   * lost.
+   * Sends a request and resolves with the answer. Rejects with `Refusal` if the engine refuses, and with
+   * `LostConnection` if the connection is lost.
    */
   request(request: PageRequest): Promise<Outcome> {
     return this.send(request).answer;
@@ -62,7 +65,7 @@ export class Connection {
     const id = ++this.last;
     const answer = new Promise<Outcome>((resolve, reject) => {
       if (this.socket?.readyState !== WebSocket.OPEN) {
-        reject(lost());
+        reject(new LostConnection());
         return;
       }
       this.waiting.set(id, { resolve, reject });
@@ -90,19 +93,10 @@ export class Connection {
   }
 
   private lose(): void {
-    for (const { reject } of this.waiting.values()) reject(lost());
+    for (const { reject } of this.waiting.values()) reject(new LostConnection());
     this.waiting.clear();
     this.listeners.link("lost");
     setTimeout(() => this.open(), this.retryMs);
     this.retryMs = Math.min(4000, 2 * this.retryMs);
   }
-}
-
-function lost(): Refusal {
-  return new Refusal({
-    code: "io",
-    problem: "the engine does not answer",
-    location: "",
-    remedy: "Look whether `meshgraft edit` still runs; this page connects again by itself.",
-  });
 }

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Page } from "../app/page";
 import { formatBytes } from "../app/units";
 import { refusalOf, Upload } from "../app/upload";
-import type { EngineError } from "../protocol";
+import type { Told } from "../app/wording";
 import { Button } from "./ui/button";
 import { Dialog } from "./ui/dialog";
 import { Icon } from "./ui/icon";
@@ -45,7 +45,7 @@ async function sendFile(page: Page, file: File, then: (upload: string) => Promis
     const name = await upload.send();
     if (name !== undefined) await then(name);
   } catch (failure) {
-    editor.tell("problem", failure as EngineError);
+    editor.tell("problem", failure as Told);
   } finally {
     if (going.value === upload) going.value = null;
   }

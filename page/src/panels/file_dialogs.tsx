@@ -10,9 +10,9 @@ import {
   type MeshFormat,
 } from "../app/paths";
 import { remembered } from "../app/remembered";
-import type { EngineError, PageRequest } from "../protocol";
+import { fileInTheWay, sentence, toldOf, type Told } from "../app/wording";
+import type { PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
-import { sentence } from "./messages";
 import { Button } from "./ui/button";
 import { Dialog } from "./ui/dialog";
 import { Segments, Select, Toggle } from "./ui/fields";
@@ -37,7 +37,7 @@ function TargetDialog(props: TargetProps) {
   const { page, extension, start, onClose } = props;
   const [folder, setFolder] = useState(start.folder);
   const [typed, setTyped] = useState(start.name);
-  const [failure, setFailure] = useState<EngineError | undefined>(undefined);
+  const [failure, setFailure] = useState<Told | undefined>(undefined);
   const [asks, setAsks] = useState(false);
   const [busy, setBusy] = useState(false);
   const listing = useListing(page, folder);
@@ -52,7 +52,8 @@ function TargetDialog(props: TargetProps) {
     const answer = await page.editor.attempt(props.request(joined(folder, name), overwrite));
     setBusy(false);
     setAsks(false);
-    if ("code" in answer) return answer.replaces !== undefined ? setAsks(true) : setFailure(answer);
+    if ("code" in answer)
+      return fileInTheWay(answer) !== undefined ? setAsks(true) : setFailure(toldOf(answer));
     if (props.onDone === undefined) onClose();
     page.editor.tellFiles(props.done, answer);
     props.onDone?.();

@@ -1,6 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Message } from "../app/editor";
 import type { Page } from "../app/page";
+import { sentence } from "../app/wording";
 import { Button, IconButton } from "./ui/button";
 import { Icon } from "./ui/icon";
 
@@ -31,17 +32,17 @@ export function Messages({ page }: { page: Page }) {
 
 const passingMs = 10_000; // for messages of success; all others stay
 
-function Toast({ message: { kind, error, offer }, onClose }: { message: Message; onClose: () => void }) {
+function Toast({ message: { kind, told, offer }, onClose }: { message: Message; onClose: () => void }) {
   const [copied, setCopied] = useState(false);
   const [held, setHeld] = useState(false);
-  const isPassing = kind === "note" && error.remedy === "" && !held;
+  const isPassing = kind === "note" && told.remedy === "" && !held;
   useEffect(() => {
     if (!isPassing) return undefined;
     const timer = setTimeout(onClose, passingMs);
     return () => clearTimeout(timer);
   }, [isPassing]);
   const copy = async () => {
-    const lines = [error.problem, error.location, error.remedy].filter((line) => line !== "");
+    const lines = [told.problem, told.location, told.remedy].filter((line) => line !== "");
     await navigator.clipboard.writeText(lines.join("\n")).then(
       () => setCopied(true),
       () => setCopied(false),
@@ -56,9 +57,9 @@ function Toast({ message: { kind, error, offer }, onClose }: { message: Message;
     >
       <Icon name={kind === "problem" ? "warning" : "note"} />
       <div class="toast-text">
-        <strong>{sentence(error.problem)}</strong>
-        {error.location !== "" && <code>{error.location}</code>}
-        {error.remedy !== "" && <p>{error.remedy}</p>}
+        <strong>{sentence(told.problem)}</strong>
+        {told.location !== "" && <code>{told.location}</code>}
+        {told.remedy !== "" && <p>{told.remedy}</p>}
         {offer !== undefined && (
           <Button
             label={offer.label}
@@ -79,8 +80,4 @@ function Toast({ message: { kind, error, offer }, onClose }: { message: Message;
       </div>
     </div>
   );
-}
-
-export function sentence(text: string): string {
-  return text.charAt(0).toUpperCase() + text.slice(1);
 }

@@ -1,10 +1,10 @@
 import type { Signal } from "@preact/signals";
 import type { TargetedKeyboardEvent } from "preact";
 import type { Page } from "../app/page";
+import { noteWords } from "../app/wording";
 import { GraftPanels } from "./graft/graft_panel";
 import { GroupsPanel } from "./groups_panel";
 import { HandlesPanel } from "./handles_panel";
-import { sentence } from "./messages";
 import { MethodPanel } from "./method_panel";
 import { StepsPanel } from "./steps_panel";
 import { SymmetryPanel } from "./symmetry_panel";
@@ -79,8 +79,8 @@ function Notes({ page }: { page: Page }) {
   if (notes.length === 0) return null;
   return (
     <ul class="notes" aria-label="Notes on this step">
-      {notes.map((note) => (
-        <li key={note}>{sentence(note)}</li>
+      {notes.map(noteWords).map((words) => (
+        <li key={words}>{words}</li>
       ))}
     </ul>
   );

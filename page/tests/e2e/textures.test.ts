@@ -179,7 +179,7 @@ test("a scan's PLY is shown with its picture, also as a part", async () => {
   const drawn = await person.page.evaluate(() => {
     const { editor, viewport } = window.meshgraft;
     const shown = viewport.parts.shown().map(({ surface }) => surface.mesh.visible);
-    return { shown, complaints: editor.messages.value.map(({ error }) => error.problem) };
+    return { shown, complaints: editor.messages.value.map(({ told }) => told.problem) };
   });
   await person.screenshot("texture-part");
   expect(drawn).toEqual({ shown: [false], complaints: [] }); // its wedges are drawn in its place

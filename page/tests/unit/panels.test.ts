@@ -8,9 +8,9 @@ import { applicable, backToUsual, fitting, settingsTable, type NumberSetting } f
 import { axisOfPlane, placeOf, planeAcross } from "../../src/app/mirror_plane";
 import { asPeopleSort, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
 import { refusalOf, uploadLimit } from "../../src/app/upload";
-import { inPanelWords, locationWords } from "../../src/app/error_words";
 import { sufficientTolerance, withTolerance } from "../../src/app/symmetry";
 import { asTyped } from "../../src/app/units";
+import { inPanelWords } from "../../src/app/wording";
 import { rangeWords, takes, Track } from "../../src/panels/ui/fields";
 import type { DocumentState, EngineError } from "../../src/protocol";
 
@@ -59,39 +59,35 @@ describe("fields for numbers", () => {
 });
 
 describe("what the engine says of symmetry", () => {
-  const refused = {
+  const refused: EngineError = {
+    id: "script.no_mirror_image",
     code: "input",
-    problem: "3 of the 40 vertices of the handle 'left arm' have no vertex at their mirror image, the first is 17",
-    location: "steps[0].handles[0]",
-    remedy: "A 'symmetry.tolerance_rel' of 0.033 finds one for each; or leave them out.",
-  } as EngineError;
+    fields: { handle: "left arm", lost: 3, all: 40, first: 17, tolerance_rel: 0.033 },
+    problem: "…",
+    location: "handles[0]",
+    step: 0,
+    remedy: "…",
+    notes: [],
+  };
+  const lacks = (fields: object) => inPanelWords({ ...refused, fields: { ...refused.fields, ...fields } }).problem;
   test("is told in the panels' words, with the tolerance that would do", () => {
     expect(sufficientTolerance(refused)).toBe(0.033);
-    expect(inPanelWords(refused)).toMatchObject({
+    expect(inPanelWords(refused)).toEqual({
       problem: "3 of the 40 vertices of “left arm” lack a mirror image",
       location: "",
       remedy: expect.stringContaining("a tolerance of 0.033"),
     });
-    const all = { ...refused, problem: refused.problem.replace("3 of the 40", "40 of the 40") };
-    expect(inPanelWords(all).problem).toBe("all 40 vertices of “left arm” lack a mirror image");
-    const overlap = { ...refused, problem: "the handle 'a' overlaps its mirror image, in 2 of 3 vertices", remedy: "…'union'…" };
-    expect(inPanelWords(overlap).remedy).not.toContain("union");
-    const far = { ...refused, remedy: "Choose a plane that mirrors the mesh: …" };
+    expect(lacks({ lost: 40 })).toBe("all 40 vertices of “left arm” lack a mirror image");
+    expect(lacks({ lost: 1 })).toBe("1 of the 40 vertices of “left arm” lacks a mirror image");
+    expect(lacks({ lost: 1, all: 1 })).toBe("the vertex of “left arm” lacks a mirror image");
+    const one = { ...refused, id: "script.vertex_without_mirror_image", fields: { vertex: 7, tolerance_rel: 1e-5 } };
+    expect(sufficientTolerance(one)).toBe(1e-5);
+    const far = { ...refused, id: "script.not_mirrored" };
     expect(sufficientTolerance(far)).toBeUndefined();
     expect(inPanelWords(far)).toMatchObject({
       problem: "3 of the 40 vertices of “left arm” lack a mirror image",
       remedy: expect.stringContaining("under Symmetry"),
     });
-    const other = { ...refused, remedy: "Close the file." };
-    expect(inPanelWords(other)).toEqual(other);
-    expect(sufficientTolerance(other)).toBeUndefined();
-    expect(sufficientTolerance({ ...refused, remedy: refused.remedy.replace("0.033", "1e-05") })).toBe(1e-5);
-  });
-  test("and of places, counted as the panel counts", () => {
-    expect(locationWords("edit: steps[1]")).toBe("Step 2");
-    expect(locationWords("edit: steps[0].handles[2].pose")).toBe("Step 1, handles[2].pose");
-    expect(locationWords("nose.json: steps[1]")).toBe("nose.json: steps[1]");
-    expect(locationWords("/models/bust.ply")).toBe("/models/bust.ply");
   });
   test("is asked again with it", () => {
     expect(withTolerance({ do: "symmetry" }, 0.1, undefined)).toEqual([{ do: "symmetry", tolerance_rel: 0.1 }]);
@@ -149,11 +145,14 @@ describe("the status line", () => {
     expect(liveWords(set, { event: "live", stage: "ready", quality: "exact" }).text).toBe("Exact");
     expect(liveWords(set, { event: "live", stage: "ready", quality: "reduced" }).text).toBe("Quick preview");
     expect(liveWords(set, { event: "live", stage: "proxy-only" }).tone).toBe("warning");
-    const error = { code: "unsolvable" as const, problem: "nothing holds it", location: "", remedy: "Fix some." };
+    const error: EngineError = {
+      id: "deform.nothing", code: "unsolvable", fields: {}, problem: "nothing holds it", location: "", remedy: "Fix some.", notes: [],
+    };
     expect(liveWords(set, { event: "live", stage: "failed", error })).toEqual({ tone: "problem", text: "nothing holds it", explained: "Fix some." });
   });
   test("stages in common words, or their own", () => {
     expect(stageWords("factorise")).toBe("solving the equations");
+    expect(stageWords("proxy: factorise")).toBe("making a preview");
     expect(stageWords("knitting")).toBe("knitting");
   });
 });

@@ -5,11 +5,11 @@
 #include <limits>
 #include <string>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 
+#include "gltf/facts.h"
 #include "io/binary_value.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -17,14 +17,15 @@ namespace meshgraft::io {
 namespace {
 
 ScalarType scalar_type(const JsonView& component_type) {
-  switch (component_type.whole()) {
+  const std::uint64_t number = component_type.whole();
+  switch (number) {
     case 5120: return ScalarType::int8;
     case 5121: return ScalarType::uint8;
     case 5122: return ScalarType::int16;
     case 5123: return ScalarType::uint16;
     case 5125: return ScalarType::uint32;
     case 5126: return ScalarType::float32;
-    default: component_type.fail("is none of glTF's component types");
+    default: component_type.fail(facts::gltf::UnknownConstant{.value = std::to_string(number)});
   }
 }
 
@@ -34,7 +35,7 @@ std::size_t component_count(const JsonView& type) {
   if (name == "VEC2") return 2;
   if (name == "VEC3") return 3;
   if (name == "VEC4") return 4;
-  type.fail("is '" + name + "', which no vertex has");
+  type.fail(facts::gltf::UnknownConstant{.value = name});
 }
 
 /// Returns the address of `count` elements of `size` bytes, which begin at the owner's byteOffset in its
@@ -45,29 +46,24 @@ GltfAccessor::Strided resolve_range(const JsonView& root, const JsonView& owner,
   const JsonView view = root.at("bufferViews").at(reference.index(root.count("bufferViews"), "bufferViews"));
   if (const auto extensions = view.find("extensions")) {
     for (const char* compression : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
-      if (extensions->find(compression))
-        view.fail(fmt::format("is compressed ({})", compression),
-                  "Decompress the file first, for example with gltfpack -noq or gltf-transform copy");
+      if (extensions->find(compression)) view.fail(facts::gltf::Compressed{.extension = compression});
   }
   const JsonView buffer = view.at("buffer");
   const std::size_t b = buffer.index(buffers.size(), "buffers");
-  if (buffers[b].data() == nullptr)
-    root.at("buffers").at(b).fail("has neither a uri nor a chunk that holds it",
-                                  "Export the file again with its data");
+  if (buffers[b].data() == nullptr) root.at("buffers").at(b).fail(facts::gltf::BufferAbsent{});
   const std::uint64_t available = buffers[b].size();
   const std::uint64_t view_offset = view.whole("byteOffset", 0);
   const std::uint64_t view_size = view.at("byteLength").whole();
   if (view_offset > available || view_size > available - view_offset)
-    view.fail(fmt::format("reaches beyond the {} bytes of its buffer", available));
+    view.fail(facts::gltf::BeyondBytes{.bytes = available, .whole = "buffer"});
   std::uint64_t stride = size;
   if (may_be_strided) stride = view.whole("byteStride", size);
-  if (stride < size || stride > 255)
-    view.fail(fmt::format("has a byteStride of {}, and elements of {} bytes", stride, size));
+  if (stride < size || stride > 255) view.fail(facts::gltf::StrideMismatch{.stride = stride, .bytes = size});
   const std::uint64_t offset = owner.whole("byteOffset", 0);
   // Checks that the last element fits, without a product that could overflow.
   const bool fits = count == 0 || (offset <= view_size && size <= view_size - offset &&
                                    count - 1 <= (view_size - offset - size) / stride);
-  if (!fits) owner.fail(fmt::format("reaches beyond the {} bytes of its bufferView", view_size));
+  if (!fits) owner.fail(facts::gltf::BeyondBytes{.bytes = view_size, .whole = "bufferView"});
   return {{b, static_cast<std::size_t>(view_offset + offset)}, static_cast<std::size_t>(stride)};
 }
 
@@ -80,13 +76,14 @@ std::size_t load_index(const GltfBytes& buffers, const GltfAccessor::Strided& at
 void resolve_sparse(const JsonView& root, const JsonView& sparse, const GltfBytes& buffers,
                     GltfAccessor& accessor) {
   const std::uint64_t count = sparse.at("count").whole();
-  if (count > accessor.count) sparse.at("count").fail("is larger than the accessor's count");
+  if (count > accessor.count)
+    sparse.at("count").fail(facts::gltf::SparseCountTooLarge{.sparse = count, .count = accessor.count});
   const JsonView indices = sparse.at("indices");
   const JsonView values = sparse.at("values");
   accessor.sparse_count = static_cast<std::size_t>(count);
   accessor.sparse_index_type = scalar_type(indices.at("componentType"));
   const ScalarType type = accessor.sparse_index_type;
-  if (!is_index_type(type)) indices.at("componentType").fail("is no type for indices");
+  if (!is_index_type(type)) indices.at("componentType").fail(facts::gltf::NotForIndices{.what = "type"});
   const auto index_range = resolve_range(root, indices, accessor.sparse_count, size_of(type), false, buffers);
   const auto value_range =
       resolve_range(root, values, accessor.sparse_count, accessor.element_size(), false, buffers);
@@ -94,7 +91,7 @@ void resolve_sparse(const JsonView& root, const JsonView& sparse, const GltfByte
   for (std::size_t k = 0; k < accessor.sparse_count; ++k) {
     const std::size_t element = load_index(buffers, index_range, k, type);
     if (element >= accessor.count)
-      indices.fail(fmt::format("value {} is {}, but there are {} elements", k, element, accessor.count));
+      indices.fail(facts::gltf::SparseIndexOutOfRange{.value = k, .index = element, .count = accessor.count});
     accessor.displaced.insert_or_assign(
         element, GltfAddress{value_range.begin.buffer, value_range.begin.byte + k * value_range.stride});
   }
@@ -133,8 +130,8 @@ GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const Glt
   accessor.components = component_count(json.at("type"));
   accessor.normalized = json.flag("normalized");
   const std::uint64_t count = json.at("count").whole();
-  if (count > static_cast<std::uint64_t>(std::numeric_limits<Index>::max()))
-    json.at("count").fail("is too large", "Split the mesh");
+  constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<Index>::max());
+  if (count > most) json.at("count").fail(facts::io::TooMany{.elements = "elements", .most = most});
   accessor.count = static_cast<std::size_t>(count);
   if (json.find("bufferView"))
     accessor.dense = resolve_range(root, json, accessor.count, accessor.element_size(), true, buffers);
@@ -143,7 +140,7 @@ GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const Glt
     // Zeros need no bytes in a file, so a count without data must not decide how much memory is taken.
     std::size_t bytes = 0;
     for (const std::string_view buffer : buffers) bytes += buffer.size();
-    if (accessor.count > bytes) json.fail(fmt::format("has {} elements, but no bufferView", accessor.count));
+    if (accessor.count > bytes) json.fail(facts::gltf::CountWithoutData{.count = accessor.count});
   }
   return accessor;
 }

@@ -16,7 +16,9 @@
 
 #include "accessor.h"
 #include "edit.h"
+#include "gltf/facts.h"
 #include "io/binary_value.h"
+#include "io/facts.h"
 #include "io/file_document.h"
 #include "io/number_text.h"
 #include "io/obj/materials.h"
@@ -196,8 +198,7 @@ class GltfComposer {
       for (int axis = 0; axis < 3; ++axis) {
         const double x = mesh_.positions(v, axis);
         if (!std::isfinite(static_cast<float>(x)))
-          throw Error(ErrorCode::input, "a coordinate is not finite, or too large for glTF's floats",
-                      fmt::format("vertex {}", v), "Correct it, or write a PLY or OBJ file");
+          throw Error(facts::gltf::CoordinateBeyondFloats{}, fmt::format("vertex {}", v));
         append_float(bytes, x);
       }
     }
@@ -314,15 +315,13 @@ class GltfComposer {
 
   void note_losses(const SplitMesh& split) {
     if (split.polygons > 0)
-      edit_.notes.push_back(
-          fmt::format("{} polygons were split into triangles: glTF has no others", split.polygons));
+      edit_.notes.push_back(facts::io::PolygonsSplit{.format = "glTF", .count = split.polygons});
     if (split.lonely_vertices > 0)
-      edit_.notes.push_back(fmt::format("{} vertices without a face are left out", split.lonely_vertices));
+      edit_.notes.push_back(facts::io::VerticesLeftOut{.format = "glTF", .count = split.lonely_vertices});
     note_precision();
-    for (std::string& note : left_out_notes(mesh_)) edit_.notes.push_back(std::move(note));
+    for (Note& note : left_out_notes(mesh_)) edit_.notes.push_back(std::move(note));
     for (const std::string& library : material_libraries_of(mesh_))
-      edit_.notes.push_back("the materials that " + library +
-                            " defines are named only: their colours and textures are not carried over");
+      edit_.notes.push_back(facts::io::MaterialsNamedOnly{.format = "glTF", .library = library});
     note_attributes();
   }
 
@@ -336,13 +335,11 @@ class GltfComposer {
     const double size = (high - low).norm();
     constexpr double coarse_rel = 1e-5;
     if (size > 0 && step > coarse_rel * size)
-      edit_.notes.push_back(fmt::format(
-          "coordinates are rounded to about {:.2g}, for glTF has floats and the mesh is far from the origin",
-          step));
+      edit_.notes.push_back(facts::gltf::CoordinatesRounded{.step = step});
   }
 
   void note_attributes() {
-    std::string names;
+    std::vector<std::string> names;
     for (const Attribute& attribute : mesh_.attributes) {
       const bool is_label =
           attribute.domain == Domain::face && (attribute.name == "object" || attribute.name == "material");
@@ -350,9 +347,10 @@ class GltfComposer {
           channels_, [&](const NewChannel& channel) { return channel.attribute == &attribute; });
       const bool is_empty =
           std::ranges::all_of(attribute.values, [](double value) { return std::isnan(value); });
-      if (!is_label && !is_channel && !is_empty) names += (names.empty() ? "'" : ", '") + attribute.name + "'";
+      if (!is_label && !is_channel && !is_empty) names.push_back("'" + attribute.name + "'");
     }
-    if (!names.empty()) edit_.notes.push_back("glTF has no place for " + names + "; a PLY file keeps it");
+    if (!names.empty())
+      edit_.notes.push_back(facts::io::AttributesLeftOut{.format = "glTF", .attributes = names});
   }
 
   const Mesh& mesh_;

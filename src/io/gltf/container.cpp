@@ -12,6 +12,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "gltf/facts.h"
+#include "io/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
@@ -34,8 +37,8 @@ void append_u32(std::string& out, std::size_t value) {
   for (int k = 0; k < 4; ++k) out += static_cast<char>(value >> (8 * k) & 0xFF);
 }
 
-[[noreturn]] void fail_at(const std::string& problem, const std::string& file, std::size_t byte) {
-  throw Error(ErrorCode::input, problem, fmt::format("{}, byte {}", file, byte), "Copy or export it again");
+[[noreturn]] void fail_at(const Fact& fact, const std::string& file, std::size_t byte) {
+  throw Error(fact, fmt::format("{}, byte {}", file, byte));
 }
 
 std::size_t padding(std::size_t size) { return (4 - size % 4) % 4; }
@@ -63,9 +66,9 @@ int hex_digit(char c) {
 std::string decode_data_uri(const std::string& uri, const JsonView& location) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
-    location.fail("the data URI is not base64");
+    location.fail(facts::gltf::DataUriNotBase64{});
   std::optional<std::string> bytes = decode_base64(std::string_view(uri).substr(comma + 1));
-  if (!bytes) location.fail("the data URI is malformed");
+  if (!bytes) location.fail(facts::gltf::DataUriNotBase64{});
   return std::move(*bytes);
 }
 
@@ -73,7 +76,7 @@ std::string read_beside(const fs::path& path, const JsonView& location) {
   try {
     std::error_code missing;
     if (fs::exists(path, missing) && !fs::is_regular_file(path, missing))
-      throw Error(ErrorCode::input, "is no file", path.string(), "A buffer has to be one");
+      throw Error(facts::gltf::BufferNotAFile{}, path.string());
     return read_file(path);
   } catch (const Error& error) {
     throw error.within(location.file() + ": " + location.location());
@@ -103,8 +106,7 @@ GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& l
     return loaded;  // an error only if an accessor needs this buffer
   }
   if (size > available)
-    buffer.fail(fmt::format("says {} bytes, but there are {}", size, available),
-                "The data is cut off; copy or export it again");
+    buffer.fail(facts::gltf::WrongLength{.what = "buffer", .declared = size, .available = available});
   loaded.size = static_cast<std::size_t>(size);
   return loaded;
 }
@@ -114,25 +116,28 @@ GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& l
 bool has_glb_signature(std::string_view content) { return content.starts_with(glb_magic); }
 
 GlbLayout parse_glb(std::string_view content, const std::string& file) {
-  if (content.size() < header_size + chunk_header_size)
-    fail_at("the file ends within its header", file, content.size());
+  const auto wrong_length = [&](const char* what, std::size_t declared, std::size_t found, std::size_t byte) {
+    fail_at(facts::gltf::WrongLength{.what = what, .declared = declared, .available = found}, file, byte);
+  };
+  if (constexpr std::size_t least = header_size + chunk_header_size; content.size() < least)
+    fail_at(facts::io::TruncatedHeader{.format = "GLB", .needed = least, .size = content.size()}, file,
+            content.size());
   if (const std::uint32_t version = load_u32(content, 4); version != 2)
-    throw Error(ErrorCode::input, fmt::format("is of glTF's binary version {}", version), file,
-                "Only version 2 can be read; convert the file");
+    throw Error(facts::gltf::UnknownVersion{.version = std::to_string(version)}, file);
   if (const std::uint32_t length = load_u32(content, 8); length != content.size())
-    fail_at(fmt::format("the header says {} bytes, but the file has {}", length, content.size()), file, 8);
+    wrong_length("file", length, content.size(), 8);
   GlbLayout layout;
   layout.rest_begin = content.size();
   std::size_t at = header_size;
   for (int chunk = 0; at < content.size() && chunk < 2; ++chunk) {
-    if (content.size() - at < chunk_header_size) fail_at("a chunk ends within its header", file, at);
+    const std::size_t left = content.size() - at;
+    if (left < chunk_header_size) wrong_length("header of a chunk", chunk_header_size, left, at);
     const std::size_t size = load_u32(content, at);
     const std::uint32_t type = load_u32(content, at + 4);
-    if (size > content.size() - at - chunk_header_size)
-      fail_at("a chunk is longer than the rest of the file", file, at);
+    if (size > left - chunk_header_size) wrong_length("chunk", size, left - chunk_header_size, at);
     const std::size_t begin = at + chunk_header_size;
     if (chunk == 0) {
-      if (type != json_chunk) fail_at("the first chunk is no JSON", file, at + 4);
+      if (type != json_chunk) fail_at(facts::gltf::FirstChunkNotJson{}, file, at + 4);
       layout.json_begin = begin;
       layout.json_size = size;
     } else if (type == binary_chunk) {
@@ -151,8 +156,7 @@ GlbLayout parse_glb(std::string_view content, const std::string& file) {
 std::string compose_glb(std::string_view json, std::optional<std::string_view> binary, std::string_view rest) {
   std::size_t size = header_size + chunk_header_size + json.size() + padding(json.size()) + rest.size();
   if (binary) size += chunk_header_size + binary->size() + padding(binary->size());
-  if (size > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::input, "a .glb holds at most 4 GiB", {}, "Write a .gltf with a file beside it");
+  if (size > std::numeric_limits<std::uint32_t>::max()) throw Error(facts::gltf::GlbTooLarge{.bytes = size});
   std::string out(glb_magic);
   out.reserve(size);
   append_u32(out, 2);
@@ -181,9 +185,8 @@ bool has_scheme(std::string_view uri) {
 }
 
 fs::path path_of_uri(const std::string& uri, const JsonView& location) {
-  if (has_scheme(uri) || uri.starts_with("//"))
-    location.fail("'" + uri.substr(0, 80) + "' is no file of this computer",
-                  "Put the file beside the glTF file and name it by a relative path");
+  const auto not_local = facts::gltf::UriNotLocal{.uri = uri.substr(0, 80)};
+  if (has_scheme(uri) || uri.starts_with("//")) location.fail(not_local);
   std::string path;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     if (uri[i] == '%' && i + 2 < uri.size() && hex_digit(uri[i + 1]) >= 0 && hex_digit(uri[i + 2]) >= 0) {
@@ -193,7 +196,7 @@ fs::path path_of_uri(const std::string& uri, const JsonView& location) {
       path += uri[i];
     }
   }
-  if (path.empty() || path.find('\0') != std::string::npos) location.fail("names no file");
+  if (path.empty() || path.find('\0') != std::string::npos) location.fail(not_local);
   return path;
 }
 

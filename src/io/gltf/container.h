@@ -22,8 +22,8 @@ struct GlbLayout {
 };
 
 /// Locates the chunks. Throws Error(input) naming the byte if the file is too short or too long for its
-/// header, or if a chunk's length does not fit. Throws it also for another version than 2 and for a first
-/// chunk that is not JSON.
+/// header, or if a chunk's length does not fit (gltf.wrong_length). Throws it also for another version than 2
+/// and for a first chunk that is not JSON.
 GlbLayout parse_glb(std::string_view content, const std::string& file);
 
 /// Composes a .glb of these chunks, padded to 4 bytes. `rest` is copied behind them. Throws Error(input)

@@ -8,6 +8,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "gltf/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
@@ -56,8 +58,7 @@ class DemandCollector {
     }
     if (instance.placement.flattens() && !all_met(demands)) {
       const std::string location = instance.node ? fmt::format("{}: nodes[{}]", name_, *instance.node) : name_;
-      throw Error(ErrorCode::input, "flattens its mesh, so what was moved cannot be told back", location,
-                  "Give the node a scale without zeros, or write another format");
+      throw Error(facts::gltf::NodeFlattens{}, location);
     }
     return demands;
   }
@@ -174,14 +175,13 @@ bool nearly_equal(const GltfValue& a, const GltfValue& b) {
   return true;
 }
 
-std::vector<GltfDemands> demands_of(const GltfDocument& document, const Mesh& mesh,
-                                    std::vector<std::string>& notes, const Context& context) {
+std::vector<GltfDemands> demands_of(const GltfDocument& document, const Mesh& mesh, std::vector<Note>& notes,
+                                    const Context& context) {
   DemandCollector collector(document, mesh, context);
   std::vector<GltfDemands> demands;
   for (const GltfInstance& instance : document.instances) demands.push_back(collector.collect(instance));
   if (const std::size_t count = collector.disagreeing_corners(); count > 0)
-    notes.push_back(
-        fmt::format("{} corners share a vertex of the file, but not its value: the first was written", count));
+    notes.push_back(facts::gltf::CornersDisagree{.count = count});
   return demands;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
 #include <utility>
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "document.h"
@@ -27,9 +27,10 @@ using GltfDemands = std::vector<GltfDemand>;
 
 /// Compares a mesh with the values that the reader derived from its file. Returns the demands of each
 /// instance. If corners want different values of one element, the first corner's value is taken and `notes`
-/// gets a sentence. Throws Error(input) if an edited instance belongs to a node that flattens its mesh.
-std::vector<GltfDemands> demands_of(const GltfDocument& document, const Mesh& mesh,
-                                    std::vector<std::string>& notes, const Context& context);
+/// gets a note. Throws Error(input) with the id gltf.node_flattens if an edited instance belongs to a
+/// node that flattens its mesh.
+std::vector<GltfDemands> demands_of(const GltfDocument& document, const Mesh& mesh, std::vector<Note>& notes,
+                                    const Context& context);
 
 /// Whether two values are equal up to the rounding of a node's transform.
 bool nearly_equal(const GltfValue& a, const GltfValue& b);

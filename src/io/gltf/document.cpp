@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "io/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
@@ -75,10 +77,11 @@ GltfBytes GltfDocument::bytes() const {
   return bytes;
 }
 
-std::vector<std::string> GltfDocument::beside_the_mesh() const {
-  std::vector<std::string> list;
-  const auto add = [&](std::size_t count, const std::string& one, const std::string& more) {
-    if (count > 0) list.push_back(fmt::format("{} {}", count, count == 1 ? one : more));
+std::vector<Note> GltfDocument::beside_the_mesh() const {
+  std::vector<Note> notes;
+  const auto add = [&](const char* content, std::size_t count) {
+    if (count > 0)
+      notes.push_back(facts::io::LeftOut{.file = path.filename(), .content = content, .count = count});
   };
   const auto count_of = [&](const char* key) {
     const auto array = json.find(key);
@@ -98,13 +101,13 @@ std::vector<std::string> GltfDocument::beside_the_mesh() const {
       morph_targets += targets;
     }
   }
-  add(count_of("materials"), "material's look", "materials' looks");
-  add(count_of("skins"), "skin", "skins");
-  add(morph_targets, "morph target", "morph targets");
-  add(count_of("animations"), "animation", "animations");
-  add(count_of("cameras"), "camera", "cameras");
-  add(other_primitives, "primitive of points or lines", "primitives of points or lines");
-  return list;
+  add("looks of materials", count_of("materials"));
+  add("skins", count_of("skins"));
+  add("morph targets", morph_targets);
+  add("animations", count_of("animations"));
+  add("cameras", count_of("cameras"));
+  add("primitives of points or lines", other_primitives);
+  return notes;
 }
 
 }  // namespace meshgraft::io

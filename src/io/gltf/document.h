@@ -106,7 +106,7 @@ struct GltfDocument : FileDocument {
   GltfBytes bytes() const;
   std::string name() const { return path.string(); }
 
-  std::vector<std::string> beside_the_mesh() const override;
+  std::vector<Note> beside_the_mesh() const override;
 };
 
 }  // namespace meshgraft::io

@@ -9,6 +9,8 @@
 #include <meshgraft/core/error.h>
 
 #include "accessor.h"
+#include "core/facts.h"
+#include "gltf/facts.h"
 #include "io/binary_value.h"
 #include "io/number_text.h"
 
@@ -111,8 +113,7 @@ std::size_t GltfEdit::store_copy(std::size_t accessor_index, const GltfChanges& 
   for (const auto& [element, value] : changes) {
     for (std::size_t k = 0; k < dense.components; ++k) {
       const auto stored = stored_component(dense, value[k]);
-      if (!stored)
-        throw Error(ErrorCode::input, "a value is too large for glTF's floats", {}, "Scale the mesh down");
+      if (!stored) throw Error(facts::gltf::NumberBeyondFloats{.value = value[k]});
       put_component(elements.data() + element * stride, dense, k, *stored);
     }
   }
@@ -126,7 +127,7 @@ std::size_t GltfEdit::store_copy(std::size_t accessor_index, const GltfChanges& 
 std::size_t GltfEdit::buffer_for_new_bytes() {
   for (std::size_t b = 0; b < document_.buffers.size(); ++b)
     if (document_.buffers[b].storage != GltfBuffer::Storage::absent) return b;
-  throw Error(ErrorCode::internal, "a glTF file with elements has no buffer");
+  throw Error(facts::core::Defect{.what = "a glTF file with elements has no buffer"});
 }
 
 std::size_t GltfEdit::append_view(std::string_view bytes, std::size_t stride, int target) {

@@ -21,7 +21,7 @@ class GltfEdit {
   explicit GltfEdit(const GltfDocument& document);
 
   Json json;
-  std::vector<std::string> notes;
+  std::vector<Note> notes;
   std::vector<std::filesystem::path> inputs;  ///< no new buffer may replace these or the document's own
 
   JsonView view() const { return JsonView(json, "", name_); }

@@ -7,6 +7,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "gltf/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
@@ -16,7 +18,8 @@ std::string bytes_of_view(const JsonView& root, const GltfDocument& document, co
   const GltfBytes buffers = document.bytes();
   const std::string_view buffer = buffers.at(view.at("buffer").index(buffers.size(), "buffers"));
   const std::uint64_t begin = view.whole("byteOffset", 0), length = view.at("byteLength").whole();
-  if (begin > buffer.size() || length > buffer.size() - begin) view.fail("it ends behind its buffer");
+  if (begin > buffer.size() || length > buffer.size() - begin)
+    view.fail(facts::gltf::BeyondBytes{.bytes = buffer.size(), .whole = "buffer"});
   return std::string(buffer.substr(begin, length));
 }
 

@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "gltf/facts.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -32,8 +33,7 @@ void require_shallow(std::string_view text, const std::string& file) {
       in_string = true;
     } else if (c == '{' || c == '[') {
       if (++depth > deepest_nesting)
-        throw Error(ErrorCode::input, fmt::format("the JSON is nested more than {} deep", deepest_nesting),
-                    file + ", " + line_name(text, i), "Export the file again");
+        throw Error(facts::gltf::JsonTooDeep{.deepest = deepest_nesting}, file + ", " + line_name(text, i));
     } else if ((c == '}' || c == ']') && depth > 0) {
       --depth;
     }
@@ -204,14 +204,11 @@ Json parse_gltf_json(std::string_view text, const std::string& file) {
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     const std::size_t byte = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
-    throw Error(ErrorCode::input, "the JSON is malformed", file + ", " + line_name(text, byte),
-                "Correct the line, or export the file again");
+    throw Error(facts::gltf::JsonMalformed{}, file + ", " + line_name(text, byte));
   } catch (const Json::exception&) {
-    throw Error(ErrorCode::input, "the JSON has a number that is too large", file, "Export the file again");
+    throw Error(facts::gltf::JsonNumberTooLarge{}, file);
   }
-  if (!json.is_object())
-    throw Error(ErrorCode::input, "the JSON is no object", file,
-                "A glTF file begins with '{'; export it again");
+  if (!json.is_object()) throw Error(facts::gltf::JsonNotAnObject{}, file);
   return json;
 }
 
@@ -220,7 +217,7 @@ std::string patch_json_text(std::string_view text, const Json& before, const Jso
 }
 
 std::optional<JsonView> JsonView::find(const std::string& key) const {
-  if (!json_->is_object()) fail("is no object");
+  if (!json_->is_object()) fail(facts::gltf::WrongType{.needed = "object"});
   const auto member = json_->find(key);
   if (member == json_->end()) return std::nullopt;
   return JsonView(*member, location_.empty() ? key : location_ + "." + key, *file_);
@@ -228,12 +225,13 @@ std::optional<JsonView> JsonView::find(const std::string& key) const {
 
 JsonView JsonView::at(const std::string& key) const {
   auto member = find(key);
-  if (!member) fail("'" + key + "' is missing");
+  if (!member) fail(facts::gltf::MemberMissing{.member = key});
   return *member;
 }
 
 JsonView JsonView::at(std::size_t element) const {
-  if (element >= size()) fail(fmt::format("there is no element {}", element));
+  if (element >= size())
+    fail(facts::gltf::IndexOutOfRange{.index = element, .count = size(), .array = "elements"});
   return JsonView((*json_)[element], fmt::format("{}[{}]", location_, element), *file_);
 }
 
@@ -243,24 +241,24 @@ std::size_t JsonView::count(const std::string& key) const {
 }
 
 std::size_t JsonView::size() const {
-  if (!json_->is_array()) fail("is no array");
+  if (!json_->is_array()) fail(facts::gltf::WrongType{.needed = "array"});
   return json_->size();
 }
 
 std::string JsonView::text() const {
-  if (!json_->is_string()) fail("is no text");
+  if (!json_->is_string()) fail(facts::gltf::WrongType{.needed = "text"});
   return json_->get<std::string>();
 }
 
 double JsonView::number() const {
-  if (!json_->is_number()) fail("is no number");
+  if (!json_->is_number()) fail(facts::gltf::WrongType{.needed = "number"});
   return json_->get<double>();
 }
 
 std::uint64_t JsonView::whole() const {
   const double value = number();
   if (!(value >= 0 && value <= 9007199254740992.0 && std::floor(value) == value))
-    fail("is no whole number from 0 on");
+    fail(facts::gltf::WrongType{.needed = "whole number from 0 on"});
   return static_cast<std::uint64_t>(value);
 }
 
@@ -272,18 +270,18 @@ std::uint64_t JsonView::whole(const std::string& key, std::uint64_t otherwise) c
 bool JsonView::flag(const std::string& key) const {
   const auto member = find(key);
   if (!member) return false;
-  if (!member->json_->is_boolean()) member->fail("is neither true nor false");
+  if (!member->json_->is_boolean()) member->fail(facts::gltf::WrongType{.needed = "boolean"});
   return member->json_->get<bool>();
 }
 
 std::size_t JsonView::index(std::size_t count, std::string_view what) const {
   const std::uint64_t value = whole();
-  if (value >= count) fail(fmt::format("{} is out of range: there are {} {}", value, count, what));
+  if (value >= count) fail(facts::gltf::IndexOutOfRange{.index = value, .count = count, .array = what});
   return static_cast<std::size_t>(value);
 }
 
-void JsonView::fail(const std::string& problem, const std::string& remedy) const {
-  throw Error(ErrorCode::input, problem, location_.empty() ? *file_ : *file_ + ": " + location_, remedy);
+void JsonView::fail(const Fact& fact) const {
+  throw Error(fact, location_.empty() ? *file_ : *file_ + ": " + location_);
 }
 
 }  // namespace meshgraft::io

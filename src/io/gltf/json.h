@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <meshgraft/core/fact.h>
+
 namespace meshgraft::io {
 
 /// JSON that keeps its members in the order of the file.
@@ -49,8 +51,8 @@ class JsonView {
   /// Returns the value as an index into an array of `count` elements. `what` names the array in messages.
   std::size_t index(std::size_t count, std::string_view what) const;
 
-  [[noreturn]] void fail(const std::string& problem,
-                         const std::string& remedy = "Correct the file, or export it again") const;
+  /// Throws an Error at this value's location.
+  [[noreturn]] void fail(const Fact& fact) const;
 
  private:
   const Json* json_;

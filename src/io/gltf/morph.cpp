@@ -10,6 +10,7 @@
 #include <meshgraft/core/error.h>
 
 #include "accessor.h"
+#include "gltf/facts.h"
 #include "io/binary_value.h"
 #include "io/number_text.h"
 
@@ -205,16 +206,15 @@ void require_rest_of_file(const GltfDocument& document, const Mesh& mesh, const 
   Mesh rest;
   rest.positions = target.rest;
   rest.faces = mesh.faces;
-  std::vector<std::string> ignored;
+  std::vector<Note> ignored;
   for (const GltfDemands& demands : demands_of(document, rest, ignored, context))
     if (!std::ranges::all_of(demands, &GltfDemand::is_met))
-      throw Error(ErrorCode::usage, "the rest positions are not those of " + document.name(), "morph target",
-                  "Give the positions that the file was read with");
+      throw Error(facts::gltf::RestNotOfFile{.file = document.name()}, "morph target");
 }
 
 void add_morph_target(GltfEdit& edit, const std::vector<GltfTarget>& targets,
                       const std::vector<GltfDemands>& demands, const std::string& name) {
-  if (targets.empty()) edit.notes.emplace_back("nothing moved, so there is no morph target to add");
+  if (targets.empty()) edit.notes.push_back(facts::gltf::NoMorphTarget{});
   for (const GltfTarget& target : targets)
     MorphTargetWriter(edit, target, demands[target.instance]).write(name);
 }
@@ -245,8 +245,7 @@ std::size_t append_deltas(GltfEdit& edit, std::size_t count, const GltfChanges& 
 
 void name_target(GltfEdit& edit, Json& mesh, std::size_t number, const std::string& name) {
   if (mesh.contains("extras") && !mesh["extras"].is_object()) {
-    edit.notes.push_back("the extras of a mesh are no object, so the morph target has no name: it is number " +
-                         std::to_string(number));
+    edit.notes.push_back(facts::gltf::TargetUnnamed{.number = number});
     return;
   }
   Json& names = mesh["extras"]["targetNames"];

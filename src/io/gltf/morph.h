@@ -8,8 +8,8 @@
 
 namespace meshgraft::io {
 
-/// Throws Error(usage) unless the target's rest positions are the positions that the reader derived from the
-/// file.
+/// Throws Error(usage) with the id gltf.rest_not_of_file unless the target's rest positions are the positions
+/// that the reader derived from the file.
 void require_rest_of_file(const GltfDocument& document, const Mesh& mesh, const MorphTarget& target,
                           const Context& context);
 

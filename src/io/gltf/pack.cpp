@@ -2,9 +2,8 @@
 #include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "edit.h"
+#include "gltf/facts.h"
 
 namespace meshgraft::io {
 
@@ -162,9 +161,7 @@ class GltfPacker {
       image["uri"] = uri_of_path(seen_from(path_.parent_path(), file));
       any = true;
     }
-    if (any)
-      written_.notes.push_back("the images stay in the folder of " + document_.path.filename().string() +
-                               ", and the new file names them there");
+    if (any) written_.notes.push_back(facts::gltf::ImagesStay{.file = document_.path.filename()});
   }
 
   void assemble() {

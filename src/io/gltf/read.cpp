@@ -12,14 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/memory.h>
 
 #include "document.h"
 #include "gltf.h"
+#include "gltf/facts.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -38,15 +38,13 @@ void require_known_geometry(const JsonView& root) {
   for (std::size_t i = 0; i < required->size(); ++i) {
     const std::string extension = required->at(i).text();
     if (std::ranges::find(geometry_extensions, extension) != geometry_extensions.end())
-      required->at(i).fail("the extension " + extension + " cannot be read",
-                           "Export the file without it, or expand it first, for example with gltf-transform");
+      required->at(i).fail(facts::gltf::ExtensionNotRead{.extension = extension});
   }
 }
 
 void require_version(const JsonView& root) {
   const JsonView version = root.at("asset").at("version");
-  if (!version.text().starts_with("2."))
-    version.fail("is '" + version.text() + "'; only glTF 2 can be read", "Convert the file to glTF 2.0");
+  if (!version.text().starts_with("2.")) version.fail(facts::gltf::UnknownVersion{.version = version.text()});
 }
 
 struct PositionHash {
@@ -107,11 +105,7 @@ class GltfReader {
       corners += known->second;
     }
     if (corners > std::min(most_corners, physical_memory() / bytes_a_corner))
-      view().fail(
-          fmt::format("has {} million triangles, with each copy that its nodes show of a mesh: more than "
-                      "can be held",
-                      corners / 3'000'000),
-          "Leave nodes out in the program that made the file");
+      view().fail(facts::gltf::TooManyTriangles{.millions = corners / 3'000'000});
   }
 
   std::uint64_t corners_of(const JsonView& primitives) {
@@ -137,13 +131,12 @@ class GltfReader {
       const JsonView primitive = primitives.at(p);
       const JsonView attributes = primitive.at("attributes");
       if (const auto mode = primitive.find("mode"); mode && mode->whole() > 6)
-        mode->fail("is none of glTF's modes");
+        mode->fail(facts::gltf::UnknownConstant{.value = std::to_string(mode->whole())});
       const auto positions = attributes.find("POSITION");
       if (!has_triangles(primitive.json()) || !positions) continue;
       if (const auto extensions = primitive.find("extensions"))
         if (extensions->find("KHR_draco_mesh_compression"))
-          primitive.fail("is compressed (KHR_draco_mesh_compression)",
-                         "Decompress the file first, for example with gltf-transform copy");
+          primitive.fail(facts::gltf::Compressed{.extension = "KHR_draco_mesh_compression"});
       GltfPart part{p, map_of(instance, accessor_index(*positions)), mesh_.faces.corner_count(), 0};
       read_triangles(primitive, instance, part);
       part.corner_count = mesh_.faces.corner_count() - part.first_corner;
@@ -164,7 +157,8 @@ class GltfReader {
   const GltfAccessor& accessor(const JsonView& reference, std::size_t components) {
     const GltfAccessor& found = accessor(accessor_index(reference));
     if (found.components != components)
-      reference.fail(fmt::format("has {} components instead of {}", found.components, components));
+      reference.fail(
+          facts::gltf::WrongSize{.what = "components", .given = found.components, .needed = components});
     return found;
   }
 
@@ -182,14 +176,15 @@ class GltfReader {
     const GltfAccessor* indices = nullptr;
     if (const auto reference = primitive.find("indices")) {
       indices = &accessor(*reference, 1);
-      if (!is_index_type(indices->type) || indices->normalized) reference->fail("is no accessor of indices");
+      if (!is_index_type(indices->type) || indices->normalized)
+        reference->fail(facts::gltf::NotForIndices{.what = "accessor"});
     }
     const std::size_t count = indices != nullptr ? indices->count : positions.count;
     const std::uint64_t mode = primitive.whole("mode", 4);
     const std::size_t triangles = mode == 4 ? count / 3 : count < 3 ? 0 : count - 2;
-    if (triangles >
-        (static_cast<std::size_t>(std::numeric_limits<Index>::max()) - document_->corner_elements.size()) / 3)
-      primitive.fail("makes more than 2147483647 corners in all", "Split the file");
+    constexpr auto most_corners = static_cast<std::size_t>(std::numeric_limits<Index>::max());
+    if (triangles > (most_corners - document_->corner_elements.size()) / 3)
+      primitive.fail(facts::io::TooMany{.elements = "corners", .most = most_corners});
     const auto element = [&](std::size_t i) {
       return indices != nullptr ? static_cast<std::size_t>(load_component(*indices, i, 0, bytes_)) : i;
     };
@@ -240,8 +235,9 @@ class GltfReader {
 
   /// Refuses so many vertices that the marker of an index out of range would be a valid index.
   void mark_out_of_range() const {
-    if (mesh_.vertex_count() == std::numeric_limits<Index>::max())
-      view().fail("has more than 2147483646 vertices", "Split the mesh");
+    constexpr Index marker = std::numeric_limits<Index>::max();
+    if (mesh_.vertex_count() == marker)
+      view().fail(facts::io::TooMany{.elements = "vertices", .most = marker - 1});
   }
 
   // --- attributes ---
@@ -250,7 +246,7 @@ class GltfReader {
     for (const GltfInstance& instance : document_->instances) {
       for (const GltfPart& part : instance.parts) {
         const JsonView attributes = primitive_of(instance, part).at("attributes");
-        if (!attributes.json().is_object()) attributes.fail("is no object");
+        if (!attributes.json().is_object()) attributes.fail(facts::gltf::WrongType{.needed = "object"});
         for (const auto& member : attributes.json().items())
           if (const auto channel = channel_of(member.key()); channel && !channel->attribute.empty())
             read_channel(*channel, attributes.at(member.key()), instance, part);
@@ -278,7 +274,7 @@ class GltfReader {
     const GltfAccessor& values = accessor(accessor_index(reference));
     const auto [least, most] = allowed_components(channel);
     if (values.components < least || values.components > most)
-      reference.fail(fmt::format("has {} components instead of {}", values.components, most));
+      reference.fail(facts::gltf::WrongSize{.what = "components", .given = values.components, .needed = most});
     Attribute& attribute = corner_attribute(channel, values.components);
     const auto components = static_cast<std::size_t>(attribute.components);
     for (Index c = part.first_corner; c < part.first_corner + part.corner_count; ++c) {

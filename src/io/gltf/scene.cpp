@@ -1,18 +1,18 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "gltf/facts.h"
 
 namespace meshgraft::io {
 
 namespace {
 
 Eigen::VectorXd numbers(const JsonView& array, std::size_t count) {
-  if (array.size() != count) array.fail(fmt::format("has {} numbers instead of {}", array.size(), count));
+  if (array.size() != count)
+    array.fail(facts::gltf::WrongSize{.what = "numbers", .given = array.size(), .needed = count});
   Eigen::VectorXd values(static_cast<Eigen::Index>(count));
   for (std::size_t k = 0; k < count; ++k) values[static_cast<Eigen::Index>(k)] = array.at(k).number();
   return values;
@@ -100,7 +100,7 @@ std::vector<GltfInstance> instances_of(const JsonView& root) {
     const Visit visit = open.back();
     open.pop_back();
     const JsonView node = root.at("nodes").at(visit.node);
-    if (seen[visit.node]) node.fail("is reached twice: nodes have to form a tree");
+    if (seen[visit.node]) node.fail(facts::gltf::NodeReachedTwice{});
     seen[visit.node] = true;
     const Eigen::Affine3d world = visit.parent * local_transform(node);
     if (const auto reference = node.find("mesh")) {

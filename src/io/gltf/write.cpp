@@ -12,6 +12,7 @@
 #include "demands.h"
 #include "edit.h"
 #include "gltf.h"
+#include "gltf/facts.h"
 #include "io/number_text.h"
 #include "morph.h"
 
@@ -202,8 +203,7 @@ void apply(GltfEdit& edit, const std::vector<GltfTarget>& targets, const std::ve
       redirect(edit.json["meshes"][one.mesh], *one.demand, copy);
     }
   }
-  if (became_floats)
-    edit.notes.emplace_back("positions that left the range of the file's integers were written as floats");
+  if (became_floats) edit.notes.push_back(facts::gltf::WrittenAsFloats{});
 }
 
 bool is_unchanged(const GltfDocument* document, const Mesh& mesh) {
@@ -233,8 +233,7 @@ Written write_gltf(const Mesh& mesh, const std::filesystem::path& path, const Wr
     return edit.finish(path);
   } catch (const Json::exception&) {
     // The reader ignores animations, skins and images, so they may have any type.
-    throw Error(ErrorCode::input, "a member of the JSON has another type than glTF gives it", document->name(),
-                "Export the file again");
+    throw Error(facts::gltf::MemberOfAnotherType{}, document->name());
   }
 }
 

@@ -18,7 +18,7 @@ struct ObjDocument : FileDocument {
   std::vector<double> normals;        ///< 3 values per vn line
   std::vector<Index> corner_normals;  ///< the vn line of each corner, -1 for none; empty if no face has any
 
-  std::vector<std::string> beside_the_mesh() const override;
+  std::vector<Note> beside_the_mesh() const override;
 };
 
 /// Walks over the lines of an OBJ file and their words. Lines end in LF, CRLF or CR. A backslash before the

@@ -12,6 +12,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/join.h>
 
+#include "io/facts.h"
 #include "mtl.h"
 
 namespace meshgraft::io {
@@ -85,6 +86,12 @@ std::vector<std::string> used_materials(const Mesh& mesh) {
   return names;
 }
 
+/// Returns the reason that the system gave for an error of `read_file`.
+std::string reason_of(const Error& error) {
+  if (error.id() == facts::io::IsFolder::id) return std::make_error_code(std::errc::is_a_directory).message();
+  return error.fact().get<std::string>("reason");
+}
+
 /// Composes a material library, definition by definition.
 class Library {
  public:
@@ -99,8 +106,8 @@ class Library {
         add(part, parse_mtl(read_file(library)), library.parent_path());
       } catch (const Error& error) {
         if (std::ranges::find(unread_, name) == unread_.end()) unread_.push_back(name);
-        notes_.insert(fmt::format("the materials of {} are not defined: {}", document.path.filename().string(),
-                                  error.what()));
+        add_note(facts::io::LibraryNotRead{
+            .file = document.path.filename(), .library = library, .reason = reason_of(error)});
       }
     }
   }
@@ -109,7 +116,7 @@ class Library {
     ObjMaterials materials;
     for (const std::string& name : used_)
       if (!defined_.contains(name) && notes_.empty())
-        materials.notes.push_back(fmt::format("the material '{}' is defined in none of the files", name));
+        materials.notes.push_back(facts::io::MaterialUndefined{.material = name});
     materials.notes.insert(materials.notes.begin(), notes_.begin(), notes_.end());
     materials.libraries = unread_;
     if (defined_.empty()) return materials;
@@ -121,6 +128,10 @@ class Library {
   }
 
  private:
+  void add_note(Note note) {
+    if (std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(std::move(note));
+  }
+
   void add(const JoinedSources::Part& part, const std::vector<MtlMaterial>& definitions,
            const fs::path& folder) {
     for (const auto& [in_file, now] : part.materials) {
@@ -155,7 +166,8 @@ class Library {
 
   fs::path path_;
   std::vector<std::string> used_;
-  std::set<std::string> defined_, notes_;
+  std::set<std::string> defined_;
+  std::vector<Note> notes_;  // each once
   std::vector<fs::path> libraries_;
   std::vector<std::string> unread_;  // libraries that could not be read; their names stay
   std::string text_;

@@ -17,7 +17,7 @@ namespace meshgraft::io {
 struct ObjMaterials {
   std::vector<std::string> libraries;  ///< names for its mtllib lines
   std::optional<NewFile> library;      ///< a new library beside it
-  std::vector<std::string> notes;
+  std::vector<Note> notes;
 };
 
 /// Returns the old libraries if the mesh comes from one OBJ file of the same folder and its materials keep

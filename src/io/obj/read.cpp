@@ -13,7 +13,9 @@
 
 #include "document.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
+#include "io/word_cursor.h"
 #include "materials.h"
 #include "obj.h"
 
@@ -22,6 +24,7 @@ namespace meshgraft::io {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<const char*, 3> axes = {"x", "y", "z"};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
@@ -104,7 +107,7 @@ class ObjReader {
   }
 
   Mesh read() {
-    require_text();
+    require_text(document_->content, name_, "OBJ");
     reserve();
     ObjCursor cursor(document_->content);
     for (std::size_t line = 1; cursor.next_line(); ++line) {
@@ -112,22 +115,12 @@ class ObjReader {
       read_line(cursor);
     }
     check_forward_references();
-    if (vertices_.empty()) {
-      throw Error(ErrorCode::input, "the file has no vertices ('v' lines)", name_,
-                  "Check that it is an OBJ mesh, and export it again");
-    }
+    if (vertices_.empty()) throw Error(facts::io::NoVertices{.element = "v"}, name_);
     fill_mesh();
     return std::move(mesh_);
   }
 
  private:
-  void require_text() const {
-    const std::size_t zero = document_->content.find('\0');
-    if (zero == std::string::npos) return;
-    throw Error(ErrorCode::input, "the file is not text", name_ + ", byte " + std::to_string(zero),
-                "Check that it is an OBJ mesh, and copy or export it again");
-  }
-
   /// Reserves memory for vertices and faces, which are counted first. Growing step by step takes up to half
   /// as much again.
   void reserve() {
@@ -167,12 +160,12 @@ class ObjReader {
     std::array<double, 7> values;
     std::size_t count = 0;
     for (std::string_view word = cursor.next_word(); !word.empty(); word = cursor.next_word()) {
-      if (count == values.size()) fail(cursor, "a vertex has more than 7 values", "Export the file again");
+      if (count == values.size()) fail(cursor, facts::io::ExtraValues{.element = "v"});
       values[count++] = number(cursor, word);
     }
-    if (count < 3) fail(cursor, "a vertex needs x, y and z", "Correct the line, or export the file again");
+    if (count < 3) fail(cursor, facts::io::MissingValue{.element = "v", .value = axes[count]});
     if (vertices_.size() / 3 == static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
-      fail(cursor, "the file has more than 2147483647 vertices", "Split the mesh");
+      fail(cursor, facts::io::TooMany{.elements = "vertices", .most = std::numeric_limits<Index>::max()});
     }
     vertices_.insert(vertices_.end(), values.begin(), values.begin() + 3);
     // The forms "x y z w", "x y z r g b" and "x y z r g b a" are in use.
@@ -185,17 +178,16 @@ class ObjReader {
 
   void read_uv(ObjCursor& cursor) {
     const std::string_view u = cursor.next_word();
-    if (u.empty())
-      fail(cursor, "a texture coordinate needs a value", "Correct the line, or export the file again");
+    if (u.empty()) fail(cursor, facts::io::MissingValue{.element = "vt", .value = "u"});
     uvs_.push_back(number(cursor, u));
     const std::string_view v = cursor.next_word();
     uvs_.push_back(v.empty() ? 0.0 : number(cursor, v));
   }
 
   void read_normal(ObjCursor& cursor) {
-    for (int axis = 0; axis < 3; ++axis) {
+    for (const char* axis : axes) {
       const std::string_view word = cursor.next_word();
-      if (word.empty()) fail(cursor, "a normal needs 3 values", "Correct the line, or export the file again");
+      if (word.empty()) fail(cursor, facts::io::MissingValue{.element = "vn", .value = axis});
       document_->normals.push_back(number(cursor, word));
     }
   }
@@ -205,8 +197,7 @@ class ObjReader {
     for (std::string_view word = cursor.next_word(); !word.empty(); word = cursor.next_word()) {
       ObjCorner corner;
       if (!parse_obj_corner(word, corner)) {
-        fail(cursor, describe_fault(word, ScalarType::float64, NumberFault::malformed) + " of a face's corner",
-             "Corners read v, v/vt, v//vn or v/vt/vn with whole numbers");
+        fail(cursor, facts::io::BadCorner{.word = shown(word)});
       }
       corners_.push_back(resolve(cursor, Reference::vertex, corner.vertex, vertices_.size() / 3));
       const Index uv = corner.has_uv ? resolve(cursor, Reference::uv, corner.uv, uvs_.size() / 2) : -1;
@@ -217,9 +208,9 @@ class ObjReader {
       push_reference(document_->corner_normals, normal);
       ++corner_count_;
     }
-    if (corners_.empty()) fail(cursor, "a face without corners", "Correct the line, or export the file again");
+    if (corners_.empty()) fail(cursor, facts::io::MissingValue{.element = "f", .value = "v"});
     if (corner_count_ > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
-      fail(cursor, "the faces have more than 2147483647 corners", "Split the mesh");
+      fail(cursor, facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()});
     }
     for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_})
       labels->push_face(mesh_.faces.size());
@@ -265,7 +256,7 @@ class ObjReader {
   double number(const ObjCursor& cursor, std::string_view word) const {
     const ParsedNumber parsed = parse_number(word, ScalarType::float64);
     if (parsed.fault != NumberFault::none) {
-      fail(cursor, describe_fault(word, ScalarType::float64, parsed.fault), remedy_for(word, parsed.fault));
+      fail(cursor, bad_number(cursor.keyword(), word, ScalarType::float64, parsed.fault));
     }
     return parsed.value;
   }
@@ -321,18 +312,16 @@ class ObjReader {
 
   [[noreturn]] void fail_index(std::size_t offset, Reference kind, std::int64_t index,
                                std::int64_t count) const {
-    const std::string keyword(keyword_of(kind));
-    const std::string problem =
-        index == 0 ? "index 0 of a face; indices count from 1"
-                   : "index " + std::to_string(index) + " of a face is out of range: there are " +
-                         std::to_string(count) + " '" + keyword + "' lines" + (index < 0 ? " before it" : "");
-    throw Error(ErrorCode::input, problem, name_ + ", " + line_name(document_->content, offset),
-                "Correct the face, or export the file again");
+    const std::string location = name_ + ", " + line_name(document_->content, offset);
+    const std::string_view element = keyword_of(kind);
+    if (index == 0) throw Error(facts::io::IndexZero{}, location);
+    if (index < 0)
+      throw Error(facts::io::IndexBeforeFirst{.element = element, .index = index, .count = count}, location);
+    throw Error(facts::io::IndexOutOfRange{.element = element, .index = index, .count = count}, location);
   }
 
-  [[noreturn]] void fail(const ObjCursor& cursor, const std::string& problem, const std::string& remedy) const {
-    throw Error(ErrorCode::input, problem, name_ + ", " + line_name(document_->content, cursor.line_begin()),
-                remedy);
+  [[noreturn]] void fail(const ObjCursor& cursor, Fact fact) const {
+    throw Error(std::move(fact), name_ + ", " + line_name(document_->content, cursor.line_begin()));
   }
 
   const std::string& name_;
@@ -364,17 +353,17 @@ Mesh read_obj(std::string content, const std::string& name, const Context& conte
   return ObjReader(std::move(content), name, context).read();
 }
 
-std::vector<std::string> ObjDocument::beside_the_mesh() const {
+std::vector<Note> ObjDocument::beside_the_mesh() const {
   constexpr std::array<std::string_view, 11> known = {"",  "v", "vt", "vn",     "f",     "fo",
                                                       "g", "o", "s",  "usemtl", "mtllib"};
   std::map<std::string, std::size_t, std::less<>> lines;
   ObjCursor cursor(content);
   while (cursor.next_line())
     if (std::ranges::find(known, cursor.keyword()) == known.end()) ++lines[std::string(cursor.keyword())];
-  std::vector<std::string> list;
+  std::vector<Note> notes;
   for (const auto& [keyword, count] : lines)
-    list.push_back(std::to_string(count) + " '" + keyword + (count == 1 ? "' line" : "' lines"));
-  return list;
+    notes.push_back(facts::io::LeftOut{.file = path.filename(), .content = keyword, .count = count});
+  return notes;
 }
 
 ObjCursor::ObjCursor(std::string_view content) : content_(content) {

@@ -15,6 +15,7 @@
 
 #include "document.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "materials.h"
 #include "obj.h"
@@ -288,7 +289,7 @@ class ObjComposer {
     Written written{std::move(out_)};
     if (materials_.library) written.companions.push_back(std::move(*materials_.library));
     written.notes = std::move(materials_.notes);
-    for (std::string& note : left_out_notes(mesh_)) written.notes.push_back(std::move(note));
+    for (Note& note : left_out_notes(mesh_)) written.notes.push_back(std::move(note));
     note_attributes(written.notes);
     return written;
   }
@@ -304,7 +305,7 @@ class ObjComposer {
 
   void write_libraries() {
     if (const auto sources = sources_of(mesh_))
-      for (const std::string& note : sources->notes) out_ += "# " + note + '\n';
+      for (const Note& note : sources->notes) out_ += "# " + note.text() + '\n';
     for (const std::string& library : materials_.libraries) out_ += "mtllib " + library + '\n';
   }
 
@@ -413,14 +414,14 @@ class ObjComposer {
   }
 
   /// Adds a note that names the attributes for which OBJ has no line.
-  void note_attributes(std::vector<std::string>& notes) const {
-    std::string names;
+  void note_attributes(std::vector<Note>& notes) const {
+    std::vector<std::string> names;
     for (const Attribute& attribute : mesh_.attributes) {
       if (is_written(attribute)) continue;
       if (std::ranges::all_of(attribute.values, [](double value) { return std::isnan(value); })) continue;
-      names += (names.empty() ? "'" : ", '") + attribute.name + "'";
+      names.push_back(attribute.name);
     }
-    if (!names.empty()) notes.push_back("OBJ has no place for " + names + "; a PLY file keeps it");
+    if (!names.empty()) notes.push_back(facts::io::AttributesLeftOut{.format = "OBJ", .attributes = names});
   }
 
   bool is_written(const Attribute& attribute) const {
@@ -454,7 +455,7 @@ Written write_obj(const Mesh& mesh, const std::filesystem::path& path, const Wri
   if (!unchanged) return ObjComposer(mesh, path, context).compose();
   Written written{ObjPatcher(*document, mesh, context).patch()};
   for (const std::string& library : libraries_to_copy(*document, path))
-    written.notes.push_back("the file names the materials of '" + library + "': copy that along");
+    written.notes.push_back(facts::io::LibraryToCopy{.library = library});
   return written;
 }
 

@@ -28,7 +28,7 @@ struct OffDocument : FileDocument {
   std::optional<ScalarType> face_colour;
   bool has_face_index = false;
 
-  std::vector<std::string> beside_the_mesh() const override { return {}; }
+  std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 
 /// Whether a word has digits without a point or an exponent. A colour of such words ranges from 0 to 255.

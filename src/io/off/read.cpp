@@ -9,6 +9,7 @@
 
 #include "document.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "off.h"
 
@@ -124,9 +125,7 @@ class OffReader {
     read_vertices();
     read_faces();
     if (!cursor_.next().empty()) {
-      cursor_.fail("the file goes on after the last face that its header announces",
-                   "Correct the counts, or announce what follows a vertex in the keyword: COFF for colours, "
-                   "NOFF for normals, STOFF for texture coordinates");
+      cursor_.fail(facts::io::TrailingDataOfOff{});
     }
     document_->remember_topology(mesh_);
     mesh_.source = std::move(document_);
@@ -147,22 +146,18 @@ class OffReader {
     if (keyword.size == 0) {
       double count = 0;
       if (!WordCursor::to_number(word, ScalarType::float64, count)) {
-        cursor_.fail("the file does not begin with 'OFF'",
-                     "It is not an OFF file; give it the extension of its own format");
+        cursor_.fail(facts::io::NotThisFormat{.format = "OFF", .beginning = "OFF"});
       }
       cursor_ = WordCursor(document_->content, name_, WordCursor::Comments::hash, begin);
       return keyword;
     }
     if (keyword.four || keyword.any_dimension) {
-      cursor_.fail(
-          "'" + std::string(word.substr(0, keyword.size)) + "' has vertices of other than three dimensions",
-          "Export the file as OFF with x, y and z");
+      cursor_.fail(facts::io::UnsupportedVariant{.format = "OFF", .variant = word.substr(0, keyword.size)});
     }
     cursor_ = WordCursor(document_->content, name_, WordCursor::Comments::hash, begin + keyword.size);
     WordCursor ahead = cursor_;
     if (ahead.next_on_line() == "BINARY") {
-      ahead.fail("the file is a binary OFF, which few programs know",
-                 "Export it as text OFF, or as binary PLY");
+      ahead.fail(facts::io::UnsupportedVariant{.format = "OFF", .variant = "BINARY"});
     }
     require_text(document_->content, name_, "OFF");
     return keyword;
@@ -170,9 +165,9 @@ class OffReader {
 
   /// Reads the counts. The number of edges, which nobody uses, is missing in some files.
   void read_counts() {
-    vertices_ = count("number of vertices");
+    vertices_ = count("vertex", "number of vertices");
     const std::size_t first = cursor_.word_begin();
-    faces_ = count("number of faces");
+    faces_ = count("face", "number of faces");
     const std::string_view between =
         std::string_view(document_->content).substr(first, cursor_.word_begin() - first);
     const bool own_lines = between.find_first_of("\r\n") != std::string_view::npos;
@@ -181,11 +176,13 @@ class OffReader {
     cursor_.number(ScalarType::float64, [] { return std::string("number of edges"); });
   }
 
-  Index count(const char* what) {
+  Index count(const char* element, const char* what) {
     const double value = cursor_.number(ScalarType::float64, [&] { return std::string(what); });
     if (!(value >= 0 && value <= largest_index && value == std::trunc(value))) {
-      cursor_.fail("the " + std::string(what) + " is no count",
-                   "Counts are whole numbers from 0 to 2147483647");
+      const std::size_t begin = cursor_.word_begin();
+      const std::string_view word =
+          std::string_view(document_->content).substr(begin, cursor_.offset() - begin);
+      cursor_.fail(facts::io::BadCount{.element = element, .word = shown(word)});
     }
     return static_cast<Index>(value);
   }
@@ -213,10 +210,10 @@ class OffReader {
     std::size_t values = 0;
     for (const OffColumn& column : document_->columns) values += static_cast<std::size_t>(column.components);
     const std::size_t room = (cursor_.remaining() + 1) / 2;
-    if (values * static_cast<std::size_t>(vertices_) + static_cast<std::size_t>(faces_) <= room) return;
-    cursor_.fail("the header announces " + std::to_string(vertices_) + " vertices and " +
-                     std::to_string(faces_) + " faces, but the file is too short for them",
-                 "The file is cut off or its header is wrong; copy or export it again");
+    const std::size_t for_vertices = values * static_cast<std::size_t>(vertices_);
+    if (for_vertices > room) cursor_.fail(facts::io::TooShort{.element = "vertex", .count = vertices_});
+    if (static_cast<std::size_t>(faces_) > room - for_vertices)
+      cursor_.fail(facts::io::TooShort{.element = "face", .count = faces_});
   }
 
   void read_vertices() {
@@ -285,12 +282,12 @@ class OffReader {
     const double size =
         cursor_.number(ScalarType::int32, [&] { return "number of corners of face " + std::to_string(f); });
     if (size < 0 || size > static_cast<double>(cursor_.remaining() + 1) / 2) {
-      cursor_.fail("face " + std::to_string(f) + " has " + std::to_string(static_cast<std::int64_t>(size)) +
-                       " corners, " + (size < 0 ? "less than none" : "more than the rest of the file holds"),
-                   "The file is cut off or damaged; copy or export it again");
+      cursor_.fail(facts::io::BadLength{.list = "face " + std::to_string(f),
+                                        .length = static_cast<std::int64_t>(size),
+                                        .most = (cursor_.remaining() + 1) / 2});
     }
     if (size > largest_index - mesh_.faces.corner_count()) {
-      cursor_.fail("the faces have more than 2147483647 corners", "Split the mesh");
+      cursor_.fail(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()});
     }
     corners_.resize(static_cast<std::size_t>(size));
     for (Index& corner : corners_) {
@@ -325,12 +322,7 @@ class OffReader {
     colours_.push(f, values, size, whole);
   }
 
-  [[noreturn]] void fail_colour(Index f) const {
-    cursor_.fail(
-        "what follows the corners of face " + std::to_string(f) + " is no colour",
-        "A colour is an index, or three or four whole numbers up to 255 or fractions up to 1; each face "
-        "has its own line");
-  }
+  [[noreturn]] void fail_colour(Index f) const { cursor_.fail(facts::io::BadColour{.face = f}); }
 
   void add_indices() {
     if (indices_.empty()) return;

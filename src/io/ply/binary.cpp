@@ -1,9 +1,11 @@
 #include <bit>
+#include <utility>
 
 #include <meshgraft/core/error.h>
 
 #include "document.h"
 #include "io/binary_value.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -15,18 +17,17 @@ bool needs_swap(PlyEncoding encoding) {
 
 double PlyBinaryCursor::scalar(const PlyProperty&, ScalarType type) {
   const std::size_t size = size_of(type);
-  if (content_.size() - offset_ < size) {
-    fail("the file ends in the middle of its data", "The file is cut off; copy or export it again");
-  }
+  if (content_.size() - offset_ < size)
+    fail(facts::io::TruncatedRecords{.element = element_->name, .read = row_, .count = element_->count});
   value_begin_ = offset_;
   offset_ += size;
   return load_binary(content_.data() + value_begin_, type, swap_);
 }
 
-void PlyBinaryCursor::fail(const std::string& problem, const std::string& remedy) const {
+void PlyBinaryCursor::fail(Fact fact) const {
   const std::string location =
       element_->name + " " + std::to_string(row_) + " (byte " + std::to_string(offset_) + ")";
-  throw Error(ErrorCode::input, problem, name_ + ", " + location, remedy);
+  throw Error(std::move(fact), name_ + ", " + location);
 }
 
 }  // namespace meshgraft::io

@@ -10,6 +10,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "io/facts.h"
 #include "io/file_document.h"
 
 namespace meshgraft::io {
@@ -68,7 +69,7 @@ struct PlyDocument : FileDocument {
   std::vector<PlyTable> tables;            ///< vertices, faces
   ScalarType position_type = ScalarType::float64;
 
-  std::vector<std::string> beside_the_mesh() const override;
+  std::vector<Note> beside_the_mesh() const override;
 };
 
 /// Returns the images of the comments "TextureFile NAME" in their order. Missing images are included, because
@@ -94,7 +95,7 @@ class PlyTextCursor {
   std::size_t offset() const { return offset_; }
   std::size_t value_begin() const { return value_begin_; }  ///< start of the last value
   std::size_t remaining_values() const { return (content_.size() - offset_ + 1) / 2; }
-  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
+  [[noreturn]] void fail(Fact fact) const;
 
  private:
   std::string_view content_;
@@ -122,7 +123,7 @@ class PlyBinaryCursor {
   std::size_t offset() const { return offset_; }
   std::size_t value_begin() const { return value_begin_; }
   std::size_t remaining_values() const { return content_.size() - offset_; }
-  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
+  [[noreturn]] void fail(Fact fact) const;
 
  private:
   std::string_view content_;
@@ -138,13 +139,9 @@ class PlyBinaryCursor {
 template <class Cursor>
 std::size_t read_list_length(Cursor& cursor, const PlyProperty& property) {
   const double length = cursor.scalar(property, property.count_type);
-  if (length < 0) {
-    cursor.fail("the list '" + property.name + "' has a negative length", "Export the file again");
-  }
-  if (length > static_cast<double>(cursor.remaining_values())) {
-    cursor.fail("the list '" + property.name + "' is longer than the rest of the file",
-                "The file is cut off or damaged; copy or export it again");
-  }
+  if (!(length >= 0 && length <= static_cast<double>(cursor.remaining_values())))
+    cursor.fail(facts::io::BadLength{
+        .list = property.name, .length = static_cast<std::int64_t>(length), .most = cursor.remaining_values()});
   return static_cast<std::size_t>(length);
 }
 

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <initializer_list>
+#include <utility>
 
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "ply.h"
 
@@ -79,8 +82,7 @@ class HeaderParser {
       } else if (words[0] == "end_header") {
         break;
       } else {
-        fail("'" + std::string(words[0].substr(0, 40)) + "' is no header keyword",
-             "A header has format, comment, obj_info, element, property and end_header lines");
+        fail_word(words[0], {"format", "comment", "obj_info", "element", "property", "end_header"});
       }
     }
     header_.size = offset_;
@@ -115,9 +117,8 @@ class HeaderParser {
         add_comment(line);
       }
     } while (words.empty() || words[0] == "comment" || words[0] == "obj_info");
-    if (words[0] != "format" || words.size() != 3) {
-      fail("a format line is expected here", "It reads, for example, 'format binary_little_endian 1.0'");
-    }
+    if (words[0] != "format") fail_word(words[0], {"format"});
+    if (words.size() != 3) fail(facts::io::MalformedLine{.keyword = "format", .form = "format ENCODING 1.0"});
     if (words[1] == "ascii") {
       header_.encoding = PlyEncoding::ascii;
     } else if (words[1] == "binary_little_endian") {
@@ -125,47 +126,36 @@ class HeaderParser {
     } else if (words[1] == "binary_big_endian") {
       header_.encoding = PlyEncoding::big_endian;
     } else {
-      fail("the format '" + std::string(words[1].substr(0, 40)) + "' is unknown",
-           "Use ascii, binary_little_endian or binary_big_endian");
+      fail_word(words[1], {"ascii", "binary_little_endian", "binary_big_endian"});
     }
-    if (words[2] != "1.0") {
-      fail("PLY version '" + std::string(words[2].substr(0, 40)) + "' is unknown",
-           "Export the file as version 1.0");
-    }
+    if (words[2] != "1.0") fail_word(words[2], {"1.0"});
   }
 
   void parse_element(const std::vector<std::string_view>& words) {
-    if (words.size() != 3) fail("an element line has a name and a count", "For example, 'element vertex 8'");
-    for (const PlyElement& element : header_.elements) {
-      if (element.name == words[1]) {
-        fail("the element '" + element.name + "' is declared twice", "Export the file again");
-      }
-    }
+    if (words.size() != 3) fail(facts::io::MalformedLine{.keyword = "element", .form = "element NAME COUNT"});
+    for (const PlyElement& element : header_.elements)
+      if (element.name == words[1]) fail(facts::io::DuplicateElement{.element = element.name});
     // Counts beyond 2^31 fit neither meshgraft's indices nor any memory.
     const ParsedNumber count = parse_number(words[2], ScalarType::int32);
-    if (count.fault != NumberFault::none || count.value < 0) {
-      fail("the count '" + std::string(words[2].substr(0, 40)) + "' is no number of elements",
-           "Counts are whole numbers from 0 to 2147483647");
-    }
+    if (count.fault != NumberFault::none || count.value < 0)
+      fail(facts::io::BadCount{.element = shown(words[1]), .word = shown(words[2])});
     header_.elements.push_back({std::string(words[1]), static_cast<std::uint64_t>(count.value), {}});
   }
 
   void parse_property(const std::vector<std::string_view>& words) {
-    if (header_.elements.empty()) fail("a property comes before any element", "Export the file again");
+    if (header_.elements.empty()) fail_word(words[0], {"element"});
     const bool is_list = words.size() == 5 && words[1] == "list";
-    if (!is_list && words.size() != 3) {
-      fail("the property line is malformed",
-           "It reads 'property TYPE NAME' or 'property list LENGTH_TYPE TYPE NAME'");
-    }
+    if (!is_list && words.size() != 3)
+      fail(facts::io::MalformedLine{.keyword = "property", .form = "property [list LENGTH_TYPE] TYPE NAME"});
     PlyProperty property;
     property.name = std::string(words.back());
     property.is_list = is_list;
     property.type = parse_type(words[words.size() - 2]);
     if (is_list) {
       property.count_type = parse_type(words[2]);
-      if (!is_integer(property.count_type)) {
-        fail("the length of the list '" + property.name + "' is no whole number", "Use an integer type for it");
-      }
+      if (!is_integer(property.count_type))
+        fail(facts::io::NonIntegerType{
+            .element = header_.elements.back().name, .list = property.name, .part = "length"});
     }
     header_.elements.back().properties.push_back(std::move(property));
   }
@@ -174,8 +164,7 @@ class HeaderParser {
     for (const TypeName& entry : type_names) {
       if (entry.name == word) return entry.type;
     }
-    fail("the type '" + std::string(word.substr(0, 40)) + "' is unknown",
-         "PLY has char, uchar, short, ushort, int, uint, float and double");
+    fail_word(word, {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"});
   }
 
   /// Checks that the smallest possible size of all records fits into the file.
@@ -188,22 +177,19 @@ class HeaderParser {
       if (header_.encoding == PlyEncoding::ascii) record = 2 * element.properties.size();
       if (record == 0) continue;
       const std::size_t available = header_.encoding == PlyEncoding::ascii ? left + 1 : left;
-      if (element.count > available / record) {
-        throw Error(ErrorCode::input,
-                    "the header announces " + std::to_string(element.count) + " '" + element.name +
-                        "' records, but the file is too short for them",
-                    name_, "The file is cut off or its header is wrong; copy or export it again");
-      }
+      if (element.count > available / record)
+        throw Error(facts::io::TooShort{.element = element.name, .count = element.count}, name_);
       left -= std::min<std::size_t>(left, element.count * record);
     }
   }
 
-  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const {
-    throw Error(ErrorCode::input, problem, name_ + ", " + line_name(content_, line_begin_), remedy);
+  [[noreturn]] void fail(Fact fact) const {
+    throw Error(std::move(fact), name_ + ", " + line_name(content_, line_begin_));
   }
-  [[noreturn]] void fail_truncated() const {
-    fail("the header has no end_header line", "The file is cut off; copy or export it again");
+  [[noreturn]] void fail_word(std::string_view word, std::initializer_list<std::string_view> expected) const {
+    fail(facts::io::UnexpectedWord{.word = shown(word), .expected = expected});
   }
+  [[noreturn]] void fail_truncated() const { fail(facts::io::Truncated{.missing = "end_header"}); }
 
   std::string_view content_;
   const std::string& name_;
@@ -240,10 +226,8 @@ std::size_t PlyElement::smallest_binary_size() const {
 }
 
 PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
-  if (!has_ply_signature(content)) {
-    throw Error(ErrorCode::input, "the file does not begin with 'ply'", name + ", line 1",
-                "It is not a PLY file; give it the extension of its own format");
-  }
+  if (!has_ply_signature(content))
+    throw Error(facts::io::NotThisFormat{.format = "PLY", .beginning = "ply"}, name + ", line 1");
   return HeaderParser(content, name).parse();
 }
 
@@ -257,13 +241,9 @@ void PlyTextCursor::begin_record(const PlyElement& element, std::uint64_t row) {
   element_ = &element;
   row_ = row;
   // An element without properties has no values on a line.
-  if (!element.properties.empty() && at_end()) {
-    throw Error(ErrorCode::input,
-                "the file ends after " + std::to_string(row) + " of " + std::to_string(element.count) + " '" +
-                    element.name + "' records",
-                name_ + ", " + line_name(content_, content_.size()),
-                "The file is cut off or its header is wrong; copy or export it again");
-  }
+  if (!element.properties.empty() && at_end())
+    throw Error(facts::io::TruncatedRecords{.element = element.name, .read = row, .count = element.count},
+                name_ + ", " + line_name(content_, content_.size()));
 }
 
 double PlyTextCursor::scalar(const PlyProperty& property, ScalarType type) {
@@ -272,28 +252,22 @@ double PlyTextCursor::scalar(const PlyProperty& property, ScalarType type) {
   while (offset_ < content_.size() && !is_blank(content_[offset_]) && !is_line_end(content_[offset_]))
     ++offset_;
   const std::string_view text = content_.substr(value_begin_, offset_ - value_begin_);
-  if (text.empty()) {
-    fail("the line has too few values; '" + property.name + "' of '" + element_->name + "' is missing",
-         "Each record is one line with a value for each property of the header");
-  }
+  if (text.empty()) fail(facts::io::MissingValue{.element = element_->name, .value = property.name});
   const ParsedNumber number = parse_number(text, type);
-  if (number.fault != NumberFault::none) {
-    fail("'" + property.name + "' of '" + element_->name + "': " + describe_fault(text, type, number.fault),
-         remedy_for(text, number.fault));
-  }
+  if (number.fault != NumberFault::none)
+    fail(bad_number(property.name + " of " + element_->name, text, type, number.fault));
   return number.value;
 }
 
 void PlyTextCursor::end_record() {
   while (offset_ < content_.size() && is_blank(content_[offset_])) ++offset_;
   if (offset_ < content_.size() && !is_line_end(content_[offset_]) && !element_->properties.empty()) {
-    fail("the line has more values than the header gives a '" + element_->name + "'",
-         "Each record is one line with a value for each property of the header");
+    fail(facts::io::ExtraValues{.element = element_->name});
   }
 }
 
-void PlyTextCursor::fail(const std::string& problem, const std::string& remedy) const {
-  throw Error(ErrorCode::input, problem, name_ + ", " + line_name(content_, offset_), remedy);
+void PlyTextCursor::fail(Fact fact) const {
+  throw Error(std::move(fact), name_ + ", " + line_name(content_, offset_));
 }
 
 }  // namespace meshgraft::io

@@ -12,6 +12,7 @@
 
 #include "core/platform/memory.h"
 #include "document.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "ply.h"
 #include "records.h"
@@ -99,14 +100,10 @@ class PlyReader {
   void require_vertices() const {
     const std::vector<PlyElement>& elements = document_->header.elements;
     const auto vertices = std::ranges::find(elements, "vertex", &PlyElement::name);
-    if (vertices == elements.end()) {
-      fail("the file has no 'vertex' element", "A mesh needs vertices with x, y and z");
-    }
+    if (vertices == elements.end()) throw Error(facts::io::NoVertices{.element = "vertex"}, name_);
     for (const std::string_view axis : {"x", "y", "z"}) {
-      if (!find_property(*vertices, axis, false)) {
-        fail("the vertices have no property '" + std::string(axis) + "'",
-             "A mesh needs vertices with x, y and z");
-      }
+      if (!find_property(*vertices, axis, false))
+        throw Error(facts::io::MissingProperty{.element = "vertex", .property = axis}, name_);
     }
   }
 
@@ -180,8 +177,7 @@ class PlyReader {
     std::size_t begin = 0;
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (values[k] > std::numeric_limits<Index>::max())
-        fail("a strip names the vertex " + std::to_string(static_cast<std::uint64_t>(values[k])),
-             "Indices must be below 2147483648; export the file again");
+        throw Error(facts::io::IndexTooLarge{.index = static_cast<std::int64_t>(values[k])}, name_);
       if (values[k] < 0) begin = k + 1;
       if (values[k] < 0 || k < begin + 2) continue;
       std::array<Index, 3> face;
@@ -190,7 +186,8 @@ class PlyReader {
       const bool is_turn = face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
       if (is_turn) continue;  // a repeated vertex reverses the strip and makes no triangle
       if (mesh_.faces.corner_count() > std::numeric_limits<Index>::max() - 3)
-        fail("the strips have more than 2147483647 corners", "Split the mesh");
+        throw Error(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()},
+                    name_);
       mesh_.faces.push_back(face);
     }
   }
@@ -200,12 +197,11 @@ class PlyReader {
       const std::optional<std::size_t> property = find_property(element, list_name, true);
       if (!property) continue;
       if (is_integer(element.properties[*property].type)) return property;
-      fail("the list '" + std::string(list_name) + "' of the element '" + element.name +
-               "' does not hold whole numbers",
-           "Export the file again");
+      throw Error(facts::io::NonIntegerType{.element = element.name, .list = list_name, .part = "values"},
+                  name_);
     }
     if (element.count == 0) return std::nullopt;
-    fail("the element '" + element.name + "' has no list 'vertex_indices'", "Export the file again");
+    throw Error(facts::io::MissingProperty{.element = element.name, .property = "vertex_indices"}, name_);
   }
 
   /// Binds every scalar property that the mesh can hold to an attribute: known groups first, then each of the
@@ -326,8 +322,8 @@ class PlyReader {
     const std::string location = document_->header.encoding == PlyEncoding::ascii
                                      ? line_name(content, rest)
                                      : "byte " + std::to_string(rest);
-    throw Error(ErrorCode::input, "the file goes on after the last record that its header announces",
-                name_ + ", " + location, "Correct the counts in the header, or export the file again");
+    throw Error(facts::io::TrailingData{.element = document_->header.elements.back().name},
+                name_ + ", " + location);
   }
 
   /// Restores label names from comments "label NAME VALUE TEXT", which are written for meshes with named
@@ -360,10 +356,6 @@ class PlyReader {
     }
   }
 
-  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const {
-    throw Error(ErrorCode::input, problem, name_, remedy);
-  }
-
   const std::string& name_;
   const Context& context_;
   std::shared_ptr<PlyDocument> document_;
@@ -372,25 +364,28 @@ class PlyReader {
 
 }  // namespace
 
-std::vector<std::string> PlyDocument::beside_the_mesh() const {
-  std::vector<std::string> list;
+std::vector<Note> PlyDocument::beside_the_mesh() const {
+  std::vector<Note> notes;
+  const auto add = [&](const std::string& content, std::uint64_t count) {
+    notes.push_back(facts::io::LeftOut{.file = path.filename(), .content = content, .count = count});
+  };
   for (std::size_t e = 0; e < header.elements.size(); ++e) {
     const PlyElement& element = header.elements[e];
     const auto table = std::ranges::find(tables, e, &PlyTable::element);
     if (table == tables.end()) {
-      if (element.count > 0) list.push_back(std::to_string(element.count) + " of '" + element.name + "'");
+      if (element.count > 0) add(element.name, element.count);
       continue;
     }
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const std::string& property = element.properties[p].name;
       if (std::ranges::find(table->bindings, p, &PlyBinding::property) == table->bindings.end() &&
           property != "vertex_indices" && property != "vertex_index")
-        list.push_back("'" + property + "' of '" + element.name + "'");
+        add(element.name + " " + property, element.count);
     }
   }
   for (const std::string& comment : header.comments)
-    if (comment.starts_with("TextureFile")) list.push_back("'" + comment + "'");
-  return list;
+    if (comment.starts_with("TextureFile")) add(comment, 1);
+  return notes;
 }
 
 std::vector<std::filesystem::path> texture_files(const PlyDocument& document) {

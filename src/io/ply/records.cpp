@@ -8,6 +8,7 @@
 
 #include "io/binary_value.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -40,8 +41,8 @@ class RecordReader {
     const std::size_t record = element.smallest_binary_size();
     const std::size_t count = element.count;
     if (record != 0 && count > (document_.content.size() - offset) / record) {
-      throw Error(ErrorCode::input, "the file ends in the middle of its '" + element.name + "' records", name_,
-                  "The file is cut off or its header is wrong; copy or export it again");
+      const std::size_t read = (document_.content.size() - offset) / record;
+      throw Error(facts::io::TruncatedRecords{.element = element.name, .read = read, .count = count}, name_);
     }
     const bool swap = needs_swap(document_.header.encoding);
     const char* const records = document_.content.data() + offset;
@@ -164,10 +165,8 @@ class RecordReader {
     corners.clear();
     for (std::size_t k = 0; k < length; ++k) {
       const double index = cursor.scalar(property, property.type);
-      if (index > std::numeric_limits<Index>::max()) {
-        cursor.fail("the vertex index " + std::to_string(static_cast<std::uint64_t>(index)) + " is too large",
-                    "Indices must be below 2147483648; export the file again");
-      }
+      if (index > std::numeric_limits<Index>::max())
+        cursor.fail(facts::io::IndexTooLarge{.index = static_cast<std::int64_t>(index)});
       corners.push_back(static_cast<Index>(index));
     }
   }
@@ -175,7 +174,8 @@ class RecordReader {
   template <class Cursor>
   static void push_face(Cursor& cursor, const std::vector<Index>& corners, Faces& faces) {
     const auto room = static_cast<std::size_t>(std::numeric_limits<Index>::max() - faces.corner_count());
-    if (corners.size() > room) cursor.fail("the faces have more than 2147483647 corners", "Split the mesh");
+    if (corners.size() > room)
+      cursor.fail(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()});
     faces.push_back(corners);
   }
 

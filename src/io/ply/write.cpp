@@ -12,6 +12,7 @@
 #include "document.h"
 #include "io/binary_value.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "io/obj/materials.h"
 #include "ply.h"
@@ -26,6 +27,20 @@ struct Column {
   std::size_t stride = 0;          ///< from one row (one corner, for lists) to the next
 };
 
+std::string_view type_name(ScalarType type) {
+  switch (type) {
+    case ScalarType::int8: return "char";
+    case ScalarType::uint8: return "uchar";
+    case ScalarType::int16: return "short";
+    case ScalarType::uint16: return "ushort";
+    case ScalarType::int32: return "int";
+    case ScalarType::uint32: return "uint";
+    case ScalarType::float32: return "float";
+    case ScalarType::float64: break;
+  }
+  return "double";
+}
+
 /// Returns the value to be written in place of `old`, or nothing if `old` stays. Throws Error(input) if the
 /// file's type cannot hold the new value.
 std::optional<double> replacement(double old, double value, const PlyElement& element, std::uint64_t row,
@@ -33,12 +48,10 @@ std::optional<double> replacement(double old, double value, const PlyElement& el
   if (same_value(old, value)) return std::nullopt;
   if (std::isnan(value) && is_integer(property.type)) return std::nullopt;
   const ParsedNumber rounded = narrow(value, property.type);
-  if (rounded.fault != NumberFault::none) {
-    std::string text;
-    append_number(text, value, ScalarType::float64);
-    throw Error(ErrorCode::input, text + " does not fit the file's type of '" + property.name + "'",
-                element.name + " " + std::to_string(row), "Write the mesh in another format, or scale it down");
-  }
+  if (rounded.fault != NumberFault::none)
+    throw Error(
+        facts::io::ValueDoesNotFit{.property = property.name, .type = type_name(property.type), .value = value},
+        element.name + " " + std::to_string(row));
   if (same_value(old, rounded.value)) return std::nullopt;
   return rounded.value;
 }
@@ -180,20 +193,6 @@ struct NewProperty {
   bool is_list = false;
   double scale = 1;  ///< factor from the mesh's values to the file's
 };
-
-std::string_view type_name(ScalarType type) {
-  switch (type) {
-    case ScalarType::int8: return "char";
-    case ScalarType::uint8: return "uchar";
-    case ScalarType::int16: return "short";
-    case ScalarType::uint16: return "ushort";
-    case ScalarType::int32: return "int";
-    case ScalarType::uint32: return "uint";
-    case ScalarType::float32: return "float";
-    case ScalarType::float64: break;
-  }
-  return "double";
-}
 
 /// Returns the property name that other programs look for.
 std::string component_name(const Attribute& attribute, int component) {
@@ -353,12 +352,11 @@ class PlyComposer {
     if (is_integer(property.type) && std::isnan(value)) value = missing_value(property);
     if (is_unit_colour(property.attribute)) value = std::clamp(value, 0.0, 255.0);
     const ParsedNumber rounded = narrow(value, property.type);
-    if (rounded.fault != NumberFault::none) {
-      std::string text;
-      append_number(text, value, ScalarType::float64);
-      throw Error(ErrorCode::input, text + " does not fit the type of '" + property.name + "'",
-                  std::string(element) + " " + std::to_string(row), "Correct the value");
-    }
+    if (rounded.fault != NumberFault::none)
+      throw Error(
+          facts::io::ValueDoesNotFit{
+              .property = property.name, .type = type_name(property.type), .value = value},
+          std::string(element) + " " + std::to_string(row));
     put_scalar(rounded.value, property.type);
   }
 
@@ -395,8 +393,7 @@ Written write_ply(const Mesh& mesh, const std::filesystem::path&, const WriteOpt
       PlyComposer(mesh, from_floats ? ScalarType::float32 : ScalarType::float64, context).compose()};
   written.notes = left_out_notes(mesh);
   for (const std::string& library : material_libraries_of(mesh))
-    written.notes.push_back("PLY has no place for the materials that " + library +
-                            " defines: their names are kept, colours and textures are not");
+    written.notes.push_back(facts::io::MaterialsNamedOnly{.format = "PLY", .library = library});
   return written;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "document.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 
 namespace meshgraft::io {
@@ -15,7 +16,7 @@ bool StlTextCursor::next_facet(StlFacetText& facet) {
     if (!in_solid_ && !next_solid()) return false;
     const std::string_view word = words_.next();
     if (is_stl_keyword(word, "facet")) break;
-    if (!is_stl_keyword(word, "endsolid")) fail_keyword(word, "'facet' or 'endsolid'");
+    if (!is_stl_keyword(word, "endsolid")) fail_keyword(word, {"endsolid", "facet"});
     words_.rest_of_line();  // the name after 'endsolid'
     in_solid_ = false;
   }
@@ -43,7 +44,7 @@ bool StlTextCursor::next_facet(StlFacetText& facet) {
 bool StlTextCursor::next_solid() {
   const std::string_view word = words_.next();
   if (word.empty() && solid_count_ > 0) return false;
-  if (!is_stl_keyword(word, "solid")) fail_keyword(word, "'solid'");
+  if (!is_stl_keyword(word, "solid")) fail_keyword(word, {"solid"});
   ++solid_count_;
   solid_name_ = words_.rest_of_line();
   in_solid_ = true;
@@ -52,18 +53,13 @@ bool StlTextCursor::next_solid() {
 
 void StlTextCursor::expect(std::string_view keyword) {
   const std::string_view word = words_.next();
-  if (!is_stl_keyword(word, keyword)) fail_keyword(word, "'" + std::string(keyword) + "'");
+  if (!is_stl_keyword(word, keyword)) fail_keyword(word, {keyword});
 }
 
-void StlTextCursor::fail_keyword(std::string_view word, std::string_view expected) const {
-  if (word.empty()) {
-    words_.fail("the file ends where " + std::string(expected) + " is expected",
-                "The file is cut off; copy or export it again");
-  }
-  std::string shown(word.substr(0, 40));
-  std::ranges::replace_if(shown, [](unsigned char c) { return c < 32 || c == 127; }, '?');
-  words_.fail("'" + shown + "' stands where " + std::string(expected) + " is expected",
-              "A facet has one loop of three vertices; correct the line, or export the file again");
+void StlTextCursor::fail_keyword(std::string_view word,
+                                 std::initializer_list<std::string_view> expected) const {
+  if (word.empty()) words_.fail(facts::io::Truncated{.missing = *expected.begin()});
+  words_.fail(facts::io::UnexpectedWord{.word = shown(word), .expected = expected});
 }
 
 }  // namespace meshgraft::io

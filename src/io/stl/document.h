@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,7 @@ struct StlDocument : FileDocument {
   std::string content;
   bool ascii = false;
 
-  std::vector<std::string> beside_the_mesh() const override { return {}; }
+  std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 
 /// The layout of a binary file, in bytes: a free header of 80 bytes, the number of facets, and 50 bytes per
@@ -67,7 +68,7 @@ class StlTextCursor {
  private:
   bool next_solid();
   void expect(std::string_view keyword);
-  [[noreturn]] void fail_keyword(std::string_view word, std::string_view expected) const;
+  [[noreturn]] void fail_keyword(std::string_view word, std::initializer_list<std::string_view> expected) const;
 
   WordCursor words_;
   std::size_t solid_count_ = 0;

@@ -12,6 +12,7 @@
 #include "core/platform/memory.h"
 #include "document.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "point_index.h"
 #include "stl.h"
 
@@ -167,26 +168,21 @@ class StlReader {
 
   [[noreturn]] void fail_size() const {
     const std::string_view content = document_->content;
-    if (is_text(content)) {
-      throw Error(ErrorCode::input, "the file does not begin with 'solid'", name_ + ", line 1",
-                  "It is no ascii STL file; give it the extension of its own format");
-    }
-    if (content.size() < stl_layout::first_facet) {
-      throw Error(ErrorCode::input, "the file ends in the middle of its header", name_,
-                  "A binary STL file begins with 84 bytes; copy or export it again");
-    }
+    if (is_text(content))
+      throw Error(facts::io::NotThisFormat{.format = "ascii STL", .beginning = "solid"}, name_ + ", line 1");
+    if (content.size() < stl_layout::first_facet)
+      throw Error(
+          facts::io::TruncatedHeader{
+              .format = "binary STL", .needed = stl_layout::first_facet, .size = content.size()},
+          name_);
     const std::uint64_t count = load_stl_count(content);
-    const std::uint64_t size = stl_layout::first_facet + count * stl_layout::facet;
-    const std::string problem = "the header announces " + std::to_string(count) + " facets, which take " +
-                                std::to_string(size) + " bytes, but the file has " +
-                                std::to_string(content.size());
-    throw Error(ErrorCode::input, problem, name_ + ", byte " + std::to_string(stl_layout::header),
-                size > content.size() ? "The file is cut off or no STL file; copy or export it again"
-                                      : "Correct the count, or export the file again");
+    const std::uint64_t needed = stl_layout::first_facet + count * stl_layout::facet;
+    throw Error(facts::io::WrongSize{.count = count, .needed = needed, .size = content.size()},
+                name_ + ", byte " + std::to_string(stl_layout::header));
   }
 
   [[noreturn]] void fail_too_large() const {
-    throw Error(ErrorCode::input, "the faces have more than 2147483647 corners", name_, "Split the mesh");
+    throw Error(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()}, name_);
   }
 
   void report_progress(std::size_t done, std::size_t of) const {

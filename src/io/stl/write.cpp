@@ -11,6 +11,7 @@
 
 #include "document.h"
 #include "io/check_interval.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
 #include "stl.h"
@@ -21,12 +22,9 @@ namespace {
 
 float to_float(double value, Index vertex) {
   const ParsedNumber rounded = narrow(value, ScalarType::float32);
-  if (rounded.fault != NumberFault::none) {
-    std::string text;
-    append_number(text, value, ScalarType::float64);
-    throw Error(ErrorCode::input, text + " does not fit STL's single precision",
-                "vertex " + std::to_string(vertex), "Write the mesh in another format, or scale it down");
-  }
+  if (rounded.fault != NumberFault::none)
+    throw Error(facts::io::ValueDoesNotFit{.property = "vertex", .type = "float", .value = value},
+                "vertex " + std::to_string(vertex));
   return static_cast<float>(rounded.value);
 }
 
@@ -182,7 +180,7 @@ class StlComposer {
     store_stl_attribute(facet + stl_layout::attribute, to_attribute(attribute_->values[face]));
   }
 
-  void note_losses(std::vector<std::string>& notes) const {
+  void note_losses(std::vector<Note>& notes) const {
     notes = left_out_notes(mesh_);
     note_unwritten(mesh_, "STL", {attribute_}, notes);
     Flags used(static_cast<std::size_t>(mesh_.vertex_count()), 0);
@@ -193,15 +191,10 @@ class StlComposer {
     const auto dropped = std::ranges::count(covered, 0);
     Index polygons = 0;
     for (Index f = 0; f < mesh_.face_count(); ++f) polygons += mesh_.faces[f].size() > 3 ? 1 : 0;
-    if (polygons > 0)
-      notes.push_back("STL has triangles only: " + std::to_string(polygons) + " polygons are split");
-    if (isolated > 0)
-      notes.push_back("STL has no place for vertices without a face: " + std::to_string(isolated) +
-                      " are left out");
-    if (dropped > 0)
-      notes.push_back("STL has no place for faces with fewer than three corners: " + std::to_string(dropped) +
-                      " are left out");
-    if (rounded_) notes.push_back("STL holds single precision: coordinates are rounded");
+    if (polygons > 0) notes.push_back(facts::io::PolygonsSplit{.format = "STL", .count = polygons});
+    if (isolated > 0) notes.push_back(facts::io::VerticesLeftOut{.format = "STL", .count = isolated});
+    if (dropped > 0) notes.push_back(facts::io::FacesLeftOut{.format = "STL", .count = dropped});
+    if (rounded_) notes.push_back(facts::io::CoordinatesRounded{.format = "STL"});
   }
 
   const Mesh& mesh_;

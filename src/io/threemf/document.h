@@ -29,7 +29,7 @@ struct ThreemfDocument : FileDocument {
   const ThreemfVertices& vertices(std::size_t object) const {
     return scanned[sources[object].part].meshes[sources[object].mesh];
   }
-  std::vector<std::string> beside_the_mesh() const override;
+  std::vector<Note> beside_the_mesh() const override;
   std::string unit() const override { return length_unit; }
 };
 

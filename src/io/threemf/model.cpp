@@ -13,6 +13,9 @@
 #include <meshgraft/core/version.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/facts.h"
+#include "threemf/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
@@ -46,7 +49,7 @@ class Session {
  public:
   explicit Session(const Context& context) : context_(context) {
     if (NMR::lib3mf_createmodel(model_.receive()) != LIB3MF_OK)
-      throw Error(ErrorCode::internal, "lib3mf cannot make a model");
+      throw Error(facts::core::Defect{.what = "lib3mf cannot make a model"});
   }
 
   NMR::PLib3MFModel* model() const { return model_.get(); }
@@ -59,9 +62,7 @@ class Session {
     DWORD code = 0;
     LPCSTR message = nullptr;
     NMR::lib3mf_getlasterror(subject, &code, &message);
-    throw Error(ErrorCode::input,
-                fmt::format("lib3mf refuses it: {}", message != nullptr ? message : "no reason"), {},
-                "Export the model again");
+    throw Error(facts::threemf::ModelRefused{.reason = message != nullptr ? message : "no reason"});
   }
 
   /// A progress callback for lib3mf. Returning false asks lib3mf to stop.
@@ -280,9 +281,7 @@ class Reader {
     constexpr std::size_t most_vertices = 200'000'000;
     placed_vertices_ += model_.objects[object].vertices.size();
     if (placed_vertices_ > most_vertices)
-      throw Error(ErrorCode::input,
-                  fmt::format("the copies in its build have more than {} vertices", most_vertices), {},
-                  "Open it in the program that made it and keep the objects that are to be edited");
+      throw Error(facts::threemf::BuildTooLarge{.what = "vertices", .most = most_vertices});
     model_.placements.push_back({object, transform});
   }
 

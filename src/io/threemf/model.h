@@ -38,7 +38,8 @@ struct ThreemfModel {
 };
 
 /// Reads a model. `name` is the file's, for messages. The build must have been checked before, because lib3mf
-/// walks through all copies in it. Throws Error(input) if lib3mf refuses the package.
+/// walks through all copies in it. Throws Error(input) with the id threemf.model_refused if lib3mf refuses the
+/// package.
 ThreemfModel read_threemf_model(std::string_view package, const std::string& name, const Context& context);
 
 /// Composes a package with the objects, each placed once. Coordinates have six decimals, because lib3mf

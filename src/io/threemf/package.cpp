@@ -10,11 +10,12 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "threemf/facts.h"
+
 namespace meshgraft::io {
 
 namespace {
-
-constexpr std::string_view damaged = "The file is cut off or damaged; copy or export it again";
 
 std::string message_of(zip_error_t& error) {
   std::string text = zip_error_strerror(&error);
@@ -38,8 +39,7 @@ class Archive {
     if (source_ != nullptr) archive_ = zip_open_from_source(source_, flags, &error);
     if (archive_ == nullptr) {
       if (source_ != nullptr) zip_source_free(source_);
-      throw Error(ErrorCode::input, "is no ZIP archive, as every 3MF file is (" + message_of(error) + ")", {},
-                  std::string(damaged));
+      throw Error(facts::threemf::NotZip{.reason = message_of(error)});
     }
     zip_source_keep(source_);
   }
@@ -53,18 +53,17 @@ class Archive {
   zip_t* get() const { return archive_; }
 
   std::string close() {
-    if (zip_close(archive_) != 0)
-      throw Error(ErrorCode::internal, std::string("the package cannot be written: ") + zip_strerror(archive_));
+    if (zip_close(archive_) != 0) throw Error(facts::threemf::WriteFailed{.reason = zip_strerror(archive_)});
     archive_ = nullptr;
     zip_stat_t status;
     std::string bytes;
     if (zip_source_open(source_) != 0 || zip_source_stat(source_, &status) != 0)
-      throw Error(ErrorCode::internal, "the written package cannot be read");
+      throw Error(facts::core::Defect{.what = "the written package cannot be read"});
     bytes.resize(status.size);
     const zip_int64_t got = zip_source_read(source_, bytes.data(), bytes.size());
     zip_source_close(source_);
     if (got != static_cast<zip_int64_t>(bytes.size()))
-      throw Error(ErrorCode::internal, "the written package cannot be read whole");
+      throw Error(facts::core::Defect{.what = "the written package cannot be read whole"});
     return bytes;
   }
 
@@ -85,17 +84,13 @@ void require_plausible(const zip_stat_t& entry, const std::string& location) {
   constexpr zip_uint64_t small = zip_uint64_t{64} << 20;
   constexpr zip_uint64_t largest_ratio = 200;
   if (entry.size > small && entry.size / largest_ratio > entry.comp_size)
-    throw Error(ErrorCode::input,
-                "unpacks to " + std::to_string(entry.size) + " bytes, more than 200 times its size", location,
-                "If this is meant, pack the archive anew without compression");
+    throw Error(facts::threemf::PartTooLarge{.bytes = entry.size, .ratio = largest_ratio}, location);
 }
 
 std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& location) {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(archive, entry.index, 0),
                                                                &zip_fclose);
-  if (!file)
-    throw Error(ErrorCode::input, std::string("cannot be unpacked: ") + zip_strerror(archive), location,
-                std::string(damaged));
+  if (!file) throw Error(facts::threemf::CannotUnpack{.reason = zip_strerror(archive)}, location);
   // Reads by pieces, because the size in the archive may be wrong.
   constexpr std::size_t piece = std::size_t{1} << 20;
   std::string content;
@@ -105,8 +100,7 @@ std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::strin
     content.resize(size + piece);
     const zip_int64_t got = zip_fread(file.get(), content.data() + size, piece);
     content.resize(size + static_cast<std::size_t>(std::max<zip_int64_t>(got, 0)));
-    if (got < 0 || content.size() > entry.size)
-      throw Error(ErrorCode::input, "cannot be unpacked: its data are damaged", location, std::string(damaged));
+    if (got < 0 || content.size() > entry.size) throw Error(facts::threemf::DataDamaged{}, location);
     if (got == 0) return content;
   }
 }
@@ -116,7 +110,7 @@ zip_stat_t stat_of(zip_t* archive, zip_uint64_t index) {
   zip_stat_init(&entry);
   constexpr zip_uint64_t needed = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_INDEX;
   if (zip_stat_index(archive, index, 0, &entry) != 0 || (entry.valid & needed) != needed)
-    throw Error(ErrorCode::input, "the archive's table of contents is damaged", {}, std::string(damaged));
+    throw Error(facts::threemf::ContentsDamaged{});
   return entry;
 }
 
@@ -133,8 +127,7 @@ std::vector<PackagePart> model_parts(std::string_view package, const std::string
     if (lower_case(location).ends_with(".model"))
       parts.push_back({location, read_entry(archive.get(), entry, location)});
   }
-  if (parts.empty())
-    throw Error(ErrorCode::input, "holds no 3D model", {}, "It is another kind of ZIP archive");
+  if (parts.empty()) throw Error(facts::threemf::NoModel{});
   return parts;
 } catch (const Error& error) {
   throw error.within(name);
@@ -151,7 +144,7 @@ std::string with_parts(std::string_view package, const std::vector<PackagePart>&
     if (source == nullptr || zip_stat_index(archive.get(), static_cast<zip_uint64_t>(index), 0, &old) != 0 ||
         zip_file_replace(archive.get(), static_cast<zip_uint64_t>(index), source, 0) != 0) {
       if (source != nullptr) zip_source_free(source);
-      throw Error(ErrorCode::internal, "the part " + part.name + " cannot be replaced");
+      throw Error(facts::core::Defect{.what = "the part " + part.name + " cannot be replaced"});
     }
     zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index),
                              old.comp_method == ZIP_CM_STORE ? ZIP_CM_STORE : ZIP_CM_DEFLATE, 0);

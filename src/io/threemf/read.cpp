@@ -13,6 +13,7 @@
 
 #include "document.h"
 #include "threemf.h"
+#include "threemf/facts.h"
 
 namespace meshgraft::io {
 
@@ -85,9 +86,7 @@ class CopyCounter {
  private:
   double copies_of(const std::string& path, const ThreemfReference& reference, int depth) {
     constexpr int deepest = 32;
-    if (depth > deepest)
-      throw Error(ErrorCode::input, fmt::format("components are nested more than {} deep", deepest), {},
-                  "Flatten them in the program that made the file");
+    if (depth > deepest) throw Error(facts::threemf::ComponentsTooDeep{.deepest = deepest});
     const std::string& own = reference.path.empty() ? path : reference.path;
     const auto known = copies_.find({own, reference.id});
     if (known != copies_.end()) return known->second;
@@ -105,10 +104,9 @@ class CopyCounter {
 };
 
 void require_sensible_build(const ThreemfDocument& document, const std::string& name) try {
-  constexpr double most = 10'000;  // lib3mf's time grows with the square
+  constexpr int most = 10'000;  // lib3mf's time grows with the square
   if (CopyCounter(document.parts, document.scanned).copies() > most)
-    throw Error(ErrorCode::input, fmt::format("its build is made of more than {} copies of objects", most), {},
-                "Open it in the program that made it and keep what is to be edited");
+    throw Error(facts::threemf::BuildTooLarge{.what = "copies of objects", .most = most});
 } catch (const Error& error) {
   throw error.within(name);
 }
@@ -214,12 +212,10 @@ class Assembler {
 
 }  // namespace
 
-std::vector<std::string> ThreemfDocument::beside_the_mesh() const {
-  std::vector<std::string> list = {"metadata, textures and what else the package holds"};
-  if (unplaced > 0)
-    list.push_back(fmt::format("{} that the build does not use",
-                               unplaced == 1 ? "1 object" : fmt::format("{} objects", unplaced)));
-  return list;
+std::vector<Note> ThreemfDocument::beside_the_mesh() const {
+  std::vector<Note> notes = {facts::threemf::PackageLeftOut{.file = path.filename()}};
+  if (unplaced > 0) notes.push_back(facts::threemf::ObjectsLeftOut{.file = path.filename(), .count = unplaced});
+  return notes;
 }
 
 Mesh read_threemf(std::string content, const std::string& name, const Context& context) {

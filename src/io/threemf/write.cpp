@@ -6,15 +6,15 @@
 #include <ranges>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/join.h>
 
 #include "document.h"
+#include "io/facts.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
 #include "threemf.h"
+#include "threemf/facts.h"
 
 namespace meshgraft::io {
 
@@ -25,8 +25,7 @@ constexpr std::array<std::string_view, 1> extensions = {".3mf"};
 void require_in_range(const Eigen::RowVector3d& position, Eigen::Index vertex) {
   constexpr float largest = 1e9F;  // the limit of lib3mf
   if (!(position.cast<float>().cwiseAbs().maxCoeff() < largest))
-    throw Error(ErrorCode::input, fmt::format("vertex {} has a coordinate that 3MF cannot hold", vertex), {},
-                "Coordinates go up to 1e9: move or scale the model");
+    throw Error(facts::threemf::CoordinateTooLarge{.vertex = vertex});
 }
 
 /// Returns new positions of a file's objects, in their own frames. Returns nothing if copies of one object
@@ -227,19 +226,16 @@ class ThreemfComposer {
     package = with_parts(package, {part});
   }
 
-  void note_losses(std::vector<std::string>& notes) const {
+  void note_losses(std::vector<Note>& notes) const {
     note_unwritten(mesh_, "3MF", {object_, material_, colour_}, notes);
-    if (material_ != nullptr && colour_ != nullptr)
-      notes.emplace_back(
-          "a triangle of a 3MF file has a material or colours: those with a material lose their colours");
+    if (material_ != nullptr && colour_ != nullptr) notes.push_back(facts::threemf::ColoursLost{});
     Flags used(static_cast<std::size_t>(mesh_.vertex_count()), false);
     for (const Index v : mesh_.faces.corners()) used[static_cast<std::size_t>(v)] = true;
     const auto lonely = std::ranges::count(used, false);
-    if (lonely > 0)
-      notes.push_back(fmt::format("3MF has no place for vertices without a face: {} are left out", lonely));
-    const bool has_polygons = std::ranges::any_of(std::views::iota(Index{0}, mesh_.face_count()),
-                                                  [&](Index f) { return mesh_.faces[f].size() > 3; });
-    if (has_polygons) notes.emplace_back("3MF has triangles alone: polygons were triangulated");
+    if (lonely > 0) notes.push_back(facts::io::VerticesLeftOut{.format = "3MF", .count = lonely});
+    const auto polygons = std::ranges::count_if(std::views::iota(Index{0}, mesh_.face_count()),
+                                                [&](Index f) { return mesh_.faces[f].size() > 3; });
+    if (polygons > 0) notes.push_back(facts::io::PolygonsSplit{.format = "3MF", .count = polygons});
   }
 
   const Mesh& mesh_;
@@ -265,10 +261,8 @@ Written write_threemf(const Mesh& mesh, const std::filesystem::path&, const Writ
   if (!document->sources.empty())
     if (const auto positions = object_positions(*document, mesh)) return {patch(*document, *positions)};
   Written written = ThreemfComposer(mesh, context).compose();
-  written.notes.emplace_back(
-      document->sources.empty()
-          ? "parts of the file hold equal meshes that cannot be told apart: it is composed anew"
-          : "copies of one object were edited apart: each is an object of its own now");
+  written.notes.push_back(document->sources.empty() ? Note(facts::threemf::MeshesAlike{})
+                                                    : Note(facts::threemf::CopiesEditedApart{}));
   return written;
 }
 

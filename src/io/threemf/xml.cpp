@@ -12,6 +12,7 @@
 #include <meshgraft/core/error.h>
 
 #include "io/number_text.h"
+#include "threemf/facts.h"
 
 namespace meshgraft::io {
 
@@ -39,8 +40,7 @@ class PartScanner {
       const XML_Status status = XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), last);
       if (failure_) std::rethrow_exception(failure_);
       if (status != XML_STATUS_OK)
-        fail(std::string("is no well-formed XML: ") + XML_ErrorString(XML_GetErrorCode(parser_.get())),
-             "Export the model again");
+        fail(facts::threemf::NotXml{.reason = XML_ErrorString(XML_GetErrorCode(parser_.get()))});
     }
     for (ThreemfVertices& mesh : part_.meshes) finish(mesh);
     return std::move(part_);
@@ -56,8 +56,7 @@ class PartScanner {
     });
   }
   static void XMLCALL doctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
-    static_cast<PartScanner*>(self)->guarded(
-        [](PartScanner& c) { c.fail("has a document type declaration, which 3MF forbids", "Remove it"); });
+    static_cast<PartScanner*>(self)->guarded([](PartScanner& c) { c.fail(facts::threemf::HasDocumentType{}); });
   }
 
   template <class Action>
@@ -113,11 +112,10 @@ class PartScanner {
       while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
       const ParsedNumber number = parse_number(text, ScalarType::float64);
       if (number.fault != NumberFault::none)
-        fail(std::string(axis) + " of a vertex: " + describe_fault(text, ScalarType::float64, number.fault),
-             remedy_for(text, number.fault));
+        fail(bad_number(std::string(axis) + " of a vertex", text, ScalarType::float64, number.fault));
       return number.value;
     }
-    fail("a vertex has no '" + std::string(axis) + "'", "Export the model again");
+    fail(facts::threemf::CoordinateMissing{.axis = axis});
   }
 
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
@@ -129,9 +127,8 @@ class PartScanner {
     finished_ += 3 * static_cast<std::size_t>(count);
   }
 
-  [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const {
-    throw Error(ErrorCode::input, problem,
-                location_ + ", line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())), remedy);
+  [[noreturn]] void fail(const Fact& fact) const {
+    throw Error(fact, location_ + ", line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())));
   }
 
   std::string_view xml_;

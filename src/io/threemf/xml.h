@@ -31,7 +31,8 @@ struct ThreemfPart {
 };
 
 /// Parses a part. `location` names it in messages. Throws Error(input) with the line if the text is not
-/// well-formed XML, has a document type (which 3MF forbids) or a malformed coordinate.
+/// well-formed XML (threemf.not_xml), has a document type (threemf.has_document_type), or lacks a coordinate or
+/// has a malformed one.
 ThreemfPart scan_part(std::string_view xml, const std::string& location);
 
 /// Whether bytes and characters of the part are the same, so that its tags can be rewritten.

@@ -1,6 +1,7 @@
 // The data types of a graft in the page.
 import type { Outcome } from "../../engine/connection";
-import type { DocumentState, EngineError, EngineEvent, PageRequest, Plane, SelectionSpec } from "../../protocol";
+import type { DocumentState, EngineEvent, PageRequest, Plane, SelectionSpec } from "../../protocol";
+import type { Failure } from "../wording";
 import type { LoopCurve } from "./loop_curve";
 
 export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
@@ -54,7 +55,7 @@ export interface LoopRef {
 export interface GraftHost {
   readonly state: { readonly value: DocumentState | null };
   ask(request: PageRequest): Promise<Outcome | undefined>;
-  attempt(request: PageRequest): Promise<Outcome | EngineError>;
+  attempt(request: PageRequest): Promise<Outcome | Failure>;
   request(request: PageRequest): Promise<Outcome>;
   /** Tells the user something that is not a failure. */
   note(problem: string, remedy: string): void;

@@ -1,18 +1,24 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { Graft } from "./graft";
 import type { LiveWords } from "../live_words";
+import { inPanelWords } from "../wording";
 
 /** Returns what the user has to do before a graft can start; undefined without a part. */
 export function pairingWords(graft: Graft): string | undefined {
+  const words = nextAction(graft);
+  return words === undefined ? undefined : `${words}.`;
+}
+
+function nextAction(graft: Graft): string | undefined {
   const waiting = graft.parts.value.filter((part) => graft.isShown(part));
   if (waiting.length === 0) return undefined;
   const open = waiting.filter((part) => part.loops > 0);
-  if (open.length === 0) return "The part has no open boundary: cut it first, by a plane or along a curve.";
+  if (open.length === 0) return "The part has no open boundary: cut it first, by a plane or along a curve";
   if ((graft.model.value?.loops ?? 0) === 0)
-    return "The model has no open boundary: cut it, or drop the part on its surface.";
+    return "The model has no open boundary: cut it, or drop the part on its surface";
   return graft.picked.value === null
-    ? "Click a loop of the model and a loop of a part: these two meet."
-    : "Now click the loop of the other one that it meets.";
+    ? "Click a loop of the model and a loop of a part: these two meet"
+    : "Now click the loop of the other one that it meets";
 }
 
 /** Returns in few words what graft mode waits for. */
@@ -37,13 +43,16 @@ export function graftWords(graft: Graft): LiveWords {
 }
 
 function beforeGraft(graft: Graft): LiveWords {
-  const text = pairingWords(graft)?.replace(/\.$/, "") ?? "Add a part from the library, or drag one onto the surface";
+  const text = nextAction(graft) ?? "Add a part from the library, or drag one onto the surface";
   return { tone: "idle", text, explained: "" };
 }
 
 function inGraft(graft: Graft, pairs: number): LiveWords {
   const { value: report } = graft.report;
-  if (report?.error !== undefined) return { tone: "problem", text: report.error.problem, explained: report.error.remedy };
+  if (report?.error !== undefined) {
+    const { problem, remedy } = inPanelWords(report.error);
+    return { tone: "problem", text: problem, explained: remedy };
+  }
   if (pairs === 0 && graft.kept.value?.at === undefined)
     return { tone: "idle", text: "Click a loop on each to pair them", explained: "" };
   if ((report?.open_starts ?? []).length > 0)

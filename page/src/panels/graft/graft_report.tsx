@@ -1,6 +1,5 @@
 import type { Page } from "../../app/page";
-import { inPanelWords } from "../../app/error_words";
-import { sentence } from "../messages";
+import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
 
@@ -72,8 +71,8 @@ export function GraftReportView({ page }: { page: Page }) {
         <details>
           <summary>{notes.length === 1 ? "1 note" : `${notes.length} notes`}</summary>
           <ul>
-            {notes.map((note) => (
-              <li key={note}>{note}</li>
+            {notes.map(noteWords).map((words) => (
+              <li key={words}>{words}</li>
             ))}
           </ul>
         </details>

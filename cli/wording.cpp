@@ -1,0 +1,39 @@
+#include "wording.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+namespace meshgraft::cli {
+
+namespace {
+
+struct OwnText {
+  std::string_view id, text, remedy;
+};
+
+constexpr OwnText own_texts[] = {
+#include "cli/texts.inc"
+};
+
+}  // namespace
+
+Words words_of(const Fact& fact) {
+  const OwnText* own = std::ranges::lower_bound(own_texts, fact.id(), {}, &OwnText::id);
+  if (own == std::end(own_texts) || own->id != fact.id()) return {fact.text(), fact.remedy()};
+  return {fill_in(own->text, fact), fill_in(own->remedy, fact)};
+}
+
+std::string sentence(const Error& error) {
+  const Words words = words_of(error.fact());
+  std::string text = error_sentence(error.location(), words.text, words.remedy);
+  for (const Note& note : error.notes()) text = error_sentence({}, text, sentence(note));
+  return text;
+}
+
+std::string sentence(const Note& note) {
+  const Words words = words_of(note);
+  return error_sentence({}, words.text, words.remedy);
+}
+
+}  // namespace meshgraft::cli

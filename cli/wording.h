@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/fact.h>
+
+namespace meshgraft::cli {
+
+/// What the command line says of a fact, in its own terms: flags and commands. What cli/texts.json does not
+/// word is worded as by the library.
+struct Words {
+  std::string text, remedy;
+};
+Words words_of(const Fact& fact);
+
+/// Returns "location: problem. remedy", and after it the error's notes.
+std::string sentence(const Error& error);
+
+/// Returns "note. remedy".
+std::string sentence(const Note& note);
+
+}  // namespace meshgraft::cli

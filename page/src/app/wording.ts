@@ -1,0 +1,561 @@
+import type { FactFields, FactId } from "../facts";
+import type { EngineError, Note } from "../protocol";
+import { counted, formatNumber } from "./units";
+
+/** What a message tells the user. Location and remedy may be empty. */
+export interface Told {
+  problem: string;
+  location: string;
+  remedy: string;
+}
+
+/** An error that the page finds by itself, such as a lost connection. It is not one of the engine's facts. */
+export interface PageError extends Told {
+  code: EngineError["code"];
+}
+
+/** The reason why a request failed. */
+export type Failure = EngineError | PageError;
+
+/** The page's words for a fact. What is absent is worded by the engine. A note with words has its problem at least. */
+interface Words {
+  problem?: string;
+  remedy?: string;
+}
+
+/** Returns what to tell the user of an error of the engine. */
+export function inPanelWords(error: EngineError): Told {
+  const { problem = error.problem, remedy = error.remedy } = wordsFor(error) ?? {};
+  const reasons = error.notes.map(noteWords);
+  return { problem, location: placeOf(error), remedy: [...reasons, remedy].filter((text) => text !== "").join(" ") };
+}
+
+/** Returns what to tell the user of a failed request. */
+export function toldOf(failure: Failure): Told {
+  return "id" in failure ? inPanelWords(failure) : failure;
+}
+
+/** Returns what to tell the user of a note, in a problem and a remedy where the page has words for it. */
+export function toldOfNote(note: Note): Told {
+  const { problem = note.text, remedy = "" } = wordsFor(note) ?? {};
+  return { problem, location: "", remedy };
+}
+
+/** Returns a note as one or more sentences. */
+export function noteWords(note: Note): string {
+  const { problem, remedy } = toldOfNote(note);
+  const text = sentence(problem);
+  const ended = text.endsWith(".") || text.endsWith("?") ? text : `${text}.`;
+  return remedy === "" ? ended : `${ended} ${remedy}`;
+}
+
+/** Begins a text with a capital letter. */
+export function sentence(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** Returns the fields of a failure if it is this fact. */
+export function fieldsOf<Id extends FactId>(failure: Failure, id: Id): FactFields[Id] | undefined {
+  return "id" in failure && failure.id === id ? (failure.fields as unknown as FactFields[Id]) : undefined;
+}
+
+/** Returns the file that a request would have replaced, if it was refused for that. */
+export function fileInTheWay(failure: Failure): string | undefined {
+  return (fieldsOf(failure, "io.file_exists") ?? fieldsOf(failure, "editor.file_changed"))?.file;
+}
+
+function wordsFor({ id, fields }: { id: string; fields: object }): Words | undefined {
+  const word = (words as Record<string, ((fields: object) => Words) | undefined>)[id];
+  return word?.(fields);
+}
+
+/** Returns where in the edit the error lies. Steps are counted from 1, as in the panel. */
+function placeOf({ id, step, location }: EngineError): string {
+  if (unplaced.has(id)) return "";
+  const parts = [step === undefined ? "" : `Step ${step + 1}`, location];
+  return parts.filter((part) => part !== "").join(", ");
+}
+
+/** Facts whose location would tell the user nothing: it is a pose that is being dragged, or the words name it. */
+const unplaced: ReadonlySet<string> = new Set<FactId>([
+  "deform.too_large_or_not_finite",
+  "script.mirrored_curve_returns",
+  "script.no_mirror_image",
+  "script.not_mirrored",
+  "script.overlaps_mirror_image",
+  "script.vertex_not_mirrored",
+  "script.vertex_without_mirror_image",
+]);
+
+/** Names the mesh of a graft as the panels do. The model is what the part is grafted onto. */
+function side(role: string): string {
+  return role === "source" ? "part" : role === "target" ? "model" : role;
+}
+
+/** Quotes a text so that a shell takes it as one word. */
+function shellWord(text: string): string {
+  return /^[\w./+,:@%-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+}
+
+function loopSizes(loops: number, sizes: readonly number[]): string {
+  const more = sizes.length < loops ? ["…"] : []; // the engine lists the first ones
+  return `${counted(loops, "loop")} (of ${[...sizes, ...more].join(", ")} vertices)`;
+}
+
+function lackWords({ lost, all }: { lost: number; all: number }, of: string): string {
+  const who = lost === all ? (all === 1 ? "the vertex" : `all ${all} vertices`) : `${lost} of the ${all} vertices`;
+  return `${who} of ${of} ${lost === 1 ? "lacks" : "lack"} a mirror image`;
+}
+
+function regionLacks(vertices: { lost: number; all: number }): string {
+  return `${lackWords(vertices, "the region")}, so there the result is not symmetric`;
+}
+
+const otherPlane =
+  "The model is not the same on both sides of this plane. Move the plane or choose another axis, under Symmetry.";
+const turnInsideOut = "Switch on Turn part inside out, under More of the graft.";
+const elsewhere = "Drag it to another place.";
+const outOfOne = "Take it out of one of the two.";
+const smallerOrProxy = "Choose a smaller region, or set Proxy vertices under More settings.";
+
+/** The page's words, where the engine's are not those of a window with panels. */
+const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
+  "deform.axis_without_length": () => ({
+    problem: "the axis has no length, so there is nothing to turn about",
+    remedy: "Choose X, Y or Z, or type a direction such as 0, 0, 1.",
+  }),
+  "deform.component_held_by_positions": ({ count, vertex, shape }) => ({
+    problem: `the free part with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie in one ${shape}, so it could still turn or shear`,
+    remedy: "Paint a handle on it, select some of it and choose Make fixed, or add points until four are not in one plane.",
+  }),
+  "deform.component_not_held": ({ count, vertex }) => ({
+    problem: `the free part with vertex ${vertex} (${counted(count, "vertex", "vertices")}) touches no handle and nothing that is fixed, so it could be anywhere`,
+    remedy: "Paint a handle on it, select some of it and choose Make fixed, or take it out of the region.",
+  }),
+  "deform.curve_not_affine": () => ({ problem: "a redrawn curve has no single move, turn and scale", remedy: "" }),
+  "deform.curve_too_short": ({ count, kind, needed }) => ({
+    problem: `the ${kind} has ${counted(count, "vertex", "vertices")}; it needs ${needed}`,
+  }),
+  "deform.feature_not_linear": () => ({ remedy: "" }),
+  "deform.features_not_reduced": () => ({ remedy: "" }),
+  "deform.frames_not_linear": () => ({
+    problem: "frames of this method do not follow the handles linearly",
+    remedy: "Choose the method Linear.",
+  }),
+  "deform.handle_constrains_nothing": () => ({ problem: "the handle holds neither position nor turn" }),
+  "deform.no_proxy": ({ vertices }) => ({
+    problem: `no simplified mesh of about ${counted(vertices, "vertex", "vertices")} can be solved for this region`,
+    remedy: "Raise Proxy vertices under More settings, or set it to 0 to solve the surface itself.",
+  }),
+  "deform.not_a_curve": () => ({ problem: "the handle is not a curve and cannot be redrawn" }),
+  "deform.nothing_free": () => ({
+    problem: "nothing is free to move",
+    remedy: "Make the region larger, or the handles and the fixed part smaller.",
+  }),
+  "deform.path_crosses_itself": ({ vertex }) => ({
+    problem: `the curve comes back to vertex ${vertex}, where it has been`,
+    remedy: "Click points that lie apart, in order along the curve.",
+  }),
+  "deform.path_too_short": ({ kind, needed, count }) => ({
+    problem: `a ${kind} needs ${needed} points near different vertices, here are ${count}`,
+    remedy: "Click more points, farther apart.",
+  }),
+  "deform.solve_exceeds_memory": () => ({ remedy: smallerOrProxy }),
+
+  "editor.defects": ({ file, path, repaired }) => ({
+    problem: `the mesh of ${file} has defects that editing may come upon`,
+    remedy: `This mends them: meshgraft repair ${shellWord(path)} -o ${shellWord(repaired)}`,
+  }),
+  "editor.edit_without_file": () => ({ remedy: "Choose Save as…." }),
+  "editor.faces_change": () => ({ remedy: "Export it without the switch As a morph target." }),
+  "editor.graft_side_missing": () => ({
+    problem: "a graft needs a part, and what the part is grafted onto",
+    remedy: "Click a loop of the model and a loop of the part.",
+  }),
+  "editor.handle_without_reach": ({ handle }) => ({
+    problem: `“${handle}” has no reach of its own`,
+    remedy: "Select what shall follow it, and choose Make region.",
+  }),
+  "editor.input_gone": ({ file }) => ({
+    problem: `the file ${file} is gone: the edit needs it to be run again`,
+    remedy: "Put it back.",
+  }),
+  "editor.input_replaced": ({ file }) => ({
+    problem: `the file ${file} is another file than the one that was opened. What is shown and saved is the edit of that one, and the saved edit will not run on this one`,
+    remedy: "Put the earlier file back, or open this one and edit it anew.",
+  }),
+  "editor.journal_not_written": ({ reason }) => ({
+    problem: `changes can no longer be written to the disk as they are made: ${reason}`,
+  }),
+  "editor.no_handle_in_step": ({ step, handle }) => ({ problem: `step ${step + 1} has no handle named “${handle}”` }),
+  "editor.no_part": () => ({ remedy: "Add one from the part library." }),
+  "editor.no_pictures": () => ({ remedy: "" }),
+  "editor.no_such_graft": ({ step, pair }) => ({ problem: `step ${step + 1} is no earlier graft with a pair ${pair + 1}` }),
+  "editor.no_such_step": ({ step, count }) => ({
+    problem: `there is no step ${step + 1}; there are ${count}`,
+    remedy: "",
+  }),
+  "editor.no_surface": ({ file }) => ({
+    problem: `the file ${file} has points and no faces`,
+    remedy: "There is no surface to edit.",
+  }),
+  "editor.only_step": () => ({ remedy: "Change it, or undo it." }),
+  "editor.part_unclear": ({ count }) => ({
+    problem: `there are ${counted(count, "part")}, and it is not clear which one to graft`,
+    remedy: "Click one under Parts, or click one of its loops.",
+  }),
+  "editor.size_not_shown": ({ file, reach, size, low, high }) => ({
+    problem: `the mesh of ${file} cannot be shown: its coordinates reach ${formatNumber(reach, 3)} and its size is ${formatNumber(size, 3)}`,
+    remedy: `Scale it to sizes between ${formatNumber(low, 3)} and ${formatNumber(high, 3)}.`,
+  }),
+  "editor.too_many_requests": () => ({
+    problem: "the engine has more to do than it can queue",
+    remedy: "Wait a moment, and try again.",
+  }),
+
+  "linalg.matrix_too_large": () => ({ remedy: smallerOrProxy }),
+  "linalg.no_multifrontal_solver": () => ({ remedy: "Choose another Solver under More settings." }),
+  "linalg.not_converged": () => ({
+    remedy: "Choose another Solver under More settings or a smaller region, or repair needle-like triangles.",
+  }),
+  "linalg.not_positive_definite": () => ({
+    problem: "the equations cannot be solved: they are not positive definite",
+    remedy: "Hold more of the surface, or choose another setting of Flat places, under More settings.",
+  }),
+  "linalg.operator_too_large": () => ({ remedy: smallerOrProxy }),
+
+  "merge.bent_less": ({ normal_angle_deg }) => ({
+    problem: `the part's rim turned inside out where it bends into the surface, so it bends less: a normal angle of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
+  }),
+  "merge.boundary_ragged": ({ pair, turn_deg }) => ({
+    problem: `a boundary of pair ${pair + 1} is ragged (${formatNumber(turn_deg, 4, 0)}° of turn per vertex too much)`,
+    remedy: "Smooth ragged loops, under More of the graft, smooths it first.",
+  }),
+  "merge.boundary_touches_itself": ({ role, vertex }) => ({
+    problem: `the ${side(role)}'s boundary touches itself in vertex ${vertex}`,
+  }),
+  "merge.component_without_pair": ({ vertices, vertex }) => ({
+    problem: `no pair holds the piece of the part with vertex ${vertex} (${counted(vertices, "vertex", "vertices")})`,
+    remedy: "Pair one of its loops with one of the model's, or take the piece out of the part.",
+  }),
+  "merge.dropped_pose_kept": () => ({ problem: "a part that is dropped has no pose to keep", remedy: "" }),
+  "merge.dropped_source_inverted": ({ vertices, size }) => ({
+    problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")} beside the hole, at size ${formatNumber(size, 3)}`,
+    remedy: "Drag it to another place, or choose a smaller size.",
+  }),
+  "merge.fixed_all_on_loops": () => ({
+    problem: "all that shall stay is on the loops that meet the model, so nothing keeps the pose",
+    remedy: "Paint more of the part beside the loops, or choose Nothing fixed: then what lies beyond reach stays.",
+  }),
+  "merge.fixed_while_pose_found": () => ({ remedy: "Choose the pose Keep." }),
+  "merge.hole_not_manifold": ({ vertex, other_vertex, size }) => ({
+    problem: `the model is not an oriented manifold within the hole, at edge ${vertex}–${other_vertex}, at size ${formatNumber(size, 3)}`,
+  }),
+  "merge.loop_crosses_itself": ({ vertex }) => ({
+    problem: `the part's loop at vertex ${vertex} crosses itself as seen along its axis`,
+    remedy: "Cut the part again, along a simpler curve.",
+  }),
+  "merge.loop_larger_than_target": ({ size }) => ({
+    problem: `the part's loop is larger than the model, at size ${formatNumber(size, 3)}`,
+  }),
+  "merge.loop_length_out_of_range": ({ role, vertex, length, coordinate }) => ({
+    problem: `the ${side(role)}'s loop at vertex ${vertex} is ${formatNumber(length, 2)} long in coordinates up to ${formatNumber(coordinate, 2)}`,
+  }),
+  "merge.loop_named_twice": ({ pair, other_pair, role, vertex }) => ({
+    problem: `pairs ${pair + 1} and ${other_pair + 1} have the same loop of the ${side(role)} (vertex ${vertex})`,
+  }),
+  "merge.loop_not_listed_in_order": ({ role }) => ({ problem: `the ${side(role)}'s loop is not listed in its order` }),
+  "merge.loop_not_listed_whole": ({ listed, role, count }) => ({
+    problem: `${listed} of the ${count} vertices of the ${side(role)}'s boundary loop are listed`,
+  }),
+  "merge.loop_rounded_off": () => ({
+    problem: "the part's loop crosses itself as seen along its axis; the hole is rounded off",
+  }),
+  "merge.loop_smaller_than_faces": ({ size }) => ({
+    problem: `the loop is too small for the model's faces, at size ${formatNumber(size, 3)}`,
+  }),
+  "merge.loop_without_area": ({ vertex }) => ({
+    problem: `the part's loop at vertex ${vertex} spans no area`,
+    remedy: "Cut the part where the loop is open like a ring.",
+  }),
+  "merge.loop_without_length": ({ role, vertex }) => ({
+    problem: `the ${side(role)}'s loop at vertex ${vertex} has no length`,
+  }),
+  "merge.loops_differ": ({ pair, difference_percent, bend_deg }) => ({
+    problem: `the loops of pair ${pair + 1} differ in shape (by ${formatNumber(difference_percent, 4, 0)} % of their radius on average), so the seam is bent by ${formatNumber(bend_deg, 4, 0)}°`,
+    remedy: "Double click a loop to match more points, or cut loops that are more alike.",
+  }),
+  "merge.loops_meet": ({ pair, vertex }) => ({
+    problem: `the loop meets that of pair ${pair + 1} in vertex ${vertex}`,
+    remedy: "Pair loops that do not touch.",
+  }),
+  "merge.match_not_on_loop": ({ role, vertex }) => ({
+    problem: `vertex ${vertex} of the ${side(role)} is not on the pair's loop`,
+    remedy: "Match points of the two loops.",
+  }),
+  "merge.matches_cross": ({ source, next_source, target, next_target }) => ({
+    problem: `the matches cross: vertices ${source} and ${next_source} of the part follow one another, vertices ${target} and ${next_target} of the model do not`,
+    remedy: `Drag the dots into one order; the two loops run opposite ways round the seam. Do the faces of the part point inward? ${turnInsideOut}`,
+  }),
+  "merge.no_boundary_loop": ({ role }) => ({
+    problem: `the ${side(role)} has no boundary loop, its surface is closed`,
+    remedy:
+      role === "source"
+        ? "Cut it open first, by a plane or along a curve."
+        : "Cut it open first, or drop the part on its surface.",
+  }),
+  "merge.no_hole": ({ largest }) => ({
+    remedy: `Use a size of at most ${formatNumber(largest, 3)}, or drag it to another place.`,
+  }),
+  "merge.no_hole_at_any_size": () => ({ remedy: elsewhere }),
+  "merge.no_loop_named": ({ role }) => ({ problem: `no loop of the ${side(role)} is paired` }),
+  "merge.no_pairs": () => ({
+    problem: "no loops are paired",
+    remedy: "Click a loop of the model and a loop of the part.",
+  }),
+  "merge.no_such_surface_vertex": ({ vertex, count }) => ({
+    problem: `vertex ${vertex} of the model does not exist; it has ${count}`,
+    remedy: elsewhere,
+  }),
+  "merge.no_such_vertex": ({ role, vertex, count }) => ({
+    problem: `vertex ${vertex} of the ${side(role)} does not exist; it has ${count}`,
+  }),
+  "merge.open_start": () => ({ remedy: "Drag a numbered dot to where the two meet, or twist." }),
+  "merge.orientations_disagree": ({ inward, outward }) => ({
+    problem: `the faces of the ${side(inward)} point inward, those of the ${side(outward)} outward, so that their loops do not run opposite ways`,
+    remedy: turnInsideOut,
+  }),
+  "merge.point_off_surface": ({ x, y, z, distance }) => ({
+    problem: `the point (${[x, y, z].map((at) => formatNumber(at, 6)).join(", ")}) is ${formatNumber(distance)} away from the model's surface`,
+    remedy: "Drag the part onto the surface.",
+  }),
+  "merge.result_not_manifold": () => ({
+    problem: "the result is not a manifold; perhaps one of the two meshes was not",
+  }),
+  "merge.ring_not_removable": () => ({
+    problem: "the ring of faces at the model's loop cannot be taken away without cutting off more",
+    remedy: "Repair the model near the loop: it is not an oriented manifold there.",
+  }),
+  "merge.size_makes_source_huge": ({ size }) => ({
+    problem: `size ${formatNumber(size, 3)} makes the part over a million times larger than the model`,
+  }),
+  "merge.size_makes_source_tiny": ({ size }) => ({
+    problem: `size ${formatNumber(size, 3)} makes the part over a million times smaller than the model`,
+  }),
+  "merge.size_too_small": ({ size }) => ({
+    problem: `the part's loop would be less than a millionth of the model's size at ${formatNumber(size, 3)}`,
+  }),
+  "merge.source_clear_if_smaller": ({ size, clear_size }) => ({
+    problem: `the part reaches into the model at size ${formatNumber(size, 3)}; at ${formatNumber(clear_size, 3)} it stands clear`,
+  }),
+  "merge.source_drawn_out": ({ pair, radii }) => ({
+    problem: `the part's loop of pair ${pair + 1} is ${formatNumber(radii, 3)} times the radius of the model's away, and the part is drawn out that far`,
+    remedy: "The pose Find brings it there.",
+  }),
+  "merge.source_inverted": ({ vertices }) => ({
+    problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")}; another start or more matches may help`,
+  }),
+  "merge.source_matched_twice": ({ source, target, other_target }) => ({
+    problem: `vertex ${source} of the part is matched with two vertices of the model, ${target} and ${other_target}`,
+  }),
+  "merge.source_reaches_in": () => ({ problem: "the part reaches into the model; another spin or place may help" }),
+  "merge.source_scaled": ({ size }) => ({ problem: `the part is scaled by ${formatNumber(size, 3)}` }),
+  "merge.source_scaled_to_graft": ({ size }) => ({
+    problem: `the part is scaled by ${formatNumber(size, 3)}: larger, it turns inside out or cuts into the model`,
+  }),
+  "merge.source_squeezed": ({ width_percent }) => ({
+    problem: `the part is squeezed to ${formatNumber(width_percent, 4, 0)} % of its width near the seam; a size of your choice or a finer part may help`,
+  }),
+  "merge.source_too_small": ({ least }) => ({
+    problem: "the part's loop is less than a millionth of the model's size",
+    remedy: `Are their units different? Choose a size of ${formatNumber(least, 2)} or more.`,
+  }),
+  "merge.source_would_reach_in": ({ size }) => ({
+    problem: `the part would reach into the model, at size ${formatNumber(size, 3)}`,
+  }),
+  "merge.start_unsure": ({ pair, confidence, target, source }) => ({
+    problem: `where pair ${pair + 1} begins was found with little confidence (${Math.round(100 * confidence)} %): vertex ${target} of the model at vertex ${source} of the part`,
+    remedy: "If the part is turned, drag the numbered dot to where the two meet, or twist.",
+  }),
+  "merge.target_matched_twice": ({ source, other_source, target }) => ({
+    problem: `vertices ${source} and ${other_source} of the part are matched with the same vertex of the model, ${target}`,
+    remedy: "Keep one of the two.",
+  }),
+  "merge.target_without_faces": () => ({ problem: "the model has no faces" }),
+  "merge.too_few_pairs": ({ count }) => ({ problem: `three pairs of vertices pose a part, ${count} given` }),
+  "merge.transform_flattens": () => ({ problem: "the pose flattens the part" }),
+  "merge.vertex_not_finite": ({ role, vertex }) => ({
+    problem: `vertex ${vertex} of the ${side(role)} has no finite position`,
+  }),
+  "merge.vertex_not_on_boundary": ({ role, vertex }) => ({
+    problem: `vertex ${vertex} of the ${side(role)} is not on a boundary`,
+    remedy: "Click a boundary loop.",
+  }),
+  "merge.vertex_on_boundary": ({ vertex }) => ({
+    problem: `vertex ${vertex} of the model is on the boundary`,
+    remedy: "Drag it farther inside, or pair the loop there with a loop of the part.",
+  }),
+  "merge.vertex_without_face": ({ vertex }) => ({
+    problem: `vertex ${vertex} of the model belongs to no face`,
+    remedy: elsewhere,
+  }),
+  "merge.vertices_of_two_loops": ({ role, vertex, other_vertex }) => ({
+    problem: `vertices ${vertex} and ${other_vertex} of the ${side(role)} are on two boundary loops`,
+    remedy: "Click one loop.",
+  }),
+  "merge.vertices_on_a_line": ({ role }) => ({
+    problem: `the vertices of the ${side(role)} lie on a line, so that any turn about it fits`,
+  }),
+
+  "mesh.faces_left_out": ({ mesh, count }) => ({
+    problem: `${counted(count, "face")} of ${mesh} had no place and ${count === 1 ? "was" : "were"} left out`,
+  }),
+  "mesh.loop_crosses_itself": () => ({ remedy: "Draw again, so that the curve stays clear of itself." }),
+  "mesh.loop_does_not_part": () => ({
+    problem: "the curve does not part the surface: there is no side to keep",
+    remedy: "Choose Both: the cut opens the surface along two loops.",
+  }),
+  "mesh.loop_encloses_nothing": () => ({ remedy: "Draw again, farther around." }),
+  "mesh.loop_repeats_vertex": ({ vertex }) => ({
+    problem: `the curve passes vertex ${vertex} twice`,
+    remedy: "Draw again, so that the curve stays clear of itself.",
+  }),
+  "mesh.loop_too_short": ({ count }) => ({
+    problem: `the curve has ${counted(count, "vertex", "vertices")}; it needs three`,
+    remedy: "Draw again, farther around.",
+  }),
+  "mesh.loop_touches_boundary": () => ({ remedy: "Draw the curve around it." }),
+  "mesh.no_path": () => ({ remedy: "Draw on one connected part." }),
+  "mesh.plane_misses_mesh": () => ({ remedy: "Move the plane onto it." }),
+
+  "script.at_with_kept_pose": () => ({ problem: "a part that is dropped goes where it is dropped, so its pose is not kept" }),
+  "script.at_with_loops": ({ field }) => ({
+    problem: `a part that is dropped opens a hole of its own, so it goes without '${field}'`,
+  }),
+  "script.drop_intersects": ({ pairs }) => ({
+    problem: `the result cuts through itself at ${counted(pairs, "pair")} of faces; another place, spin or size may help`,
+  }),
+  "script.fixed_empty": () => ({
+    problem: "nothing of the part is selected to stay",
+    remedy: "Paint some of it, or choose Nothing fixed: then what lies beyond reach stays.",
+  }),
+  "script.fixed_with_found_pose": () => ({ remedy: "Choose the pose Keep." }),
+  "script.former_backend": ({ former, name }) => ({
+    problem: `the solver '${former}' is called '${name}' now, and that is what was used`,
+  }),
+  "script.graft_intersects": ({ pairs }) => ({
+    problem: `the result cuts through itself at ${counted(pairs, "pair")} of faces; another start, size or shape may help`,
+  }),
+  "script.handle_empty": ({ handle }) => ({
+    problem: `“${handle}” has no vertices`,
+    remedy: "Select more for it, or remove the handle.",
+  }),
+  "script.handle_outside_region": ({ handle, outside, all }) => ({
+    problem: `${outside} of the ${counted(all, "vertex", "vertices")} of “${handle}” lie outside the region`,
+    remedy: "Make the region larger, or the handle smaller.",
+  }),
+  "script.loop_on_non_manifold_edge": ({ loop, mesh, count, vertices }) => ({
+    problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "edge has", "edges have")} more than two faces, on the loop, first at vertices ${vertices.join(", ")}`,
+  }),
+  "script.loop_on_non_manifold_vertex": ({ loop, mesh, count, vertices }) => ({
+    problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "vertex joins", "vertices join")} separate fans of faces, on the loop, first at vertices ${vertices.join(", ")}`,
+  }),
+  "script.loop_wound_inconsistently": ({ loop, mesh, count, vertices }) => ({
+    problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "edge has", "edges have")} two faces that are wound against each other, on the loop, first at vertices ${vertices.join(", ")}`,
+  }),
+  "script.match_of_no_pair": ({ target, source }) => ({
+    problem: `a match joins loop ${target + 1} of the model and loop ${source + 1} of the part, which are no pair`,
+    remedy: "Pair these two loops first.",
+  }),
+  "script.mirror_image_fixed": ({ vertex, handle }) => ({
+    problem: `vertex ${vertex} of the mirror image of “${handle}” is already fixed`,
+    remedy: "Symmetry makes the handle on the other side, too: take what is there out of the fixed part.",
+  }),
+  "script.mirror_image_held": ({ vertex, handle, other }) => ({
+    problem: `vertex ${vertex} of the mirror image of “${handle}” is already part of “${other}”`,
+    remedy: `Symmetry makes the handle on the other side, too: remove “${other}”.`,
+  }),
+  "script.mirrored_curve_returns": ({ handle }) => ({
+    problem: `the mirror image of the curve “${handle}” comes back to a vertex`,
+    remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere.",
+  }),
+  "script.no_mirror_image": ({ handle, lost, all, tolerance_rel }) => ({
+    problem: lackWords({ lost, all }, `“${handle}”`),
+    remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance_rel} each finds a partner; or hold something else.`,
+  }),
+  "script.no_such_loop": ({ side: role, loop, loops, sizes }) => ({
+    problem: `the ${side(role)} has no boundary loop ${loop + 1}`,
+    remedy: `It has ${loopSizes(loops, sizes)}.`,
+  }),
+  "script.no_such_vertex": ({ side: role, vertex, count, loops, sizes }) => ({
+    problem: `the ${side(role)} has no vertex ${vertex} among its ${count}`,
+    remedy: `It has ${loopSizes(loops, sizes)}.`,
+  }),
+  "script.not_mirrored": ({ handle, lost, all }) => ({ problem: lackWords({ lost, all }, `“${handle}”`), remedy: otherPlane }),
+  "script.not_one_loop": ({ side: role, count, loops, sizes }) => ({
+    problem: `the ${count} selected vertices are not those of one boundary loop of the ${side(role)}`,
+    remedy: `It has ${loopSizes(loops, sizes)}.`,
+  }),
+  "script.not_one_vertex": ({ handle, count }) => ({
+    problem: `the point handle “${handle}” has ${counted(count, "vertex", "vertices")} instead of one`,
+    remedy: "Click one vertex with Point handle, or paint with Handle.",
+  }),
+  "script.not_settled": ({ iterations, change_deg }) => ({
+    problem: `the surface had not settled after ${counted(iterations, "iteration")} (it would have turned by another ${formatNumber(change_deg, 4, 1)}°)`,
+    remedy: "More Iterations (More settings) or less of a turn helps.",
+  }),
+  "script.overlaps_mirror_image": ({ handle, shared, all }) => ({
+    problem: `“${handle}” overlaps its mirror image, in ${shared} of ${counted(all, "vertex", "vertices")}`,
+    remedy: "Keep it on one side of the plane, or move the plane under Symmetry.",
+  }),
+  "script.pairs_unclear": ({ target_loops, target_sizes, source_loops, source_sizes }) => ({
+    problem: `which loops meet is not clear: the model has ${loopSizes(target_loops, target_sizes)}, the part ${loopSizes(source_loops, source_sizes)}`,
+    remedy: "Click a loop of the model and the loop of the part that it meets.",
+  }),
+  "script.posed_twice": () => ({
+    problem: "the part is posed twice: by vertices that meet, and by a pose of its own",
+    remedy: "Keep one of the two.",
+  }),
+  "script.region_not_mirrored": ({ lost, all }) => ({ problem: regionLacks({ lost, all }), remedy: otherPlane }),
+  "script.region_without_mirror_image": ({ lost, all, tolerance_rel }) => ({
+    problem: regionLacks({ lost, all }),
+    remedy: `With a tolerance of ${tolerance_rel}, under Symmetry, each finds a partner.`,
+  }),
+  "script.side_without_closed_loop": ({ side: role, mesh, edges, vertex }) => ({
+    problem: `the ${side(role)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,
+  }),
+  "script.side_without_faces": ({ side: role, mesh }) => ({ problem: `the ${side(role)} (${mesh}) has no faces` }),
+  "script.side_without_loop": ({ side: role, mesh }) => ({
+    problem: `the ${side(role)} (${mesh}) has no boundary loop`,
+    remedy: "Cut it open first, by a plane or along a curve.",
+  }),
+  "script.size_with_kept_pose": () => ({ remedy: "Scale the part by its gizmo." }),
+  "script.source_loop_unclear": ({ loops, sizes }) => ({
+    problem: `which loop of the part meets the surface is not clear: it has ${loopSizes(loops, sizes)}`,
+    remedy: "Drop a part that has one loop, or pair its loops with loops of the model.",
+  }),
+  "script.vertex_fixed": () => ({ remedy: outOfOne }),
+  "script.vertex_held": ({ vertex, handle }) => ({
+    problem: `vertex ${vertex} is already part of “${handle}”`,
+    remedy: outOfOne,
+  }),
+  "script.vertex_not_mirrored": ({ vertex }) => ({
+    problem: `vertex ${vertex} lacks a mirror image`,
+    remedy: otherPlane,
+  }),
+  "script.vertex_off_loops": ({ side: role, vertex, loops, sizes }) => ({
+    problem: `vertex ${vertex} is not on a boundary of the ${side(role)}`,
+    remedy: `It has ${loopSizes(loops, sizes)}.`,
+  }),
+  "script.vertex_without_mirror_image": ({ vertex, tolerance_rel }) => ({
+    problem: `vertex ${vertex} lacks a mirror image`,
+    remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance_rel} it finds a partner; or hold something else.`,
+  }),
+  "script.welded": ({ vertices }) => ({
+    problem: `${counted(vertices, "boundary vertex was welded to another", "boundary vertices were welded to others")} at their place for the solve; the result keeps them apart`,
+    remedy: "Switch off Weld seams to let such places open.",
+  }),
+  "script.wrong_sha256": ({ file, found, expected }) => ({
+    problem: `the file ${file} has the SHA-256 ${found}, the edit was made for ${expected}`,
+  }),
+};

@@ -1,0 +1,141 @@
+import { describe, expect, test } from "vitest";
+import { rowsOf, tables, type Kind, type Row } from "../../tools/fact_tables.mjs";
+import { fieldsOf, fileInTheWay, inPanelWords, noteWords, toldOf, type PageError } from "../../src/app/wording";
+import type { EngineError, Fields } from "../../src/protocol";
+
+const rows = (await Promise.all((await tables()).map(rowsOf))).flat();
+
+/** Fills in fields as the engine does: "{name}", "{name:.2g}", and "{count:face|faces}", which is "1 face" or "3 faces". */
+function filled(text: string, fields: Fields): string {
+  const named = text.replace(/\{(\w+)(?::([^}]*))?\}(?!\})/g, (_, name: string, format = "") => {
+    const value = fields[name];
+    const [one, many] = (format as string).split("|");
+    if (many !== undefined) return `${value} ${value === 1 ? one : many}`;
+    return Array.isArray(value) ? value.join(", ") : String(value);
+  });
+  return named.replaceAll("{{", "{").replaceAll("}}", "}");
+}
+
+const samples: Record<Kind, (count: number) => Fields[string]> = {
+  integer: (count) => count,
+  number: (count) => count / 2,
+  text: () => "text",
+  integers: (count) => Array.from({ length: count }, (_, i) => i),
+  numbers: (count) => Array.from({ length: count }, (_, i) => i / 2),
+  texts: (count) => Array.from({ length: count }, (_, i) => `text ${i}`),
+};
+
+function fieldsFor({ fields = {} }: Row, count: number): Fields {
+  return Object.fromEntries(Object.entries(fields).map(([name, kind]) => [name, samples[kind](count)]));
+}
+
+const codes: Record<string, EngineError["code"]> = {
+  usage: "usage", input: "input", unsolvable: "unsolvable", io: "io", memory: "memory", cancelled: "cancelled", internal: "internal",
+};
+
+function errorOf(row: Row, fields: Fields): EngineError {
+  const { id, code = "", problem = "", remedy = "" } = row;
+  return {
+    id, code: codes[code] ?? "internal", fields, location: "", notes: [],
+    problem: filled(problem, fields), remedy: filled(remedy, fields),
+  };
+}
+
+function noteOf(row: Row, fields: Fields) {
+  const { id, note = "", remedy } = row;
+  const text = filled(note, fields);
+  return { id, fields, text: remedy === undefined ? text : `${text}. ${filled(remedy, fields)}` };
+}
+
+/** Returns all that the page says of a fact. */
+function said(row: Row, fields: Fields): string {
+  if (row.code === undefined) return noteWords(noteOf(row, fields));
+  const { problem, remedy } = inPanelWords(errorOf(row, fields));
+  expect(problem).not.toBe("");
+  return `${problem}. ${remedy}`;
+}
+
+// Facts whose words are about starting the editor, or name a command to type.
+const ofCommands = ["editor.defects", "editor.no_folder", "editor.outside_folders"];
+const command = /\bmeshgraft (run|edit|repair|info|check|cut|merge|deform|compare|sample|convert|render|picture)\b/;
+
+describe("every fact is worded for a window with panels", () => {
+  test("there are facts", () => expect(rows.length).toBeGreaterThan(300));
+  test.each(rows.map((row) => [row.id, row] as const))("%s", (id, row) => {
+    for (const count of [1, 3]) {
+      const text = said(row, fieldsFor(row, count));
+      expect(text.trim()).not.toBe("");
+      expect(text).not.toMatch(/\{\w+(:[^}]*)?\}/);
+      expect(text).not.toMatch(/undefined|NaN|null|\[object/);
+      expect(text).not.toMatch(/::/);
+      expect(text).not.toMatch(/\w_\w/); // no field's sample value has one
+      expect(text).not.toMatch(/steps? (are |is )?(counted|numbered) from 0/i);
+      expect(text).not.toMatch(/\.\./);
+      if (ofCommands.includes(id)) continue;
+      expect(text).not.toMatch(/(^|\s)--\w/);
+      expect(text).not.toMatch(command);
+    }
+  });
+  test.each(rows.map((row) => [row.id, row] as const))("%s, with numbers that are not finite", (_, row) => {
+    const fields = Object.entries(row.fields ?? {}).map(([name, kind]) => [name, kind === "number" ? null : samples[kind](3)]);
+    expect(said(row, Object.fromEntries(fields))).not.toMatch(/undefined|NaN/);
+  });
+});
+
+const rowNamed = (id: string) => rows.find((row) => row.id === id) as Row;
+const errorNamed = (id: string, fields: Fields, more: Partial<EngineError> = {}): EngineError => ({
+  ...errorOf(rowNamed(id), fields),
+  ...more,
+});
+
+describe("an error", () => {
+  const held = { vertex: 5, handle: "nose" };
+  test("lies in a step, counted as the panel counts", () => {
+    const placed = (more: Partial<EngineError>) => inPanelWords(errorNamed("script.vertex_held", held, more)).location;
+    expect(placed({ step: 1, location: "" })).toBe("Step 2");
+    expect(placed({ step: 2, location: "handles[0]" })).toBe("Step 3, handles[0]");
+    expect(placed({ location: "/models/bust.ply" })).toBe("/models/bust.ply");
+    expect(placed({ location: "" })).toBe("");
+  });
+  test("counts steps and pairs as the panels do", () => {
+    expect(inPanelWords(errorNamed("editor.no_such_step", { step: 4, count: 2 }))).toMatchObject({
+      problem: "there is no step 5; there are 2",
+      remedy: "",
+    });
+    expect(noteWords(noteOf(rowNamed("merge.loop_rounded_off"), {}))).toBe(
+      "The part's loop crosses itself as seen along its axis; the hole is rounded off.",
+    );
+  });
+  test("has its reason before its remedy", () => {
+    const reason = noteOf(rowNamed("merge.surface_too_narrow"), { size: 2 });
+    const { problem, remedy } = inPanelWords(errorNamed("merge.no_hole", { size: 2, largest: 0.5 }, { notes: [reason] }));
+    expect(problem).toBe("no hole can be opened there");
+    expect(remedy).toBe(
+      "The surface is too narrow there for the loop, at size 2. Use a size of at most 0.5, or drag it to another place.",
+    );
+  });
+  test("of an id that the page does not know is told as the engine tells it", () => {
+    const error: EngineError = {
+      id: "new.fact", code: "io", fields: {}, problem: "a problem", location: "here", remedy: "A remedy.",
+      notes: [{ id: "new.note", fields: {}, text: "a reason" }],
+    };
+    expect(inPanelWords(error)).toEqual({ problem: "a problem", location: "here", remedy: "A reason. A remedy." });
+  });
+  test("of the page itself is told as it is, and is no fact", () => {
+    const lost: PageError = { code: "io", problem: "a problem", location: "", remedy: "A remedy." };
+    expect(toldOf(lost)).toBe(lost);
+    expect(fieldsOf(lost, "io.file_exists")).toBeUndefined();
+  });
+  test("names the file that it would replace", () => {
+    expect(fileInTheWay(errorNamed("io.file_exists", { file: "a.ply" }))).toBe("a.ply");
+    expect(fileInTheWay(errorNamed("editor.file_changed", { file: "b.json" }))).toBe("b.json");
+    expect(fileInTheWay(errorNamed("script.vertex_held", held))).toBeUndefined();
+  });
+});
+
+test("defects are told with the command that mends them", () => {
+  const note = noteOf(rowNamed("editor.defects"), { file: "a.obj", path: "it's a.obj", repaired: "b.obj" });
+  expect(noteWords(note)).toBe(
+    "The mesh of a.obj has defects that editing may come upon. This mends them: meshgraft repair 'it'\\''s a.obj' -o b.obj",
+  );
+});

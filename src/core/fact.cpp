@@ -1,0 +1,75 @@
+#include <meshgraft/core/fact.h>
+
+#include <stdexcept>
+#include <type_traits>
+
+#include <fmt/args.h>
+#include <fmt/ranges.h>
+
+namespace meshgraft {
+
+namespace {
+
+template <class T>
+constexpr bool is_list = false;
+template <class T>
+constexpr bool is_list<std::vector<T>> = true;
+
+/// An integer. "{n:face|faces}" writes "1 face", "3 faces"; all other formats are those of integers.
+struct Count {
+  std::int64_t value;
+};
+
+}  // namespace
+
+}  // namespace meshgraft
+
+template <>
+struct fmt::formatter<meshgraft::Count> : fmt::formatter<std::int64_t> {
+  constexpr auto parse(format_parse_context& context) {
+    const std::string_view all(context.begin(), static_cast<std::size_t>(context.end() - context.begin()));
+    const std::string_view spec = all.substr(0, all.find('}'));
+    const std::size_t bar = spec.find('|');
+    if (bar == std::string_view::npos) return fmt::formatter<std::int64_t>::parse(context);
+    one = spec.substr(0, bar);
+    many = spec.substr(bar + 1);
+    return context.begin() + spec.size();
+  }
+  auto format(meshgraft::Count count, format_context& context) const {
+    if (many.empty()) return fmt::formatter<std::int64_t>::format(count.value, context);
+    return fmt::format_to(context.out(), "{} {}", count.value, count.value == 1 ? one : many);
+  }
+  std::string_view one, many;
+};
+
+namespace meshgraft {
+
+const FieldValue& Fact::value(std::string_view field) const {
+  for (std::size_t f = 0; f < type_->fields.size(); ++f)
+    if (type_->fields[f].name == field) return values_.at(f);
+  throw std::out_of_range(fmt::format("the fact {} has no field {}", id(), field));
+}
+
+std::string Fact::text() const { return fill_in(type_->text, *this); }
+
+std::string Fact::remedy() const { return fill_in(type_->remedy, *this); }
+
+std::string fill_in(std::string_view text, const Fact& fact) {
+  fmt::dynamic_format_arg_store<fmt::format_context> values;
+  for (std::size_t f = 0; f < fact.values().size(); ++f) {
+    const std::string name(fact.type().fields[f].name);
+    std::visit(
+        [&]<class T>(const T& value) {
+          if constexpr (is_list<T>)
+            values.push_back(fmt::arg(name.c_str(), fmt::format("{}", fmt::join(value, ", "))));
+          else if constexpr (std::is_same_v<T, std::int64_t>)
+            values.push_back(fmt::arg(name.c_str(), Count{value}));
+          else
+            values.push_back(fmt::arg(name.c_str(), value));
+        },
+        fact.values()[f]);
+  }
+  return fmt::vformat(text, values);
+}
+
+}  // namespace meshgraft

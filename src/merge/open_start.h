@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include <meshgraft/core/fact.h>
+#include <meshgraft/merge/correspondence.h>
+
+namespace meshgraft {
+
+/// Returns the fact merge.open_start about ambiguous pairs, at least one. `open_starts` reads it.
+Fact open_start_fact(const std::vector<OpenStart>& starts);
+
+}  // namespace meshgraft

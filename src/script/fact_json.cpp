@@ -1,0 +1,40 @@
+#include "fact_json.h"
+
+#include <string>
+
+namespace meshgraft {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json fields_json(const Fact& fact) {
+  Json fields = Json::object();
+  for (std::size_t f = 0; f < fact.values().size(); ++f)
+    std::visit([&](const auto& value) { fields[std::string(fact.type().fields[f].name)] = value; },
+               fact.values()[f]);
+  return fields;
+}
+
+}  // namespace
+
+Json to_json(const Fact& fact) {
+  return {{"id", std::string(fact.id())},
+          {"fields", fields_json(fact)},
+          {"text", error_sentence({}, fact.text(), fact.remedy())}};
+}
+
+Json to_json(std::span<const Note> notes) {
+  Json list = Json::array();
+  for (const Note& note : notes) list.push_back(to_json(note));
+  return list;
+}
+
+Json to_json(const Error& error) {
+  return {{"id", std::string(error.id())},  {"code", std::string(to_string(error.code()))},
+          {"location", error.location()},   {"fields", fields_json(error.fact())},
+          {"problem", error.problem()},     {"remedy", error.remedy()},
+          {"notes", to_json(error.notes())}};
+}
+
+}  // namespace meshgraft
