@@ -1,4 +1,4 @@
-// From the pointer to the picture, and from a file to the first picture: `make bench-page`, prints Markdown.
+// Measures the time from pointer to picture, and from a file to the first picture. `make bench-page` prints Markdown.
 import { cpus, loadavg } from "node:os";
 import type { Page } from "playwright-core";
 import { gripOf } from "../tests/e2e/grips";
@@ -11,7 +11,7 @@ const sizes = [
   ["100,000", 200],
   ["1,000,000", 625],
 ] as const;
-/** And how far the region goes, in diagonals of the model's box. */
+/** Method, its label, and the radius of the region in diagonals of the model's box. */
 const methods = [
   ["ft05", "ft05, in the shader", 0.8],
   ["ft05", "ft05, in the shader", 0.3],
@@ -26,14 +26,14 @@ interface Shares {
   gpu: number;
 }
 
-/** The time that stretches of work have in common with a span. */
+/** Returns the time that stretches of work have in common with a span. */
 function workIn(records: Records, from: number, to: number): number {
   let sum = 0;
   for (const { begin, end } of records.stretches) sum += Math.max(0, Math.min(end, to) - Math.max(begin, from));
   return sum;
 }
 
-/** What the time between pointer and picture went into; undefined for pictures of no pose, or one shown before. */
+/** Splits the time between pointer and picture; undefined for a picture without a new pose. */
 function sharesOf(picture: Picture, records: Records): Shares | undefined {
   const { at, pose, drawn, end } = picture;
   if (at !== undefined) {
@@ -110,7 +110,7 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
   return { stage, row };
 }
 
-/** Bytes, arrays of numbers included. */
+/** Returns the number of bytes, with those in arrays. */
 async function heapOf(page: Page): Promise<number> {
   const session = await page.context().newCDPSession(page);
   const usage = (await session.send("Runtime.getHeapUsage")) as { usedSize: number; backingStorageSize?: number };
@@ -182,7 +182,7 @@ async function measureDrags(stage: Stage, triangles: string): Promise<string[][]
   return rows;
 }
 
-/** Where the page's time goes, by kinds of calls: to the terminal's other stream. */
+/** Prints the page's time by kinds of calls to standard error. */
 function tellStretches(records: Records): void {
   for (const kind of ["pointer", "frame", "message", "timer"]) {
     const all = records.stretches.filter((one) => one.kind === kind).map(({ begin, end }) => end - begin);

@@ -1,4 +1,4 @@
-// What is recorded in the page while it is measured. All times are milliseconds of performance.now().
+// Records times in the page while it is measured. All are milliseconds of performance.now().
 
 /** A stretch of the page's own work: a listener, a message, an animation frame, a timer. */
 export interface Stretch {
@@ -7,14 +7,14 @@ export interface Stretch {
   end: number;
 }
 
-/** A pose on its way: when the pointer moved, and when the engine was asked. */
+/** A pose that was sent: when the pointer moved, and when the request was sent. */
 export interface Asked {
   at: number;
   sent: number;
   pose?: number;
 }
 
-/** A frame of positions that came. */
+/** A frame of positions that was received. */
 export interface Arrival {
   pose: number;
   quality: string;
@@ -22,7 +22,7 @@ export interface Arrival {
   received: number;
 }
 
-/** A picture: what it shows is of the pointer at `at`, undefined where that is not known; `pose` where it was streamed. */
+/** A picture. `at`: time of the pointer event that it shows, if known; `pose`: number of the streamed pose, if any. */
 export interface Picture {
   at: number | undefined;
   pose: number | undefined;
@@ -35,7 +35,7 @@ export interface Records {
   asked: Asked[];
   arrivals: Arrival[];
   pictures: Picture[];
-  /** Of the page, from 50 ms on: the browser counts no shorter ones. */
+  /** The page's long tasks. The browser reports only those of at least 50 ms. */
   longTasks: Stretch[];
 }
 
@@ -45,7 +45,7 @@ declare global {
   }
 }
 
-/** Runs in the page before all else: times what the browser calls. Stands alone. */
+/** Runs in the page before its own code, and times the browser's calls. Uses no other function. */
 export function recordStretches(): void {
   type Callback = (this: unknown, ...words: never[]) => unknown;
   const records: Records = { stretches: [], asked: [], arrivals: [], pictures: [], longTasks: [] };
@@ -86,7 +86,7 @@ export function recordStretches(): void {
   }).observe({ type: "longtask", buffered: true });
 }
 
-/** Runs in the page once it is there: follows poses from the pointer to the picture. Stands alone. */
+/** Runs in the loaded page, and follows poses from pointer to picture. Uses no other function. */
 export function recordPictures(): void {
   const { viewport } = window.meshgraft;
   const { records } = window;
@@ -95,11 +95,11 @@ export function recordPictures(): void {
   let streamed: Arrival | undefined;
   window.addEventListener("pointermove", (event) => (pointer = event.timeStamp), { capture: true });
 
-  const posesAsked = viewport.posesAsked.bind(viewport);
-  viewport.posesAsked = () => {
+  const beginPoseRequest = viewport.beginPoseRequest.bind(viewport);
+  viewport.beginPoseRequest = () => {
     const asked: Asked = { at: pointer, sent: performance.now() };
     records.asked.push((latest = asked));
-    const answered = posesAsked();
+    const answered = beginPoseRequest();
     return (pose) => {
       asked.pose = pose;
       answered(pose);

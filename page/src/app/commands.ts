@@ -18,7 +18,7 @@ export interface ToolActions {
   /** Goes back by one step: first ends a gesture, stroke or curve, then deactivates the handle, then the tool. */
   escape(): void;
   /** Reverts the drag or the typed number in progress. Returns whether there was one. */
-  giveUpGesture(): boolean;
+  cancelGesture(): boolean;
   /** Ends the operation in progress and keeps its result. */
   confirm(): void;
   /** Returns whether an operation can be confirmed. Reads signals. */
@@ -100,13 +100,13 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     {
       id: "undo", group: "edit", label: "Undo", keys: ["ctrl+Z"], repeats: true,
       help: "Takes back the last change.",
-      run: () => tools.giveUpGesture() || void editor.goBack("undo"),
+      run: () => tools.cancelGesture() || void editor.undoOrRedo("undo"),
       enabled: () => (state.value?.undo ?? null) !== null,
     },
     {
       id: "redo", group: "edit", label: "Redo", keys: ["ctrl+shift+Z", "ctrl+Y"], repeats: true,
       help: "Does again what was taken back.",
-      run: () => tools.giveUpGesture() || void editor.goBack("redo"),
+      run: () => tools.cancelGesture() || void editor.undoOrRedo("redo"),
       enabled: () => (state.value?.redo ?? null) !== null,
     },
     {
@@ -124,7 +124,7 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     {
       id: "escape", group: "edit", label: "One step back", keys: ["Escape"],
       help: "Leaves the gesture as it was, then messages, then the handle, then the tool.",
-      run: () => void (tools.giveUpGesture() || editor.dismissMessages() || tools.escape()), enabled: () => true,
+      run: () => void (tools.cancelGesture() || editor.dismissMessages() || tools.escape()), enabled: () => true,
     },
     {
       id: "help", group: "help", label: "Help", keys: ["?", "F1"],
@@ -269,7 +269,7 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
     {
       id: "symmetry", group: "handle", label: "Symmetry", keys: ["Y"],
       help: "What is done on one side of a plane is done on the other, too.",
-      run: () => void editor.mirror(!isSymmetric()),
+      run: () => void editor.setSymmetry(!isSymmetric()),
       enabled: () => editor.isOpen.value, active: isSymmetric,
     },
     {

@@ -14,7 +14,7 @@ import { ToolSettings } from "./tool_settings";
 import { counted } from "./units";
 import type { ViewSettings } from "./view_settings";
 import {
-  fileInTheWay, inPanelWords, noteWords, toldOf, toldOfNote,
+  fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
   type Failure, type PageError, type Told,
 } from "./wording";
 
@@ -33,7 +33,7 @@ export interface Message {
 }
 
 /** A document that will replace the open one. */
-export interface Leaving {
+export interface PendingOpen {
   name: string;
   open: () => unknown;
 }
@@ -45,10 +45,10 @@ const noAnswer: PageError = {
   remedy: "Look whether `meshgraft edit` still runs; this page connects again by itself.",
 };
 
-const ofFiles: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
+const fileRequests: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
 
 /** A request that the engine is working on. */
-export interface Work {
+export interface RunningRequest {
   id: Id;
   label: string;
   since: number; // milliseconds of performance.now()
@@ -79,7 +79,7 @@ export class Editor {
   /** Seconds that the set-up of the live deformation took until it was exact; undefined before. */
   readonly setupSeconds = signal<number | undefined>(undefined);
   readonly progress = signal<ReadonlyMap<string, Event<"progress">>>(new Map());
-  readonly working = signal<ReadonlyMap<Id, Work>>(new Map());
+  readonly working = signal<ReadonlyMap<Id, RunningRequest>>(new Map());
   readonly messages = signal<readonly Message[]>([]);
   readonly selected = signal(0);
   /** The bounding box of the model at rest, in model units. */
@@ -88,7 +88,7 @@ export class Editor {
   /** The edit file that a save would overwrite although another program or tab has changed it since it was opened. */
   readonly replacing = signal<string | null>(null);
   /** The document to open once the user has decided about unsaved work. */
-  readonly leaving = signal<Leaving | null>(null);
+  readonly pendingOpen = signal<PendingOpen | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
 
   private readonly connection: Connection;
@@ -96,7 +96,7 @@ export class Editor {
   private setupBegan: number | undefined;
   private opened: OpenRequest | undefined;
   /** The document to reopen, with all its changes, as soon as the engine answers. */
-  private returning: { to: OpenRequest | undefined; since: string } | undefined;
+  private reopening: { to: OpenRequest | undefined; since: string } | undefined;
 
   constructor(
     readonly token: string,
@@ -148,7 +148,7 @@ export class Editor {
     return { label: `Use ${tolerance}`, run: () => void run() };
   }
   /** Turns symmetry on, across the middle of the model, or off. */
-  async mirror(on: boolean): Promise<void> {
+  async setSymmetry(on: boolean): Promise<void> {
     const tolerance_rel = mirrorTolerance.value;
     await this.ask(on ? { do: "symmetry", tolerance_rel } : { do: "symmetry", plane: null });
   }
@@ -157,11 +157,11 @@ export class Editor {
    * Undoes or redoes one change. If that removes the active handle, the last remaining one becomes active. If it brings
    * a handle back, that handle becomes active.
    */
-  async goBack(way: "undo" | "redo"): Promise<void> {
+  async undoOrRedo(direction: "undo" | "redo"): Promise<void> {
     const handles = () => (this.state.value?.handles ?? []).map(({ name }) => name);
     const before = handles();
     const active = this.tools.activeHandle.value;
-    const answer = await this.attempt({ do: way });
+    const answer = await this.attempt({ do: direction });
     if ("code" in answer && answer.code !== "usage") this.tell("problem", toldOf(answer)); // usage: nothing is left
     if ("code" in answer || this.graft.mode.value === "graft") return;
     const after = handles();
@@ -204,7 +204,7 @@ export class Editor {
     const before = this.opened;
     this.opened = undefined; // states that arrive before the answer may belong to either document
     const asked = this.ask(request);
-    this.library.pauseFor(asked.then(() => this.viewport.arrival));
+    this.library.pauseFor(asked.then(() => this.viewport.modelVisible));
     const done = await asked;
     this.opened = done === undefined ? before : request;
     if (done === undefined) return false;
@@ -218,23 +218,23 @@ export class Editor {
   /** Opens a model like `open`, but asks first what to do with unsaved work. */
   openInstead(request: OpenRequest): void {
     const name = baseName(request.path ?? request.sample ?? "it");
-    this.leave({ name, open: () => this.open(request) });
+    this.confirmThenOpen({ name, open: () => this.open(request) });
   }
-  leave(leaving: Leaving): void {
-    if (this.state.value?.dirty === true) this.leaving.value = leaving;
-    else void leaving.open();
+  confirmThenOpen(pending: PendingOpen): void {
+    if (this.state.value?.dirty === true) this.pendingOpen.value = pending;
+    else void pending.open();
   }
   /** Opens the document that waited for the user's decision. */
-  goOn(): void {
-    const { value: leaving } = this.leaving;
-    this.leaving.value = null;
-    void leaving?.open();
+  openPending(): void {
+    const { value: pending } = this.pendingOpen;
+    this.pendingOpen.value = null;
+    void pending?.open();
   }
   /** Saves first. Asks for the location if there is none yet. */
-  async saveAndGoOn(): Promise<void> {
-    if (await this.save()) this.goOn();
+  async saveThenOpenPending(): Promise<void> {
+    if (await this.save()) this.openPending();
     // A message gives the reason.
-    else if (this.dialog.value !== "save" && this.replacing.value === null) this.leaving.value = null;
+    else if (this.dialog.value !== "save" && this.replacing.value === null) this.pendingOpen.value = null;
   }
 
   /** Opens the first model of the command line, with the other ones as parts. An edit file is opened without parts. */
@@ -253,7 +253,7 @@ export class Editor {
    * the exact frame, unless a heat map is shown.
    */
   drag(poses: Poses, isShown = false): void {
-    const answered = this.viewport.posesAsked();
+    const answered = this.viewport.beginPoseRequest();
     const frames = isShown && this.view.heatMap.value === "none" ? "exact" : "all";
     this.connection.request({ do: "drag", poses, frames }).then(
       (outcome) => answered("pose" in outcome ? (outcome.pose ?? 0) : 0),
@@ -263,7 +263,7 @@ export class Editor {
 
   /** Sends the final poses of handles. */
   async pose(poses: Record<string, Pose>): Promise<Outcome | undefined> {
-    const answered = this.viewport.posesAsked();
+    const answered = this.viewport.beginPoseRequest();
     const outcome = await this.ask({ do: "pose", poses });
     answered(outcome !== undefined && "pose" in outcome ? (outcome.pose ?? 0) : 0);
     return outcome;
@@ -281,7 +281,7 @@ export class Editor {
       this.tellFiles("Saved", done);
       return true;
     }
-    const file = fileInTheWay(done);
+    const file = fileToReplace(done);
     if (file !== undefined) this.replacing.value = file;
     else this.tell("problem", toldOf(done));
     return false;
@@ -294,7 +294,7 @@ export class Editor {
     const done = await this.ask({ do: "save", edit, overwrite: true });
     if (done === undefined) return;
     this.tellFiles("Saved", done);
-    this.goOn();
+    this.openPending();
   }
 
   /** Changes the colour of a group and nothing else. */
@@ -320,7 +320,7 @@ export class Editor {
   /** Removes messages about refusals that a later success, an undo, a redo or a reset has made obsolete. */
   private dismissOutdated(done: Message["of"]): void {
     const goesBack = done === "undo" || done === "redo" || done === "reset";
-    const isOutdated = ({ of }: Message) => of !== undefined && (of === done || (goesBack && !ofFiles.has(of)));
+    const isOutdated = ({ of }: Message) => of !== undefined && (of === done || (goesBack && !fileRequests.has(of)));
     if (this.messages.value.some(isOutdated))
       this.messages.value = this.messages.value.filter((message) => !isOutdated(message));
   }
@@ -354,9 +354,9 @@ export class Editor {
   private onEvent(event: EngineEvent): void {
     switch (event.event) {
       case "welcome":
-        if (this.welcome.value === null) this.begin(event.models);
+        if (this.welcome.value === null) this.openAtStart(event.models);
         this.welcome.value = event;
-        if (this.returning !== undefined) void this.takeUp(this.returning.to);
+        if (this.reopening !== undefined) void this.reopen(this.reopening.to);
         break;
       case "state":
         batch(() => {
@@ -365,10 +365,10 @@ export class Editor {
           const active = this.tools.activeHandle;
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
-          this.graft.follow(event);
+          this.graft.onState(event);
         });
         rememberUnsaved(this.opened, event.dirty);
-        if (this.opened !== undefined) rememberOpen(this.toReturnTo(event, this.opened));
+        if (this.opened !== undefined) rememberOpen(this.requestToReopen(event, this.opened));
         this.viewport.setDocument(event);
         break;
       case "progress":
@@ -381,7 +381,7 @@ export class Editor {
         this.graft.onEvent(event);
         break;
       case "offer-restore":
-        if (this.returning !== undefined) void this.restoreAtOnce(event.changes, this.returning.since);
+        if (this.reopening !== undefined) void this.restoreAtOnce(event.changes, this.reopening.since);
         else this.offer.value = event;
         break;
       case "notice":
@@ -397,7 +397,7 @@ export class Editor {
     this.progress.value = all;
   }
 
-  private setWork(id: Id, work: Work | undefined): void {
+  private setWork(id: Id, work: RunningRequest | undefined): void {
     const all = new Map(this.working.value);
     if (work !== undefined) all.set(id, work);
     else all.delete(id);
@@ -432,20 +432,20 @@ export class Editor {
   private noteLink(link: Link): void {
     if (link === "lost" && this.link.value !== "lost") {
       const { value: state } = this.state;
-      const to = state !== null && this.opened !== undefined ? this.toReturnTo(state, this.opened) : undefined;
-      if (state !== null) this.returning = { to, since: "The connection was lost, and is back." };
+      const to = state !== null && this.opened !== undefined ? this.requestToReopen(state, this.opened) : undefined;
+      if (state !== null) this.reopening = { to, since: "The connection was lost, and is back." };
       this.progress.value = new Map();
-      void this.askForToken();
+      void this.checkToken();
     }
     // For the user the connection stays lost until it is open again.
     if (link === "connecting" && this.welcome.value !== null) return;
     if (link === "open") this.expired.value = false;
     this.link.value = link;
-    if (link === "lost") void this.askForToken();
+    if (link === "lost") void this.checkToken();
   }
 
   /** Checks whether the token is still valid. A WebSocket gives no reason for a refusal, but the front page does. */
-  private async askForToken(): Promise<void> {
+  private async checkToken(): Promise<void> {
     try {
       const answer = await fetch(`/?token=${encodeURIComponent(this.token)}`, { cache: "no-store" });
       this.expired.value = answer.status === 403;
@@ -455,21 +455,21 @@ export class Editor {
   }
 
   /** Reopens the document that was open before a reload, or else opens the files of the command line. */
-  private begin(models: readonly string[]): void {
+  private openAtStart(models: readonly string[]): void {
     const before = openBeforeReload();
     if (before === undefined) void this.openGiven(models);
-    else this.returning = { to: before, since: "The page was loaded again." };
+    else this.reopening = { to: before, since: "The page was loaded again." };
   }
 
   // If all changes are saved, the edit file contains them. Otherwise the journal of the opened file does.
-  private toReturnTo({ dirty, edit }: DocumentState, opened: OpenRequest): OpenRequest {
+  private requestToReopen({ dirty, edit }: DocumentState, opened: OpenRequest): OpenRequest {
     return !dirty && edit !== "" ? { do: "open", path: edit } : opened;
   }
 
   /** Reopens the document after a lost connection or a reload. */
-  private async takeUp(to: OpenRequest | undefined): Promise<void> {
+  private async reopen(to: OpenRequest | undefined): Promise<void> {
     if (to !== undefined && (await this.ask(to)) !== undefined) this.opened = to;
-    this.returning = undefined;
+    this.reopening = undefined;
   }
 
   private async restoreAtOnce(changes: number, since: string): Promise<void> {
@@ -479,8 +479,8 @@ export class Editor {
 
   private show(frame: BinaryFrame): void {
     this.viewport.show(frame);
-    this.graft.take(frame);
-    this.library.take(frame);
+    this.graft.onFrame(frame);
+    this.library.onFrame(frame);
     if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
     const model = this.viewport.main;
     if (frame.kind === FrameKind.mesh && frame.header.role !== "part" && model !== undefined)

@@ -51,7 +51,7 @@ export class Library {
     if (this.running !== undefined) this.send({ do: "cancel", of: this.running }).answer.catch(() => undefined);
   }
 
-  take(frame: BinaryFrame): void {
+  onFrame(frame: BinaryFrame): void {
     if (frame.kind !== FrameKind.thumbnail || frame.header.of === undefined) return;
     const key = this.coming.get(frame.header.of);
     const png = frame.bytes("png");

@@ -21,7 +21,7 @@ interface Common {
 }
 export interface NumberSetting extends Common {
   kind: "number";
-  otherwise: number;
+  defaultValue: number;
   min: number;
   max: number;
   softMin?: number;
@@ -31,12 +31,12 @@ export interface NumberSetting extends Common {
 }
 export interface ChoiceSetting extends Common {
   kind: "choice";
-  otherwise: string;
+  defaultValue: string;
   choices: readonly Choice<string>[];
 }
 export interface SwitchSetting extends Common {
   kind: "switch";
-  otherwise: boolean;
+  defaultValue: boolean;
 }
 export type Setting = NumberSetting | ChoiceSetting | SwitchSetting;
 
@@ -65,50 +65,50 @@ const usesApex = (settings: Settings) => settings["degenerate"] !== "ft05-noise"
 
 export const settingsTable: readonly Setting[] = [
   {
-    key: "stiffness", kind: "number", label: "Stiffness", group: "shape", otherwise: 60, min: 0, max: 1e6,
+    key: "stiffness", kind: "number", label: "Stiffness", group: "shape", defaultValue: 60, min: 0, max: 1e6,
     softMax: 1e4, logarithmic: true, applies: hasRotations,
     help: "How strongly edges keep their lengths. 0 bends most evenly.",
   },
   {
-    key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", otherwise: 0.09, min: 0, max: 10,
+    key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", defaultValue: 0.09, min: 0, max: 10,
     softMax: 1, applies: isCorotational,
     help: "Keeps a bend from gathering in a crease: a length, × the width of the surface between the handles.",
   },
   {
-    key: "laplacian_weight", kind: "number", label: "Detail weight", group: "shape", otherwise: 20, min: 0, max: 1e6,
+    key: "laplacian_weight", kind: "number", label: "Detail weight", group: "shape", defaultValue: 20, min: 0, max: 1e6,
     softMin: 0, softMax: 1000, logarithmic: true,
     help: "Weight of the details' shape beside the smoothness of the bend. The paper has 1.",
   },
   {
-    key: "iterations", kind: "number", label: "Iterations", group: "shape", more: true, otherwise: 20, min: 0, max: 1000,
+    key: "iterations", kind: "number", label: "Iterations", group: "shape", more: true, defaultValue: 20, min: 0, max: 1000,
     softMax: 100, integer: true, applies: isCorotational,
     help: "The most steps of the method; it stops by itself when the surface has settled.",
   },
   {
-    key: "laplacian_order", kind: "number", label: "Laplacian order", group: "shape", more: true, otherwise: 1, min: 1,
+    key: "laplacian_order", kind: "number", label: "Laplacian order", group: "shape", more: true, defaultValue: 1, min: 1,
     max: 3, integer: true, help: "1 follows the details most closely; 2 and 3 bend more like a plate.",
   },
   {
-    key: "weights", kind: "choice", label: "Weights", group: "surface", otherwise: "uniform",
+    key: "weights", kind: "choice", label: "Weights", group: "surface", defaultValue: "uniform",
     choices: [{ value: "uniform", label: "Uniform" }, { value: "cotangent", label: "Cotangent" }],
     help: "Uniform is safe on any triangles; cotangent follows their shapes.",
   },
   {
-    key: "density", kind: "choice", label: "Density", group: "surface", otherwise: "aware",
+    key: "density", kind: "choice", label: "Density", group: "surface", defaultValue: "aware",
     choices: [{ value: "aware", label: "By area" }, { value: "ft05", label: "By vertex (paper)" }],
     help: "By area, the same shape gives the same answer however finely it is triangulated.",
   },
   {
-    key: "weld", kind: "switch", label: "Weld seams", group: "surface", otherwise: true,
+    key: "weld", kind: "switch", label: "Weld seams", group: "surface", defaultValue: true,
     help: "Boundary vertices at one place move as one. Switch it off where parts that touch shall come apart.",
   },
   {
-    key: "refine_boundary", kind: "number", label: "Refine at handles", group: "surface", more: true, otherwise: 0, min: 0,
+    key: "refine_boundary", kind: "number", label: "Refine at handles", group: "surface", more: true, defaultValue: 0, min: 0,
     max: 4, integer: true,
     help: "Halves the edges around handles for the solve: smoother there. Each drag is then solved at its end only.",
   },
   {
-    key: "degenerate", kind: "choice", label: "Flat places", group: "flat", otherwise: "auto",
+    key: "degenerate", kind: "choice", label: "Flat places", group: "flat", defaultValue: "auto",
     choices: [
       { value: "auto", label: "Automatic" },
       { value: "apex", label: "Virtual apex" },
@@ -117,28 +117,28 @@ export const settingsTable: readonly Setting[] = [
     help: "What is done where the surface is flat and has no details of its own to follow.",
   },
   {
-    key: "apex_height_rel", kind: "number", label: "Apex height", group: "flat", more: true, otherwise: 0.5, min: 0.001,
+    key: "apex_height_rel", kind: "number", label: "Apex height", group: "flat", more: true, defaultValue: 0.5, min: 0.001,
     max: 10, softMin: 0.05, softMax: 2, applies: usesApex, help: "× the mean length of the vertex's edges.",
   },
   {
-    key: "noise_length_rel", kind: "number", label: "Noise length", group: "flat", more: true, otherwise: 0.25, min: 0.001,
+    key: "noise_length_rel", kind: "number", label: "Noise length", group: "flat", more: true, defaultValue: 0.25, min: 0.001,
     max: 10, softMin: 0.01, softMax: 1, applies: usesNoise, help: "× the mean length of the vertex's edges.",
   },
   {
-    key: "flatness", kind: "number", label: "Flatness", group: "flat", more: true, otherwise: 5e-5, min: 0, max: 1,
+    key: "flatness", kind: "number", label: "Flatness", group: "flat", more: true, defaultValue: 5e-5, min: 0, max: 1,
     softMin: 1e-7, softMax: 1e-2, logarithmic: true,
     help: "Below this a ring of neighbours counts as flat (ratio of eigenvalues).",
   },
   {
-    key: "seed", kind: "number", label: "Seed", group: "flat", more: true, otherwise: 1, min: 0, max: 1e9, softMax: 100,
+    key: "seed", kind: "number", label: "Seed", group: "flat", more: true, defaultValue: 1, min: 0, max: 1e9, softMax: 100,
     integer: true, applies: usesNoise, help: "Another number, another noise.",
   },
   {
-    key: "residual_corrections", kind: "number", label: "Corrections", group: "solver", more: true, otherwise: 1, min: 0,
+    key: "residual_corrections", kind: "number", label: "Corrections", group: "solver", more: true, defaultValue: 1, min: 0,
     max: 10, integer: true, help: "Passes that take rounding errors out of the solution. 1 is enough nearly always.",
   },
   {
-    key: "backend", kind: "choice", label: "Solver", group: "solver", more: true, otherwise: "auto",
+    key: "backend", kind: "choice", label: "Solver", group: "solver", more: true, defaultValue: "auto",
     choices: [
       { value: "auto", label: "Automatic" },
       { value: "multifrontal", label: "Multifrontal" },
@@ -148,7 +148,7 @@ export const settingsTable: readonly Setting[] = [
     help: "What solves the equations. Automatic takes what fits the memory.",
   },
   {
-    key: "proxy", kind: "number", label: "Proxy vertices", group: "solver", more: true, otherwise: 0, min: 0, max: 1e7,
+    key: "proxy", kind: "number", label: "Proxy vertices", group: "solver", more: true, defaultValue: 0, min: 0, max: 1e7,
     softMax: 50000, integer: true,
     help: "0: all is solved exactly. Else a simpler mesh of about so many vertices (50 at least) stands in for it.",
   },
@@ -161,17 +161,17 @@ export const groupNames: Readonly<Record<Setting["group"], string>> = {
   solver: "Solver",
 };
 
-export function numberOf(settings: Settings, { key, otherwise }: NumberSetting): number {
+export function numberOf(settings: Settings, { key, defaultValue }: NumberSetting): number {
   const value = settings[key];
-  return typeof value === "number" ? value : otherwise;
+  return typeof value === "number" ? value : defaultValue;
 }
-export function choiceOf(settings: Settings, { key, otherwise }: ChoiceSetting): string {
+export function choiceOf(settings: Settings, { key, defaultValue }: ChoiceSetting): string {
   const value = settings[key];
-  return typeof value === "string" ? value : otherwise;
+  return typeof value === "string" ? value : defaultValue;
 }
-export function switchOf(settings: Settings, { key, otherwise }: SwitchSetting): boolean {
+export function switchOf(settings: Settings, { key, defaultValue }: SwitchSetting): boolean {
   const value = settings[key];
-  return typeof value === "boolean" ? value : otherwise;
+  return typeof value === "boolean" ? value : defaultValue;
 }
 export function methodOf(settings: Settings): MethodName {
   return methods.find(({ value }) => value === settings["method"])?.value ?? "corotational";
@@ -183,14 +183,14 @@ export function applicable(settings: Settings): Setting[] {
 }
 
 /** Returns the changes that reset all applicable settings to their defaults. The method stays. */
-export function backToUsual(settings: Settings): Record<string, SettingValue> {
+export function changesToDefaults(settings: Settings): Record<string, SettingValue> {
   const changes: Record<string, SettingValue> = {};
-  for (const { key, otherwise } of settingsTable)
-    if (settings[key] !== undefined && settings[key] !== otherwise) changes[key] = otherwise;
+  for (const { key, defaultValue } of settingsTable)
+    if (settings[key] !== undefined && settings[key] !== defaultValue) changes[key] = defaultValue;
   return changes;
 }
 
 /** Raises the size of a requested proxy to the minimum of 50 vertices. */
-export function fitting(setting: NumberSetting, value: number): number {
+export function admissible(setting: NumberSetting, value: number): number {
   return setting.key === "proxy" && value > 0 ? Math.max(50, value) : value;
 }

@@ -17,14 +17,14 @@ export function axisOfPlane({ normal }: Plane): PlaneAxis | undefined {
 const indices = { x: 0, y: 1, z: 2 } as const;
 
 /** Returns the coordinate at which a plane normal to an axis meets that axis. */
-export function placeOf(plane: Plane, axis: PlaneAxis): number {
+export function coordinateOf(plane: Plane, axis: PlaneAxis): number {
   return plane.point[indices[axis]];
 }
 
 /** Returns the plane normal to an axis at a coordinate; without one, through the centre of the box. */
-export function planeAcross(axis: PlaneAxis, box: Box, place?: number): Plane {
+export function planeAcross(axis: PlaneAxis, box: Box, coordinate?: number): Plane {
   const point: Vector = [0, 1, 2].map((k) => ((box.low[k] as number) + (box.high[k] as number)) / 2) as Vector;
-  if (place !== undefined) point[indices[axis]] = place;
+  if (coordinate !== undefined) point[indices[axis]] = coordinate;
   return { point, normal: axisOf(axis) };
 }
 

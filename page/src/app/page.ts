@@ -13,12 +13,12 @@ export interface GraftActions {
   /** Drops the part at the next click on the surface. */
   dropByClick(add: () => Promise<string | undefined>): Promise<void>;
   /** Places the cutting plane through the centre of a mesh, normal to an axis. */
-  layPlane(mesh: number, axis: 0 | 1 | 2): void;
+  setPlane(mesh: number, axis: 0 | 1 | 2): void;
   /** Returns the distance of the cutting plane from the centre, and the largest such distance. */
-  planePlace(): { offset: number; reach: number } | undefined;
+  planeOffset(): { offset: number; limit: number } | undefined;
   movePlane(offset: number): void;
   /** Returns the centre of a mesh's box, in the mesh's own coordinates. */
-  middleOf(mesh: number): Vector3Tuple;
+  centreOf(mesh: number): Vector3Tuple;
   /** Returns the pose that the current graft found for the part; null if it found none. */
   foundPose(): Rows4 | null;
 }

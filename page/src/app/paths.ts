@@ -2,7 +2,7 @@
 const collator = new Intl.Collator(undefined, { numeric: true, sensitivity: "base" });
 
 /** Compares names as people sort them: part 2 before part 10, ignoring case. */
-export function asPeopleSort(a: string, b: string): number {
+export function compareNames(a: string, b: string): number {
   return collator.compare(a, b) || (a < b ? -1 : 1);
 }
 

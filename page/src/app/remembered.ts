@@ -3,10 +3,10 @@ import { effect, signal, type Signal } from "@preact/signals";
 const known = new Map<string, Signal<unknown>>();
 
 /** Returns a signal that the browser stores if it is allowed to. There is one signal for each name. */
-export function remembered<Value>(name: string, otherwise: Value): Signal<Value> {
+export function remembered<Value>(name: string, defaultValue: Value): Signal<Value> {
   const before = known.get(name);
   if (before !== undefined) return before as Signal<Value>;
-  const made = signal<Value>(read(name, otherwise));
+  const made = signal<Value>(read(name, defaultValue));
   effect(() => write(name, made.value));
   known.set(name, made as Signal<unknown>);
   return made;
@@ -16,13 +16,13 @@ function key(name: string): string {
   return `meshgraft ${name}`;
 }
 
-function read<Value>(name: string, otherwise: Value): Value {
+function read<Value>(name: string, defaultValue: Value): Value {
   try {
     const text = localStorage.getItem(key(name));
-    const value: unknown = text === null ? otherwise : JSON.parse(text);
-    return typeof value === typeof otherwise ? (value as Value) : otherwise;
+    const value: unknown = text === null ? defaultValue : JSON.parse(text);
+    return typeof value === typeof defaultValue ? (value as Value) : defaultValue;
   } catch {
-    return otherwise;
+    return defaultValue;
   }
 }
 

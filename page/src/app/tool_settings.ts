@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import type { Pose } from "../protocol";
 
 /**
- * The active tool, which decides what a drag on the surface does. A drag beside the surface turns the view, except with
+ * The active tool, which decides what a drag on the surface does. A drag off the surface turns the view, except with
  * lasso and box.
  */
 export type ToolName =

@@ -27,8 +27,8 @@ export function formatNumber(value: number, digits = 4, decimals = 12): string {
   const size = Math.abs(value);
   if (size < 0.5 * 10 ** -decimals) return "0";
   if (size >= 1e7 || size < 1e-5) return value.toExponential(digits - 1).replace(/\.?0+e/, "e").replace("e+", "e");
-  const places = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
-  const text = value.toFixed(Math.min(decimals, places));
+  const decimalPlaces = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
+  const text = value.toFixed(Math.min(decimals, decimalPlaces));
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 

@@ -2,7 +2,7 @@ import type { FactFields, FactId } from "../facts";
 import type { EngineError, Note } from "../protocol";
 import { counted, formatNumber } from "./units";
 
-/** What a message tells the user. Location and remedy may be empty. */
+/** The content of a message to the user. Location and remedy may be empty. */
 export interface Told {
   problem: string;
   location: string;
@@ -27,7 +27,7 @@ interface Words {
 export function inPanelWords(error: EngineError): Told {
   const { problem = error.problem, remedy = error.remedy } = wordsFor(error) ?? {};
   const reasons = error.notes.map(noteWords);
-  return { problem, location: placeOf(error), remedy: [...reasons, remedy].filter((text) => text !== "").join(" ") };
+  return { problem, location: locationOf(error), remedy: [...reasons, remedy].filter((text) => text !== "").join(" ") };
 }
 
 /** Returns what to tell the user of a failed request. */
@@ -60,7 +60,7 @@ export function fieldsOf<Id extends FactId>(failure: Failure, id: Id): FactField
 }
 
 /** Returns the file that a request would have replaced, if it was refused for that. */
-export function fileInTheWay(failure: Failure): string | undefined {
+export function fileToReplace(failure: Failure): string | undefined {
   return (fieldsOf(failure, "io.file_exists") ?? fieldsOf(failure, "editor.file_changed"))?.file;
 }
 
@@ -70,14 +70,14 @@ function wordsFor({ id, fields }: { id: string; fields: object }): Words | undef
 }
 
 /** Returns where in the edit the error lies. Steps are counted from 1, as in the panel. */
-function placeOf({ id, step, location }: EngineError): string {
-  if (unplaced.has(id)) return "";
+function locationOf({ id, step, location }: EngineError): string {
+  if (withoutLocation.has(id)) return "";
   const parts = [step === undefined ? "" : `Step ${step + 1}`, location];
   return parts.filter((part) => part !== "").join(", ");
 }
 
 /** Facts whose location would tell the user nothing: it is a pose that is being dragged, or the words name it. */
-const unplaced: ReadonlySet<string> = new Set<FactId>([
+const withoutLocation: ReadonlySet<string> = new Set<FactId>([
   "deform.too_large_or_not_finite",
   "script.mirrored_curve_returns",
   "script.no_mirror_image",
@@ -152,11 +152,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: "nothing is free to move",
     remedy: "Make the region larger, or the handles and the fixed part smaller.",
   }),
-  "deform.path_crosses_itself": ({ vertex }) => ({
+  "select.path_crosses_itself": ({ vertex }) => ({
     problem: `the curve comes back to vertex ${vertex}, where it has been`,
     remedy: "Click points that lie apart, in order along the curve.",
   }),
-  "deform.path_too_short": ({ kind, needed, count }) => ({
+  "select.path_too_short": ({ kind, needed, count }) => ({
     problem: `a ${kind} needs ${needed} points near different vertices, here are ${count}`,
     remedy: "Click more points, farther apart.",
   }),

@@ -93,9 +93,9 @@ export function DropZone({ page }: { page: Page }) {
   };
   const save = () => {
     if (asked === null) return;
-    page.editor.leaving.value = { name: asked[0]?.name ?? "it", open: () => takeFiles(page, asked) };
+    page.editor.pendingOpen.value = { name: asked[0]?.name ?? "it", open: () => takeFiles(page, asked) };
     setAsked(null);
-    void page.editor.saveAndGoOn();
+    void page.editor.saveThenOpenPending();
   };
   const add = () => {
     page.editor.graft.mode.value = "graft";

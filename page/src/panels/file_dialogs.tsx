@@ -10,7 +10,7 @@ import {
   type MeshFormat,
 } from "../app/paths";
 import { remembered } from "../app/remembered";
-import { fileInTheWay, sentence, toldOf, type Told } from "../app/wording";
+import { fileToReplace, sentence, toldOf, type Told } from "../app/wording";
 import type { PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
 import { Button } from "./ui/button";
@@ -53,7 +53,7 @@ function TargetDialog(props: TargetProps) {
     setBusy(false);
     setAsks(false);
     if ("code" in answer)
-      return fileInTheWay(answer) !== undefined ? setAsks(true) : setFailure(toldOf(answer));
+      return fileToReplace(answer) !== undefined ? setAsks(true) : setFailure(toldOf(answer));
     if (props.onDone === undefined) onClose();
     page.editor.tellFiles(props.done, answer);
     props.onDone?.();
@@ -145,11 +145,11 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
       request={(edit, overwrite) => ({ do: "save", edit, overwrite })}
       onDone={() => {
         onClose();
-        editor.goOn();
+        editor.openPending();
       }}
       onClose={() => {
         onClose();
-        editor.leaving.value = null;
+        editor.pendingOpen.value = null;
       }}
     >
       <p class="hint">

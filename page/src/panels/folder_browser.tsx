@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Page } from "../app/page";
-import { asPeopleSort, baseName, folderOf, joined } from "../app/paths";
+import { compareNames, baseName, folderOf, joined } from "../app/paths";
 import { formatBytes } from "../app/units";
 import { Icon } from "./ui/icon";
 
@@ -28,8 +28,8 @@ export function useListing(page: Page, folder: string | null): Listing | undefin
       const files = (outcome.files ?? []).filter((file) => typeof file !== "string");
       setListing({
         folder: outcome.folder ?? null,
-        folders: [...(outcome.folders ?? [])].sort(asPeopleSort),
-        files: files.sort((a, b) => asPeopleSort(a.name, b.name)),
+        folders: [...(outcome.folders ?? [])].sort(compareNames),
+        files: files.sort((a, b) => compareNames(a.name, b.name)),
       });
     });
     return () => {

@@ -2,9 +2,9 @@ import { groupsOf } from "../app/groups";
 import type { Page } from "../app/page";
 import {
   applicable,
-  backToUsual,
+  changesToDefaults,
   choiceOf,
-  fitting,
+  admissible,
   groupNames,
   methodOf,
   methods,
@@ -26,7 +26,7 @@ export function MethodPanel({ page }: { page: Page }) {
   const change = (changes: Record<string, SettingValue>) =>
     void editor.ask({ do: "settings", settings: changes });
   const all = applicable(settings);
-  const usual = backToUsual(settings);
+  const usual = changesToDefaults(settings);
   return (
     <Section
       title="Method"
@@ -109,10 +109,10 @@ function SettingField({ setting, values, change }: SettingsProps & { setting: Se
         <Slider
           {...setting}
           label={label}
-          help={`${help} Usually ${setting.otherwise}.`}
+          help={`${help} Usually ${setting.defaultValue}.`}
           value={numberOf(values, setting)}
-          step={setting.integer === true ? 1 : Math.max(1e-6, setting.otherwise / 20)}
-          onChange={(value) => change({ [key]: fitting(setting, value) })}
+          step={setting.integer === true ? 1 : Math.max(1e-6, setting.defaultValue / 20)}
+          onChange={(value) => change({ [key]: admissible(setting, value) })}
         />
       );
     case "choice":

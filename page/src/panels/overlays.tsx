@@ -44,22 +44,22 @@ export function RestoreOffer({ page }: { page: Page }) {
 /** Asks what to do with unsaved work before another document replaces it. */
 export function LeaveQuestion({ page }: { page: Page }) {
   const { editor } = page;
-  const leaving = editor.leaving.value;
-  if (leaving === null || editor.dialog.value === "save" || editor.replacing.value !== null) return null;
+  const pending = editor.pendingOpen.value;
+  if (pending === null || editor.dialog.value === "save" || editor.replacing.value !== null) return null;
   const name = baseName(editor.state.value?.name ?? "What is open");
   return (
     <Dialog
-      title={`Open ${leaving.name}?`}
-      onClose={() => (editor.leaving.value = null)}
+      title={`Open ${pending.name}?`}
+      onClose={() => (editor.pendingOpen.value = null)}
       actions={
         <>
-          <Button label="Cancel" kind="quiet" onClick={() => (editor.leaving.value = null)} />
+          <Button label="Cancel" kind="quiet" onClick={() => (editor.pendingOpen.value = null)} />
           <Button
             label="Open without saving"
             tip={`The changes stay in a session file beside ${name}, and are offered when you open it again.`}
-            onClick={() => editor.goOn()}
+            onClick={() => editor.openPending()}
           />
-          <Button label="Save…" kind="primary" autoFocus onClick={() => void editor.saveAndGoOn()} />
+          <Button label="Save…" kind="primary" autoFocus onClick={() => void editor.saveThenOpenPending()} />
         </>
       }
     >
@@ -76,7 +76,7 @@ export function ReplaceQuestion({ page }: { page: Page }) {
   const { editor } = page;
   const file = editor.replacing.value;
   if (file === null) return null;
-  const leave = () => (editor.replacing.value = editor.leaving.value = null);
+  const cancel = () => (editor.replacing.value = editor.pendingOpen.value = null);
   const saveAs = () => {
     editor.replacing.value = null;
     editor.dialog.value = "save";
@@ -84,10 +84,10 @@ export function ReplaceQuestion({ page }: { page: Page }) {
   return (
     <Dialog
       title={`${baseName(file)} was changed elsewhere`}
-      onClose={leave}
+      onClose={cancel}
       actions={
         <>
-          <Button label="Don't save" kind="quiet" onClick={leave} />
+          <Button label="Don't save" kind="quiet" onClick={cancel} />
           <Button label="Replace it" kind="danger" onClick={() => void editor.replace()} />
           <Button label="Save as…" kind="primary" autoFocus onClick={saveAs} />
         </>

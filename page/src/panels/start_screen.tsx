@@ -45,7 +45,7 @@ export function StartScreen({ page }: { page: Page }) {
           </div>
           <div>
             <h2>From this computer</h2>
-            <DropPlace page={page} />
+            <DropArea page={page} />
             <h2>Folders</h2>
             <Folders page={page} />
           </div>
@@ -102,10 +102,10 @@ function Card({
   );
 }
 
-function DropPlace({ page }: { page: Page }) {
+function DropArea({ page }: { page: Page }) {
   const input = useRef<HTMLInputElement>(null);
   return (
-    <div class="drop-place">
+    <div class="drop-area">
       <Icon name="upload" size={26} />
       <p>Drop a file anywhere on this page</p>
       <Button label="Choose a file…" onClick={() => input.current?.click()} />

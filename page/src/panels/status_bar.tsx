@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import type { Box, Work } from "../app/editor";
+import type { Box, RunningRequest } from "../app/editor";
 import { graftWords, shownSize } from "../app/graft/graft_words";
 import { liveWords, stageWords } from "../app/live_words";
 import type { Page } from "../app/page";
@@ -115,7 +115,7 @@ const patienceMs = 300; // shorter work is not shown
  */
 function Progress({ page }: { page: Page }) {
   const { editor } = page;
-  const oldest = [...editor.working.value.values()].reduce<Work | undefined>(
+  const oldest = [...editor.working.value.values()].reduce<RunningRequest | undefined>(
     (a, b) => (a === undefined || b.since < a.since ? b : a),
     undefined,
   );
@@ -181,7 +181,7 @@ function Bar({ fraction, label }: { fraction: number; label: string }) {
 }
 
 /** Returns whether work has gone on for longer than `patienceMs`. */
-function useLate(work: Work | undefined): boolean {
+function useLate(work: RunningRequest | undefined): boolean {
   const [late, setLate] = useState<unknown>(undefined);
   useEffect(() => {
     if (work === undefined) return undefined;

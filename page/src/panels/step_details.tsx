@@ -116,7 +116,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
   const step = readStep(fields);
   const keep = (changes: GraftFields) =>
     void page.editor.ask({ do: "step", what: "change", index, fields: { ...changes } });
-  const mesh = page.editor.graft.named(step.source)?.mesh ?? -1;
+  const mesh = page.editor.graft.byName(step.source)?.mesh ?? -1;
   return (
     <div class="step-details">
       <p class="hint">{`${step.source} onto ${step.target}.`}</p>
@@ -127,7 +127,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
         twist={<Twists page={page} count={found?.starts.length ?? 0} index={index} />}
       />
       <ShapeField step={step} keep={keep} />
-      <MirrorField step={step} keep={keep} middle={() => page.graft.middleOf(mesh)} />
+      <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
       <More label="More of the graft">
         <LoopToggles step={step} keep={keep} />
       </More>

@@ -1,7 +1,7 @@
 import type { Editor } from "../app/editor";
 import {
   axisOfPlane,
-  placeOf,
+  coordinateOf,
   planeAcross,
   rangeAlong,
   type Plane,
@@ -32,7 +32,7 @@ export function SymmetryPanel({ page }: { page: Page }) {
         label="Symmetric editing"
         value={symmetry !== null}
         help="Each handle gets a twin at its mirror image."
-        onChange={(on) => void editor.mirror(on)}
+        onChange={(on) => void editor.setSymmetry(on)}
       />
       {symmetry !== null && (
         <>
@@ -85,7 +85,7 @@ function PlaneFields({ editor, plane }: { editor: Editor; plane: Plane }) {
       ) : (
         <Slider
           label="Place"
-          value={placeOf(plane, axis)}
+          value={coordinateOf(plane, axis)}
           min={-Infinity}
           max={Infinity}
           softMin={low}
@@ -96,7 +96,7 @@ function PlaneFields({ editor, plane }: { editor: Editor; plane: Plane }) {
           step={0.01 * (high - low)}
           digits={3}
           help="Where the plane is along this axis; at first in the middle of the model."
-          onChange={(place) => put(planeAcross(axis, box, place))}
+          onChange={(coordinate) => put(planeAcross(axis, box, coordinate))}
         />
       )}
     </>

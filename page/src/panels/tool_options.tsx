@@ -16,7 +16,7 @@ const hints: Record<ToolName, string> = {
   loop: "Click near a hole to select its rim.",
   flood: "Click to select up to the next crease.",
 };
-const otherwise = { set: "Shift adds, Alt takes away.", add: "Alt takes away.", remove: "Shift adds." };
+const modifierHints = { set: "Shift adds, Alt takes away.", add: "Alt takes away.", remove: "Shift adds." };
 const painting: readonly ToolName[] = ["handle", "brush"];
 const selecting: readonly ToolName[] = ["brush", "lasso", "box", "connected", "loop", "flood"];
 const seesThrough: readonly ToolName[] = ["handle", "brush", "lasso", "box"];
@@ -77,7 +77,7 @@ export function ToolOptions({ page }: { page: Page }) {
         )}
         {seesThrough.includes(tool) && <CommandButton page={page} id="through" icon="through" />}
         <span class="tool-hint">
-          {hints[tool]} {selecting.includes(tool) && otherwise[tools.combine.value]}
+          {hints[tool]} {selecting.includes(tool) && modifierHints[tools.combine.value]}
         </span>
       </div>
       {selected > 0 && <SelectionLine page={page} selected={selected} />}

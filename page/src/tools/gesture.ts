@@ -5,14 +5,14 @@ import { NumberEntry } from "./number_entry";
 import { centreOf, moved, scaled, turned, type Placement } from "./pose_math";
 
 export type Axis = 0 | 1 | 2;
-export type Act = "move" | "turn" | "scale";
+export type GestureKind = "move" | "turn" | "scale";
 
 /**
  * The motion of a gesture. It goes along (or about) one of the gizmo's axes, or across it (in the plane of the two
  * others). A free gesture moves in the screen plane, turns about the line of sight, or scales uniformly.
  */
 export interface Grip {
-  readonly act: Act;
+  readonly kind: GestureKind;
   readonly axis: Axis | "free";
   readonly across?: boolean;
 }
@@ -53,12 +53,12 @@ export class Gesture {
     return this.last;
   }
 
-  get doing(): Grip {
+  get currentGrip(): Grip {
     return this.grip;
   }
 
   pointAt(screenPoint: ScreenPoint): void {
-    if (this.grip.act === "turn") this.turnDeg += this.turnBetween(this.last, screenPoint);
+    if (this.grip.kind === "turn") this.turnDeg += this.turnBetween(this.last, screenPoint);
     this.last = screenPoint;
   }
 
@@ -66,12 +66,12 @@ export class Gesture {
   constrain(grip: Grip, axes: Quaternion): void {
     this.grip = grip;
     this.axes = axes;
-    this.turnDeg = grip.act === "turn" ? this.turnBetween(this.first, this.last) : 0;
+    this.turnDeg = grip.kind === "turn" ? this.turnBetween(this.first, this.last) : 0;
   }
 
   /** Returns the placement of the handle under this gesture. */
   placement(): Placement {
-    switch (this.grip.act) {
+    switch (this.grip.kind) {
       case "move":
         return moved(this.start, this.shift());
       case "turn":
@@ -86,13 +86,13 @@ export class Gesture {
     const typed = this.number.text === "" ? "" : `  [${this.number.text}]`;
     const name = this.grip.axis === "free" ? "" : "XYZ".charAt(this.grip.axis);
     const digits = (value: number) => (Math.abs(value) >= 100 ? value.toFixed(1) : value.toPrecision(3));
-    if (this.grip.act === "turn") {
+    if (this.grip.kind === "turn") {
       const angle = this.angleDeg();
       const turns = Math.abs(angle) >= 360 ? ` (${(angle / 360).toFixed(2)} turns)` : "";
       return `Turn${name && ` about ${name}`}  ${angle.toFixed(1)}°${turns}${typed}`;
     }
     const where = name && (this.grip.across === true ? ` across ${name}` : ` along ${name}`);
-    if (this.grip.act === "scale") return `Scale${where}  × ${this.factor().toFixed(3)}${typed}`;
+    if (this.grip.kind === "scale") return `Scale${where}  × ${this.factor().toFixed(3)}${typed}`;
     const shift = this.shift();
     const length = name && this.grip.across !== true ? shift.dot(this.axisOf(this.grip.axis)) : shift.length();
     return `Move${where}  ${digits(length)}${unit && ` ${unit}`}${typed}`;
@@ -111,7 +111,7 @@ export class Gesture {
   startDirection(): Vector3 {
     const axis = this.turnAxis();
     const isEdgeOn = Math.abs(axis.dot(this.camera.towards(this.centre))) < edgeOn;
-    const from = isEdgeOn ? this.camera.towards(this.centre).negate() : this.placeIn(axis, this.first).sub(this.centre);
+    const from = isEdgeOn ? this.camera.towards(this.centre).negate() : this.pointInPlane(axis, this.first).sub(this.centre);
     from.addScaledVector(axis, -from.dot(axis));
     return from.lengthSq() < 1e-20 ? from.set(1, 0, 0).cross(axis).normalize() : from.normalize();
   }
@@ -126,11 +126,11 @@ export class Gesture {
     const { axis, across } = this.grip;
     if (axis !== "free" && across !== true) {
       const along = this.axisOf(axis);
-      const length = this.placeAlong(along, this.last) - this.placeAlong(along, this.first);
+      const length = this.parameterAlong(along, this.last) - this.parameterAlong(along, this.first);
       return along.multiplyScalar(snapTo(length, this.steps?.move));
     }
     const normal = axis === "free" ? this.camera.towards(this.centre) : this.axisOf(axis);
-    const shift = this.placeIn(normal, this.last).sub(this.placeIn(normal, this.first));
+    const shift = this.pointInPlane(normal, this.last).sub(this.pointInPlane(normal, this.first));
     return this.steps === undefined ? shift : this.snapped(shift);
   }
 
@@ -153,13 +153,13 @@ export class Gesture {
     const c = this.camera.project(this.centre);
     const { axis, across } = this.grip;
     const direction = axis === "free" || across === true ? undefined : this.onPage(this.axisOf(axis));
-    const reach = (screenPoint: ScreenPoint) =>
+    const distanceOf = (screenPoint: ScreenPoint) =>
       direction === undefined
         ? Math.hypot(screenPoint.x - c.x, screenPoint.y - c.y)
         : (screenPoint.x - c.x) * direction.x + (screenPoint.y - c.y) * direction.y;
-    const from = reach(this.first);
+    const from = distanceOf(this.first);
     const usable = Math.max(Math.abs(from), leastRadiusPx) * (from < 0 ? -1 : 1);
-    const factor = 1 + (reach(this.last) - from) / usable;
+    const factor = 1 + (distanceOf(this.last) - from) / usable;
     const least = Math.max(leastScale, this.steps?.scale ?? 0);
     return Math.max(least, snapTo(factor, this.steps?.scale));
   }
@@ -182,7 +182,7 @@ export class Gesture {
   }
 
   // Returns the position along the axis through the centre that a screen point corresponds to.
-  private placeAlong(axis: Vector3, screenPoint: ScreenPoint): number {
+  private parameterAlong(axis: Vector3, screenPoint: ScreenPoint): number {
     const { origin, direction } = this.camera.rayAt(screenPoint);
     const cosine = axis.dot(direction);
     if (1 - cosine * cosine < 0.01) {
@@ -193,7 +193,7 @@ export class Gesture {
     return (cosine * between.dot(direction) - between.dot(axis)) / (1 - cosine * cosine);
   }
 
-  private placeIn(normal: Vector3, screenPoint: ScreenPoint): Vector3 {
+  private pointInPlane(normal: Vector3, screenPoint: ScreenPoint): Vector3 {
     const plane = new ThreePlane().setFromNormalAndCoplanarPoint(normal, this.centre);
     const at = this.camera.rayAt(screenPoint).intersectPlane(plane, new Vector3());
     return at ?? this.centre.clone();
@@ -204,8 +204,8 @@ export class Gesture {
     const axis = this.turnAxis();
     const facing = axis.dot(this.camera.towards(this.centre));
     if (Math.abs(facing) < edgeOn) return this.turnAlongEdge(axis, from, to);
-    const a = this.placeIn(axis, from).sub(this.centre);
-    const b = this.placeIn(axis, to).sub(this.centre);
+    const a = this.pointInPlane(axis, from).sub(this.centre);
+    const b = this.pointInPlane(axis, to).sub(this.centre);
     return (Math.atan2(a.clone().cross(b).dot(axis), a.dot(b)) * 180) / Math.PI;
   }
 

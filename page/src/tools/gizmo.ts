@@ -2,7 +2,7 @@ import { Plane, Quaternion, Vector3 } from "three";
 import type { Editor } from "../app/editor";
 import type { Viewport } from "../view/viewport";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
-import { Gesture, type Act, type Axis, type Grip, type Steps } from "./gesture";
+import { Gesture, type GestureKind, type Axis, type Grip, type Steps } from "./gesture";
 import { partAt, type Layout, type Part } from "./gizmo_layout";
 import { GizmoView } from "./gizmo_view";
 import type { Movable, Moved } from "./movable";
@@ -13,13 +13,13 @@ import type { Status } from "./status";
  * The gesture in progress on the active handle. A `modal` gesture begins by a key and ends by a click; others are
  * drags.
  */
-interface Going {
+interface ActiveGesture {
   readonly name: string;
   readonly start: Placement;
   readonly axes: Quaternion;
   readonly gesture: Gesture | undefined; // undefined: the pivot is dragged
   readonly modal: boolean;
-  spaces: number; // how often the key of the axis was pressed
+  axisPresses: number; // how often the key of the axis was pressed
 }
 
 /** Moves, turns and scales the active handle in one widget: nine degrees of freedom and a pivot. */
@@ -27,7 +27,7 @@ export class Gizmo {
   private readonly view: GizmoView;
   private layout: Layout | undefined;
   private hovered: string | undefined;
-  private going: Going | undefined;
+  private ongoing: ActiveGesture | undefined;
   private readonly hidden = new Set<string>();
   private hiddenAsOf = "";
   private snapsOnce = false;
@@ -43,11 +43,11 @@ export class Gizmo {
     viewport.onFrame.add(() => this.draw());
   }
 
-  get isGoing(): boolean {
-    return this.going !== undefined;
+  get isActive(): boolean {
+    return this.ongoing !== undefined;
   }
   get isModal(): boolean {
-    return this.going?.modal === true;
+    return this.ongoing?.modal === true;
   }
   get centre(): ScreenPoint | undefined {
     return this.layout?.centre;
@@ -68,9 +68,9 @@ export class Gizmo {
   }
 
   /** Begins a drag if a part is under the pointer. Returns whether it did. */
-  press(screenPoint: ScreenPoint, generosity: number): boolean {
+  press(screenPoint: ScreenPoint, toleranceFactor: number): boolean {
     const handle = this.control.active;
-    const part = this.partUnder(screenPoint, generosity);
+    const part = this.partUnder(screenPoint, toleranceFactor);
     if (handle === undefined || part === undefined) return false;
     if (this.editor.tools.movesPivot.value) this.beginPivot(handle);
     else this.begin(handle, part.grip, screenPoint, false);
@@ -78,54 +78,54 @@ export class Gizmo {
   }
 
   /** Begins a gesture by a key. */
-  beginModal(act: Act, screenPoint: ScreenPoint): void {
+  beginModal(kind: GestureKind, screenPoint: ScreenPoint): void {
     const handle = this.control.active;
-    if (handle === undefined || this.control.acts?.includes(act) === false) return;
-    if (this.going !== undefined) this.cancel();
-    this.begin(handle, { act, axis: "free" }, screenPoint, true);
+    if (handle === undefined || this.control.gestureKinds?.includes(kind) === false) return;
+    if (this.ongoing !== undefined) this.cancel();
+    this.begin(handle, { kind, axis: "free" }, screenPoint, true);
     this.follow(screenPoint, false);
   }
 
   follow(screenPoint: ScreenPoint, snapsOnce: boolean): void {
-    const { going } = this;
-    if (going === undefined) return;
+    const { ongoing } = this;
+    if (ongoing === undefined) return;
     this.snapsOnce = snapsOnce;
-    if (going.gesture === undefined) return this.dragPivot(going, screenPoint);
-    going.gesture.pointAt(screenPoint);
-    this.showGesture(going.name, going.gesture);
+    if (ongoing.gesture === undefined) return this.dragPivot(ongoing, screenPoint);
+    ongoing.gesture.pointAt(screenPoint);
+    this.showGesture(ongoing.name, ongoing.gesture);
   }
 
   /** Ends the gesture and keeps its result. */
   end(): void {
-    const { going } = this;
-    if (going === undefined) return;
-    this.going = undefined;
+    const { ongoing } = this;
+    if (ongoing === undefined) return;
+    this.ongoing = undefined;
     const handle = this.control.active;
     this.status.clear();
     this.viewport.requestRender();
-    if (handle === undefined || handle.name !== going.name) return;
-    if (isSame(handle.placement, going.start, handle.defaultPivot)) this.control.revert(going.name, going.start);
-    else void this.control.commit(going.name, handle.placement);
+    if (handle === undefined || handle.name !== ongoing.name) return;
+    if (isSame(handle.placement, ongoing.start, handle.defaultPivot)) this.control.revert(ongoing.name, ongoing.start);
+    else void this.control.commit(ongoing.name, handle.placement);
   }
 
   /** Reverts the handle to its placement before the gesture. */
   cancel(): void {
-    const { going } = this;
-    if (going === undefined) return;
-    this.going = undefined;
+    const { ongoing } = this;
+    if (ongoing === undefined) return;
+    this.ongoing = undefined;
     this.status.clear();
-    this.control.revert(going.name, going.start);
+    this.control.revert(ongoing.name, ongoing.start);
   }
 
-  /** Handles a key during a gesture: an axis, a number, another act. Returns whether the key was one of these. */
+  /** Handles a key during a gesture: an axis, a number, another gesture. Returns whether the key was one of these. */
   takeKey({ key, shiftKey, ctrlKey, metaKey, altKey }: KeyboardEvent): boolean {
-    const { going } = this;
-    if (going?.gesture === undefined || metaKey || altKey) return false;
-    const { gesture } = going;
+    const { ongoing } = this;
+    if (ongoing?.gesture === undefined || metaKey || altKey) return false;
+    const { gesture } = ongoing;
     const axis = "xyz".indexOf(key.toLowerCase());
-    if (key.length === 1 && axis >= 0 && !ctrlKey) this.constrain(going, axis as Axis, shiftKey);
-    else if (!gesture.number.press(key)) return this.changeAct(going, key, ctrlKey || shiftKey);
-    this.showGesture(going.name, gesture);
+    if (key.length === 1 && axis >= 0 && !ctrlKey) this.constrain(ongoing, axis as Axis, shiftKey);
+    else if (!gesture.number.press(key)) return this.changeKind(ongoing, key, ctrlKey || shiftKey);
+    this.showGesture(ongoing.name, gesture);
     return true;
   }
 
@@ -135,11 +135,11 @@ export class Gizmo {
     if (handle !== undefined) void this.control.commit(handle.name, withPivot(handle.placement, handle.defaultPivot));
   }
 
-  private partUnder(screenPoint: ScreenPoint, generosity = 1): Part | undefined {
+  private partUnder(screenPoint: ScreenPoint, toleranceFactor = 1): Part | undefined {
     if (this.layout === undefined || this.control.active === undefined) return undefined;
-    if (!this.editor.tools.movesPivot.value) return partAt(this.layout, screenPoint, generosity);
+    if (!this.editor.tools.movesPivot.value) return partAt(this.layout, screenPoint, toleranceFactor);
     const { centre, parts } = this.layout;
-    const isNear = Math.hypot(centre.x - screenPoint.x, centre.y - screenPoint.y) <= 14 * generosity;
+    const isNear = Math.hypot(centre.x - screenPoint.x, centre.y - screenPoint.y) <= 14 * toleranceFactor;
     return isNear ? parts.find(({ kind }) => kind === "ball") : undefined;
   }
 
@@ -147,17 +147,17 @@ export class Gizmo {
     const { name, placement } = handle;
     const axes = this.axesFor(placement, this.editor.tools.gizmoSpace.value);
     const gesture = new Gesture(grip, placement, axes, this.camera, screenPoint);
-    this.going = { name, start: placement, axes, gesture, modal, spaces: 0 };
+    this.ongoing = { name, start: placement, axes, gesture, modal, axisPresses: 0 };
     this.viewport.requestRender();
   }
 
   private beginPivot({ name, placement }: Moved): void {
     const axes = this.axesFor(placement, this.editor.tools.gizmoSpace.value);
-    this.going = { name, start: placement, axes, gesture: undefined, modal: false, spaces: 0 };
+    this.ongoing = { name, start: placement, axes, gesture: undefined, modal: false, axisPresses: 0 };
   }
 
   // Moves the pivot on the surface if it is under the pointer, otherwise in the screen plane.
-  private dragPivot({ name, start }: Going, screenPoint: ScreenPoint): void {
+  private dragPivot({ name, start }: ActiveGesture, screenPoint: ScreenPoint): void {
     const centre = centreOf(start);
     const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.towards(centre), centre);
     const on = this.viewport.pick(screenPoint.x, screenPoint.y)?.point;
@@ -181,26 +181,27 @@ export class Gizmo {
   }
 
   // Pressing an axis key once uses the gizmo's space, twice the other space, three times frees the gesture again.
-  private constrain(going: Going, axis: Axis, across: boolean): void {
-    const { gesture } = going;
+  private constrain(ongoing: ActiveGesture, axis: Axis, across: boolean): void {
+    const { gesture } = ongoing;
     if (gesture === undefined) return;
-    const { act } = gesture.doing;
-    const isSame = gesture.doing.axis === axis && (gesture.doing.across ?? false) === across;
-    going.spaces = isSame ? going.spaces + 1 : 1;
+    const { kind } = gesture.currentGrip;
+    const isSame = gesture.currentGrip.axis === axis && (gesture.currentGrip.across ?? false) === across;
+    ongoing.axisPresses = isSame ? ongoing.axisPresses + 1 : 1;
     const own = this.editor.tools.gizmoSpace.value;
-    const space = going.spaces === 2 ? (own === "local" ? "world" : "local") : own;
-    const axes = this.axesFor(going.start, space);
-    const grip: Grip = going.spaces > 2 ? { act, axis: "free" } : { act, axis, across: across && act !== "turn" };
-    if (going.spaces > 2) going.spaces = 0;
-    this.going = { ...going, axes };
+    const space = ongoing.axisPresses === 2 ? (own === "local" ? "world" : "local") : own;
+    const axes = this.axesFor(ongoing.start, space);
+    const grip: Grip = ongoing.axisPresses > 2 ? { kind, axis: "free" } : { kind, axis, across: across && kind !== "turn" };
+    if (ongoing.axisPresses > 2) ongoing.axisPresses = 0;
+    this.ongoing = { ...ongoing, axes };
     gesture.constrain(grip, axes);
   }
 
-  private changeAct(going: Going, key: string, isOther: boolean): boolean {
-    const act = ({ g: "move", r: "turn", s: "scale" } as const)[key.toLowerCase() as "g"];
-    if (act === undefined || this.control.acts?.includes(act) === false || isOther || going.gesture === undefined || !going.modal) return false;
-    going.gesture.constrain({ act, axis: "free" }, going.axes);
-    this.showGesture(going.name, going.gesture);
+  private changeKind(ongoing: ActiveGesture, key: string, isOther: boolean): boolean {
+    const kind = ({ g: "move", r: "turn", s: "scale" } as const)[key.toLowerCase() as "g"];
+    if (kind === undefined || this.control.gestureKinds?.includes(kind) === false) return false;
+    if (isOther || ongoing.gesture === undefined || !ongoing.modal) return false;
+    ongoing.gesture.constrain({ kind, axis: "free" }, ongoing.axes);
+    this.showGesture(ongoing.name, ongoing.gesture);
     return true;
   }
 
@@ -215,19 +216,19 @@ export class Gizmo {
       return this.view.hide();
     }
     const { placement } = handle;
-    const { going } = this;
-    const axes = going?.axes ?? this.axesFor(placement, this.editor.tools.gizmoSpace.value);
-    const gesture = going?.gesture && { gesture: going.gesture, from: centreOf(going.start), axes };
+    const { ongoing } = this;
+    const axes = ongoing?.axes ?? this.axesFor(placement, this.editor.tools.gizmoSpace.value);
+    const gesture = ongoing?.gesture && { gesture: ongoing.gesture, from: centreOf(ongoing.start), axes };
     this.layout = this.view.draw({
       centre: centreOf(placement),
       axes,
       hovered: this.hovered,
       gesture,
       movesPivot: this.editor.tools.movesPivot.value,
-      acts: this.control.acts,
+      gestureKinds: this.control.gestureKinds,
       isHidden: (part) => this.hidden.has(part.id),
     });
-    if (going === undefined && this.layout !== undefined) this.findHidden(this.layout);
+    if (ongoing === undefined && this.layout !== undefined) this.findHidden(this.layout);
   }
 
   // Finds the parts that the model hides, while the view is at rest.
@@ -239,10 +240,10 @@ export class Gizmo {
     this.hidden.clear();
     for (const part of layout.parts) {
       if (part.kind === "ring" || part.kind === "ball" || part.axis === "free") continue;
-      const screenPoint = this.camera.project(part.place);
+      const screenPoint = this.camera.project(part.position);
       const point = this.viewport.pick(screenPoint.x, screenPoint.y)?.point;
-      const towardsCamera = this.camera.towards(part.place);
-      if (point !== undefined && point.sub(part.place).dot(towardsCamera) < -4 * this.camera.worldPerPixel(part.place))
+      const towardsCamera = this.camera.towards(part.position);
+      if (point !== undefined && point.sub(part.position).dot(towardsCamera) < -4 * this.camera.worldPerPixel(part.position))
         this.hidden.add(part.id);
     }
     if (this.hidden.size > 0) this.viewport.requestRender();
@@ -251,6 +252,6 @@ export class Gizmo {
 
 // Compares poses rather than maps, because a rotation of 720° is not the identity.
 function isSame(a: Placement, b: Placement, defaultPivot: Vector3): boolean {
-  const told = (placement: Placement) => JSON.stringify(poseOf(placement, defaultPivot));
-  return told(a) === told(b) && a.pivot.equals(b.pivot);
+  const text = (placement: Placement) => JSON.stringify(poseOf(placement, defaultPivot));
+  return text(a) === text(b) && a.pivot.equals(b.pivot);
 }

@@ -14,7 +14,7 @@ export interface Part {
   readonly outline: readonly ScreenPoint[];
   readonly closed: boolean;
   /** The point that is tested for being hidden by the model, in world coordinates. */
-  readonly place: Vector3;
+  readonly position: Vector3;
 }
 
 export interface Layout {
@@ -27,86 +27,86 @@ const arrowPx = { from: 15, to: 92 };
 const squarePx = { from: 24, to: 42 };
 const boxPx = 112;
 export const viewRingPx = 136;
-const endOn = 0.97; // cosine above which an arrow points at the camera and is drawn as a dot
-const edgeOn = 0.15; // cosine below which a square is drawn as a line
-const around = 64; // points of a circle
+const endOn = 0.97; // cosine above which an arrow points at the camera and is not drawn
+const edgeOn = 0.15; // cosine below which a square is seen edge-on and is not drawn
+const circlePoints = 64; // points of a circle
 
 /** Lays out the gizmo at `centre` along the columns of `axes`. Its size on the screen is constant. */
 export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera): Layout {
   const pixel = camera.worldPerPixel(centre);
-  const sight = camera.towards(centre);
+  const viewDirection = camera.towards(centre);
   const along = allAxes.map((k) => new Vector3(+(k === 0), +(k === 1), +(k === 2)).applyQuaternion(axes));
   const of = (k: Axis): Vector3 => along[k] as Vector3;
-  const place = (...steps: [Vector3, number][]) =>
+  const pointAt = (...steps: [Vector3, number][]) =>
     steps.reduce((at, [axis, px]) => at.addScaledVector(axis, px * pixel), centre.clone());
-  const at = (...steps: [Vector3, number][]): ScreenPoint => camera.project(place(...steps));
+  const screenPointAt = (...steps: [Vector3, number][]): ScreenPoint => camera.project(pointAt(...steps));
   const c = camera.project(centre);
   const parts: Part[] = [];
   const add = (part: Omit<Part, "id">) =>
     parts.push({ ...part, id: part.axis === "free" ? part.kind : `${part.kind}-${"xyz".charAt(part.axis)}` });
 
-  const ball: Grip = { act: "move", axis: "free" };
-  add({ kind: "ball", grip: ball, axis: "free", outline: [c], closed: false, place: centre });
+  const ball: Grip = { kind: "move", axis: "free" };
+  add({ kind: "ball", grip: ball, axis: "free", outline: [c], closed: false, position: centre });
   const knobPx = viewRingPx * Math.SQRT1_2;
   const knob = { x: c.x + knobPx, y: c.y - knobPx };
-  const all: Grip = { act: "scale", axis: "free" };
-  add({ kind: "knob", grip: all, axis: "free", outline: [knob], closed: false, place: centre });
+  const all: Grip = { kind: "scale", axis: "free" };
+  add({ kind: "knob", grip: all, axis: "free", outline: [knob], closed: false, position: centre });
   for (const k of allAxes) {
-    if (Math.abs(of(k).dot(sight)) > endOn) continue;
-    const end = place([of(k), boxPx]);
-    const stretch: Grip = { act: "scale", axis: k };
-    add({ kind: "box", grip: stretch, axis: k, outline: [camera.project(end)], closed: false, place: end });
-    const shaft = [at([of(k), arrowPx.from]), at([of(k), arrowPx.to])];
-    add({ kind: "arrow", grip: { act: "move", axis: k }, axis: k, outline: shaft, closed: false,
-          place: place([of(k), arrowPx.to]) });
+    if (Math.abs(of(k).dot(viewDirection)) > endOn) continue;
+    const end = pointAt([of(k), boxPx]);
+    const stretch: Grip = { kind: "scale", axis: k };
+    add({ kind: "box", grip: stretch, axis: k, outline: [camera.project(end)], closed: false, position: end });
+    const shaft = [screenPointAt([of(k), arrowPx.from]), screenPointAt([of(k), arrowPx.to])];
+    add({ kind: "arrow", grip: { kind: "move", axis: k }, axis: k, outline: shaft, closed: false,
+          position: pointAt([of(k), arrowPx.to]) });
   }
   for (const k of allAxes) {
-    if (Math.abs(of(k).dot(sight)) < edgeOn) continue;
+    if (Math.abs(of(k).dot(viewDirection)) < edgeOn) continue;
     const u = of(((k + 1) % 3) as Axis);
     const v = of(((k + 2) % 3) as Axis);
     const { from, to } = squarePx;
     const corners = [[from, from], [to, from], [to, to], [from, to]] as const;
-    const outline = corners.map(([a, b]) => at([u, a], [v, b]));
-    add({ kind: "square", grip: { act: "move", axis: k, across: true }, axis: k, outline, closed: true,
-          place: place([u, to], [v, to]) });
+    const outline = corners.map(([a, b]) => screenPointAt([u, a], [v, b]));
+    add({ kind: "square", grip: { kind: "move", axis: k, across: true }, axis: k, outline, closed: true,
+          position: pointAt([u, to], [v, to]) });
   }
   for (const k of allAxes) {
-    const outline = circle(at, of(k), sight, ringRadiusPx, Math.PI);
-    add({ kind: "ring", grip: { act: "turn", axis: k }, axis: k, outline, closed: false, place: centre });
+    const outline = circle(screenPointAt, of(k), viewDirection, ringRadiusPx, Math.PI);
+    add({ kind: "ring", grip: { kind: "turn", axis: k }, axis: k, outline, closed: false, position: centre });
   }
-  const round = Array.from({ length: around }, (_, i): ScreenPoint => {
-    const angle = (2 * Math.PI * i) / around;
+  const round = Array.from({ length: circlePoints }, (_, i): ScreenPoint => {
+    const angle = (2 * Math.PI * i) / circlePoints;
     return { x: c.x + viewRingPx * Math.cos(angle), y: c.y + viewRingPx * Math.sin(angle) };
   });
-  const roll: Grip = { act: "turn", axis: "free" };
-  add({ kind: "view-ring", grip: roll, axis: "free", outline: round, closed: true, place: centre });
+  const roll: Grip = { kind: "turn", axis: "free" };
+  add({ kind: "view-ring", grip: roll, axis: "free", outline: round, closed: true, position: centre });
   return { centre: c, parts };
 }
 
 /** Returns a ring around `axis`: the half that faces the camera if `span` is π, the whole ring if it is 2π. */
 export function circle(
-  at: (...steps: [Vector3, number][]) => ScreenPoint,
+  screenPointAt: (...steps: [Vector3, number][]) => ScreenPoint,
   axis: Vector3,
-  sight: Vector3,
+  viewDirection: Vector3,
   radiusPx: number,
   span: number,
 ): ScreenPoint[] {
-  const side = sight.clone().cross(axis);
+  const side = viewDirection.clone().cross(axis);
   const aside = Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
   if (side.lengthSq() < 1e-6) side.crossVectors(axis, aside);
   side.normalize();
   const near = side.clone().cross(axis);
-  if (near.dot(sight) > 0) near.negate();
-  const facesUs = Math.abs(axis.dot(sight)) > 0.98; // all of the ring is visible
-  const half = facesUs ? Math.PI : span / 2;
-  const points = Math.round((around * half) / Math.PI);
+  if (near.dot(viewDirection) > 0) near.negate();
+  const facesCamera = Math.abs(axis.dot(viewDirection)) > 0.98; // all of the ring is visible
+  const half = facesCamera ? Math.PI : span / 2;
+  const points = Math.round((circlePoints * half) / Math.PI);
   return Array.from({ length: points + 1 }, (_, i) => {
     const angle = -half + (2 * half * i) / points;
-    return at([near, radiusPx * Math.cos(angle)], [side, radiusPx * Math.sin(angle)]);
+    return screenPointAt([near, radiusPx * Math.cos(angle)], [side, radiusPx * Math.sin(angle)]);
   });
 }
 
-// A press takes the first of these kinds that is near enough.
+// A press takes the first of these kinds within its tolerance in pixels.
 const order: readonly [PartKind, number][] = [
   ["ball", 9],
   ["knob", 12],
@@ -117,14 +117,14 @@ const order: readonly [PartKind, number][] = [
   ["view-ring", 7],
 ];
 
-/** Returns the part under the pointer. `generosity` widens the tolerance, for touch. */
-export function partAt(layout: Layout, screenPoint: ScreenPoint, generosity = 1): Part | undefined {
+/** Returns the part under the pointer. `toleranceFactor` widens the tolerance, for touch. */
+export function partAt(layout: Layout, screenPoint: ScreenPoint, toleranceFactor = 1): Part | undefined {
   for (const [kind, tolerance] of order) {
     const near = layout.parts
       .filter((part) => part.kind === kind)
       .map((part) => ({ part, distance: distanceTo(part, screenPoint) }))
       .sort((a, b) => a.distance - b.distance)[0];
-    if (near !== undefined && near.distance <= tolerance * generosity) return near.part;
+    if (near !== undefined && near.distance <= tolerance * toleranceFactor) return near.part;
   }
   return undefined;
 }

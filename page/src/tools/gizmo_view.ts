@@ -1,6 +1,6 @@
 import { Quaternion, Vector3 } from "three";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
-import { ringRadiusPx, type Act, type Gesture } from "./gesture";
+import { ringRadiusPx, type GestureKind, type Gesture } from "./gesture";
 import { circle, layOut, viewRingPx, type Layout, type Part } from "./gizmo_layout";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 
@@ -13,8 +13,8 @@ export interface Appearance {
   /** The gesture in progress, and where it began. */
   readonly gesture: { readonly gesture: Gesture; readonly from: Vector3; readonly axes: Quaternion } | undefined;
   readonly movesPivot: boolean;
-  /** The available acts; absent: all. */
-  readonly acts: readonly Act[] | undefined;
+  /** The available kinds of gesture; absent: all. */
+  readonly gestureKinds: readonly GestureKind[] | undefined;
   isHidden(part: Part): boolean;
 }
 
@@ -42,7 +42,7 @@ export class GizmoView {
   /** Draws the gizmo and returns where its parts are on the screen. */
   draw(look: Appearance): Layout | undefined {
     const whole = layOut(look.centre, look.axes, this.camera);
-    const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.acts?.includes(grip.act) !== false) };
+    const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.gestureKinds?.includes(grip.kind) !== false) };
     const isInSight = !this.camera.project(look.centre).behind;
     show(this.element, isInSight);
     if (!isInSight) return undefined;
@@ -59,10 +59,10 @@ export class GizmoView {
     return layout;
   }
 
-  private drawPart(part: Part, layout: Layout, isHot: boolean, isHidden: boolean): void {
+  private drawPart(part: Part, layout: Layout, isHovered: boolean, isHidden: boolean): void {
     const element = this.elementOf(part);
     const axis = part.axis === "free" ? "free" : "xyz".charAt(part.axis);
-    set(element, { class: `part ${part.kind} axis-${axis}${isHot ? " hot" : ""}${isHidden ? " covered" : ""}` });
+    set(element, { class: `part ${part.kind} axis-${axis}${isHovered ? " hot" : ""}${isHidden ? " covered" : ""}` });
     const outline = onOverlay(this.overlay, part.outline);
     const [c] = onOverlay(this.overlay, [layout.centre]) as [ScreenPoint];
     const d = part.kind === "view-ring" ? circlePath(c, viewRingPx) : shapeOf(part, outline, c);
@@ -87,13 +87,13 @@ export class GizmoView {
   // Draws the line or ring of a gesture, and the angle of a rotation.
   private drawGuides({ gesture, centre }: Appearance): void {
     show(this.guide, gesture !== undefined);
-    show(this.sector, gesture?.gesture.doing.act === "turn");
+    show(this.sector, gesture?.gesture.currentGrip.kind === "turn");
     if (gesture === undefined) return;
-    const { act, axis } = gesture.gesture.doing;
+    const { kind, axis } = gesture.gesture.currentGrip;
     const name = axis === "free" ? "free" : "xyz".charAt(axis);
     set(this.guide, { class: `guide axis-${name}` });
-    if (act === "turn") this.drawSector(gesture.gesture, centre, name);
-    else if (axis === "free" && act === "scale")
+    if (kind === "turn") this.drawSector(gesture.gesture, centre, name);
+    else if (axis === "free" && kind === "scale")
       set(this.guide, { d: linesThrough([...this.screenPoints(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
     else if (axis === "free") set(this.guide, { d: linesThrough(this.screenPoints(gesture.from, centre)) });
     else {
@@ -106,7 +106,7 @@ export class GizmoView {
 
   private drawSector(gesture: Gesture, centre: Vector3, name: string): void {
     const pixel = this.camera.worldPerPixel(centre);
-    const radius = gesture.doing.axis === "free" ? viewRingPx : ringRadiusPx;
+    const radius = gesture.currentGrip.axis === "free" ? viewRingPx : ringRadiusPx;
     const at = (...steps: [Vector3, number][]) =>
       this.camera.project(steps.reduce((sum, [v, px]) => sum.addScaledVector(v, px * pixel), centre.clone()));
     const axis = gesture.turnAxis();
@@ -123,17 +123,17 @@ export class GizmoView {
     set(this.sector, { class: `sector axis-${name}`, d: linesThrough(onOverlay(this.overlay, screenPoints), true) });
   }
 
-  private screenPoints(...places: Vector3[]): ScreenPoint[] {
-    return onOverlay(this.overlay, places.map((place) => this.camera.project(place)));
+  private screenPoints(...points: Vector3[]): ScreenPoint[] {
+    return onOverlay(this.overlay, points.map((point) => this.camera.project(point)));
   }
 }
 
 /** Returns the part that belongs to a gesture, also for free rotations and scalings by keys. */
 function partOf(gesture: Gesture): string {
-  const { act, axis, across } = gesture.doing;
+  const { kind, axis, across } = gesture.currentGrip;
   const kinds = { move: across === true ? "square" : "arrow", turn: "ring", scale: "box" } as const;
   const free = { move: "ball", turn: "view-ring", scale: "knob" } as const;
-  return axis === "free" ? free[act] : `${kinds[act]}-${"xyz".charAt(axis)}`;
+  return axis === "free" ? free[kind] : `${kinds[kind]}-${"xyz".charAt(axis)}`;
 }
 
 function shapeOf(part: Part, outline: readonly ScreenPoint[], centre: ScreenPoint): string {

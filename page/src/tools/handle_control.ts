@@ -230,8 +230,8 @@ export class HandleControl {
   private pivotOf(surface: Surface, vertices: Uint32Array): Vector3 {
     const rim = this.graphs.of(surface)?.rim(vertices) ?? vertices;
     const sum = new Vector3();
-    const place = new Vector3();
-    for (const v of rim) sum.add(place.fromArray(surface.rest, 3 * v));
+    const position = new Vector3();
+    for (const v of rim) sum.add(position.fromArray(surface.rest, 3 * v));
     return sum.divideScalar(rim.length).applyMatrix4(new Matrix4().setPosition(...surface.offset));
   }
 

@@ -28,7 +28,7 @@ export class HandleGhost {
       return;
     }
     const map = matrixOf(handle.placement);
-    if (this.shown === handle.name) return this.preview.place(surface, map);
+    if (this.shown === handle.name) return this.preview.setMap(surface, map);
     this.shown = handle.name;
     this.preview.show(surface, handle.vertices, map);
   }

@@ -91,7 +91,7 @@ export class VertexTool implements Tool {
     show(this.dot, hit !== undefined && !isHeld);
     if (hit === undefined) return;
     const { viewport } = this.context;
-    const [at] = onOverlay(viewport.overlay, [viewport.project(hit.surface.place(hit.vertex))]) as [ScreenPoint];
+    const [at] = onOverlay(viewport.overlay, [viewport.project(hit.surface.positionOf(hit.vertex))]) as [ScreenPoint];
     set(this.dot, { cx: at.x, cy: at.y });
   }
   leave(): void {
@@ -203,7 +203,7 @@ export class CurveTool implements Tool {
   private isAtFirst(screenPoint: ScreenPoint): boolean {
     const [first] = this.clicked;
     if (first === undefined || this.clicked.length < 3 || this.surface === undefined) return false;
-    const at = this.context.viewport.project(this.surface.place(first));
+    const at = this.context.viewport.project(this.surface.positionOf(first));
     return Math.hypot(at.x - screenPoint.x, at.y - screenPoint.y) < 12;
   }
 
@@ -214,7 +214,7 @@ export class CurveTool implements Tool {
     if (surface === undefined || !isShown) return;
     const { viewport } = this.context;
     const screenPoints = (vertices: Iterable<number>) =>
-      onOverlay(viewport.overlay, Array.from(vertices, (v) => viewport.project(surface.place(v))));
+      onOverlay(viewport.overlay, Array.from(vertices, (v) => viewport.project(surface.positionOf(v))));
     set(this.line, { d: linesThrough(screenPoints(this.path)) });
     set(this.rest, { d: linesThrough(screenPoints(this.ahead)) });
     const ends = screenPoints([...this.clicked, ...this.ahead.slice(-1)]);

@@ -26,7 +26,7 @@ export class MeshGraph {
   static *make(mesh: MeshArrays): Generator<void, MeshGraph> {
     const apart = yield* MeshGraph.of(mesh, mesh.triangles);
     const boundary = yield* apart.boundary();
-    const joined = joinPlaces(mesh, boundary);
+    const joined = mergeCoincident(mesh, boundary);
     if (joined === undefined) {
       apart.loops = loopsOf(boundary);
       return apart;
@@ -247,13 +247,13 @@ function marked(flags: Uint8Array): Uint32Array {
 }
 
 // Merges boundary vertices at exactly the same position: the first represents all. Undefined if there are none.
-function joinPlaces({ positions }: MeshArrays, boundary: ReadonlyMap<number, number>): Map<number, number> | undefined {
+function mergeCoincident({ positions }: MeshArrays, boundary: ReadonlyMap<number, number>): Map<number, number> | undefined {
   const first = new Map<string, number>();
   const joined = new Map<number, number>();
   for (const v of boundary.keys()) {
-    const place = `${positions[3 * v]} ${positions[3 * v + 1]} ${positions[3 * v + 2]}`;
-    const known = first.get(place);
-    if (known === undefined) first.set(place, v);
+    const key = `${positions[3 * v]} ${positions[3 * v + 1]} ${positions[3 * v + 2]}`;
+    const known = first.get(key);
+    if (known === undefined) first.set(key, v);
     else joined.set(v, known);
   }
   return joined.size === 0 ? undefined : joined;

@@ -1,5 +1,5 @@
 import type { Vector3 } from "three";
-import type { Act } from "./gesture";
+import type { GestureKind } from "./gesture";
 import type { Placement } from "./pose_math";
 
 /** The object that the gizmo is attached to. */
@@ -13,8 +13,8 @@ export interface Moved {
 export interface Movable {
   /** Absent: the gizmo is hidden. */
   readonly active: Moved | undefined;
-  /** The available acts; absent: all. */
-  readonly acts?: readonly Act[] | undefined;
+  /** The available kinds of gesture; absent: all. */
+  readonly gestureKinds?: readonly GestureKind[] | undefined;
   /** Shows a placement while a gesture goes on. */
   show(name: string, placement: Placement): void;
   /** Commits the placement at the end of a gesture. */
@@ -33,8 +33,8 @@ export class FirstActive implements Movable {
   get active(): Moved | undefined {
     return this.first?.active;
   }
-  get acts(): readonly Act[] | undefined {
-    return this.first?.acts;
+  get gestureKinds(): readonly GestureKind[] | undefined {
+    return this.first?.gestureKinds;
   }
   show(name: string, placement: Placement): void {
     this.first?.show(name, placement);

@@ -219,8 +219,8 @@ function inOwnAxes(stretch: Matrix4, turn: Turn): Vector3 | undefined {
   const own = new Matrix3().setFromMatrix4(rotation.clone().transpose().multiply(stretch).multiply(rotation));
   const e = own.elements;
   const largest = Math.max(...e.map(Math.abs));
-  const beside = [e[1], e[2], e[3], e[5], e[6], e[7]].map(Math.abs);
-  return Math.max(...beside) <= exact * largest ? new Vector3(e[0], e[4], e[8]) : undefined;
+  const offDiagonal = [e[1], e[2], e[3], e[5], e[6], e[7]].map(Math.abs);
+  return Math.max(...offDiagonal) <= exact * largest ? new Vector3(e[0], e[4], e[8]) : undefined;
 }
 
 function reflectionIn({ point, normal }: Plane): Matrix4 {

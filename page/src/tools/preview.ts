@@ -38,16 +38,16 @@ export class Preview {
     const faces = this.graphs.of(surface)?.facesInside(list) ?? [];
     const corners = new Uint32Array(3 * faces.length);
     faces.forEach((face, i) => corners.set(surface.triangles.subarray(3 * face, 3 * face + 3), 3 * i));
-    const places = new BufferAttribute(map === undefined ? surface.positions : surface.rest, 3);
-    this.use(this.geometry, places, corners);
-    this.use(this.dotGeometry, places, faces.length === 0 ? Uint32Array.from(list) : new Uint32Array());
-    this.place(surface, map);
+    const positions = new BufferAttribute(map === undefined ? surface.positions : surface.rest, 3);
+    this.setAttributes(this.geometry, positions, corners);
+    this.setAttributes(this.dotGeometry, positions, faces.length === 0 ? Uint32Array.from(list) : new Uint32Array());
+    this.setMap(surface, map);
     this.setShown(true);
     this.viewport.requestRender();
   }
 
   /** Moves the shown vertices by another map, from the next picture on. */
-  place(surface: Surface, map = new Matrix4()): void {
+  setMap(surface: Surface, map = new Matrix4()): void {
     const at = map.clone().multiply(new Matrix4().setPosition(...surface.offset));
     for (const object of [this.faces, this.dots]) {
       object.matrix.copy(at);
@@ -63,9 +63,9 @@ export class Preview {
     this.viewport.requestRender();
   }
 
-  private use(geometry: BufferGeometry, places: BufferAttribute, index: Uint32Array): void {
+  private setAttributes(geometry: BufferGeometry, positions: BufferAttribute, index: Uint32Array): void {
     geometry.dispose(); // frees the GPU's copy
-    geometry.setAttribute("position", places);
+    geometry.setAttribute("position", positions);
     geometry.setIndex(new BufferAttribute(index, 1));
   }
 

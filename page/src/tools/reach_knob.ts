@@ -24,7 +24,7 @@ export class ReachKnob {
   private readonly element = svg("g", { class: "reach", display: "none" }, this.stem, this.halo, this.knob);
   private at: ScreenPoint | undefined; // of the knob
   private dragged: ScreenPoint | undefined;
-  private isHot = false;
+  private isHovered = false;
 
   constructor(
     private readonly context: ToolContext,
@@ -37,11 +37,11 @@ export class ReachKnob {
   }
 
   /** Returns whether a press at this point takes the knob. */
-  hover(screenPoint: ScreenPoint, generosity = 1): boolean {
-    const isHot = this.at !== undefined && distanceToSegment(screenPoint, this.at, this.at) <= 12 * generosity;
-    if (isHot !== this.isHot) this.context.viewport.requestRender();
-    this.isHot = isHot;
-    return isHot;
+  hover(screenPoint: ScreenPoint, toleranceFactor = 1): boolean {
+    const isHovered = this.at !== undefined && distanceToSegment(screenPoint, this.at, this.at) <= 12 * toleranceFactor;
+    if (isHovered !== this.isHovered) this.context.viewport.requestRender();
+    this.isHovered = isHovered;
+    return isHovered;
   }
 
   press({ screenPoint: first }: Pointer): Stroke | undefined {
@@ -125,7 +125,7 @@ export class ReachKnob {
     const along = (px: number) => ({ x: o.x + ((knob.x - o.x) * px) / far, y: o.y + ((knob.y - o.y) * px) / far });
     set(this.stem, { d: far > stemPx ? linesThrough([along(far - stemPx), knob]) : "" });
     for (const circle of [this.halo, this.knob]) set(circle, { cx: knob.x, cy: knob.y });
-    set(this.element, { class: `reach${this.isHot || this.dragged !== undefined ? " hot" : ""}` });
+    set(this.element, { class: `reach${this.isHovered || this.dragged !== undefined ? " hot" : ""}` });
   }
 
   // Keeps the knob within the page.

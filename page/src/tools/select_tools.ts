@@ -98,10 +98,10 @@ export class BrushTool implements Tool {
   }
 }
 
-/** Selects by an outline: a lasso or a rectangle. A stroke may begin beside the model. */
+/** Selects by an outline: a lasso or a rectangle. A stroke may begin off the model. */
 export class OutlineTool implements Tool {
   readonly cursor = "crosshair";
-  readonly beginsBeside = true;
+  readonly beginsOffSurface = true;
   private readonly outline = svg("path", { class: "outline", display: "none" });
 
   constructor(
@@ -255,10 +255,10 @@ export class LoopTool extends ClickTool {
     if (surface === undefined || graph === undefined) return undefined;
     let least = nearPx;
     let found: { vertices: Uint32Array; vertex: number } | undefined;
-    const place = new Vector3();
+    const position = new Vector3();
     for (const vertices of graph.loops)
       for (const vertex of vertices) {
-        const { x, y, behind } = this.context.viewport.project(surface.place(vertex, place));
+        const { x, y, behind } = this.context.viewport.project(surface.positionOf(vertex, position));
         const distance = Math.hypot(x - screenPoint.x, y - screenPoint.y);
         if (behind || distance >= least) continue;
         least = distance;
@@ -284,7 +284,7 @@ export class LoopTool extends ClickTool {
     show(this.line, this.loop !== undefined);
     if (this.loop === undefined) return;
     const { surface, vertices } = this.loop;
-    const screenPoints = Array.from(vertices, (v) => this.context.viewport.project(surface.place(v)));
+    const screenPoints = Array.from(vertices, (v) => this.context.viewport.project(surface.positionOf(v)));
     set(this.line, { d: linesThrough(onOverlay(this.context.viewport.overlay, screenPoints), true) });
   }
 }

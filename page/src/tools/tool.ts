@@ -38,9 +38,9 @@ export interface ToolContext {
 export interface Tool {
   /** The cursor over the model. */
   readonly cursor: string;
-  /** Whether strokes may begin beside the model. */
-  readonly beginsBeside?: boolean;
-  /** Called while the pointer moves without a button held, over the model or beside it. */
+  /** Whether strokes may begin off the model. */
+  readonly beginsOffSurface?: boolean;
+  /** Called while the pointer moves without a button held, over the model or off it. */
   hover(pointer: Pointer, hit: Hit | undefined): void;
   /** Handles a press; undefined leaves it to the navigation. */
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined;

@@ -40,7 +40,7 @@ export class ToolBox implements ToolActions {
   readonly graft: GraftPanelActions;
   private tool: Tool;
   private stroke: Stroke | undefined;
-  private taken: number | undefined; // id of the dragging pointer
+  private draggingPointer: number | undefined; // id of the dragging pointer
   private pointer: Pointer = { screenPoint: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
   private waiting: PointerEvent | undefined; // the last move, until the next frame
 
@@ -68,8 +68,8 @@ export class ToolBox implements ToolActions {
       fixed: new FixedTool(this.context),
       drop,
     };
-    this.reach = new ReachKnob(this.context, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isGoing);
-    new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isGoing);
+    this.reach = new ReachKnob(this.context, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isActive);
+    new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isActive);
     new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();
     this.tool = this.tools.navigate;
@@ -81,15 +81,15 @@ export class ToolBox implements ToolActions {
     canvas.addEventListener("pointerdown", (event) => this.press(event));
     canvas.addEventListener("pointermove", (event) => this.follow(event));
     canvas.addEventListener("pointerup", (event) => this.release(event));
-    canvas.addEventListener("pointercancel", () => this.giveUp());
-    canvas.addEventListener("lostpointercapture", () => this.giveUp());
+    canvas.addEventListener("pointercancel", () => this.cancel());
+    canvas.addEventListener("lostpointercapture", () => this.cancel());
     canvas.addEventListener("pointerleave", () => this.leave());
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
     effect(() => {
       const { mode, tool } = this.editor.graft;
       const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[this.editor.tools.tool.value];
-      untracked(() => this.take(next));
+      untracked(() => this.activate(next));
     });
     effect(() => {
       if (this.editor.graft.mode.value === "graft") this.editor.tools.activeHandle.value = null;
@@ -109,23 +109,23 @@ export class ToolBox implements ToolActions {
 
   escape(): void {
     const { tools } = this.editor;
-    if (this.giveUpGesture()) return;
+    if (this.cancelGesture()) return;
     if (this.tool.escape?.() === true) return;
     if (tools.movesPivot.value) tools.movesPivot.value = false;
     else if (tools.activeHandle.value !== null) this.control.activate(null);
     else tools.tool.value = "navigate";
   }
-  giveUpGesture(): boolean {
-    const isGoing = this.gizmo.isGoing || this.stroke !== undefined;
-    if (isGoing) this.giveUp();
-    return isGoing;
+  cancelGesture(): boolean {
+    const isActive = this.gizmo.isActive || this.stroke !== undefined;
+    if (isActive) this.cancel();
+    return isActive;
   }
   confirm(): void {
-    if (this.gizmo.isGoing) this.finishGesture();
+    if (this.gizmo.isActive) this.finishGesture();
     else this.tool.confirm?.();
   }
   canConfirm(): boolean {
-    return this.gizmo.isGoing || this.tool.confirm !== undefined;
+    return this.gizmo.isActive || this.tool.confirm !== undefined;
   }
   beginGesture(kind: "move" | "turn" | "scale"): void {
     this.gizmo.beginModal(kind, this.pointer.screenPoint);
@@ -174,8 +174,8 @@ export class ToolBox implements ToolActions {
     };
   }
 
-  private take(tool: Tool): void {
-    this.giveUp();
+  private activate(tool: Tool): void {
+    this.cancel();
     if (tool !== this.tool) this.tool.escape?.();
     this.tool.leave();
     this.tool = tool;
@@ -190,7 +190,7 @@ export class ToolBox implements ToolActions {
   }
 
   private leave(): void {
-    if (this.stroke !== undefined || this.gizmo.isGoing) return;
+    if (this.stroke !== undefined || this.gizmo.isActive) return;
     this.tool.leave();
     this.gizmo.leave();
   }
@@ -200,23 +200,23 @@ export class ToolBox implements ToolActions {
     if (this.gizmo.isModal) {
       event.preventDefault();
       if (event.button === 0) this.finishGesture();
-      else this.giveUp();
+      else this.cancel();
       return;
     }
-    if (event.button !== 0 || this.taken !== undefined || this.viewport.settings.before.value) return;
+    if (event.button !== 0 || this.draggingPointer !== undefined || this.viewport.settings.before.value) return;
     const stroke = this.strokeFor(event);
     if (stroke === undefined) return;
     event.preventDefault(); // the navigation ignores the event
     document.activeElement instanceof HTMLElement && document.activeElement.blur();
     this.stroke = stroke;
-    this.taken = event.pointerId;
+    this.draggingPointer = event.pointerId;
     this.viewport.canvas.setPointerCapture(event.pointerId);
   }
 
   private strokeFor(event: PointerEvent): Stroke | undefined {
-    const generosity = event.pointerType === "mouse" ? 1 : 2;
+    const toleranceFactor = event.pointerType === "mouse" ? 1 : 2;
     const { pointer } = this;
-    if (this.gizmo.press(pointer.screenPoint, generosity)) {
+    if (this.gizmo.press(pointer.screenPoint, toleranceFactor)) {
       this.tool.leave();
       return {
         move: (at) => this.gizmo.follow(at.screenPoint, at.ctrl),
@@ -224,7 +224,7 @@ export class ToolBox implements ToolActions {
         cancel: () => this.gizmo.cancel(),
       };
     }
-    if (this.reach.hover(pointer.screenPoint, generosity)) return this.reach.press(pointer);
+    if (this.reach.hover(pointer.screenPoint, toleranceFactor)) return this.reach.press(pointer);
     return this.tool.press(pointer, this.hitUnder(pointer.screenPoint));
   }
 
@@ -253,28 +253,28 @@ export class ToolBox implements ToolActions {
       return;
     }
     const hit = this.hitUnder(screenPoint);
-    canvas.style.cursor = hit === undefined && this.tool.beginsBeside !== true ? "default" : this.tool.cursor;
+    canvas.style.cursor = hit === undefined && this.tool.beginsOffSurface !== true ? "default" : this.tool.cursor;
     this.tool.hover(this.pointer, hit);
   }
 
   private release(event: PointerEvent): void {
     const { stroke } = this;
-    if (stroke === undefined || event.pointerId !== this.taken) return;
+    if (stroke === undefined || event.pointerId !== this.draggingPointer) return;
     this.followNow();
     this.pointer = pointerOf(event);
-    this.stroke = this.taken = undefined;
-    if (this.gizmo.isGoing) this.gizmo.follow(this.pointer.screenPoint, this.pointer.ctrl);
+    this.stroke = this.draggingPointer = undefined;
+    if (this.gizmo.isActive) this.gizmo.follow(this.pointer.screenPoint, this.pointer.ctrl);
     stroke.end(this.pointer);
   }
 
   private finishGesture(): void {
-    this.stroke = this.taken = undefined;
+    this.stroke = this.draggingPointer = undefined;
     this.gizmo.end();
   }
 
-  private giveUp(): void {
+  private cancel(): void {
     const { stroke } = this;
-    this.stroke = this.taken = undefined;
+    this.stroke = this.draggingPointer = undefined;
     if (stroke !== undefined) stroke.cancel();
     else this.gizmo.cancel();
   }

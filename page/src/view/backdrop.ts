@@ -132,12 +132,12 @@ export class Ground {
    * Places the grid below a model. `middle` is a point on the ground, `up` its normal, `size` the model's size in model
    * units.
    */
-  lay(middle: Vector3, up: Vector3, size: number): void {
-    const reach = Math.max(1e-30, 2.2 * size);
+  fitTo(middle: Vector3, up: Vector3, size: number): void {
+    const radius = Math.max(1e-30, 2.2 * size);
     this.mesh.position.copy(middle);
     this.mesh.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), up);
-    this.mesh.scale.setScalar(reach);
-    Object.assign(this.mesh.material.uniforms["spacing"] ?? {}, { value: roundLength(size / 12) / reach });
+    this.mesh.scale.setScalar(radius);
+    Object.assign(this.mesh.material.uniforms["spacing"] ?? {}, { value: roundLength(size / 12) / radius });
   }
   setTheme(theme: Theme): void {
     Object.assign(this.mesh.material.uniforms["colour"] ?? {}, { value: theme.grid });

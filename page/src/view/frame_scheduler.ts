@@ -54,7 +54,7 @@ export class FrameScheduler {
    * Turns antialiasing off before a large surface appears. The duration of its first picture then decides whether
    * antialiasing returns.
    */
-  expectMuch(): void {
+  expectLargeSurface(): void {
     this.smooth = false;
   }
 
@@ -73,7 +73,7 @@ export class FrameScheduler {
   finish(renderer: WebGLRenderer, start: number, moving: boolean): void {
     this.busy = true;
     const drawn = performance.now();
-    void cardIsIdle(renderer).then(() => this.end({ begin: start, drawn, end: performance.now() }, moving));
+    void waitForGpu(renderer).then(() => this.end({ begin: start, drawn, end: performance.now() }, moving));
   }
 
   private begin(): void {
@@ -86,7 +86,7 @@ export class FrameScheduler {
     this.busy = false;
     const ms = picture.end - picture.begin;
     if (moving) this.movingMs = this.movingMs === 0 ? ms : 0.7 * this.movingMs + 0.3 * ms;
-    else if (!this.refining) this.takeRest(ms);
+    else if (!this.refining) this.noteRest(ms);
     this.refining = false;
     this.recent.push(ms);
     if (this.recent.length > 31) this.recent.shift();
@@ -95,7 +95,7 @@ export class FrameScheduler {
     if (this.wanted) requestAnimationFrame(() => this.begin());
   }
 
-  private takeRest(ms: number): void {
+  private noteRest(ms: number): void {
     this.restMs = ms;
     if (!this.smooth && ms < refinedMs) this.refineTimer = setTimeout(() => this.refine(), idleMs);
     this.smooth = ms < (this.smooth ? smoothMs : smoothMs / 4);
@@ -109,17 +109,17 @@ export class FrameScheduler {
 }
 
 /** Resolves once the GPU has finished all its work. Further commands before that may block the page. */
-export function cardIsIdle(renderer: WebGLRenderer): Promise<void> {
+export function waitForGpu(renderer: WebGLRenderer): Promise<void> {
   const gl = renderer.getContext() as WebGL2RenderingContext;
   const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl.flush();
   return new Promise((resolve) => {
-    const look = () => {
+    const poll = () => {
       const isBusy = fence !== null && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED;
-      if (isBusy && !gl.isContextLost()) return void setTimeout(look, 3);
+      if (isBusy && !gl.isContextLost()) return void setTimeout(poll, 3);
       if (fence !== null) gl.deleteSync(fence);
       resolve();
     };
-    setTimeout(look, 1);
+    setTimeout(poll, 1);
   });
 }

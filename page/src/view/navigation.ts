@@ -12,7 +12,7 @@ import {
 const fieldOfViewDeg = 32;
 
 /** A viewpoint: a target, a distance, and two angles of a turntable. */
-interface Stand {
+interface Viewpoint {
   target: Vector3;
   distance: number;
   yaw: number;
@@ -20,10 +20,10 @@ interface Stand {
 }
 
 /** The functions of the view that navigation uses. */
-export interface Scenery {
+export interface NavigatedView {
   requestRender(): void;
   /** Returns the point of the scene under a point of the page, as the centre of turning and zooming. */
-  placeUnder(clientX: number, clientY: number): Vector3 | undefined;
+  pointUnder(clientX: number, clientY: number): Vector3 | undefined;
   bounds(): Sphere;
   fitUnder(clientX: number, clientY: number): void;
 }
@@ -39,33 +39,33 @@ export class Navigation {
   readonly parallel = new OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
   orthographic = false;
   up: "y" | "z" = "z";
-  private stand: Stand = {
+  private viewpoint: Viewpoint = {
     target: new Vector3(),
     distance: 5,
     yaw: MathUtils.degToRad(-35),
     pitch: MathUtils.degToRad(20),
   };
-  private journey: { from: Stand; to: Stand; start: number; ms: number } | undefined;
+  private transition: { from: Viewpoint; to: Viewpoint; start: number; ms: number } | undefined;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private drag: "orbit" | "pan" | undefined;
   private host: HTMLElement | undefined;
-  private wheelPlace: { point: Vector3; until: number } | undefined;
-  private settle: ReturnType<typeof setTimeout> | undefined;
+  private wheelZoom: { point: Vector3; until: number } | undefined;
+  private restTimer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(private readonly scenery: Scenery) {}
+  constructor(private readonly view: NavigatedView) {}
 
   get camera(): PerspectiveCamera | OrthographicCamera {
     return this.orthographic ? this.parallel : this.perspective;
   }
   get target(): Vector3 {
-    return this.stand.target;
+    return this.viewpoint.target;
   }
   get distance(): number {
-    return this.stand.distance;
+    return this.viewpoint.distance;
   }
   /** Height of the visible region at the target, in world units. */
   get viewHeight(): number {
-    return 2 * this.stand.distance * Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2));
+    return 2 * this.viewpoint.distance * Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2));
   }
 
   attach(host: HTMLElement): void {
@@ -78,27 +78,27 @@ export class Navigation {
     host.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     host.addEventListener("contextmenu", (event) => event.preventDefault());
     host.addEventListener("dblclick", (event) => {
-      if (!event.defaultPrevented && this.isOnCanvas(event)) this.scenery.fitUnder(event.clientX, event.clientY);
+      if (!event.defaultPrevented && this.isOnCanvas(event)) this.view.fitUnder(event.clientX, event.clientY);
     });
   }
 
   /** Updates the cameras before each picture. */
   update(aspect: number): void {
-    if (this.journey !== undefined) this.travel(performance.now());
-    const { stand } = this;
-    const eye = this.eyeDirection(stand).multiplyScalar(stand.distance).add(stand.target);
-    const turn = this.orientation(stand);
-    const bounds = this.scenery.bounds();
-    const toCentre = eye.distanceTo(bounds.center);
+    if (this.transition !== undefined) this.animate(performance.now());
+    const { viewpoint } = this;
+    const position = this.directionToCamera(viewpoint).multiplyScalar(viewpoint.distance).add(viewpoint.target);
+    const turn = this.orientation(viewpoint);
+    const bounds = this.view.bounds();
+    const toCentre = position.distanceTo(bounds.center);
     const far = 1.02 * (toCentre + 4 * bounds.radius);
     for (const camera of [this.perspective, this.parallel]) {
-      camera.position.copy(eye);
+      camera.position.copy(position);
       camera.quaternion.copy(turn);
     }
     this.perspective.aspect = aspect;
     this.perspective.near = Math.max(
       far * 1e-5,
-      Math.min(stand.distance * 0.05, 0.5 * Math.max(0, toCentre - bounds.radius)) || stand.distance * 0.01,
+      Math.min(viewpoint.distance * 0.05, 0.5 * Math.max(0, toCentre - bounds.radius)) || viewpoint.distance * 0.01,
     );
     this.perspective.far = far;
     const half = this.viewHeight / 2;
@@ -115,69 +115,69 @@ export class Navigation {
    * Frames world points (3 numbers each) with a margin around them, without turning the camera. The movement is
    * animated.
    */
-  fit(places: Float32Array, margin: number, animated = true): void {
+  fit(positions: Float32Array, margin: number, animated = true): void {
     const goal = this.goal();
     const turn = this.orientation(goal);
     const back = turn.clone().invert();
     const box = new Box3();
     const seen = new Vector3();
-    for (let i = 0; i < places.length; i += 3) box.expandByPoint(seen.fromArray(places, i).applyQuaternion(back));
+    for (let i = 0; i < positions.length; i += 3) box.expandByPoint(seen.fromArray(positions, i).applyQuaternion(back));
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
     const slope = Math.tan(MathUtils.degToRad(fieldOfViewDeg / 2)) * 0.78; // leaves a margin for what is above the view
     const aspect = this.perspective.aspect;
     let distance = 0;
-    for (let i = 0; i < places.length; i += 3) {
-      seen.fromArray(places, i).applyQuaternion(back).sub(middle);
+    for (let i = 0; i < positions.length; i += 3) {
+      seen.fromArray(positions, i).applyQuaternion(back).sub(middle);
       const half = Math.max((Math.abs(seen.x) + margin) / aspect, Math.abs(seen.y) + margin);
       distance = Math.max(distance, half / slope + (this.orthographic ? 0 : seen.z + margin));
     }
-    this.go({ ...goal, target: middle.applyQuaternion(turn), distance: Math.max(distance, 1e-30) }, animated);
+    this.moveTo({ ...goal, target: middle.applyQuaternion(turn), distance: Math.max(distance, 1e-30) }, animated);
   }
 
   /** Looks along a world direction. `up` fixes the orientation if the direction is vertical. */
   lookAlong(direction: Vector3, up?: Vector3, animated = true): void {
     const [front, right, above] = this.axes();
-    const eye = direction.clone().normalize().negate();
-    const pitch = Math.asin(MathUtils.clamp(eye.dot(above), -1, 1));
+    const toCamera = direction.clone().normalize().negate();
+    const pitch = Math.asin(MathUtils.clamp(toCamera.dot(above), -1, 1));
     const goal = this.goal();
     let yaw = goal.yaw;
-    if (Math.abs(pitch) < MathUtils.degToRad(89.9)) yaw = Math.atan2(eye.dot(right), eye.dot(front));
+    if (Math.abs(pitch) < MathUtils.degToRad(89.9)) yaw = Math.atan2(toCamera.dot(right), toCamera.dot(front));
     else if (up !== undefined) {
       const sign = pitch > 0 ? -1 : 1;
       yaw = Math.atan2(sign * up.dot(right), sign * up.dot(front));
     } else yaw = (Math.round(yaw / (Math.PI / 2)) * Math.PI) / 2;
     yaw += 2 * Math.PI * Math.round((goal.yaw - yaw) / (2 * Math.PI));
-    this.go({ ...goal, yaw, pitch }, animated);
+    this.moveTo({ ...goal, yaw, pitch }, animated);
   }
 
   /** Turns by angles, as a drag does. */
   orbit(yaw: number, pitch: number): void {
-    this.journey = undefined;
-    this.stand.yaw += yaw;
-    this.stand.pitch = MathUtils.clamp(this.stand.pitch + pitch, -Math.PI / 2, Math.PI / 2);
-    this.stir();
+    this.transition = undefined;
+    this.viewpoint.yaw += yaw;
+    this.viewpoint.pitch = MathUtils.clamp(this.viewpoint.pitch + pitch, -Math.PI / 2, Math.PI / 2);
+    this.noteMovement();
   }
 
   /** Moves the scene by pixels of the page. */
   pan(dx: number, dy: number): void {
-    this.journey = undefined;
+    this.transition = undefined;
     const perPixel = this.viewHeight / Math.max(1, this.host?.clientHeight ?? 1);
-    const turn = this.orientation(this.stand);
+    const turn = this.orientation(this.viewpoint);
     const shift = new Vector3(-dx * perPixel, dy * perPixel, 0).applyQuaternion(turn);
-    this.stand.target.add(shift);
-    this.stir();
+    this.viewpoint.target.add(shift);
+    this.noteMovement();
   }
 
   /** Zooms towards a point (factor < 1: nearer), which stays where it is on the screen. */
-  zoom(factor: number, place: Vector3): void {
-    this.journey = undefined;
-    const { stand } = this;
-    const size = this.scenery.bounds().radius;
-    const next = MathUtils.clamp(stand.distance * factor, size * 1e-4, size * 60);
-    stand.target.lerp(place, 1 - next / stand.distance);
-    stand.distance = next;
-    this.stir();
+  zoom(factor: number, point: Vector3): void {
+    this.transition = undefined;
+    const { viewpoint } = this;
+    const size = this.view.bounds().radius;
+    const next = MathUtils.clamp(viewpoint.distance * factor, size * 1e-4, size * 60);
+    viewpoint.target.lerp(point, 1 - next / viewpoint.distance);
+    viewpoint.distance = next;
+    this.noteMovement();
   }
 
   /** The turntable's axes in the world: towards a viewer at the front, to the right, and up. */
@@ -187,12 +187,12 @@ export class Navigation {
       : [new Vector3(0, 0, 1), new Vector3(1, 0, 0), new Vector3(0, 1, 0)];
   }
 
-  orientation(stand: { yaw: number; pitch: number } = this.stand): Quaternion {
+  orientation(viewpoint: { yaw: number; pitch: number } = this.viewpoint): Quaternion {
     const [front, right, above] = this.axes();
-    const level = front.clone().multiplyScalar(Math.cos(stand.yaw)).addScaledVector(right, Math.sin(stand.yaw));
-    const x = right.clone().multiplyScalar(Math.cos(stand.yaw)).addScaledVector(front, -Math.sin(stand.yaw));
-    const y = above.clone().multiplyScalar(Math.cos(stand.pitch)).addScaledVector(level, -Math.sin(stand.pitch));
-    return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(x, y, this.eyeDirection(stand)));
+    const level = front.clone().multiplyScalar(Math.cos(viewpoint.yaw)).addScaledVector(right, Math.sin(viewpoint.yaw));
+    const x = right.clone().multiplyScalar(Math.cos(viewpoint.yaw)).addScaledVector(front, -Math.sin(viewpoint.yaw));
+    const y = above.clone().multiplyScalar(Math.cos(viewpoint.pitch)).addScaledVector(level, -Math.sin(viewpoint.pitch));
+    return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(x, y, this.directionToCamera(viewpoint)));
   }
 
   /** Returns the unit direction to the right on the screen, for the viewpoint that the camera is moving to. */
@@ -200,57 +200,57 @@ export class Navigation {
     return new Vector3(1, 0, 0).applyQuaternion(this.orientation(this.goal()));
   }
 
-  private eyeDirection(stand: { yaw: number; pitch: number }): Vector3 {
+  private directionToCamera(viewpoint: { yaw: number; pitch: number }): Vector3 {
     const [front, right, above] = this.axes();
-    const level = front.multiplyScalar(Math.cos(stand.yaw)).addScaledVector(right, Math.sin(stand.yaw));
-    return level.multiplyScalar(Math.cos(stand.pitch)).addScaledVector(above, Math.sin(stand.pitch));
+    const level = front.multiplyScalar(Math.cos(viewpoint.yaw)).addScaledVector(right, Math.sin(viewpoint.yaw));
+    return level.multiplyScalar(Math.cos(viewpoint.pitch)).addScaledVector(above, Math.sin(viewpoint.pitch));
   }
 
-  private goal(): Stand {
-    const { target, ...rest } = this.journey?.to ?? this.stand;
+  private goal(): Viewpoint {
+    const { target, ...rest } = this.transition?.to ?? this.viewpoint;
     return { ...rest, target: target.clone() };
   }
 
-  private go(to: Stand, animated: boolean): void {
+  private moveTo(to: Viewpoint, animated: boolean): void {
     const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
-    const { target, ...rest } = this.stand;
-    this.journey = {
+    const { target, ...rest } = this.viewpoint;
+    this.transition = {
       from: { ...rest, target: target.clone() },
       to,
       start: performance.now(),
       ms: animated && !still ? 220 : 0,
     };
-    if (this.journey.ms === 0) this.travel(performance.now());
-    this.scenery.requestRender();
+    if (this.transition.ms === 0) this.animate(performance.now());
+    this.view.requestRender();
   }
 
-  private travel(now: number): void {
-    if (this.journey === undefined) return;
-    const { from, to, start, ms } = this.journey;
+  private animate(now: number): void {
+    if (this.transition === undefined) return;
+    const { from, to, start, ms } = this.transition;
     const t = ms === 0 ? 1 : MathUtils.clamp((now - start) / ms, 0, 1);
     const s = t * t * (3 - 2 * t);
-    this.stand.target.lerpVectors(from.target, to.target, s);
-    this.stand.distance = from.distance * (to.distance / from.distance) ** s;
-    this.stand.yaw = MathUtils.lerp(from.yaw, to.yaw, s);
-    this.stand.pitch = MathUtils.lerp(from.pitch, to.pitch, s);
-    if (t === 1) this.journey = undefined;
-    if (ms > 0) this.stir();
+    this.viewpoint.target.lerpVectors(from.target, to.target, s);
+    this.viewpoint.distance = from.distance * (to.distance / from.distance) ** s;
+    this.viewpoint.yaw = MathUtils.lerp(from.yaw, to.yaw, s);
+    this.viewpoint.pitch = MathUtils.lerp(from.pitch, to.pitch, s);
+    if (t === 1) this.transition = undefined;
+    if (ms > 0) this.noteMovement();
   }
 
   /** Notes a movement. A moment after the last one the view counts as being at rest. */
-  private stir(): void {
+  private noteMovement(): void {
     this.isMoving = true;
-    clearTimeout(this.settle);
-    this.settle = setTimeout(() => this.rest(), 180);
-    this.scenery.requestRender();
+    clearTimeout(this.restTimer);
+    this.restTimer = setTimeout(() => this.noteRest(), 180);
+    this.view.requestRender();
   }
-  private rest(): void {
+  private noteRest(): void {
     if (this.drag !== undefined) {
-      this.settle = setTimeout(() => this.rest(), 180);
+      this.restTimer = setTimeout(() => this.noteRest(), 180);
       return;
     }
     this.isMoving = false;
-    this.scenery.requestRender();
+    this.view.requestRender();
   }
 
   private isOnCanvas(event: Event): boolean {
@@ -306,15 +306,15 @@ export class Navigation {
     }
     const unit = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1;
     const now = performance.now();
-    if (this.wheelPlace === undefined || now > this.wheelPlace.until)
-      this.wheelPlace = {
+    if (this.wheelZoom === undefined || now > this.wheelZoom.until)
+      this.wheelZoom = {
         point:
-          this.scenery.placeUnder(event.clientX, event.clientY) ?? this.onTargetPlane(event.clientX, event.clientY),
+          this.view.pointUnder(event.clientX, event.clientY) ?? this.onTargetPlane(event.clientX, event.clientY),
         until: 0,
       };
-    this.wheelPlace.until = now + 250;
+    this.wheelZoom.until = now + 250;
     const delta = MathUtils.clamp(unit * event.deltaY, -300, 300);
-    this.zoom(Math.exp(delta * (event.ctrlKey ? 0.01 : 0.0016)), this.wheelPlace.point);
+    this.zoom(Math.exp(delta * (event.ctrlKey ? 0.01 : 0.0016)), this.wheelZoom.point);
   }
 
   /**
@@ -322,9 +322,9 @@ export class Navigation {
    */
   private onTargetPlane(clientX: number, clientY: number): Vector3 {
     const box = this.host?.getBoundingClientRect();
-    if (box === undefined) return this.stand.target.clone();
+    if (box === undefined) return this.viewpoint.target.clone();
     const x = (clientX - box.left - box.width / 2) * (this.viewHeight / box.height);
     const y = (box.top + box.height / 2 - clientY) * (this.viewHeight / box.height);
-    return new Vector3(x, y, 0).applyQuaternion(this.orientation()).add(this.stand.target);
+    return new Vector3(x, y, 0).applyQuaternion(this.orientation()).add(this.viewpoint.target);
   }
 }

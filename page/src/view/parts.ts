@@ -1,10 +1,10 @@
 import { signal } from "@preact/signals";
 import { Group, Matrix4, Ray, Sphere, Vector3, type Scene } from "three";
-import { meetSurface, type Hit } from "./picking/picking";
+import { raycastSurface, type Hit } from "./picking/picking";
 import type { PickTree } from "./picking/pick_tree";
 import type { Surface } from "./surface/surface";
 
-/** A part and where it is shown. `stand` maps its own coordinates to the world, in the view only. */
+/** A part and where it is shown. `matrixWorld` maps its own coordinates to the world, in the view only. */
 export class Part {
   readonly group = new Group();
   /** Lines along its loops, which may be visible while the part is hidden. */
@@ -15,10 +15,10 @@ export class Part {
     this.group.add(surface.object);
   }
 
-  get stand(): Matrix4 {
+  get matrixWorld(): Matrix4 {
     return this.group.matrix;
   }
-  set stand(to: Matrix4) {
+  set matrixWorld(to: Matrix4) {
     for (const group of [this.group, this.loops]) {
       group.matrix.copy(to);
       group.updateMatrixWorld(true);
@@ -26,17 +26,17 @@ export class Part {
   }
 
   sphere(): Sphere {
-    return this.surface.sphere().applyMatrix4(this.stand);
+    return this.surface.sphere().applyMatrix4(this.matrixWorld);
   }
 
   /** Intersects a world ray with the part. The hit is in world coordinates. */
-  meet(ray: Ray, tree: PickTree): (Hit & { distance: number }) | undefined {
-    const inverse = this.stand.clone().invert();
+  raycast(ray: Ray, tree: PickTree): (Hit & { distance: number }) | undefined {
+    const inverse = this.matrixWorld.clone().invert();
     const own = new Ray(ray.origin.clone().applyMatrix4(inverse), ray.direction.clone().transformDirection(inverse));
-    const hit = meetSurface(this.surface, tree, own);
+    const hit = raycastSurface(this.surface, tree, own);
     if (hit === undefined) return undefined;
-    const point = hit.point.applyMatrix4(this.stand);
-    return { ...hit, point, normal: hit.normal.transformDirection(this.stand), distance: point.distanceTo(ray.origin) };
+    const point = hit.point.applyMatrix4(this.matrixWorld);
+    return { ...hit, point, normal: hit.normal.transformDirection(this.matrixWorld), distance: point.distanceTo(ray.origin) };
   }
 }
 
@@ -65,7 +65,7 @@ export class Parts {
     return part?.surface === surface ? part : undefined;
   }
 
-  /** Adds a part. It is hidden until its `stand` is set. */
+  /** Adds a part. It is hidden until its `matrixWorld` is set. */
   add(surface: Surface): void {
     this.remove(surface.id);
     const part = new Part(surface);
@@ -91,12 +91,17 @@ export class Parts {
 }
 
 /** Converts a hit, a length and a camera position to the part's own coordinates. */
-export function inOwn(part: Part, hit: Hit, radius: number, eye: Vector3): { hit: Hit; radius: number; eye: Vector3 } {
-  const inverse = part.stand.clone().invert();
+export function toPartCoordinates(
+  part: Part,
+  hit: Hit,
+  radius: number,
+  cameraPosition: Vector3,
+): { hit: Hit; radius: number; cameraPosition: Vector3 } {
+  const inverse = part.matrixWorld.clone().invert();
   const scale = Math.cbrt(Math.abs(inverse.determinant()));
   return {
     hit: { ...hit, point: hit.point.clone().applyMatrix4(inverse) },
     radius: radius * scale,
-    eye: eye.clone().applyMatrix4(inverse),
+    cameraPosition: cameraPosition.clone().applyMatrix4(inverse),
   };
 }

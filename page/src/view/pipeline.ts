@@ -34,13 +34,13 @@ in vec2 at;
 uniform highp sampler2D depths;
 uniform mat4 unprojection;
 uniform vec2 pixel;
-uniform float reach, reachInPicture;  // in the world; in heights of the picture, at depth 1 (or everywhere)
+uniform float range, rangeInPicture;  // in the world; in heights of the picture, at depth 1 (or everywhere)
 uniform bool isParallel;
 out vec4 colour;
 
-vec3 placeAt(vec2 p) {
-  vec4 place = unprojection * vec4(2.0 * vec3(p, textureLod(depths, p, 0.0).r) - 1.0, 1.0);
-  return place.xyz / place.w;
+vec3 viewPosition(vec2 p) {
+  vec4 position = unprojection * vec4(2.0 * vec3(p, textureLod(depths, p, 0.0).r) - 1.0, 1.0);
+  return position.xyz / position.w;
 }
 vec3 least(vec3 a, vec3 b) { return abs(a.z) < abs(b.z) ? a : b; }
 
@@ -49,24 +49,24 @@ void main() {
     colour = vec4(1.0);
     return;
   }
-  vec3 p = placeAt(at);
-  vec3 across = least(placeAt(at + vec2(pixel.x, 0)) - p, p - placeAt(at - vec2(pixel.x, 0)));
-  vec3 up = least(placeAt(at + vec2(0, pixel.y)) - p, p - placeAt(at - vec2(0, pixel.y)));
+  vec3 p = viewPosition(at);
+  vec3 across = least(viewPosition(at + vec2(pixel.x, 0)) - p, p - viewPosition(at - vec2(pixel.x, 0)));
+  vec3 up = least(viewPosition(at + vec2(0, pixel.y)) - p, p - viewPosition(at - vec2(0, pixel.y)));
   vec3 n = normalize(cross(across, up));
-  float slant = dot(n, isParallel ? vec3(0, 0, 1) : normalize(-p));  // too little of it: the normal is a guess
-  float radius = min(0.16, reachInPicture / (isParallel ? 1.0 : -p.z));
+  float slant = dot(n, isParallel ? vec3(0, 0, 1) : normalize(-p));  // near 0 the normal is unreliable
+  float radius = min(0.16, rangeInPicture / (isParallel ? 1.0 : -p.z));
   float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
   float turn = 6.2831853 * noise, start = fract(3.0 * noise + 0.5);
   float sum = 0.0;
   const int count = 11;
   for (int i = 0; i < count; ++i) {
-    float far = (float(i) + start) / float(count);  // else pixels side by side look at the same rings, in blotches
+    float far = (float(i) + start) / float(count);  // a random start avoids blotches of neighbouring pixels
     float angle = turn + 2.3999632 * float(i) * 1.7;
     vec2 shift = radius * far * vec2(cos(angle), sin(angle)) * vec2(pixel.x / pixel.y, 1.0);
-    vec3 v = placeAt(at + shift) - p;
+    vec3 v = viewPosition(at + shift) - p;
     float square = dot(v, v);
-    float f = max(0.0, 1.0 - square / (reach * reach));
-    sum += f * f * f * max(0.0, (dot(v, n) - 0.012 * reach) / sqrt(square + 1e-4 * reach * reach));
+    float f = max(0.0, 1.0 - square / (range * range));
+    sum += f * f * f * max(0.0, (dot(v, n) - 0.012 * range) / sqrt(square + 1e-4 * range * range));
   }
   sum *= smoothstep(0.05, 0.3, slant);
   colour = vec4(vec3(clamp(1.0 - 2.4 * sum / float(count), 0.0, 1.0)), 1.0);
@@ -111,8 +111,8 @@ export class Pipeline {
     "depths",
     "unprojection",
     "pixel",
-    "reach",
-    "reachInPicture",
+    "range",
+    "rangeInPicture",
     "isParallel",
   ]);
   private readonly finishPass = this.pass(finishShader, ["picture", "depths", "occlusion", "pixel", "hasOcclusion"]);
@@ -125,15 +125,15 @@ export class Pipeline {
   }
 
   /**
-   * `reach`: largest distance of an occluder, in world units; `worldPerHeight`: world height of the picture at depth 1.
+   * `range`: largest distance of an occluder, in world units; `worldPerHeight`: world height of the picture at depth 1.
    */
-  render(scene: Scene, camera: Camera, detail: Detail, reach: number, worldPerHeight: number): void {
+  render(scene: Scene, camera: Camera, detail: Detail, range: number, worldPerHeight: number): void {
     const size = this.renderer.getDrawingBufferSize(new Vector2());
     const target = this.targetFor(size.multiplyScalar(detail.scale).ceil(), detail.samples);
     this.renderer.setRenderTarget(target);
     this.renderer.clear();
     this.renderer.render(scene, camera);
-    if (detail.occlusion) this.occlude(target, camera, reach, worldPerHeight);
+    if (detail.occlusion) this.occlude(target, camera, range, worldPerHeight);
     this.renderer.setRenderTarget(null);
     set(this.finishPass, {
       picture: target.texture,
@@ -150,14 +150,14 @@ export class Pipeline {
     this.occlusion.dispose();
   }
 
-  private occlude(target: WebGLRenderTarget, camera: Camera, reach: number, worldPerHeight: number): void {
+  private occlude(target: WebGLRenderTarget, camera: Camera, range: number, worldPerHeight: number): void {
     this.occlusion.setSize(Math.ceil(target.width / 2), Math.ceil(target.height / 2));
     set(this.occlusionPass, {
       depths: target.depthTexture,
       unprojection: new Matrix4().copy(camera.projectionMatrix).invert(),
       pixel: new Vector2(1 / this.occlusion.width, 1 / this.occlusion.height),
-      reach,
-      reachInPicture: reach / worldPerHeight,
+      range,
+      rangeInPicture: range / worldPerHeight,
       isParallel: camera instanceof OrthographicCamera,
     });
     this.renderer.setRenderTarget(this.occlusion);

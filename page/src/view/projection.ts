@@ -1,7 +1,7 @@
 import { Matrix4, Ray, Vector2, Vector3, type OrthographicCamera, type PerspectiveCamera } from "three";
 import type { Navigation } from "./navigation";
 import type { Surface } from "./surface/surface";
-import type { Sight } from "./picking/visibility";
+import type { ScreenProjector } from "./picking/visibility";
 
 /** Projects world points to the page, and points of the page to rays. */
 export class Projection {
@@ -51,26 +51,26 @@ export class Projection {
    * Returns the position from which a point is seen. In a parallel view this is far away, relative to a scene of this
    * radius.
    */
-  from(point: Vector3, sceneRadius: number): Vector3 {
+  cameraPositionFor(point: Vector3, sceneRadius: number): Vector3 {
     if (!this.navigation.orthographic) return this.camera.position.clone();
     const back = new Vector3(0, 0, 1).applyQuaternion(this.camera.quaternion);
     return back.multiplyScalar(1e4 * sceneRadius).add(point);
   }
 
   /** Returns functions for many points, which therefore allocate little. */
-  sight(): Sight {
+  projector(): ScreenProjector {
     const { camera } = this;
     const box = this.box();
     const toView = camera.matrixWorldInverse.clone();
-    const eye = this.camera.position.clone();
+    const cameraPosition = this.camera.position.clone();
     const back = new Vector3(0, 0, 1).applyQuaternion(camera.quaternion);
     const p = new Vector3();
     return {
       rayAt: (x, y) => this.rayAt(x, y),
-      towardsEye: (place, out) => (this.navigation.orthographic ? out.copy(back) : out.copy(eye).sub(place)),
-      depthOf: (place) => -p.copy(place).applyMatrix4(toView).z,
-      pixelOf: (place) => {
-        p.copy(place).project(camera);
+      towardsCamera: (position, out) => (this.navigation.orthographic ? out.copy(back) : out.copy(cameraPosition).sub(position)),
+      depthOf: (position) => -p.copy(position).applyMatrix4(toView).z,
+      pixelOf: (position) => {
+        p.copy(position).project(camera);
         return { x: box.left + 0.5 * (p.x + 1) * box.width, y: box.top + 0.5 * (1 - p.y) * box.height };
       },
     };
@@ -80,7 +80,7 @@ export class Projection {
   toClip(surface: Surface): { matrix: ArrayLike<number>; box: DOMRect } {
     const { camera } = this;
     const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    const place = new Matrix4().makeTranslation(surface.object.position);
-    return { matrix: matrix.multiply(place).elements, box: this.box() };
+    const translation = new Matrix4().makeTranslation(surface.object.position);
+    return { matrix: matrix.multiply(translation).elements, box: this.box() };
   }
 }

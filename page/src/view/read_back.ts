@@ -19,19 +19,19 @@ const width = 2048;
 const vertexShader = /* glsl */ `
 ${deformShader}
 uniform vec2 size;
-flat out vec3 shownPlace;
+flat out vec3 shownPosition;
 void main() {
   vec3 direction;
-  shownAt(shownPlace, direction);
+  deformVertex(shownPosition, direction);
   vec2 pixel = vec2(gl_VertexID % int(size.x), gl_VertexID / int(size.x)) + 0.5;
   gl_Position = vec4(2.0 * pixel / size - 1.0, 0.0, 1.0);
   gl_PointSize = 1.0;
 }
 `;
 const fragmentShader = /* glsl */ `
-flat in vec3 shownPlace;
-out vec4 place;
-void main() { place = vec4(shownPlace, 1.0); }
+flat in vec3 shownPosition;
+out vec4 result;
+void main() { result = vec4(shownPosition, 1.0); }
 `;
 
 /**
@@ -50,7 +50,7 @@ export async function readPositions(renderer: WebGLRenderer, surface: Surface): 
     depthBuffer: false,
   });
   const geometry = new BufferGeometry();
-  for (const name of ["position", "normal", "mover"]) geometry.setAttribute(name, surface.geometry.getAttribute(name));
+  for (const name of ["position", "normal", "weightRow"]) geometry.setAttribute(name, surface.geometry.getAttribute(name));
   const material = new ShaderMaterial({
     glslVersion: GLSL3,
     vertexShader,

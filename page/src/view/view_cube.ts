@@ -16,9 +16,9 @@ export function viewFrom(side: Side, [front, right, above]: readonly Vector3[]):
     top: above,
     bottom: above?.clone().negate(),
   };
-  const eye = to[side] ?? new Vector3(0, 0, 1);
+  const towardsCamera = to[side] ?? new Vector3(0, 0, 1);
   const upright = side === "top" ? front?.clone().negate() : side === "bottom" ? front : above;
-  return { direction: eye.clone().negate(), up: upright?.clone() ?? new Vector3(0, 1, 0) };
+  return { direction: towardsCamera.clone().negate(), up: upright?.clone() ?? new Vector3(0, 1, 0) };
 }
 
 const sides: readonly Side[] = ["front", "back", "right", "left", "top", "bottom"];
@@ -66,19 +66,19 @@ export class ViewCube {
     const right = new Vector3().crossVectors(up, normal);
     const face = document.createElement("div");
     face.className = "view-cube-face";
-    const place = new Matrix4()
+    const matrix = new Matrix4()
       .makeBasis(right, up.clone().negate(), normal)
       .setPosition(normal.clone().multiplyScalar(half));
-    face.style.transform = matrix3d(place);
+    face.style.transform = matrix3d(matrix);
     for (let j = 1; j >= -1; --j)
       for (let i = -1; i <= 1; ++i) {
-        const eye = normal.clone().addScaledVector(right, i).addScaledVector(up, j);
-        face.append(this.cell(i === 0 && j === 0 ? side : undefined, eye, up));
+        const towardsCamera = normal.clone().addScaledVector(right, i).addScaledVector(up, j);
+        face.append(this.cell(i === 0 && j === 0 ? side : undefined, towardsCamera, up));
       }
     return face;
   }
 
-  private cell(side: Side | undefined, eye: Vector3, up: Vector3): HTMLElement {
+  private cell(side: Side | undefined, towardsCamera: Vector3, up: Vector3): HTMLElement {
     const button = document.createElement("button");
     button.type = "button";
     if (side === undefined) button.tabIndex = -1;
@@ -86,7 +86,7 @@ export class ViewCube {
       button.textContent = side[0]?.toUpperCase() + side.slice(1);
       button.setAttribute("aria-label", `Look from the ${side}`);
     }
-    button.addEventListener("click", () => this.look(eye.clone().negate(), up));
+    button.addEventListener("click", () => this.look(towardsCamera.clone().negate(), up));
     return button;
   }
 

@@ -16,27 +16,27 @@ import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
-import { areWithin, placesOf } from "./framing";
+import { areWithin, samplePositions } from "./framing";
 import { Projection } from "./projection";
 import type { Legend } from "./surface/heat";
 import { Navigation } from "./navigation";
 import { FrameScheduler, type Drawn } from "./frame_scheduler";
-import { meetSurface, verticesInPolygon, verticesNear, type Hit } from "./picking/picking";
-import { inOwn, Parts } from "./parts";
+import { raycastSurface, verticesInPolygon, verticesNear, type Hit } from "./picking/picking";
+import { toPartCoordinates, Parts } from "./parts";
 import { PickTree } from "./picking/pick_tree";
 import { Pipeline } from "./pipeline";
 import type { Polygon } from "./picking/polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
 import { Surface } from "./surface/surface";
-import { bringToGpu } from "./surface/to_gpu";
+import { uploadToGpu } from "./surface/to_gpu";
 import { ViewCube, viewFrom, type Side } from "./view_cube";
 import { ViewNotes } from "./view_notes";
 import "./view.css";
-import { seenVertices } from "./picking/visibility";
+import { visibleVertices } from "./picking/visibility";
 import { lookUniforms, shadings } from "./surface/surface_material";
 
-const isLarge = 200_000; // vertices above which a surface is brought to the GPU in steps
+const largeVertexCount = 200_000; // vertices above which a surface is brought to the GPU in steps
 
 ColorManagement.enabled = false; // colours are specified in display space
 
@@ -64,10 +64,10 @@ export class Viewport {
   readonly timings = signal({ frameMs: 0, restMs: 0, movingMs: 0 });
 
   /** Resolves when the model is visible. */
-  arrival: Promise<void> = Promise.resolve();
+  modelVisible: Promise<void> = Promise.resolve();
   /** The meaning of the heat map's colours. */
   readonly legend = signal<Legend | null>(null);
-  private instead: Surface | undefined;
+  private replacement: Surface | undefined;
 
   private readonly trees = new Map<Surface, PickTree>();
   private readonly look = lookUniforms();
@@ -86,19 +86,19 @@ export class Viewport {
       for (const call of this.onDrawn) call(picture);
     },
   );
-  private ball = new Sphere(new Vector3(), 1);
+  private boundingSphere = new Sphere(new Vector3(), 1);
   private fileName = "";
   private fileUp: "y" | "z" = "z";
   private posesTimer: ReturnType<typeof setTimeout> | undefined;
-  private posesMove = 0; // time until which handles count as moving
+  private posesMoveUntil = 0; // time until which handles count as moving
 
   constructor(readonly settings: ViewSettings) {
     this.helpersScene.add(this.helpers);
     this.scene.add(this.background.mesh, this.ground.mesh);
     this.navigation = new Navigation({
       requestRender: () => this.requestRender(),
-      placeUnder: (x, y) => this.pick(x, y)?.point,
-      bounds: () => this.ball,
+      pointUnder: (x, y) => this.pick(x, y)?.point,
+      bounds: () => this.boundingSphere,
       fitUnder: (x, y) => this.fitUnder(x, y),
     });
     this.projection = new Projection(this.navigation, () => this.canvas);
@@ -178,9 +178,9 @@ export class Viewport {
    * Shows a surface instead of the model, with the model's settings; undefined: the model itself. The caller disposes
    * of the surface.
    */
-  showInstead(surface: Surface | undefined): void {
-    if (this.instead !== undefined && this.instead !== surface) this.forgetTree(this.instead);
-    this.instead = surface;
+  showReplacement(surface: Surface | undefined): void {
+    if (this.replacement !== undefined && this.replacement !== surface) this.forgetTree(this.replacement);
+    this.replacement = surface;
     if (surface !== undefined) {
       this.followLegend(surface);
       this.applyTo(surface);
@@ -192,7 +192,7 @@ export class Viewport {
 
   private followLegend(surface: Surface): void {
     surface.onChange = () => {
-      if (surface === (this.instead ?? this.main)) this.legend.value = surface.heat.legend;
+      if (surface === (this.replacement ?? this.main)) this.legend.value = surface.heat.legend;
       this.requestRender();
     };
   }
@@ -236,13 +236,13 @@ export class Viewport {
    * Notes that a request with poses was sent. The returned function must be called with the frame number in its answer,
    * or with 0 if there is none.
    */
-  posesAsked(): (pose: number) => void {
-    return this.main?.linear.asked() ?? (() => undefined);
+  beginPoseRequest(): (pose: number) => void {
+    return this.main?.linear.beginRequest() ?? (() => undefined);
   }
 
   /** Shows temporary maps of handles (4×4, world) in the vertex shader. Returns false without weights. */
   showPoses(poses: ReadonlyMap<string, Matrix4>): boolean {
-    this.posesMove = performance.now() + 250;
+    this.posesMoveUntil = performance.now() + 250;
     clearTimeout(this.posesTimer);
     this.posesTimer = setTimeout(() => this.requestRender(), 260);
     return this.main?.showPoses(poses) ?? false;
@@ -260,11 +260,11 @@ export class Viewport {
     let nearest: (Hit & { distance: number }) | undefined;
     for (const surface of this.surfaces.values()) {
       if (!surface.object.visible) continue;
-      const hit = meetSurface(surface, this.treeOf(surface), ray);
+      const hit = raycastSurface(surface, this.treeOf(surface), ray);
       if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
     }
     for (const part of this.parts.shown()) {
-      const hit = part.meet(ray, this.treeOf(part.surface));
+      const hit = part.raycast(ray, this.treeOf(part.surface));
       if (hit !== undefined && !(hit.distance > (nearest?.distance ?? Infinity))) nearest = hit;
     }
     return nearest;
@@ -277,7 +277,7 @@ export class Viewport {
   verticesInPolygon(surface: Surface, polygon: Polygon, through: boolean): Uint32Array {
     const found = verticesInPolygon(surface, this.projection.toClip(surface), polygon);
     if (through) return found;
-    return seenVertices(surface, found, this.treeOf(surface), this.projection.sight());
+    return visibleVertices(surface, found, this.treeOf(surface), this.projection.projector());
   }
 
   /**
@@ -286,9 +286,10 @@ export class Viewport {
    */
   verticesNear(surface: Surface, hit: Hit, radius: number, through: boolean): Uint32Array {
     const part = this.parts.of(surface);
-    const seen = { hit, radius, eye: this.projection.from(hit.point, this.ball.radius) };
-    const own = part === undefined ? seen : inOwn(part, hit, radius, seen.eye);
-    return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.eye);
+    const cameraPosition = this.projection.cameraPositionFor(hit.point, this.boundingSphere.radius);
+    const inWorld = { hit, radius, cameraPosition };
+    const own = part === undefined ? inWorld : toPartCoordinates(part, hit, radius, cameraPosition);
+    return verticesNear(own.hit, this.treeOf(surface), own.radius, through, own.cameraPosition);
   }
 
   /** Returns the world length of a CSS pixel at the depth of `point`. */
@@ -304,9 +305,9 @@ export class Viewport {
     return this.projection.rayAt(clientX, clientY);
   }
 
-  /** Whether the camera stands still and the last picture is drawn. */
+  /** Whether the camera is at rest and the last picture is drawn. */
   get isAtRest(): boolean {
-    return !this.navigation.isMoving && performance.now() >= this.posesMove && this.scheduler.isIdle;
+    return !this.navigation.isMoving && performance.now() >= this.posesMoveUntil && this.scheduler.isIdle;
   }
 
   /** Frames everything, or some vertices of the model as shown. */
@@ -317,12 +318,12 @@ export class Viewport {
       this.navigation.fit(main.sample(what), 0.02 * main.box.diagonal, animated);
       return;
     }
-    this.measure();
-    this.navigation.fit(placesOf(this.allShown()), 1e-6 * main.box.diagonal, animated);
+    this.updateBounds();
+    this.navigation.fit(samplePositions(this.allShown()), 1e-6 * main.box.diagonal, animated);
   }
 
   /** Returns whether vertices of a surface are in the picture, except a few. */
-  sees(surface: Surface, vertices: Uint32Array): boolean {
+  isInView(surface: Surface, vertices: Uint32Array): boolean {
     return areWithin(surface.sample(vertices), this.canvas.getBoundingClientRect(), (point) => this.project(point));
   }
 
@@ -351,7 +352,7 @@ export class Viewport {
     for (const call of this.onFrame) call();
     this.cube.update();
     this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
-    const moving = this.navigation.isMoving || start < this.posesMove;
+    const moving = this.navigation.isMoving || start < this.posesMoveUntil;
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.scheduler.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
@@ -363,7 +364,7 @@ export class Viewport {
       this.scene,
       this.camera,
       detail,
-      0.09 * this.ball.radius,
+      0.09 * this.boundingSphere.radius,
       orthographic ? viewHeight : viewHeight / distance,
     );
     renderer.clearDepth();
@@ -397,7 +398,7 @@ export class Viewport {
       this.ground.mesh.visible = settings.grid.value;
       for (const surface of this.surfaces.values()) this.applyTo(surface);
       for (const part of this.parts.all()) this.applyShading(part.surface);
-      if (this.instead !== undefined) this.showInstead(this.instead);
+      if (this.replacement !== undefined) this.showReplacement(this.replacement);
       this.requestRender();
     });
     effect(() => {
@@ -439,18 +440,18 @@ export class Viewport {
   private setUp(): void {
     const set = this.settings.up.value;
     this.navigation.up = set === "auto" ? this.fileUp : set;
-    this.layGround();
+    this.fitGround();
   }
 
   /** Places the ground below the model's lowest point. */
-  private layGround(): void {
+  private fitGround(): void {
     const { main } = this;
     if (main === undefined) return;
     const up = this.navigation.axes()[2];
     const middle = main.box.min.clone().add(main.box.max).multiplyScalar(0.5);
     if (this.navigation.up === "z") middle.z = main.box.min.z;
     else middle.y = main.box.min.y;
-    this.ground.lay(middle.add(main.object.position), up, main.box.diagonal);
+    this.ground.fitTo(middle.add(main.object.position), up, main.box.diagonal);
   }
 
   private setMesh(surface: Surface): void {
@@ -464,13 +465,13 @@ export class Viewport {
     this.surfaces.clear();
     this.surfaces.set(surface.id, surface);
     ++this.parts.changed.value;
-    this.arrival = this.bringIn(surface);
+    this.modelVisible = this.showWhenUploaded(surface);
     this.followLegend(surface);
     this.applyTo(surface);
-    if (this.instead === undefined) this.legend.value = surface.heat.legend; // replaces the last model's legend
+    if (this.replacement === undefined) this.legend.value = surface.heat.legend; // replaces the last model's legend
     this.cube.element.hidden = false;
-    this.measure();
-    this.layGround();
+    this.updateBounds();
+    this.fitGround();
     const similar =
       before !== undefined && before.diagonal > 0 && Math.abs(surface.box.diagonal / before.diagonal - 1) < 0.2;
     this.navigation.update(this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight));
@@ -478,11 +479,11 @@ export class Viewport {
   }
 
   /** Shows a new surface once its arrays are on the GPU. Large ones are brought there one array at a time. */
-  private async bringIn(surface: Surface): Promise<void> {
-    if (surface.vertexCount > isLarge && this.renderer !== undefined) {
-      this.scheduler.expectMuch();
+  private async showWhenUploaded(surface: Surface): Promise<void> {
+    if (surface.vertexCount > largeVertexCount && this.renderer !== undefined) {
+      this.scheduler.expectLargeSurface();
       const isWanted = () => this.surfaces.get(surface.id) === surface;
-      await bringToGpu(surface, this.renderer, this.background.mesh.material, this.camera, isWanted);
+      await uploadToGpu(surface, this.renderer, this.background.mesh.material, this.camera, isWanted);
     }
     if (this.surfaces.get(surface.id) !== surface) return;
     this.scene.add(surface.object);
@@ -501,15 +502,15 @@ export class Viewport {
   /** Returns all visible surfaces and their maps to the world. */
   private allShown(): [Surface, Matrix4][] {
     const model = [...this.surfaces.values()].filter((surface) => surface.object.visible);
-    const parts = this.parts.shown().map((part): [Surface, Matrix4] => [part.surface, part.stand]);
+    const parts = this.parts.shown().map((part): [Surface, Matrix4] => [part.surface, part.matrixWorld]);
     return [...model.map((surface): [Surface, Matrix4] => [surface, new Matrix4()]), ...parts, ...this.alsoShown()];
   }
 
   /** Computes the bounding sphere of everything shown, for navigation and framing. */
-  measure(): void {
-    const spheres = this.allShown().map(([surface, stand]) => surface.sphere().applyMatrix4(stand));
-    this.ball = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
-    for (const sphere of spheres.slice(1)) this.ball.union(sphere);
+  updateBounds(): void {
+    const spheres = this.allShown().map(([surface, matrix]) => surface.sphere().applyMatrix4(matrix));
+    this.boundingSphere = spheres[0]?.clone() ?? new Sphere(new Vector3(), 1);
+    for (const sphere of spheres.slice(1)) this.boundingSphere.union(sphere);
   }
 
   /** Returns the pick tree of a surface, and makes it on the first call. */

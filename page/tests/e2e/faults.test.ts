@@ -1,8 +1,8 @@
-// What becomes of the work, and what the page says, when the engine, the disk or a file fails.
+// Tests that work is kept, and that the page says what to do, when the engine, the disk or a file fails.
 import { readFileSync, truncateSync, writeFileSync } from "node:fs";
 import { afterEach, expect, test } from "vitest";
-import { aimAt, distance, gripOf, placeOf, poseOf } from "./grips";
-import { Engine, freePort, hashOf, placesOf, run, Stage, type Person, type StageOptions } from "./harness";
+import { aimAt, distance, gripOf, positionOf, poseOf } from "./grips";
+import { Engine, freePort, hashOf, positionsOf, run, Stage, type Person, type StageOptions } from "./harness";
 
 let stage: Stage | undefined;
 afterEach(async () => {
@@ -20,9 +20,9 @@ async function start(options: StageOptions = {}) {
 async function paintTop(stage: Stage, person: Person, resolution = 12): Promise<void> {
   const file = stage.folder.file("rest.obj");
   run("sample", "bar", "--resolution", String(resolution), "-o", file);
-  const places = placesOf(file);
-  const far = Array.from({ length: places.length / 3 }, (_, v) =>
-    distance(placeOf(places, v), [0.1, -0.5, 3.4]),
+  const positions = positionsOf(file);
+  const far = Array.from({ length: positions.length / 3 }, (_, v) =>
+    distance(positionOf(positions, v), [0.1, -0.5, 3.4]),
   );
   const top = await aimAt(person, far.indexOf(Math.min(...far)));
   await person.press("h");
@@ -31,7 +31,7 @@ async function paintTop(stage: Stage, person: Person, resolution = 12): Promise<
     () => window.meshgraft.editor.tools.activeHandle.value !== null,
     undefined,
     {
-      polling: 100, // a tab in the background draws nothing
+      polling: 100, // polls by time, because a background tab draws no frames
     },
   );
   await person.settle();
@@ -60,7 +60,7 @@ test("two tabs: each has its own session, and neither loses what the other does"
   two.page.setDefaultTimeout(20_000);
   await two.opened();
   expect(await two.page.evaluate(() => window.meshgraft.editor.state.value?.handles)).toEqual([]);
-  expect(await two.page.evaluate(() => window.meshgraft.editor.offer.value)).toBeNull(); // the first tab has it
+  expect(await two.page.evaluate(() => window.meshgraft.editor.offer.value)).toBeNull(); // tab one has it
   await paintTop(stage, two);
   await moveUp(two, 5);
   await two.screenshot("faults-second-tab");
@@ -69,7 +69,7 @@ test("two tabs: each has its own session, and neither loses what the other does"
   await moveUp(one, 1);
   expect((await poseOf(one))?.translate).toEqual([0, 0, 2]);
 
-  // Both save under one name: the second is asked, and the first is told when it saves again.
+  // Both tabs save under one name. The second is asked first; the first is told when it saves again.
   await saveEditAs(one, "work");
   await one.page.getByText("Saved", { exact: true }).waitFor();
   await two.page.bringToFront();
@@ -123,7 +123,7 @@ test("an engine killed in mid-drag: the page says what to do, and the next one r
   await page.getByText("Go on where you were?").waitFor();
   await person.click("Restore");
   await person.settle();
-  expect((await poseOf(person))?.translate).toEqual([0, 0, 1]); // what was being dragged is no change yet
+  expect((await poseOf(person))?.translate).toEqual([0, 0, 1]); // an unfinished drag is not a change
   await person.screenshot("faults-restored");
   for (let i = 0; i < 2; ++i) await person.press("Control+z");
   await person.settle();
@@ -132,7 +132,7 @@ test("an engine killed in mid-drag: the page says what to do, and the next one r
   await person.press("Control+Shift+z");
   await person.settle();
   expect((await poseOf(person))?.translate).toEqual([0, 0, 1]);
-  // Who asks while the killed engine's socket is being closed is reset, and refused from then on.
+  // Requests are reset while the killed engine's socket closes, and refused afterwards.
   expect(person.complaints.filter((text) => !/ERR_CONNECTION_(REFUSED|RESET)|WebSocket|403/.test(text))).toEqual([]);
 }, 120_000);
 
@@ -159,12 +159,12 @@ test("a full disk is told with a remedy, and the work is kept", async () => {
   await person.press("Escape");
   expect((await poseOf(person))?.translate).toEqual([0, 0, 1]);
   await moveUp(person, 1);
-  await saveEditAs(person, "small"); // which has room
+  await saveEditAs(person, "small"); // small enough for the limit on files
   await page.getByText("Saved", { exact: true }).waitFor();
   await stage.engine.stop("SIGTERM");
   run("run", folder.file("small.json"), "-o", folder.file("after.obj"));
-  expect(Math.max(...placesOf(folder.file("after.obj")))).toBeGreaterThan(
-    Math.max(...placesOf(folder.file("bar.obj"))) + 1,
+  expect(Math.max(...positionsOf(folder.file("after.obj")))).toBeGreaterThan(
+    Math.max(...positionsOf(folder.file("bar.obj"))) + 1,
   );
 }, 120_000);
 
@@ -178,7 +178,7 @@ test("a model that is replaced while it is open is told of when saving", async (
   await page.getByText(/is another file than the one that was opened/).waitFor();
   await person.screenshot("faults-model-replaced");
   expect(await page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(
-    placesOf(folder.file("rest.obj")).length / 3,
+    positionsOf(folder.file("rest.obj")).length / 3,
   );
 }, 120_000);
 
@@ -211,7 +211,7 @@ test("a dropped file of 2 GB is refused at once, and nobody's memory grows", asy
   await stage.openSample("bar", 8);
 }, 120_000);
 
-test("a second model on the command line stands beside the first one as a part", async () => {
+test("a second model on the command line is shown beside the first one as a part", async () => {
   const { stage, person, folder } = await start({
     models: { "bust.ply": ["bust", "--resolution", "40"], "head.ply": ["head", "--resolution", "40"] },
   });

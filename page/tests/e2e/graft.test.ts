@@ -12,8 +12,8 @@ async function open(options: Parameters<typeof Stage.open>[0] = {}): Promise<{ s
   return { stage, person: stage.person };
 }
 
-/** Opens two coarse samples, the second as a part, in the mode Graft. */
-async function beside(model: string, part: string, resolution: number, starts = false): Promise<{ stage: Stage; person: Person }> {
+/** Opens two coarse samples in the mode Graft, the second as a part. */
+async function openWithPart(model: string, part: string, resolution: number, starts = false): Promise<{ stage: Stage; person: Person }> {
   const opened = await open();
   await opened.stage.openSample(model, resolution);
   await opened.person.page.getByRole("tab", { name: "Graft" }).click();
@@ -28,7 +28,7 @@ async function beside(model: string, part: string, resolution: number, starts = 
   return opened;
 }
 
-/** Waits for what came of the graft as the document has it; the report. */
+/** Waits until the graft of the document has been computed, and returns its report. */
 async function grafted(person: Person) {
   await person.page.waitForFunction(
     () => {
@@ -43,7 +43,7 @@ async function grafted(person: Person) {
   return person.page.evaluate(() => window.meshgraft.editor.graft.report.value);
 }
 
-/** What `meshgraft info` says of the mesh as it is saved. */
+/** Fields of the output of `meshgraft info` for the saved mesh. */
 interface Info {
   components: number;
   loops: unknown[];
@@ -63,24 +63,24 @@ async function saved(stage: Stage): Promise<Info> {
 
 const watertight = { components: 1, loops: [], closed: true, manifold: true, oriented: true };
 
-/** Where a vertex of a mesh is on the page, part or model. */
-function spotOf(person: Person, mesh: number, vertex: number): Promise<Point> {
+/** Returns the screen point of a vertex of the model or of a part. */
+function screenPointOf(person: Person, mesh: number, vertex: number): Promise<Point> {
   return person.page.evaluate(
     ([mesh, vertex]) => {
       const { viewport, graftView } = window.meshgraft;
-      const place = graftView.place(mesh, vertex);
-      if (place === undefined) throw new Error("there is no such mesh");
-      const { x, y } = viewport.project(place);
+      const position = graftView.positionOf(mesh, vertex);
+      if (position === undefined) throw new Error("there is no such mesh");
+      const { x, y } = viewport.project(position);
       return [x, y] as const;
     },
     [mesh, vertex] as const,
   );
 }
 
-/** Moves the pointer to a loop until it lights up: the view may still be moving. */
+/** Moves the pointer to a loop until it lights up, because the view may still be moving. */
 async function hoverOverLoop(person: Person, mesh: number, loop: number): Promise<Point> {
   for (let patience = 20; ; --patience) {
-    const at = await spotOnLoop(person, mesh, loop);
+    const at = await screenPointOnLoop(person, mesh, loop);
     await person.page.mouse.move(...at);
     const isLit = () => window.meshgraft.editor.graft.hovered.value !== null;
     const lit = await person.page.waitForFunction(isLit, undefined, { timeout: 1000 }).catch(() => undefined);
@@ -89,8 +89,8 @@ async function hoverOverLoop(person: Person, mesh: number, loop: number): Promis
   }
 }
 
-/** A place on a loop that nothing hides: the vertex nearest to the eye. */
-function spotOnLoop(person: Person, mesh: number, loop: number): Promise<Point> {
+/** Returns the screen point of the vertex of a loop that is nearest to the camera, so that nothing hides it. */
+function screenPointOnLoop(person: Person, mesh: number, loop: number): Promise<Point> {
   return person.page.evaluate(
     ([mesh, loop]) => {
       const { viewport, graftView, editor } = window.meshgraft;
@@ -98,11 +98,11 @@ function spotOnLoop(person: Person, mesh: number, loop: number): Promise<Point> 
       let best: readonly [number, number] = [0, 0];
       let nearest = Infinity;
       for (const v of vertices) {
-        const place = graftView.place(mesh, v);
-        if (place === undefined) continue;
-        const far = place.distanceTo(viewport.camera.position);
+        const position = graftView.positionOf(mesh, v);
+        if (position === undefined) continue;
+        const far = position.distanceTo(viewport.camera.position);
         if (far >= nearest) continue;
-        const { x, y } = viewport.project(place);
+        const { x, y } = viewport.project(position);
         if (document.elementFromPoint(x, y) !== viewport.canvas) continue; // a panel lies over it
         nearest = far;
         best = [x, y];
@@ -136,7 +136,7 @@ test("grafts a head from a fresh page within five actions", async () => {
 });
 
 test("shows how the seam bends, and the result's edges", async () => {
-  const { person } = await beside("bust", "head", 40, true);
+  const { person } = await openWithPart("bust", "head", 40, true);
   const report = await grafted(person);
   await person.page.getByRole("button", { name: "View", exact: true }).click();
   await person.page.getByLabel("Heat map").selectOption("seam");
@@ -155,12 +155,12 @@ test("shows how the seam bends, and the result's edges", async () => {
 });
 
 test("grafts in the document that is opened next, too, and shows no loops of the one before", async () => {
-  const { stage, person } = await beside("bust", "head", 20, true);
+  const { stage, person } = await openWithPart("bust", "head", 20, true);
   await grafted(person);
   await stage.openSample("octopus", 20);
   await person.rests();
   const loops = () =>
-    person.page.evaluate(() => window.meshgraft.graftView.clickable().map(({ mesh }) => mesh));
+    person.page.evaluate(() => window.meshgraft.graftView.clickableLoops().map(({ mesh }) => mesh));
   expect(await loops()).toEqual([]);
   await stage.openSample("bust", 20);
   await person.page.evaluate(async () => {
@@ -174,8 +174,8 @@ test("grafts in the document that is opened next, too, and shows no loops of the
 });
 
 test("pairs the bracket's loops with the posts' by clicks", async () => {
-  const { stage, person } = await beside("posts", "bracket", 40);
-  const ids = await person.page.evaluate(() => window.meshgraft.editor.graft.things.value.map(({ mesh }) => mesh));
+  const { stage, person } = await openWithPart("posts", "bracket", 40);
+  const ids = await person.page.evaluate(() => window.meshgraft.editor.graft.objects.value.map(({ mesh }) => mesh));
   const [model, part] = ids as [number, number];
   // Loops whose centres are nearest in the plane belong together.
   const pairs = await person.page.evaluate(
@@ -204,7 +204,7 @@ test("pairs the bracket's loops with the posts' by clicks", async () => {
     await person.rests();
     await person.clickAt(await hoverOverLoop(person, model, target));
     await person.page.waitForFunction(() => window.meshgraft.editor.graft.picked.value !== null);
-    await person.clickAt(await spotOnLoop(person, part, source));
+    await person.clickAt(await screenPointOnLoop(person, part, source));
     await person.page.waitForFunction(() => window.meshgraft.editor.isIdle());
   }
   const report = await grafted(person);
@@ -222,7 +222,7 @@ test("pairs the bracket's loops with the posts' by clicks", async () => {
 }, 240_000);
 
 test("turns, twists, mirrors and reshapes while it shows what comes of it, and undoes all", async () => {
-  const { stage, person } = await beside("bust", "head", 40, true);
+  const { stage, person } = await openWithPart("bust", "head", 40, true);
   const first = await grafted(person);
   expect(first?.error).toBeUndefined();
   const slide = async (label: string, by: number) => {
@@ -244,7 +244,7 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
   await field.press("Enter");
   await grafted(person);
   expect(await field.inputValue()).not.toMatch(/^[-−]/);
-  await field.press("ArrowUp"); // beyond the end: it says so, and stays
+  await field.press("ArrowUp"); // a step beyond the range is refused with a message
   await person.page.getByRole("alert").getByText("-180 to 180", { exact: true }).waitFor();
   expect(await field.inputValue()).not.toMatch(/^[-−]/);
   await field.fill("0");
@@ -280,7 +280,7 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
 }, 240_000);
 
 test("drags what meets along the loop, adds a match and takes it away", async () => {
-  const { person } = await beside("bust", "head", 40, true);
+  const { person } = await openWithPart("bust", "head", 40, true);
   await grafted(person);
   await person.page.getByText("Apart", { exact: true }).click();
   await person.rests();
@@ -291,14 +291,14 @@ test("drags what meets along the loop, adds a match and takes it away", async ()
   });
   const at = loop.indexOf(start[0]);
   const path = [0, 1, 2, 3, 4].map((k) => loop[(at + k) % loop.length] as number);
-  const spots = [];
-  for (const v of path) spots.push(await spotOf(person, part, v));
-  await person.stroke(spots, { steps: 3 });
+  const stroke = [];
+  for (const v of path) stroke.push(await screenPointOf(person, part, v));
+  await person.stroke(stroke, { steps: 3 });
   await grafted(person);
   const moved = await person.page.evaluate(() => window.meshgraft.editor.graft.starts.of(0));
   expect(moved?.[0]).toBe(path[4]);
   await person.screenshot("graft-start-dragged");
-  const other = await spotOf(person, part, loop[(at + Math.floor(loop.length / 2)) % loop.length] as number);
+  const other = await screenPointOf(person, part, loop[(at + Math.floor(loop.length / 2)) % loop.length] as number);
   await person.page.mouse.dblclick(...other);
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.pairs.value[0]?.matches.length === 1);
   await grafted(person);
@@ -307,8 +307,8 @@ test("drags what meets along the loop, adds a match and takes it away", async ()
   expect(person.complaints).toEqual([]);
 }, 240_000);
 
-test("keeps the pose of a part that the gizmo puts in its place, and what is painted fixed", async () => {
-  const { person } = await beside("bust", "head", 40, true);
+test("keeps the pose of a part that the gizmo moves, and what is painted fixed", async () => {
+  const { person } = await openWithPart("bust", "head", 40, true);
   await grafted(person);
   await person.page.getByText("Keep", { exact: true }).click();
   await grafted(person);
@@ -328,8 +328,8 @@ test("keeps the pose of a part that the gizmo puts in its place, and what is pai
   const part = await person.page.evaluate(() => window.meshgraft.editor.graft.source.value?.mesh ?? -1);
   const face = await person.page.evaluate((mesh) => {
     const { viewport, graftView } = window.meshgraft;
-    const place = graftView.middleOf(mesh);
-    const { x, y } = viewport.project(place);
+    const position = graftView.centreOf(mesh);
+    const { x, y } = viewport.project(position);
     return [x, y] as const;
   }, part);
   await person.stroke([face, [face[0] + 25, face[1]]]);
@@ -339,26 +339,26 @@ test("keeps the pose of a part that the gizmo puts in its place, and what is pai
   expect(person.complaints).toEqual([]);
 }, 240_000);
 
-test("a line from beside the model to beside it lays the plane, and the sides are blue and red", async () => {
+test("a line that begins and ends off the model sets the plane, and the sides are blue and red", async () => {
   const { stage, person } = await open();
   await stage.openSample("octopus", 40);
   await person.page.getByRole("tab", { name: "Graft" }).click();
-  const eye = () => person.page.evaluate(() => window.meshgraft.viewport.camera.position.toArray());
-  const start = await eye();
-  await person.stroke([[200, 680], [260, 640]]); // beside the model, without a tool that cuts
+  const cameraPosition = () => person.page.evaluate(() => window.meshgraft.viewport.camera.position.toArray());
+  const start = await cameraPosition();
+  await person.stroke([[200, 680], [260, 640]]); // off the model, without a cutting tool
   await person.rests();
-  expect(await eye()).not.toEqual(start);
+  expect(await cameraPosition()).not.toEqual(start);
   await person.click("Cut by a plane");
   await person.rests();
-  const before = await eye();
+  const before = await cameraPosition();
   const middle = await person.page.evaluate(() => {
     const { viewport, graftView } = window.meshgraft;
-    const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
+    const { x, y } = viewport.project(graftView.centreOf(viewport.main?.id ?? -1));
     return [x, y] as const;
   });
   await person.stroke([[110, middle[1] - 10], [800, middle[1] - 10]], { steps: 12 });
   await person.rests();
-  expect(await eye()).toEqual(before);
+  expect(await cameraPosition()).toEqual(before);
   const picture = (await person.page.screenshot()).toString("base64");
   const sides = await person.page.evaluate(async (png) => {
     const image = new Image();
@@ -394,7 +394,7 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   await person.click("Cut by a plane");
   const middle = await person.page.evaluate(() => {
     const { viewport, graftView } = window.meshgraft;
-    const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
+    const { x, y } = viewport.project(graftView.centreOf(viewport.main?.id ?? -1));
     return [x, y] as const;
   });
   await person.stroke([[middle[0] - 60, middle[1]], [middle[0] + 60, middle[1]]]);
@@ -418,7 +418,7 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   await person.rests();
   const c = await person.page.evaluate(() => {
     const { viewport, graftView } = window.meshgraft;
-    const { x, y } = viewport.project(graftView.middleOf(viewport.main?.id ?? -1));
+    const { x, y } = viewport.project(graftView.centreOf(viewport.main?.id ?? -1));
     return [x, y - 60] as const;
   });
   const round = Array.from({ length: 25 }, (_, i): Point => [c[0] + 32 * Math.cos((i * Math.PI) / 12), c[1] + 28 * Math.sin((i * Math.PI) / 12)]);
@@ -435,15 +435,15 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   expect(person.complaints).toEqual([]);
 }, 240_000);
 
-/** The rectangle around a mesh on the page: left, top, right, bottom. */
+/** Returns the rectangle around a mesh on the page: left, top, right, bottom. */
 function boxOnPage(person: Person, mesh: "model" | "part"): Promise<[number, number, number, number]> {
   return person.page.evaluate((which) => {
     const { editor, viewport, graftView } = window.meshgraft;
-    const thing = which === "model" ? editor.graft.model.value : editor.graft.parts.value[0];
-    const count = viewport.surfaceOf(thing?.mesh ?? -1)?.vertexCount ?? 0;
+    const object = which === "model" ? editor.graft.model.value : editor.graft.parts.value[0];
+    const count = viewport.surfaceOf(object?.mesh ?? -1)?.vertexCount ?? 0;
     const box: [number, number, number, number] = [Infinity, Infinity, -Infinity, -Infinity];
     for (let v = 0; v < count; ++v) {
-      const { x, y } = viewport.project(graftView.place(thing?.mesh ?? -1, v)!);
+      const { x, y } = viewport.project(graftView.positionOf(object?.mesh ?? -1, v)!);
       box[0] = Math.min(box[0], x);
       box[1] = Math.min(box[1], y);
       box[2] = Math.max(box[2], x);
@@ -481,39 +481,40 @@ test("drops a part from the library onto the surface", async () => {
   const { stage, person } = await open();
   await stage.openSample("torus", 40);
   await person.page.getByRole("tab", { name: "Graft" }).click();
-  const card = await person.page.getByRole("button", { name: "Add cylinder" }).boundingBox();
-  if (card === null) throw new Error("the library is not shown");
-  await person.page.mouse.move(card.x + 30, card.y + 30);
+  await person.rests(); // the camera still frames the model
+  const thumbnail = await person.page.getByRole("button", { name: "Add cylinder" }).boundingBox();
+  if (thumbnail === null) throw new Error("the library is not shown");
+  await person.page.mouse.move(thumbnail.x + 30, thumbnail.y + 30);
   await person.page.mouse.down();
   const status = person.page.getByRole("contentinfo", { name: "Status" });
   await status.getByText("Add a part from the library").waitFor();
-  const eye = () => person.page.evaluate(() => window.meshgraft.viewport.camera.matrixWorld.toArray());
-  const standing = () =>
+  const cameraMatrix = () => person.page.evaluate(() => window.meshgraft.viewport.camera.matrixWorld.toArray());
+  const shownBeside = () =>
     person.page.evaluate(() => window.meshgraft.viewport.parts.shown().map(({ surface }) => surface.id));
-  const seen = await eye();
+  const seen = await cameraMatrix();
   await person.page.mouse.move(500, 420, { steps: 5 });
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
   await status.getByText("Point where the part is to grow").waitFor();
   await person.rests();
-  expect(await standing()).toEqual([]); // it follows the pointer, and stands nowhere else
+  expect(await shownBeside()).toEqual([]); // the part is shown only at the pointer
   await person.screenshot("drop-loaded");
   await person.page.keyboard.press("Escape");
   await person.page.mouse.up();
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
-  expect(await eye()).toEqual(seen);
+  expect(await cameraMatrix()).toEqual(seen);
   expect(await person.page.getByText(/was let go beside the surface/).count()).toBe(0);
 
-  const beside: Point = await person.page.evaluate(() => {
+  const offSurface: Point = await person.page.evaluate(() => {
     const { canvas } = window.meshgraft.viewport;
     const { left, bottom } = canvas.getBoundingClientRect();
     return [left + 30, bottom - 120] as const;
   });
-  await person.stroke([[card.x + 30, card.y + 30], [500, 420], beside]);
+  await person.stroke([[thumbnail.x + 30, thumbnail.y + 30], [500, 420], offSurface]);
   await person.page.getByText("Cylinder was let go beside the surface, so nothing is added").waitFor();
   await person.screenshot("drop-missed");
   expect(await person.page.evaluate(() => window.meshgraft.editor.graft.parts.value.length)).toBe(0);
   expect(await graftOf(person)).toBeNull();
-  expect(await eye()).toEqual(seen);
+  expect(await cameraMatrix()).toEqual(seen);
   await person.press("Escape");
   await person.page.evaluate(async () => {
     await window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false);
@@ -522,38 +523,38 @@ test("drops a part from the library onto the surface", async () => {
   await person.rests();
   const row = await person.page.getByRole("button", { name: "Graft head" }).boundingBox();
   if (row === null) throw new Error("the part is not listed");
-  const spot = await person.page.evaluate(() => {
+  const point = await person.page.evaluate(() => {
     const { viewport } = window.meshgraft;
     const surface = viewport.main!;
     let best: readonly [number, number] = [0, 0];
     let nearest = Infinity;
     for (let v = 0; v < surface.vertexCount; v += 3) {
-      const place = surface.place(v);
-      const far = place.distanceTo(viewport.camera.position);
+      const position = surface.positionOf(v);
+      const far = position.distanceTo(viewport.camera.position);
       if (far >= nearest) continue;
       nearest = far;
-      const { x, y } = viewport.project(place);
+      const { x, y } = viewport.project(position);
       best = [x, y];
     }
     return best;
   });
   await person.page.mouse.move(row.x + 20, row.y + 12);
   await person.page.mouse.down();
-  await person.page.mouse.move(spot[0] + 60, spot[1] - 20, { steps: 6 });
-  await person.page.mouse.move(...spot, { steps: 6 });
+  await person.page.mouse.move(point[0] + 60, point[1] - 20, { steps: 6 });
+  await person.page.mouse.move(...point, { steps: 6 });
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.dragged.value?.at != null);
   await person.page.keyboard.press("r");
   await person.page.mouse.wheel(0, 100);
   await person.page.waitForFunction(() => window.meshgraft.editor.graft.transform.value !== null);
   await person.rests();
   await person.screenshot("drop-dragged");
-  expect(await standing()).toEqual([]);
-  const before = await eye();
+  expect(await shownBeside()).toEqual([]);
+  const before = await cameraMatrix();
   await person.page.mouse.up();
   const report = await grafted(person);
   expect(report?.error).toBeUndefined();
-  expect(await standing()).toEqual([]);
-  expect(await eye()).toEqual(before);
+  expect(await shownBeside()).toEqual([]);
+  expect(await cameraMatrix()).toEqual(before);
   await status.getByText("Grafted; Accept keeps it").waitFor();
   const counts = await person.page.evaluate(() => {
     const frame = window.meshgraft.editor.graft.preview.value;
@@ -581,9 +582,9 @@ test("a dropped part that reaches out of the view comes into it", async () => {
   const highest = () =>
     page.evaluate(() => {
       const { viewport, editor } = window.meshgraft;
-      const places = editor.graft.preview.value?.floats("positions") ?? viewport.main?.rest ?? new Float32Array();
-      const at = Array.from({ length: places.length / 3 }, (_, v) => places[3 * v + 2]!);
-      const top = viewport.camera.position.clone().fromArray(places, 3 * at.indexOf(Math.max(...at)));
+      const positions = editor.graft.preview.value?.floats("positions") ?? viewport.main?.rest ?? new Float32Array();
+      const at = Array.from({ length: positions.length / 3 }, (_, v) => positions[3 * v + 2]!);
+      const top = viewport.camera.position.clone().fromArray(positions, 3 * at.indexOf(Math.max(...at)));
       return viewport.project(top).y - viewport.canvas.getBoundingClientRect().top;
     });
   await page.mouse.move(480, 400);

@@ -8,7 +8,7 @@ afterEach(async () => {
   stage = undefined;
 });
 
-/** Presses tab until what has the focus is called so. */
+/** Presses tab until an element of this name has the focus. */
 async function tabTo(person: Person, name: RegExp): Promise<void> {
   for (let i = 0; i < 80; ++i) {
     const label = await person.page.evaluate(
@@ -46,7 +46,7 @@ test("a part of a folder is grafted and accepted by keys, and swapped, in the da
   mkdirSync(folder.file("parts"));
   for (const name of ["head", "cylinder", "knot"])
     run("sample", name, "--resolution", "40", "-o", folder.file(`parts/${name}.ply`));
-  await page.reload(); // which sees the new folder
+  await page.reload(); // the new page sees the new folder
   await person.opened();
   await tabTo(person, /^Deform$/);
   await person.press("ArrowRight");
@@ -98,7 +98,7 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   await person.rests();
   const face = await page.evaluate(() => {
     const { viewport, graftView, editor } = window.meshgraft;
-    const { x, y } = viewport.project(graftView.middleOf(editor.graft.source.value?.mesh ?? -1));
+    const { x, y } = viewport.project(graftView.centreOf(editor.graft.source.value?.mesh ?? -1));
     return [x, y] as const;
   });
   await person.stroke([face, [face[0] + 25, face[1]]]);

@@ -1,9 +1,9 @@
-// Where the gizmo's parts are on the page, and what the document and the model hold.
+// Finds the gizmo's parts on the page, and reads the document and the model.
 import { expect } from "vitest";
 import type { Pose } from "../../src/protocol";
-import { placesOf, run, type Person, type Point, type Stage } from "./harness";
+import { positionsOf, run, type Person, type Point, type Stage } from "./harness";
 
-/** Opens a built-in model without what an earlier test left on it. */
+/** Opens a built-in model, and discards what an earlier test left on it. */
 export async function openFresh(stage: Stage, sample: string, resolution?: number): Promise<void> {
   await stage.openSample(sample, resolution);
   await stage.person.page.evaluate(async () => {
@@ -15,14 +15,14 @@ export async function openFresh(stage: Stage, sample: string, resolution?: numbe
   await stage.person.settle();
 }
 
-/** A built-in model's places, as it is without an edit. */
+/** Returns the rest positions of a built-in model. */
 export function sampled(stage: Stage, name: string): Float64Array {
   const file = stage.folder.file(`${name}.obj`);
   run("sample", name, "-o", file);
-  return placesOf(file);
+  return positionsOf(file);
 }
 
-/** A place where a part of the gizmo can be taken: "knob", "ring-z", "arrow-x" … */
+/** Returns a screen point where a part of the gizmo can be dragged: "knob", "ring-z", "arrow-x" … */
 export async function gripOf(person: Person, part: string): Promise<Point> {
   const selector = `.gizmo:not([display]) > [data-part="${part}"]:not([display])`;
   await person.page.evaluate(
@@ -68,10 +68,10 @@ async function aimOnce(person: Person, vertex: number): Promise<Point | undefine
   );
 }
 
-/** A place on the page near a vertex, with the model all around it: where a person would aim. */
+/** Returns a screen point near a vertex, with the model all around it, where a user would aim. */
 export async function aimAt(person: Person, vertex: number): Promise<Point> {
   let at: Point | undefined;
-  const aims = async () => (at = await aimOnce(person, vertex)) !== undefined; // a worker makes what picking looks up
+  const aims = async () => (at = await aimOnce(person, vertex)) !== undefined; // a worker builds the tree for picking
   await expect.poll(aims, { timeout: 5000, message: `vertex ${vertex} is not seen` }).toBe(true);
   if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
   return at;
@@ -84,7 +84,7 @@ export function poseOf(person: Person, handle = "handle 1"): Promise<Pose | unde
   );
 }
 
-/** Vertices of a handle, as the engine tells. */
+/** Returns the vertices of a handle, as the engine reports them. */
 export function verticesOf(person: Person, handle = "handle 1"): Promise<number[]> {
   return person.page.evaluate(
     (name) => [...(window.meshgraft.viewport.main?.handles.get(name) ?? [])],
@@ -100,25 +100,25 @@ export function selectedIn(person: Person): Promise<number[]> {
   });
 }
 
-/** The vertex farthest along a direction. */
-export function farthest(places: Float64Array, along: readonly [number, number, number]): number {
+/** Returns the vertex farthest along a direction. */
+export function farthest(positions: Float64Array, along: readonly [number, number, number]): number {
   let best = 0;
   let most = -Infinity;
-  for (let v = 0; 3 * v < places.length; ++v) {
-    const far = along.reduce((sum, part, k) => sum + part * (places[3 * v + k] as number), 0);
+  for (let v = 0; 3 * v < positions.length; ++v) {
+    const far = along.reduce((sum, part, k) => sum + part * (positions[3 * v + k] as number), 0);
     if (far > most) [best, most] = [v, far];
   }
   return best;
 }
 
-export function placeOf(places: Float64Array, v: number): [number, number, number] {
-  return [places[3 * v] as number, places[3 * v + 1] as number, places[3 * v + 2] as number];
+export function positionOf(positions: Float64Array, v: number): [number, number, number] {
+  return [positions[3 * v] as number, positions[3 * v + 1] as number, positions[3 * v + 2] as number];
 }
 
-export function centreOf(places: Float64Array, vertices: readonly number[]): [number, number, number] {
+export function centreOf(positions: Float64Array, vertices: readonly number[]): [number, number, number] {
   const sum: [number, number, number] = [0, 0, 0];
   for (const v of vertices)
-    placeOf(places, v).forEach((part, k) => (sum[k] = (sum[k] as number) + part / vertices.length));
+    positionOf(positions, v).forEach((part, k) => (sum[k] = (sum[k] as number) + part / vertices.length));
   return sum;
 }
 
@@ -126,13 +126,13 @@ export function distance(a: readonly number[], b: readonly number[]): number {
   return Math.hypot(...a.map((part, k) => part - (b[k] as number)));
 }
 
-/** Mean distance from their centre. */
-export function sizeOf(places: Float64Array, vertices: readonly number[]): number {
-  const centre = centreOf(places, vertices);
-  return vertices.reduce((sum, v) => sum + distance(placeOf(places, v), centre), 0) / vertices.length;
+/** Returns the mean distance of vertices from their centre. */
+export function sizeOf(positions: Float64Array, vertices: readonly number[]): number {
+  const centre = centreOf(positions, vertices);
+  return vertices.reduce((sum, v) => sum + distance(positionOf(positions, v), centre), 0) / vertices.length;
 }
 
-/** Exports the mesh by the dialog; the file. */
+/** Exports the mesh by the dialog, and returns the path of the file. */
 export async function exported(stage: Stage, name: string, extension = ".ply"): Promise<string> {
   const { page } = stage.person;
   await stage.person.press("Control+e");

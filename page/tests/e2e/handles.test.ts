@@ -1,6 +1,6 @@
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
 import { Stage, type Person } from "./harness";
-import { aimAt, centreOf, distance, farthest, gripOf, openFresh, placeOf, poseOf, sampled } from "./grips";
+import { aimAt, centreOf, distance, farthest, gripOf, openFresh, positionOf, poseOf, sampled } from "./grips";
 import { sizeOf, verticesOf } from "./grips";
 
 let stage: Stage;
@@ -10,9 +10,9 @@ beforeAll(async () => {
 afterAll(() => stage.close());
 beforeEach(() => (stage.person.actions = 0));
 
-/** Vertices that moved by more than a thousandth of what moved most. */
+/** Returns the vertices that moved by more than a thousandth of the largest movement. */
 function moved(before: Float64Array, after: Float64Array): Set<number> {
-  const far = Array.from({ length: before.length / 3 }, (_, v) => distance(placeOf(before, v), placeOf(after, v)));
+  const far = Array.from({ length: before.length / 3 }, (_, v) => distance(positionOf(before, v), positionOf(after, v)));
   const most = Math.max(...far);
   return new Set(far.flatMap((by, v) => (by > 1e-3 * most ? [v] : [])));
 }
@@ -41,11 +41,11 @@ test("makes a nose bigger in three actions", async () => {
   const scale = typeof pose?.scale === "number" ? pose.scale : (pose?.scale?.[0] ?? NaN);
   expect(scale).toBeGreaterThan(1.3);
   const vertices = await verticesOf(person);
-  const saved = await stage.savedPlaces();
+  const saved = await stage.savedPositions();
   expect(vertices.length).toBeGreaterThan(5);
   expect(sizeOf(saved, vertices) / sizeOf(rest, vertices)).toBeCloseTo(scale, 2);
   expect(distance(centreOf(saved, vertices), centreOf(rest, vertices))).toBeLessThan(sizeOf(rest, vertices));
-  expect(moved(rest, saved).size).toBeLessThan(rest.length / 6); // the face around, and nothing else
+  expect(moved(rest, saved).size).toBeLessThan(rest.length / 6); // only the surrounding faces
   expect(person.complaints).toEqual([]);
 });
 
@@ -70,7 +70,7 @@ test("bends an arm in four actions, and takes it back", async () => {
   const pose = await poseOf(person);
   expect(pose?.translate).toBeDefined();
   expect(Math.abs(pose?.rotate?.angle_deg ?? 0)).toBeGreaterThan(5);
-  const bent = await stage.savedPlaces();
+  const bent = await stage.savedPositions();
   const vertices = await verticesOf(person);
   const [dx, dy, dz] = pose?.translate ?? [0, 0, 0];
   const goal = centreOf(rest, vertices).map((part, k) => part + ([dx, dy, dz][k] as number));
@@ -115,15 +115,15 @@ test("turns twice round, by axis and number; escape leaves it as it was", async 
   expect(await poseOf(person)).toEqual(before);
 
   const vertices = await verticesOf(person);
-  const saved = await stage.savedPlaces();
+  const saved = await stage.savedPositions();
   // A turn of 810° leaves the handle's vertices where one of 90° does.
   const [px, py] = await person.page.evaluate(
     () => window.meshgraft.editor.state.value?.handles[0]?.pivot ?? ([0, 0, 0] as const),
   );
   for (const v of vertices.slice(0, 50)) {
-    const [x, y, z] = placeOf(rest, v);
+    const [x, y, z] = positionOf(rest, v);
     const goal = [px - (y - py), py + (x - px), z];
-    expect(distance(placeOf(saved, v), goal)).toBeLessThan(1e-5);
+    expect(distance(positionOf(saved, v), goal)).toBeLessThan(1e-5);
   }
 });
 
@@ -155,7 +155,7 @@ test("snaps, scales one axis, and moves the pivot without moving the handle", as
   expect(scale).toEqual([expect.any(Number), 1, 1]);
   expect((scale as number[])[0]).toBeGreaterThan(1.1);
 
-  const still = await stage.savedPlaces();
+  const still = await stage.savedPositions();
   const ball = await gripOf(person, "ball");
   await person.press("d");
   await person.screenshot("tools-pivot");
@@ -163,8 +163,8 @@ test("snaps, scales one axis, and moves the pivot without moving the handle", as
   await person.press("d");
   await person.settle();
   expect((await poseOf(person))?.pivot).toBeDefined();
-  const after = await stage.savedPlaces();
-  for (const v of await verticesOf(person)) expect(distance(placeOf(after, v), placeOf(still, v))).toBeLessThan(1e-6);
+  const after = await stage.savedPositions();
+  for (const v of await verticesOf(person)) expect(distance(positionOf(after, v), positionOf(still, v))).toBeLessThan(1e-6);
   expect(person.complaints).toEqual([]);
 });
 
@@ -198,7 +198,7 @@ test("drags the reach of a handle", async () => {
   expect(await region()).toBeGreaterThan(inside);
   expect(await page.evaluate(() => window.meshgraft.editor.tools.reachFor.value)).toBeNull();
 
-  // What lights up while it is chosen is what the engine then reaches.
+  // The vertices highlighted during the choice are those that the engine then moves.
   const lit = await page.evaluate(() => {
     const { editor, viewport } = window.meshgraft;
     const handle = editor.state.value?.handles[0];

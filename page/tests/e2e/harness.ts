@@ -1,4 +1,4 @@
-// Starts the program and its page in Chromium, and does there what a person would.
+// Starts the program and its page in Chromium, and acts like a user.
 import { execFileSync, spawn, type ChildProcess } from "node:child_process";
 import { createHash } from "node:crypto";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -20,7 +20,7 @@ const program = resolve(process.env["MESHGRAFT_PROGRAM"] ?? "../build/release/me
 const screenshots = resolve(process.env["MESHGRAFT_SCREENSHOTS"] ?? "../out/editor");
 const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
 
-// Without a display or a GPU, and without a word to anyone.
+// Runs without a display or a GPU, and without network requests of its own.
 const browserArguments = [
   "--no-sandbox",
   "--use-angle=swiftshader",
@@ -38,7 +38,7 @@ export function run(...words: string[]): string {
   return execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 }
 
-/** A folder of its own for a test; `remove` takes it away. */
+/** A temporary folder for a test; `remove` deletes it. */
 export class Folder {
   readonly path = mkdtempSync(join(tmpdir(), "meshgraft-page-"));
   file(name: string): string {
@@ -53,15 +53,15 @@ export function hashOf(file: string): string {
   return createHash("sha256").update(readFileSync(file)).digest("hex");
 }
 
-/** Places of an OBJ file's vertices, 3 numbers each. */
-export function placesOf(file: string): Float64Array {
+/** Returns the positions of an OBJ file's vertices, 3 numbers each. */
+export function positionsOf(file: string): Float64Array {
   const numbers: number[] = [];
   for (const line of readFileSync(file, "utf8").split("\n"))
     if (line.startsWith("v ")) numbers.push(...line.split(/\s+/).slice(1, 4).map(Number));
   return Float64Array.from(numbers);
 }
 
-/** A port that nobody listens to, for an engine that comes back to it. */
+/** Returns a free port, for an engine that is restarted on it. */
 export function freePort(): Promise<string> {
   return new Promise((resolve, reject) => {
     const server = createServer();
@@ -73,14 +73,14 @@ export function freePort(): Promise<string> {
   });
 }
 
-/** `meshgraft edit`, running. */
+/** A running `meshgraft edit`. */
 export class Engine {
   private constructor(
     readonly process: ChildProcess,
     readonly url: string,
   ) {}
 
-  /** `mostKilobytes`: of a file that it can write, as if the disk were full then. */
+  /** `mostKilobytes`: the largest file that it can write, which simulates a full disk. */
   static start(words: string[], options: { mostKilobytes?: number } = {}): Promise<Engine> {
     const port = words.includes("--port") ? [] : ["--port", "0"]; // engines run side by side
     const command = [program, "edit", "--no-browser", ...port, ...words];
@@ -99,7 +99,7 @@ export class Engine {
     });
   }
 
-  /** Ends it; resolves with its status, or null where the signal ended it. */
+  /** Ends the engine. Resolves with its exit status, or null if the signal ended it. */
   stop(signal: NodeJS.Signals = "SIGINT"): Promise<number | null> {
     if (this.process.exitCode !== null || this.process.signalCode !== null)
       return Promise.resolve(this.process.exitCode);
@@ -111,9 +111,9 @@ export class Engine {
 
 export type Point = readonly [number, number];
 
-/** The page, and a person at it. */
+/** A page and its user. */
 export class Person {
-  /** Clicks, strokes and keys so far: what it took to get somewhere. */
+  /** Counts clicks, strokes and keys, to compare the effort of tasks. */
   actions = 0;
   readonly complaints: string[] = [];
 
@@ -144,7 +144,7 @@ export class Person {
     if (options.shift === true) await this.page.keyboard.up("Shift");
   }
 
-  /** A stroke through these points with a button held. */
+  /** Drags through these points with a button held. */
   async stroke(
     points: readonly Point[],
     options: { button?: "left" | "middle" | "right"; steps?: number } = {},
@@ -158,7 +158,7 @@ export class Person {
     await this.page.mouse.up({ button: options.button ?? "left" });
   }
 
-  /** Drops files of this machine on the page, as from a folder's window. */
+  /** Drops files of this machine on the page, as from a file manager. */
   async drop(files: readonly string[], [x, y]: Point = [500, 400]): Promise<void> {
     ++this.actions;
     const browser = await this.page.context().newCDPSession(this.page);
@@ -168,7 +168,7 @@ export class Person {
     await browser.detach();
   }
 
-  /** Where a vertex of the model is on the page, as it is shown now. */
+  /** Returns the screen point of a vertex of the model as shown. */
   screenOf(vertex: number): Promise<Point> {
     return this.page.evaluate((v) => {
       const { viewport } = window.meshgraft;
@@ -188,7 +188,7 @@ export class Person {
     }, vertex);
   }
 
-  /** Waits until the engine has done all that it was asked, and what is shown is exact. */
+  /** Waits until every request is answered and the shown surface is exact. */
   async settle(): Promise<void> {
     await this.page.waitForFunction(
       () => {
@@ -207,22 +207,22 @@ export class Person {
     );
   }
 
-  /** Waits until the page is connected and painted: Chromium drops what the pointer does before. */
+  /** Waits until the page is connected and painted, because Chromium drops earlier pointer events. */
   async ready(): Promise<void> {
     await this.page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
     await this.page.waitForFunction(() => performance.getEntriesByName("first-contentful-paint").length > 0);
   }
 
-  /** Waits until the page has opened what was named on the command line. */
+  /** Waits until the page has opened the files of the command line. */
   async opened(): Promise<void> {
     await this.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
     await this.rests();
   }
 
   /**
-   * Waits until the engine has done all that it was asked and the view is at rest: the camera stands still, and the
-   * last picture is drawn, with smooth edges. Several pictures in a row have to agree, because an answer of the engine
-   * may begin a movement.
+   * Waits until the engine has answered all requests and the view is at rest: the camera stands still, and the
+   * last picture is drawn, with smooth edges. The view must rest for several frames, because an answer of the
+   * engine may begin a movement.
    */
   async rests(): Promise<void> {
     if (await this.page.evaluate(() => window.meshgraft.editor.state.value !== null)) await this.settle();
@@ -236,7 +236,7 @@ export class Person {
     });
   }
 
-  /** A PNG, or a JPEG where the name ends so. */
+  /** Saves a screenshot: a PNG, or a JPEG if the name says so. */
   async screenshot(name: string): Promise<void> {
     mkdirSync(screenshots, { recursive: true });
     const isJpeg = name.endsWith(".jpg");
@@ -247,12 +247,12 @@ export class Person {
 }
 
 export interface StageOptions {
-  /** By names of files: the words for `meshgraft sample`. */
+  /** By file name: the arguments of `meshgraft sample`. */
   files?: Readonly<Record<string, readonly string[]>>;
-  /** Files that are named on the command line, too. */
+  /** Further files for the command line. */
   models?: Readonly<Record<string, readonly string[]>>;
   words?: string[];
-  /** What is done to the page before it loads. */
+  /** Called with the page before it loads. */
   before?: (page: Page) => Promise<unknown>;
   mostKilobytes?: number;
   size?: { width: number; height: number };
@@ -291,7 +291,7 @@ export class Stage {
     return new Stage(folder, browser, engine, person);
   }
 
-  /** Opens a built-in model without a word: for tests of what comes after. */
+  /** Opens a built-in model by a request, without the start screen. */
   async openSample(sample: string, resolution?: number): Promise<void> {
     await this.person.page.evaluate(
       async ([sample, resolution]) => {
@@ -307,7 +307,7 @@ export class Stage {
     await this.person.settle();
   }
 
-  /** Another tab of the same engine. */
+  /** Opens another tab of the same engine. */
   async tab(): Promise<Person> {
     const person = new Person(await this.person.page.context().newPage());
     await person.page.goto(this.engine.url);
@@ -315,13 +315,13 @@ export class Stage {
     return person;
   }
 
-  /** Saves the mesh and returns its places; the model's own where nothing was done. */
-  async savedPlaces(): Promise<Float64Array> {
+  /** Saves the mesh and returns its positions: those of the model if there was no edit. */
+  async savedPositions(): Promise<Float64Array> {
     const file = this.folder.file("saved.obj");
     await this.person.page.evaluate(async (mesh) => {
       await window.meshgraft.editor.ask({ do: "save", mesh, overwrite: true });
     }, file);
-    return placesOf(file);
+    return positionsOf(file);
   }
 
   async close(): Promise<void> {

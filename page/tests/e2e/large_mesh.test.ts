@@ -1,6 +1,6 @@
 import { writeFileSync } from "node:fs";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { placesOf, Stage } from "./harness";
+import { positionsOf, Stage } from "./harness";
 
 let stage: Stage;
 beforeAll(async () => {
@@ -8,7 +8,7 @@ beforeAll(async () => {
 });
 afterAll(() => stage.close());
 
-/** A hilly sheet of n × n squares, each two triangles. */
+/** Returns the OBJ text of a hilly sheet of n × n squares, two triangles each. */
 function sheet(n: number): string {
   const lines: string[] = [];
   for (let j = 0; j <= n; ++j)
@@ -22,11 +22,11 @@ function sheet(n: number): string {
 }
 
 test("a mesh that comes in parts is whole", async () => {
-  const n = 420; // more than 8 MiB
+  const n = 420; // more than 8 MiB, so the mesh comes in parts
   const { folder, person } = stage;
   const file = folder.file("sheet.obj");
   writeFileSync(file, sheet(n));
-  const places = placesOf(file);
+  const positions = positionsOf(file);
 
   await person.page.evaluate((path) => window.meshgraft.editor.ask({ do: "open", path }), file);
   await person.page.waitForFunction(() => window.meshgraft.viewport.main?.object.parent != null);
@@ -35,11 +35,11 @@ test("a mesh that comes in parts is whole", async () => {
     const surface = viewport.main;
     if (surface === undefined) throw new Error("nothing is shown");
     const { offset, triangles } = surface;
-    return { places: [...(await viewport.readPositions())], offset: [...offset], triangles: [...triangles] };
+    return { positions: [...(await viewport.readPositions())], offset: [...offset], triangles: [...triangles] };
   });
-  expect(shown.places).toHaveLength(places.length);
-  const furthest = shown.places.reduce(
-    (most, x, i) => Math.max(most, Math.abs(x + (shown.offset[i % 3] as number) - (places[i] as number))), 0);
+  expect(shown.positions).toHaveLength(positions.length);
+  const furthest = shown.positions.reduce(
+    (most, x, i) => Math.max(most, Math.abs(x + (shown.offset[i % 3] as number) - (positions[i] as number))), 0);
   expect(furthest).toBeLessThan(1e-4);
   expect(shown.triangles).toHaveLength(6 * n * n);
   const isRight = shown.triangles.every((v, i) => {

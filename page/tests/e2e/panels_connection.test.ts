@@ -47,7 +47,7 @@ test("an engine that is killed: the page says so, and the next one offers to res
     stage.engine = await Engine.start(["--port", port, folder.file("bar.obj")]);
     await page.getByText("The engine was started again").waitFor();
     await person.screenshot("panels-started-again");
-    page.once("dialog", (dialog) => void dialog.accept()); // unsaved changes: leave?
+    page.once("dialog", (dialog) => void dialog.accept()); // leaves despite unsaved changes
     await page.goto(stage.engine.url);
     await page.getByText("Go on where you were?").waitFor();
     await person.screenshot("panels-restore");
@@ -66,7 +66,7 @@ test("a page that is loaded again has what it had, with all changes", async () =
   const stage = await Stage.open();
   const { person, folder } = stage;
   const { page } = person;
-  page.on("dialog", (dialog) => void dialog.accept()); // unsaved changes: leave?
+  page.on("dialog", (dialog) => void dialog.accept()); // leaves despite unsaved changes
   const handles = () => page.evaluate(() => window.meshgraft.editor.state.value?.handles.map(({ pose }) => pose));
   const again = async () => {
     await page.reload();
@@ -82,7 +82,7 @@ test("a page that is loaded again has what it had, with all changes", async () =
     expect(await handles()).toEqual([{ translate: [0.5, 0, 0] }]);
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.dirty)).toBe(true);
     expect(await page.getByRole("dialog").count()).toBe(0);
-    // The edit file has what is saved.
+    // Saved work comes back from its edit file.
     const edit = folder.file("bar_edit.json");
     await page.evaluate((edit) => window.meshgraft.editor.ask({ do: "save", edit }), edit);
     await again();
@@ -110,7 +110,7 @@ test("leaving with unsaved work asks, and without does not", async () => {
     await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
     await stage.openSample("bar", 8);
     await page.evaluate(async () => void (await window.meshgraft.editor.ask({ do: "group", name: "all of it", select: "all" })));
-    await page.getByRole("toolbar", { name: "Tools" }).getByRole("button", { name: "Handle", exact: true }).click(); // browsers ask only where somebody was active
+    await page.getByRole("toolbar", { name: "Tools" }).getByRole("button", { name: "Handle", exact: true }).click(); // browsers ask only after a user's action
     await page.reload();
     expect(asked).toEqual(["beforeunload"]);
   } finally {

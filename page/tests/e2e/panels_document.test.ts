@@ -11,7 +11,7 @@ beforeEach(async () => {
   await stage.openSample("bar", 8);
   await stage.person.page.evaluate(async () => {
     const { editor } = window.meshgraft;
-    if (editor.offer.value !== null) await editor.ask({ do: "discard" }); // what the test before left
+    if (editor.offer.value !== null) await editor.ask({ do: "discard" }); // removes what the previous test left
     editor.offer.value = null;
     editor.messages.value = [];
     editor.tools.activeHandle.value = null;
@@ -63,7 +63,7 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
     await person.page.getByRole("alert").getByText(says, { exact: true }).waitFor();
   }
   await person.screenshot("panels-out-of-range");
-  await person.press("Tab"); // which leaves it, and the number that was
+  await person.press("Tab"); // leaves the field and keeps the old number
   expect(await person.page.getByRole("textbox", { name: "Scale", exact: true }).inputValue()).toBe("1.5");
   expect((await state())?.handles[0]?.pose.scale).toEqual([1.5, 1.5, 1.5]);
 
@@ -114,7 +114,7 @@ test("methods switch, and show what applies to them", async () => {
       return (window.meshgraft.editor.state.value?.settings as { method?: string }).method === names[label];
     }, label);
     await person.settle();
-    return stage.savedPlaces();
+    return stage.savedPositions();
   };
   const linear = await frames("Linear");
   expect(await person.page.getByLabel("Stiffness").count()).toBe(0);
@@ -161,14 +161,14 @@ test("steps are accepted, changed later, renamed and removed", async () => {
   const { page } = person;
   await makeHandle();
   await type("Move X", "1");
-  const one = await stage.savedPlaces();
+  const one = await stage.savedPositions();
   await person.click("Accept");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.steps.length === 2);
   await section("Steps");
   await page.getByRole("button", { name: /^1\. Deform/ }).click();
   await type("Move X", "2");
-  const two = await stage.savedPlaces();
-  const most = (places: Float64Array) => places.reduce((a, x, i) => (i % 3 === 0 ? Math.max(a, x) : a), -Infinity);
+  const two = await stage.savedPositions();
+  const most = (positions: Float64Array) => positions.reduce((a, x, i) => (i % 3 === 0 ? Math.max(a, x) : a), -Infinity);
   expect(most(two) - most(one)).toBeCloseTo(1, 4);
   await person.screenshot("panels-steps");
   await person.click("More for 1. Deform");
@@ -192,9 +192,9 @@ test("symmetric editing has its plane", async () => {
   await page.getByText(/^Twins: handle 1/).waitFor();
   await type("Move X", "1");
   await person.screenshot("panels-symmetry");
-  const places = await stage.savedPlaces();
+  const positions = await stage.savedPositions();
   let low = -Infinity;
-  for (let i = 0; i < places.length; i += 3) if ((places[i + 2] ?? 0) < 0.9) low = Math.max(low, places[i] ?? 0);
+  for (let i = 0; i < positions.length; i += 3) if ((positions[i + 2] ?? 0) < 0.9) low = Math.max(low, positions[i] ?? 0);
   expect(low).toBeGreaterThan(1);
   await page.getByRole("switch", { name: "Symmetric editing" }).uncheck();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry === null);
@@ -213,7 +213,7 @@ test("the heat map's legend is the open model's, and no message covers it", asyn
   await person.screenshot("panels-legend");
   const [told, shown] = [await page.locator(".toast").boundingBox(), await legend.boundingBox()];
   expect((told?.y ?? 0) + (told?.height ?? 0)).toBeLessThanOrEqual(shown?.y ?? 0);
-  // In the same turn in which the new model is there.
+  // The legend changes in the same turn as the model.
   await page.evaluate(() => {
     const { viewport } = window.meshgraft;
     const setMesh = viewport.show.bind(viewport);

@@ -1,6 +1,6 @@
 import { existsSync, readFileSync, truncateSync, writeFileSync } from "node:fs";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { hashOf, placesOf, run, Stage } from "./harness";
+import { hashOf, positionsOf, run, Stage } from "./harness";
 
 let stage: Stage;
 beforeAll(async () => {
@@ -45,7 +45,7 @@ test("an upload is refused before it is sent, cancelled, and opened", async () =
 
   const model = folder.file("model.obj");
   run("sample", "bar", "--resolution", "8", "-o", model);
-  await person.page.route("**/upload?*", () => undefined); // an engine that is slow to take it
+  await person.page.route("**/upload?*", () => undefined); // simulates an engine that reads slowly
   await chooser.setInputFiles(model);
   await person.click("Cancel");
   await person.page.getByText("model.obj").waitFor({ state: "hidden" });
@@ -55,7 +55,7 @@ test("an upload is refused before it is sent, cancelled, and opened", async () =
   await chooser.setInputFiles(model);
   await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
   await person.settle(); // the mesh comes before the state
-  expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(placesOf(model).length / 3);
+  expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(positionsOf(model).length / 3);
 });
 
 test("what is damaged is refused with its problem, and the page goes on", async () => {
@@ -148,7 +148,7 @@ test("what is not saved is asked about before another model is opened", async ()
   expect(await page.evaluate(() => window.meshgraft.editor.offer.value?.changes)).toBeGreaterThan(0);
   await person.click("Restore");
   await page.waitForFunction(() => (window.meshgraft.editor.state.value?.handles.length ?? 0) > 0);
-  await moveTop(0.75); // as the next test has it
+  await moveTop(0.75); // the next test begins with this pose
 });
 
 test("the mesh is exported as it is shown, also as a morph target", async () => {
@@ -159,10 +159,10 @@ test("the mesh is exported as it is shown, also as a morph target", async () => 
   await person.screenshot("panels-export");
   await person.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
   await person.page.getByText("Exported", { exact: true }).waitFor();
-  const bent = placesOf(folder.file("bent.obj"));
+  const bent = positionsOf(folder.file("bent.obj"));
   const rest = folder.file("rest.obj");
   run("sample", "bar", "--resolution", "8", "-o", rest);
-  const straight = placesOf(rest);
+  const straight = positionsOf(rest);
   const shift = (v: number) => (bent[3 * v] ?? NaN) - (straight[3 * v] ?? NaN);
   let held = 0;
   for (let v = 0; v < straight.length / 3; ++v)

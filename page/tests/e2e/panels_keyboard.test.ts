@@ -2,7 +2,7 @@ import { existsSync } from "node:fs";
 import { expect, test } from "vitest";
 import { Stage, type Person } from "./harness";
 
-/** Presses tab until the element that has the focus is called so. */
+/** Presses tab until an element of this name has the focus. */
 async function tabTo(person: Person, name: RegExp, most = 60): Promise<void> {
   for (let i = 0; i < most; ++i) {
     const label = await person.page.evaluate(() => {
@@ -45,7 +45,7 @@ test.each([false, true])("a model is opened, deformed and saved without a pointe
     await person.press("b");
     await person.press("a");
     await page.waitForFunction(() => window.meshgraft.editor.selected.value > 0);
-    for (let ring = 0; ring < 3; ++ring) await person.press("-"); // all has no rim: nothing shrinks
+    for (let ring = 0; ring < 3; ++ring) await person.press("-"); // the selection of all vertices has no boundary, so nothing shrinks
     await page.evaluate(async () => {
       await window.meshgraft.editor.ask({ do: "select", how: "set", what: { half_space: { point: [0, 0, 1.5], normal: [0, 0, 1] } } });
     });
@@ -59,23 +59,23 @@ test.each([false, true])("a model is opened, deformed and saved without a pointe
     await person.screenshot(`panels-keyboard-${name}`);
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose)).toEqual({ translate: [0.5, 0, 0] });
 
-    await person.press("ArrowUp"); // in the number: up by a step
+    await person.press("ArrowUp"); // raises the number by a step
     await person.settle();
     const x = await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose.translate?.[0] ?? 0);
     expect(x).toBeGreaterThan(0.5);
-    await person.press("Control+z"); // what is confirmed is no text any more
+    await person.press("Control+z"); // a confirmed number is undone as an edit, not as text
     await person.settle();
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose.translate)).toEqual([0.5, 0, 0]);
     await tabTo(person, /^Move X$/);
     await page.keyboard.type("0.25");
-    await person.press("Control+s"); // saves what is typed
+    await person.press("Control+s"); // saving commits the typed text
     await page.getByRole("dialog").getByRole("textbox").waitFor();
     await person.press("Escape");
     await person.settle();
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose.translate)).toEqual([0.25, 0, 0]);
 
     await tabTo(person, /^Move X$/);
-    await page.keyboard.press("Shift+Tab"); // out of the number field: typing is no command there
+    await page.keyboard.press("Shift+Tab"); // leaves the number field, where typed letters are no commands
     await tabTo(person, /^Natural|^Method/);
     await person.press("F1");
     await page.getByRole("dialog").getByText("In two minutes").waitFor();
@@ -135,7 +135,7 @@ test("tools go by arrows in their bar, and work that takes long is cancelled", a
     await page.getByRole("button", { name: "Cancel" }).click();
     await page.getByRole("progressbar", { name: "Opening" }).waitFor({ state: "detached" });
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.name)).toBe("bar");
-    expect(await page.getByRole("alert").count()).toBe(0); // who cancels knows
+    expect(await page.getByRole("alert").count()).toBe(0); // a cancelled request needs no message
     expect(person.complaints).toEqual([]);
   } finally {
     await stage.close();

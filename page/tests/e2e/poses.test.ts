@@ -1,8 +1,8 @@
-// Poses that are no motion: a curve that was redrawn, a matrix in a file. And a set-up that takes long.
+// Poses without a motion (a redrawn curve, a matrix in a file), and a slow set-up.
 import { writeFileSync } from "node:fs";
 import { afterEach, expect, test } from "vitest";
-import { distance, exported, gripOf, placeOf, poseOf, verticesOf } from "./grips";
-import { placesOf, Stage, type Person, type StageOptions } from "./harness";
+import { distance, exported, gripOf, positionOf, poseOf, verticesOf } from "./grips";
+import { positionsOf, Stage, type Person, type StageOptions } from "./harness";
 
 let stage: Stage | undefined;
 afterEach(async () => {
@@ -16,13 +16,13 @@ async function start(options: StageOptions) {
   return { stage, person: stage.person, page: stage.person.page };
 }
 
-async function openCard(person: Person, name: RegExp): Promise<void> {
+async function openListed(person: Person, name: RegExp): Promise<void> {
   await person.page.getByRole("button", { name }).first().click();
   await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
   await person.settle();
 }
 
-/** An edit of a bar whose handle has this pose. */
+/** Returns the text of an edit file of a bar with this handle. */
 function editWith(handle: object): string {
   return JSON.stringify({
     format: "meshgraft-edit",
@@ -56,9 +56,9 @@ test("a matrix of a file gets a gizmo, and goes on from where it was", async () 
     editWith({ name: "top", select, pose: { def: "top.def" } }),
   );
   await person.page.reload();
-  await openCard(person, /bar_edit\.json/);
+  await openListed(person, /bar_edit\.json/);
   await page.getByRole("button", { name: /^top/ }).first().click();
-  const before = placesOf(await exported(stage, "before", ".obj"));
+  const before = positionsOf(await exported(stage, "before", ".obj"));
   const ball = await gripOf(person, "ball");
   await person.screenshot("poses-file");
   await person.stroke([ball, [ball[0] + 50, ball[1] - 30]]);
@@ -67,9 +67,9 @@ test("a matrix of a file gets a gizmo, and goes on from where it was", async () 
   expect(pose?.def).toBeUndefined();
   const shift = (pose?.matrix ?? []).map((row) => row[3]).slice(0, 3) as number[];
   expect(distance(shift, [0.5, 0, 0])).toBeGreaterThan(0.1);
-  const after = placesOf(await exported(stage, "after", ".obj"));
+  const after = positionsOf(await exported(stage, "after", ".obj"));
   for (const v of await verticesOf(person, "top")) {
-    const by = placeOf(after, v).map((x, k) => x - (placeOf(before, v)[k] as number));
+    const by = positionOf(after, v).map((x, k) => x - (positionOf(before, v)[k] as number));
     expect(distance(by, [shift[0]! - 0.5, shift[1]!, shift[2]!])).toBeLessThan(1e-5);
   }
   expect(person.complaints).toEqual([]);
@@ -98,10 +98,10 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
   };
   writeFileSync(stage.folder.file("bar_edit.json"), editWith(handle));
   await page.reload();
-  await openCard(person, /bar_edit\.json/);
+  await openListed(person, /bar_edit\.json/);
   await page.getByRole("button", { name: /^edge/ }).first().click();
-  const before = placesOf(await exported(stage, "before", ".obj"));
-  const arrow = await gripOf(person, "arrow-y"); // which is up in such a file
+  const before = positionsOf(await exported(stage, "before", ".obj"));
+  const arrow = await gripOf(person, "arrow-y"); // the y axis is vertical in this file
   await person.screenshot("poses-curve");
   await person.stroke([arrow, [arrow[0], arrow[1] - 40]]);
   await person.settle();
@@ -112,10 +112,10 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
   moved.forEach((point, i) =>
     expect(distance(point, [course[i]![0]!, course[i]![1]! + up, course[i]![2]!])).toBeLessThan(1e-9),
   );
-  const after = placesOf(await exported(stage, "after", ".obj"));
+  const after = positionsOf(await exported(stage, "after", ".obj"));
   for (const v of await verticesOf(person, "edge")) {
-    const [x, y, z] = placeOf(before, v);
-    expect(distance(placeOf(after, v), [x, y + up, z])).toBeLessThan(1e-5);
+    const [x, y, z] = positionOf(before, v);
+    expect(distance(positionOf(after, v), [x, y + up, z])).toBeLessThan(1e-5);
   }
   for (const key of ["r", "z", "9", "0", "Enter"]) await person.press(key);
   await person.settle();
@@ -137,7 +137,7 @@ test("a long set-up is cancelled, and what was before is there at once", async (
   expect(await page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices ?? 0)).toBeGreaterThan(
     200_000,
   );
-  // All of it moves, held at its top: what takes longest.
+  // The region is the whole model, whose set-up is the slowest.
   await page.evaluate(async () => {
     const { editor } = window.meshgraft;
     const above = (z: number) => ({ half_space: { point: [0, 0, z], normal: [0, 0, 1] } });
@@ -153,7 +153,7 @@ test("a long set-up is cancelled, and what was before is there at once", async (
       JSON.stringify({ ...window.meshgraft.editor.state.value, redo: null, set_up_for: null }),
     );
   const shown = () => page.evaluate(() => window.meshgraft.viewport.main?.positions[0]);
-  const [before, place] = [await state(), await shown()];
+  const [before, height] = [await state(), await shown()];
   await page.getByText("Natural", { exact: true }).click();
   const cancel = page.locator(".status").getByRole("button", { name: "Cancel" });
   await cancel.waitFor();
@@ -169,10 +169,10 @@ test("a long set-up is cancelled, and what was before is there at once", async (
   await person.settle();
   expect(performance.now() - began).toBeLessThan(5000);
   expect(await state()).toBe(before);
-  expect(await shown()).toBeCloseTo(place ?? NaN, 9);
+  expect(await shown()).toBeCloseTo(height ?? NaN, 9);
   expect(await page.evaluate(() => window.meshgraft.editor.live.value.stage)).toBe("ready");
   await person.screenshot("poses-set-up-cancelled");
   const redo = await page.evaluate(() => window.meshgraft.editor.state.value?.redo);
-  expect(redo).toBe("settings"); // it can be asked for again
+  expect(redo).toBe("settings"); // the change can be redone
   expect(person.complaints).toEqual([]);
 }, 300_000);

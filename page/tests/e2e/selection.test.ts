@@ -1,10 +1,10 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { Stage, type Person, type Point } from "./harness";
-import { distance, farthest, openFresh, placeOf, sampled, selectedIn } from "./grips";
+import { distance, farthest, openFresh, positionOf, sampled, selectedIn } from "./grips";
 
 let stage: Stage;
 let rest: Float64Array;
-let top: Point; // of the head, a little below
+let top: Point; // a little below the top of the head
 beforeAll(async () => {
   stage = await Stage.open();
   rest = sampled(stage, "octopus");
@@ -19,7 +19,7 @@ async function selectedAfter(person: Person, act: () => Promise<void>): Promise<
   await person.settle();
   const selected = await selectedIn(person);
   const count = await person.page.evaluate(() => window.meshgraft.editor.selected.value);
-  expect(selected.length).toBe(count); // what is shown is what the engine has
+  expect(selected.length).toBe(count); // the view shows the engine's selection
   return selected;
 }
 
@@ -28,7 +28,7 @@ test("a brush adds, takes away, and grows by its keys", async () => {
   await person.press("b");
   const small = await selectedAfter(person, () => person.stroke([top, [top[0] + 20, top[1]]]));
   expect(small.length).toBeGreaterThan(20);
-  const spread = Math.max(...small.map((v) => distance(placeOf(rest, v), placeOf(rest, small[0] as number))));
+  const spread = Math.max(...small.map((v) => distance(positionOf(rest, v), positionOf(rest, small[0] as number))));
   expect(spread).toBeLessThan(1);
 
   await person.page.keyboard.down("Control");
@@ -76,11 +76,11 @@ test("connected parts, all, grown, shrunk and inverted", async () => {
   await person.press("Shift+A");
 
   await person.press("b");
-  const spot = await selectedAfter(person, () => person.stroke([top, [top[0] + 1, top[1]]]));
+  const brushed = await selectedAfter(person, () => person.stroke([top, [top[0] + 1, top[1]]]));
   const grown = await selectedAfter(person, () => person.press("+"));
-  expect(grown.length).toBeGreaterThan(spot.length);
+  expect(grown.length).toBeGreaterThan(brushed.length);
   const shrunk = await selectedAfter(person, () => person.press("-"));
-  expect(spot.filter((v) => !shrunk.includes(v))).toEqual([]);
+  expect(brushed.filter((v) => !shrunk.includes(v))).toEqual([]);
   const others = await selectedAfter(person, () => person.press("i"));
   expect(others.length).toBe(rest.length / 3 - shrunk.length);
   expect((await selectedAfter(person, () => person.press("a"))).length).toBe(rest.length / 3);
@@ -97,14 +97,14 @@ test("a selection becomes the region, and nothing outside of it moves", async ()
   const corners: Point[] = [[top[0] - 150, top[1] - 60], [top[0] + 150, top[1] + 90]];
   const inside = new Set(await selectedAfter(person, () => person.stroke(corners)));
   await person.press("t");
-  await person.press("Shift+E"); // in place of the region around the handle
+  await person.press("Shift+E"); // replaces the region around the handle
   await person.press("Shift+A");
   await person.settle();
   for (const key of ["g", "z", ".", "3", "Enter"]) await person.press(key);
   await person.settle();
   await person.screenshot("tools-region");
-  const saved = await stage.savedPlaces();
-  const far = Array.from({ length: rest.length / 3 }, (_, v) => distance(placeOf(rest, v), placeOf(saved, v)));
+  const saved = await stage.savedPositions();
+  const far = Array.from({ length: rest.length / 3 }, (_, v) => distance(positionOf(rest, v), positionOf(saved, v)));
   expect(Math.max(...far)).toBeGreaterThan(0.29);
   far.forEach((by, v) => by > 0 && expect(inside.has(v)).toBe(true));
 });
@@ -126,7 +126,7 @@ test("a curve handle along clicked points, closed at its first", async () => {
   expect(first?.vertices).toBeGreaterThan(5);
 
   const corners: Point[] = [[-40, 90], [40, 90], [5, 130]].map(([x = 0, y = 0]) => [top[0] + x, top[1] + y]);
-  await person.press("Escape"); // the handle
+  await person.press("Escape"); // lets go of the handle
   await person.press("u");
   for (const corner of corners) await person.clickAt(corner);
   await person.clickAt(corners[0] as Point);
@@ -139,14 +139,14 @@ test("a curve handle along clicked points, closed at its first", async () => {
 test("the rim of a hole, from near it", async () => {
   const { person } = stage;
   await openFresh(stage, "head");
-  const places = sampled(stage, "head");
+  const positions = sampled(stage, "head");
   await person.press("o");
-  const [x, y] = await person.screenOf(farthest(places, [0, -0.1, -1]));
+  const [x, y] = await person.screenOf(farthest(positions, [0, -0.1, -1]));
   await person.page.mouse.move(x, y - 5, { steps: 3 });
   await person.rests();
   await person.screenshot("tools-loop");
   const rim = await selectedAfter(person, () => person.clickAt([x, y - 5]));
   expect(rim.length).toBeGreaterThan(10);
-  const heights = rim.map((v) => placeOf(places, v)[2]);
+  const heights = rim.map((v) => positionOf(positions, v)[2]);
   expect(Math.max(...heights) - Math.min(...heights)).toBeLessThan(0.05);
 });

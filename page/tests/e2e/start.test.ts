@@ -7,7 +7,7 @@ beforeAll(async () => {
 });
 afterAll(() => stage.close());
 
-/** Where Tab has come to. */
+/** Returns whether the focus is in the view cube. */
 const isOnCube = () => stage.person.page.evaluate(() => document.activeElement?.closest(".view-cube") !== null);
 
 test("tab visits no view cube while nothing is shown", async () => {

@@ -1,6 +1,6 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { aimAt, distance, exported, farthest, gripOf, placeOf, verticesOf } from "./grips";
-import { placesOf, Stage } from "./harness";
+import { aimAt, distance, exported, farthest, gripOf, positionOf, verticesOf } from "./grips";
+import { positionsOf, Stage } from "./harness";
 
 let stage: Stage;
 beforeAll(async () => {
@@ -9,22 +9,22 @@ beforeAll(async () => {
 });
 afterAll(() => stage.close());
 
-/** Index of places by cubes of a size, to find the one that is nearest. */
+/** A grid of cubes over positions, to find the nearest one. */
 class Cubes {
   private readonly cubes = new Map<string, number[]>();
   constructor(
-    private readonly places: Float64Array,
+    private readonly positions: Float64Array,
     private readonly size: number,
   ) {
-    for (let v = 0; 3 * v < places.length; ++v) {
-      const key = this.keyOf(placeOf(places, v));
+    for (let v = 0; 3 * v < positions.length; ++v) {
+      const key = this.keyOf(positionOf(positions, v));
       this.cubes.set(key, [...(this.cubes.get(key) ?? []), v]);
     }
   }
-  private keyOf(place: readonly number[]): string {
-    return place.map((x) => Math.floor(x / this.size)).join(" ");
+  private keyOf(position: readonly number[]): string {
+    return position.map((x) => Math.floor(x / this.size)).join(" ");
   }
-  /** Distance from a place to the nearest of them; infinite where it is more than the size. */
+  /** Returns the distance from a point to the nearest position; infinite beyond the size of a cube. */
   nearest([x, y, z]: readonly [number, number, number]): number {
     let least = Infinity;
     const steps = [-this.size, 0, this.size];
@@ -32,28 +32,28 @@ class Cubes {
       for (const dy of steps)
         for (const dz of steps)
           for (const v of this.cubes.get(this.keyOf([x + dx, y + dy, z + dz])) ?? [])
-            least = Math.min(least, distance([x, y, z], placeOf(this.places, v)));
+            least = Math.min(least, distance([x, y, z], positionOf(this.positions, v)));
     return least;
   }
 }
 
-function diagonalOf(places: Float64Array): number {
+function diagonalOf(positions: Float64Array): number {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  places.forEach((x, i) => {
+  positions.forEach((x, i) => {
     low[i % 3] = Math.min(low[i % 3] as number, x);
     high[i % 3] = Math.max(high[i % 3] as number, x);
   });
   return distance(low, high);
 }
 
-/** How far a mesh is from its mirror image across y = 0, × the diagonal of its box. */
-function asymmetry(places: Float64Array): number {
-  const diagonal = diagonalOf(places);
-  const cubes = new Cubes(places, 1e-3 * diagonal);
+/** Returns the distance of a mesh from its mirror image across y = 0, × the diagonal of its box. */
+function asymmetry(positions: Float64Array): number {
+  const diagonal = diagonalOf(positions);
+  const cubes = new Cubes(positions, 1e-3 * diagonal);
   let most = 0;
-  for (let v = 0; 3 * v < places.length; ++v) {
-    const [x, y, z] = placeOf(places, v);
+  for (let v = 0; 3 * v < positions.length; ++v) {
+    const [x, y, z] = positionOf(positions, v);
     most = Math.max(most, cubes.nearest([x, -y, z]) / diagonal);
   }
   return most;
@@ -62,7 +62,7 @@ function asymmetry(places: Float64Array): number {
 test("what is done on one side of the plane happens on the other, to a millionth", async () => {
   const { person, folder } = stage;
   const { page } = person;
-  const rest = placesOf(folder.file("ring.obj"));
+  const rest = positionsOf(folder.file("ring.obj"));
   expect(asymmetry(rest)).toBeLessThan(1e-6);
 
   await page
@@ -104,11 +104,11 @@ test("what is done on one side of the plane happens on the other, to a millionth
   await person.screenshot("symmetry-moved");
 
   const file = await exported(stage, "both sides", ".obj");
-  const bent = placesOf(file);
+  const bent = positionsOf(file);
   const diagonal = diagonalOf(bent);
   const moved = Array.from(
     { length: rest.length / 3 },
-    (_, v) => distance(placeOf(rest, v), placeOf(bent, v)) / diagonal,
+    (_, v) => distance(positionOf(rest, v), positionOf(bent, v)) / diagonal,
   );
   const far = (side: 1 | -1) => Math.max(...moved.filter((_, v) => side * (rest[3 * v + 1] as number) > 0.1));
   expect(far(1)).toBeGreaterThan(0.05);
@@ -122,7 +122,7 @@ test("a refusal names the tolerance that would do, and takes it by a click", asy
   const { page } = person;
   await stage.openSample("octopus", 30);
   const tolerance = page.locator(".section").filter({ hasText: "Symmetric editing" }).getByRole("textbox", { name: "Tolerance" });
-  await tolerance.fill("1e-6"); // it is there while symmetry is off, too
+  await tolerance.fill("1e-6"); // the field is there while symmetry is off, too
   await tolerance.press("Enter");
   await page.getByRole("switch", { name: "Symmetric editing" }).check();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry?.tolerance_rel === 1e-6);

@@ -24,7 +24,7 @@ function crc32(bytes: Uint8Array): number {
   return ~crc >>> 0;
 }
 
-/** A PNG of four squares: the upper two from left to right, then the lower two. */
+/** Returns a PNG of four squares: the upper two from left to right, then the lower two. */
 function picture(colours: readonly [Colour, Colour, Colour, Colour], half = 8): Buffer {
   const rows: number[] = [];
   for (let y = 0; y < 2 * half; ++y) {
@@ -50,7 +50,7 @@ function picture(colours: readonly [Colour, Colour, Colour, Colour], half = 8): 
 
 const count = 24; // squares along an edge of the plate
 
-/** An upright plate from 0 to 1: its left half has the whole picture, its right half again, for there is a seam of UVs. */
+/** Returns an upright plate from 0 to 1. Each half has the whole picture; a seam of the UVs is between them. */
 function plate(material: string): string {
   const lines = ["mtllib plate.mtl"];
   for (let j = 0; j <= count; ++j) for (let i = 0; i <= count; ++i) lines.push(`v ${i / count} ${j / count} 0`);
@@ -87,12 +87,12 @@ async function colourAt([x, y]: Point): Promise<Colour> {
   );
 }
 
-/** The picture's colour that is nearest to what is shown at a vertex. */
+/** Returns the colour of the picture that is nearest to the colour shown at a vertex. */
 async function shownAt(i: number, j: number): Promise<Colour | undefined> {
   const shown = await colourAt(await stage.person.screenOf(vertexAt(i, j)));
   const unlike = (colour: Colour) => Math.hypot(...colour.map((part, k) => part - (shown[k] as number)));
   const nearest = [red, green, blue, yellow].sort((a, b) => unlike(a) - unlike(b))[0] as Colour;
-  return unlike(nearest) < 90 ? nearest : undefined; // light changes it
+  return unlike(nearest) < 90 ? nearest : undefined; // light changes the colour
 }
 
 async function open(file: string): Promise<void> {
@@ -147,7 +147,7 @@ test("a model is shown with its picture, also when it is bent and after", async 
   expect(person.complaints).toEqual([]);
 });
 
-/** The same as a PLY of a scanner. */
+/** Returns the same plate as a scanner's PLY file. */
 function plateOfScan(): string {
   const lines = plate("squares").split("\n");
   const numbers = (of: string) => lines.filter((line) => line.startsWith(`${of} `)).map((line) => line.slice(of.length + 1));
@@ -182,7 +182,7 @@ test("a scan's PLY is shown with its picture, also as a part", async () => {
     return { shown, complaints: editor.messages.value.map(({ told }) => told.problem) };
   });
   await person.screenshot("texture-part");
-  expect(drawn).toEqual({ shown: [false], complaints: [] }); // its wedges are drawn in its place
+  expect(drawn).toEqual({ shown: [false], complaints: [] }); // its wedges are drawn instead
   expect(person.complaints).toEqual([]);
 });
 

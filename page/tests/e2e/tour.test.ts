@@ -1,4 +1,4 @@
-// The tour of docs/editor.md, as it is told there; its pictures are those of the guide (tools/docs_pictures.sh).
+// Follows the tour of docs/editor.md, and takes the guide's pictures (tools/docs_pictures.sh).
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { gripOf, poseOf } from "./grips";
 import { hashOf, run, Stage } from "./harness";
@@ -58,7 +58,7 @@ test("grafts a head, bends the neck, looks at it and saves", async () => {
 
   await page.getByRole("button", { name: "View", exact: true }).click();
   await page.getByLabel("Heat map").selectOption("stretch");
-  await page.mouse.move(left + 0.5 * width, top - 20); // no tip beside it
+  await page.mouse.move(left + 0.5 * width, top - 20); // hides the tooltip
   await rests();
   await person.screenshot("editor_stretch.jpg");
 

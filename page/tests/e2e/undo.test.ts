@@ -1,6 +1,6 @@
 import { afterEach, expect, test } from "vitest";
 import { aimAt, exported, farthest, gripOf, openFresh, poseOf, sampled, verticesOf } from "./grips";
-import { hashOf, placesOf, run, Stage, type Person } from "./harness";
+import { hashOf, positionsOf, run, Stage, type Person } from "./harness";
 
 let stage: Stage | undefined;
 afterEach(async () => {
@@ -8,7 +8,7 @@ afterEach(async () => {
   stage = undefined;
 });
 
-/** Ctrl+Z until there is nothing left; how often. */
+/** Presses Ctrl+Z until nothing is left to undo, and returns how often. */
 async function undoAll(person: Person): Promise<number> {
   const left = () => person.page.evaluate(() => window.meshgraft.editor.state.value?.undo ?? null);
   for (let count = 0; count < 100; ++count) {
@@ -24,7 +24,7 @@ async function undoAll(person: Person): Promise<number> {
   throw new Error("undo does not come to an end");
 }
 
-/** What the view shows is the model as it was opened. */
+/** Returns the largest difference of a shown coordinate from rest. */
 function strayed(person: Person): Promise<number> {
   return person.page.evaluate(() => {
     const surface = window.meshgraft.viewport.main;
@@ -51,7 +51,7 @@ test("a selection, handles, moves and an accepted step are all taken back, to th
   const opened = hashOf(stage.folder.file("octopus.ply"));
   expect(hashOf(await exported(stage, "untouched"))).toBe(opened);
   run("sample", "octopus", "--resolution", "60", "-o", stage.folder.file("octopus.obj"));
-  const rest = placesOf(stage.folder.file("octopus.obj"));
+  const rest = positionsOf(stage.folder.file("octopus.obj"));
 
   const top = await aimAt(person, farthest(rest, [0, -0.2, 1]));
   await person.press("b");
@@ -90,7 +90,7 @@ test("a selection, handles, moves and an accepted step are all taken back, to th
   expect(person.complaints).toEqual([]);
 }, 240_000);
 
-/** Keys that come one upon the other, before the page draws. */
+/** Presses keys in quick succession, before the page draws. */
 function pressAtOnce(person: Person, keys: readonly { key: string; ctrlKey?: boolean }[]): Promise<void> {
   return person.page.evaluate((all) => {
     for (const one of all) window.dispatchEvent(new KeyboardEvent("keydown", { ...one, bubbles: true }));
@@ -98,11 +98,11 @@ function pressAtOnce(person: Person, keys: readonly { key: string; ctrlKey?: boo
 }
 const ctrlZ = { key: "z", ctrlKey: true };
 
-/** Waits until what is shown is as far from rest as this. */
+/** Waits until the shown surface is at this distance from rest. */
 async function strays(person: Person, far: number): Promise<void> {
   await person.settle();
   await expect.poll(() => strayed(person), { timeout: 5000 }).toBeCloseTo(far, 5);
-  await person.page.waitForTimeout(300); // and it stays so
+  await person.page.waitForTimeout(300); // a late frame must not change it again
   expect(await strayed(person)).toBeCloseTo(far, 5);
 }
 

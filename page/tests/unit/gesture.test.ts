@@ -9,7 +9,7 @@ import { CanvasCamera } from "./screen_camera";
 
 const box = { x: 10, y: 20, width: 1000, height: 800 } as DOMRect;
 
-function eyes(): ScreenCamera[] {
+function cameras(): ScreenCamera[] {
   const perspective = new PerspectiveCamera(35, 1.25, 0.1, 100);
   const orthographic = new OrthographicCamera(-2.5, 2.5, 2, -2, 0.1, 100);
   return [perspective, orthographic].map((camera) => {
@@ -25,8 +25,8 @@ const rest = atRest(new Vector3(0.2, 0.1, -0.3));
 const tilted = turned(rest, { axis: new Vector3(1, 2, 2).normalize(), angleDeg: 50 });
 const world = new Quaternion();
 
-function begin(eye: ScreenCamera, grip: Grip, from: Vector3, start: Placement = rest, axes = world): Gesture {
-  return new Gesture(grip, start, axes, eye, eye.project(from));
+function begin(camera: ScreenCamera, grip: Grip, from: Vector3, start: Placement = rest, axes = world): Gesture {
+  return new Gesture(grip, start, axes, camera, camera.project(from));
 }
 
 function apart(a: ScreenPoint, b: ScreenPoint): number {
@@ -35,23 +35,23 @@ function apart(a: ScreenPoint, b: ScreenPoint): number {
 
 describe("a move", () => {
   it("keeps what was taken under the pointer", () => {
-    for (const eye of eyes())
+    for (const camera of cameras())
       for (const axis of [0, 1, 2, "free"] as const) {
         const centre = centreOf(tilted);
         const axes = axesOf(tilted);
-        const gesture = begin(eye, { act: "move", axis }, centre, tilted, axes);
-        const direction = axis === "free" ? eye.towards(centre).cross(new Vector3(0, 1, 0)).normalize()
+        const gesture = begin(camera, { kind: "move", axis }, centre, tilted, axes);
+        const direction = axis === "free" ? camera.towards(centre).cross(new Vector3(0, 1, 0)).normalize()
                                           : new Vector3().setComponent(axis, 1).applyQuaternion(axes);
         const goal = centre.clone().addScaledVector(direction, 0.7);
-        gesture.pointAt(eye.project(goal));
-        expect(apart(eye.project(centreOf(gesture.placement())), eye.project(goal))).toBeLessThan(1e-6);
+        gesture.pointAt(camera.project(goal));
+        expect(apart(camera.project(centreOf(gesture.placement())), camera.project(goal))).toBeLessThan(1e-6);
         if (axis !== "free") expect(centreOf(gesture.placement()).distanceTo(goal)).toBeLessThan(1e-9);
       }
   });
 
   it("in a plane stays in it", () => {
-    for (const eye of eyes()) {
-      const gesture = begin(eye, { act: "move", axis: 1, across: true }, centreOf(rest));
+    for (const camera of cameras()) {
+      const gesture = begin(camera, { kind: "move", axis: 1, across: true }, centreOf(rest));
       gesture.pointAt({ x: 600, y: 500 });
       const shift = centreOf(gesture.placement()).sub(centreOf(rest));
       expect(Math.abs(shift.y)).toBeLessThan(1e-12);
@@ -60,9 +60,9 @@ describe("a move", () => {
   });
 
   it("goes in steps, and by the number that is typed", () => {
-    const [eye] = eyes() as [ScreenCamera];
-    const gesture = begin(eye, { act: "move", axis: 0 }, centreOf(rest));
-    gesture.pointAt(eye.project(centreOf(rest).add(new Vector3(0.77, 0, 0))));
+    const [camera] = cameras() as [ScreenCamera];
+    const gesture = begin(camera, { kind: "move", axis: 0 }, centreOf(rest));
+    gesture.pointAt(camera.project(centreOf(rest).add(new Vector3(0.77, 0, 0))));
     gesture.steps = { move: 0.25, turnDeg: 15, scale: 0.1 };
     expect(centreOf(gesture.placement()).x - centreOf(rest).x).toBeCloseTo(0.75, 12);
     for (const key of "-1.5") gesture.number.press(key);
@@ -73,17 +73,17 @@ describe("a move", () => {
 
 describe("a turn", () => {
   it("counts turns as the pointer goes round and round", () => {
-    for (const eye of eyes())
+    for (const camera of cameras())
       for (const [axis, sign] of [[0, 1], [1, 1], [2, 1], ["free", 1]] as [Axis | "free", number][]) {
-        const gesture = begin(eye, { act: "turn", axis }, new Vector3(9, 9, 9));
+        const gesture = begin(camera, { kind: "turn", axis }, new Vector3(9, 9, 9));
         const normal = gesture.turnAxis();
         const u = normal.clone().cross(new Vector3(0.3, 0.9, -0.2)).normalize();
         const v = normal.clone().cross(u);
         const onRing = (degrees: number) => {
           const angle = (degrees * Math.PI) / 180;
-          return eye.project(centreOf(rest).addScaledVector(u, 0.4 * Math.cos(angle)).addScaledVector(v, 0.4 * Math.sin(angle)));
+          return camera.project(centreOf(rest).addScaledVector(u, 0.4 * Math.cos(angle)).addScaledVector(v, 0.4 * Math.sin(angle)));
         };
-        const turning = new Gesture({ act: "turn", axis }, rest, world, eye, onRing(0));
+        const turning = new Gesture({ kind: "turn", axis }, rest, world, camera, onRing(0));
         for (let degrees = 5; degrees <= 1000; degrees += 5) turning.pointAt(onRing(degrees));
         expect(turning.angleDeg()).toBeCloseTo(sign * 1000, 3);
         expect((turning.placement() as Motion).turn.angleDeg).toBeCloseTo(sign * 1000, 3);
@@ -91,15 +91,15 @@ describe("a turn", () => {
   });
 
   it("goes on where its ring is seen from the edge", () => {
-    const [eye] = eyes() as [ScreenCamera];
-    const sight = eye.towards(centreOf(rest));
+    const [camera] = cameras() as [ScreenCamera];
+    const sight = camera.towards(centreOf(rest));
     const axes = new Quaternion().setFromUnitVectors(new Vector3(1, 0, 0), sight.clone().cross(new Vector3(0, 1, 0)).normalize());
-    const ring: Grip = { act: "turn", axis: 0 };
+    const ring: Grip = { kind: "turn", axis: 0 };
     const axis = new Vector3(1, 0, 0).applyQuaternion(axes);
-    const near = centreOf(rest).addScaledVector(sight, -0.1); // moves with the pointer when it turns
-    const gesture = begin(eye, ring, near, rest, axes);
+    const near = centreOf(rest).addScaledVector(sight, -0.1); // is in front, so it turns with the pointer
+    const gesture = begin(camera, ring, near, rest, axes);
     const ahead = near.clone().addScaledVector(axis.clone().cross(sight).negate(), 0.05);
-    gesture.pointAt(eye.project(ahead));
+    gesture.pointAt(camera.project(ahead));
     expect(gesture.angleDeg()).toBeGreaterThan(1);
     const moved = near.clone().applyMatrix4(matrixOf(gesture.placement())).sub(near);
     expect(moved.dot(ahead.clone().sub(near))).toBeGreaterThan(0);
@@ -108,9 +108,9 @@ describe("a turn", () => {
 
 describe("a scale", () => {
   it("doubles where the pointer is twice as far", () => {
-    for (const eye of eyes()) {
-      const c = eye.project(centreOf(rest));
-      const all = new Gesture({ act: "scale", axis: "free" }, rest, world, eye, { x: c.x + 60, y: c.y - 80 });
+    for (const camera of cameras()) {
+      const c = camera.project(centreOf(rest));
+      const all = new Gesture({ kind: "scale", axis: "free" }, rest, world, camera, { x: c.x + 60, y: c.y - 80 });
       all.pointAt({ x: c.x + 120, y: c.y - 160 });
       expect((all.placement() as Motion).scale.toArray()).toEqual([2, 2, 2].map((n) => expect.closeTo(n, 9)));
       all.pointAt(c);
@@ -119,11 +119,11 @@ describe("a scale", () => {
   });
 
   it("of one axis leaves the others, and one across it leaves that one", () => {
-    const [eye] = eyes() as [ScreenCamera];
-    const gesture = begin(eye, { act: "scale", axis: 1 }, centreOf(rest));
+    const [camera] = cameras() as [ScreenCamera];
+    const gesture = begin(camera, { kind: "scale", axis: 1 }, centreOf(rest));
     gesture.number.press("3");
     expect((gesture.placement() as Motion).scale.toArray()).toEqual([1, 3, 1]);
-    gesture.constrain({ act: "scale", axis: 1, across: true }, world);
+    gesture.constrain({ kind: "scale", axis: 1, across: true }, world);
     expect((gesture.placement() as Motion).scale.toArray()).toEqual([3, 1, 3]);
   });
 });
@@ -144,9 +144,9 @@ describe("a typed number", () => {
 
 describe("the gizmo", () => {
   it("gives each of its parts where it is drawn", () => {
-    for (const eye of eyes())
+    for (const camera of cameras())
       for (const axes of [world, axesOf(tilted)]) {
-        const layout = layOut(centreOf(rest), axes, eye);
+        const layout = layOut(centreOf(rest), axes, camera);
         expect(layout.parts.length).toBe(3 + 4 * 3);
         for (const part of layout.parts.filter(({ kind }) => ["ball", "box", "knob"].includes(kind)))
           expect(partAt(layout, part.outline[0] as ScreenPoint)?.id).toBe(part.id);
@@ -157,20 +157,20 @@ describe("the gizmo", () => {
   });
 
   it("has the same size wherever it is", () => {
-    for (const eye of eyes())
+    for (const camera of cameras())
       for (const centre of [new Vector3(), new Vector3(-3, -2, -4)]) {
-        const layout = layOut(centre, world, eye);
+        const layout = layOut(centre, world, camera);
         const boxes = layout.parts.filter(({ kind }) => kind === "box").map(({ outline }) => outline[0] as ScreenPoint);
-        for (const spot of boxes) expect(apart(spot, layout.centre)).toBeLessThan(135);
-        expect(Math.max(...boxes.map((spot) => apart(spot, layout.centre)))).toBeGreaterThan(70);
+        for (const point of boxes) expect(apart(point, layout.centre)).toBeLessThan(135);
+        expect(Math.max(...boxes.map((point) => apart(point, layout.centre)))).toBeGreaterThan(70);
       }
   });
 
-  it("hides arrows that point at the eye", () => {
-    const [eye] = eyes() as [ScreenCamera];
+  it("hides arrows that point at the camera", () => {
+    const [camera] = cameras() as [ScreenCamera];
     const centre = new Vector3();
-    const axes = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), eye.towards(centre).negate());
-    const ids = layOut(centre, axes, eye).parts.map(({ id }) => id);
+    const axes = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), camera.towards(centre).negate());
+    const ids = layOut(centre, axes, camera).parts.map(({ id }) => id);
     expect(ids).not.toContain("arrow-z");
     expect(ids).toContain("square-z");
     expect(ids).not.toContain("square-x");

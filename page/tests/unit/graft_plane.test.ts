@@ -5,7 +5,7 @@ import { flipped, movedBy, nearestAlong, onBall, planeThroughLine, runsLeft, til
 const v = (x: number, y: number, z: number) => new Vector3(x, y, z);
 
 test("lays a plane through a line across the view; above is at its left hand", () => {
-  // Seen along -z from above, with y up: a line to the right has its left hand up.
+  // The view is along -z with y up, so the left-hand side of a line to the right is up.
   const plane = planeThroughLine(v(0, 0, 1), v(2, 0, 1), v(0, 0, -1), v(0, 0, -1));
   expect(plane?.point.toArray()).toEqual([1, 0, 1]);
   expect(plane?.normal.y).toBeCloseTo(1);
@@ -25,7 +25,7 @@ test("finds where a ray passes a line", () => {
   expect(nearestAlong(v(0, 0, 0), v(0, 0, 1), v(5, 0, 2), v(0, 0, 1))).toBeUndefined();
 });
 
-test("keeps a tip on its ball, also beside it", () => {
+test("keeps a tip on its sphere, also for a ray that misses it", () => {
   expect(onBall(v(0, 0, 0), 1, v(0, 0, 5), v(0, 0, -1)).z).toBeCloseTo(1);
   expect(onBall(v(0, 0, 0), 1, v(3, 0, 5), v(0, 0, -1)).toArray()).toEqual([1, 0, 0]);
 });

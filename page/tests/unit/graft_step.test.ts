@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import {
-  meetingsOf, pairsField, readStep, withDotAt, withFields, withMatch, withStarts, withoutDot, withPair, withoutPair,
+  matchesOf, pairsField, readStep, withMovedMatch, withFields, withMatch, withStarts, withoutMatch, withPair, withoutPair,
   type OpenStart,
 } from "../../src/app/graft/graft_step";
 
@@ -16,7 +16,7 @@ test("reads a merge step, with the defaults of the edit file", () => {
   expect(readStep({ target: "a", source: "b" })).toMatchObject({ shape: "similar", pairs: [], hasFixed: false });
 });
 
-test("reads a start that stands as the first of the matches", () => {
+test("reads a start that is stored as the first of the matches", () => {
   const pairs = [{ source_loop: { loop: 0 }, target_loop: { loop: 0 }, matches: [[0, 7], [3, 4]] }];
   expect(readStep({ source: "a", target: "b", pairs }).pairs[0]).toMatchObject({ start: [0, 7], matches: [[3, 4]] });
 });
@@ -36,16 +36,16 @@ test("keeps a loop in one pair", () => {
   expect(withoutPair(two, 0)).toEqual([two[1]]);
 });
 
-test("moves, adds and takes away what meets", () => {
+test("moves, adds and removes matches", () => {
   const pairs = withPair([], 0, 0);
   const added = withMatch(pairs, 0, [9, 80], [5, 77]);
   expect(added[0]).toMatchObject({ start: [5, 77], matches: [[9, 80]] });
-  expect(withDotAt(added, { pair: 0, dot: 1 }, [9, 81])[0]?.matches).toEqual([[9, 81]]);
-  expect(withDotAt(pairs, { pair: 0, dot: 0 }, [5, 78])[0]?.start).toEqual([5, 78]);
-  expect(withoutDot(added, { pair: 0, dot: 1 })[0]?.matches).toEqual([]);
-  expect(withoutDot(added, { pair: 0, dot: 0 })[0]?.start).toBeUndefined();
+  expect(withMovedMatch(added, { pair: 0, match: 1 }, [9, 81])[0]?.matches).toEqual([[9, 81]]);
+  expect(withMovedMatch(pairs, { pair: 0, match: 0 }, [5, 78])[0]?.start).toEqual([5, 78]);
+  expect(withoutMatch(added, { pair: 0, match: 1 })[0]?.matches).toEqual([]);
+  expect(withoutMatch(added, { pair: 0, match: 0 })[0]?.start).toBeUndefined();
   const [pair] = pairs;
-  expect(pair && meetingsOf(pair, [1, 2])).toEqual([[1, 2]]);
+  expect(pair && matchesOf(pair, [1, 2])).toEqual([[1, 2]]);
 });
 
 test("shows dragged fields on top of the document's", () => {

@@ -3,7 +3,7 @@ import { Library } from "../../src/app/library";
 import type { Outcome } from "../../src/engine/connection";
 import type { PageRequest } from "../../src/protocol";
 
-/** An engine that notes what it is asked for; a picture is made when the test says so. */
+/** A mock engine that records requests, and answers when the test says so. */
 class Engine {
   readonly asked: string[] = [];
   private last = 0;

@@ -1,19 +1,19 @@
 import { describe, expect, it } from "vitest";
 import { MeshGraph, type MeshArrays } from "../../src/tools/mesh_graph";
 
-/** A sheet of n×n squares in the plane, folded by a right angle at x = fold; each square of two triangles. */
+/** Returns a sheet of n×n squares, two triangles each, folded by a right angle at x = fold. */
 function sheet(n: number, fold = n, isSoup = false): MeshArrays {
-  const place = (i: number, j: number) => (i <= fold ? [i, j, 0] : [fold, j, i - fold]);
+  const position = (i: number, j: number) => (i <= fold ? [i, j, 0] : [fold, j, i - fold]);
   const positions: number[] = [];
   const triangles: number[] = [];
   const add = (...corners: [number, number][]) => {
     for (const [i, j] of corners)
       if (isSoup) {
         triangles.push(positions.length / 3);
-        positions.push(...place(i, j));
+        positions.push(...position(i, j));
       } else triangles.push((n + 1) * i + j);
   };
-  if (!isSoup) for (let i = 0; i <= n; ++i) for (let j = 0; j <= n; ++j) positions.push(...place(i, j));
+  if (!isSoup) for (let i = 0; i <= n; ++i) for (let j = 0; j <= n; ++j) positions.push(...position(i, j));
   for (let i = 0; i < n; ++i)
     for (let j = 0; j < n; ++j) {
       add([i, j], [i + 1, j], [i + 1, j + 1]);

@@ -4,14 +4,14 @@ import type { Box } from "../../src/app/editor";
 import { handleColour, groupColour } from "../../src/app/colours";
 import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/handle_pose";
 import { liveWords, stageWords } from "../../src/app/live_words";
-import { applicable, backToUsual, fitting, settingsTable, type NumberSetting } from "../../src/app/method_settings";
-import { axisOfPlane, placeOf, planeAcross } from "../../src/app/mirror_plane";
-import { asPeopleSort, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
+import { applicable, changesToDefaults, admissible, settingsTable, type NumberSetting } from "../../src/app/method_settings";
+import { axisOfPlane, coordinateOf, planeAcross } from "../../src/app/mirror_plane";
+import { compareNames, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
 import { refusalOf, uploadLimit } from "../../src/app/upload";
 import { sufficientTolerance, withTolerance } from "../../src/app/symmetry";
 import { asTyped } from "../../src/app/units";
 import { inPanelWords } from "../../src/app/wording";
-import { rangeWords, takes, Track } from "../../src/panels/ui/fields";
+import { rangeWords, isInRange, Track } from "../../src/panels/ui/fields";
 import type { DocumentState, EngineError } from "../../src/protocol";
 
 describe("poses in numbers", () => {
@@ -45,9 +45,9 @@ describe("fields for numbers", () => {
     expect(rangeWords({})).toBe("a number");
   });
   test("take what they say", () => {
-    expect([0.9, 1, 20, 20.1].map((x) => takes(x, { min: 1, max: 20 }))).toEqual([false, true, true, false]);
-    expect([-1, 0, 1e-9].map((x) => takes(x, { above: 0 }))).toEqual([false, false, true]);
-    expect(takes(-1e300, {})).toBe(true);
+    expect([0.9, 1, 20, 20.1].map((x) => isInRange(x, { min: 1, max: 20 }))).toEqual([false, true, true, false]);
+    expect([-1, 0, 1e-9].map((x) => isInRange(x, { above: 0 }))).toEqual([false, false, true]);
+    expect(isInRange(-1e300, {})).toBe(true);
   });
   test("keep a turn as it was typed where it is the same", () => {
     expect(asTyped(-180, 180)).toBe(180);
@@ -101,7 +101,7 @@ describe("what the engine says of symmetry", () => {
 });
 
 test("names are sorted as people sort", () => {
-  expect(["part 10", "b", "Part 2", "a", "B"].sort(asPeopleSort)).toEqual(["a", "B", "b", "Part 2", "part 10"]);
+  expect(["part 10", "b", "Part 2", "a", "B"].sort(compareNames)).toEqual(["a", "B", "b", "Part 2", "part 10"]);
 });
 
 describe("settings of the method", () => {
@@ -122,11 +122,11 @@ describe("settings of the method", () => {
     expect(applicable({ degenerate: "apex" }).map(({ key }) => key)).not.toContain("seed");
   });
   test("back to the usual changes what is not usual, and no method", () => {
-    expect(backToUsual({ method: "ft05", stiffness: 60, density: "ft05" })).toEqual({ density: "aware" });
+    expect(changesToDefaults({ method: "ft05", stiffness: 60, density: "ft05" })).toEqual({ density: "aware" });
   });
   test("a proxy has 50 vertices or is none", () => {
     const proxy = settingsTable.find(({ key }) => key === "proxy") as NumberSetting;
-    expect([0, 3, 500].map((value) => fitting(proxy, value))).toEqual([0, 50, 500]);
+    expect([0, 3, 500].map((value) => admissible(proxy, value))).toEqual([0, 50, 500]);
   });
 });
 
@@ -203,7 +203,7 @@ describe("the plane of symmetry", () => {
   const box: Box = { low: [-1, 0, 2], high: [3, 4, 10] };
   test("lies across an axis, in the middle at first", () => {
     expect(planeAcross("x", box)).toEqual({ point: [1, 2, 6], normal: [1, 0, 0] });
-    expect(placeOf(planeAcross("z", box, 7), "z")).toBe(7);
+    expect(coordinateOf(planeAcross("z", box, 7), "z")).toBe(7);
     expect(axisOfPlane({ point: [0, 0, 0], normal: [0, -2, 0] })).toBe("y");
     expect(axisOfPlane({ point: [0, 0, 0], normal: [1, 1, 0] })).toBeUndefined();
   });

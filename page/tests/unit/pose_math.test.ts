@@ -11,7 +11,7 @@ const world = new Quaternion();
 const pivot = new Vector3(0.3, -1.2, 2);
 const about = (axis: Vector3, angleDeg: number): Turn => ({ axis: axis.clone().normalize(), angleDeg });
 
-/** Placements of many kinds: none, moved, turned far, scaled per axis, sheared. */
+/** Returns placements of many kinds: none, moved, turned far, scaled per axis, sheared. */
 function placements(): Placement[] {
   const tilted = turned(moved(atRest(pivot), new Vector3(1, 2, 3)), about(new Vector3(1, 2, -1), 40));
   return [

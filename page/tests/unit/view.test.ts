@@ -21,7 +21,7 @@ import { Navigation } from "../../src/view/navigation";
 import { NormalsOfPart } from "../../src/view/surface/normals";
 import { PolygonTest } from "../../src/view/picking/polygon";
 import { matrixOfPose } from "../../src/view/pose_matrix";
-import { meetTriangles } from "../../src/view/picking/ray";
+import { raycastTriangles } from "../../src/view/picking/ray";
 import { depthInRegion } from "../../src/view/surface/roles";
 import { Slices } from "../../src/view/surface/slices";
 import { runsOf, spanOfChange } from "../../src/view/surface/spans";
@@ -29,7 +29,7 @@ import { viewFrom } from "../../src/view/view_cube";
 import { lengthText, sizeText } from "../../src/view/view_notes";
 import { textureSize } from "../../src/view/surface/weight_textures";
 
-/** A sequence of numbers from 0 to 1 that is the same each time. */
+/** Returns a generator of numbers from 0 to 1, the same for the same seed. */
 function randoms(seed: number): () => number {
   let state = seed;
   return () => (state = (state * 16807) % 2147483647) / 2147483647;
@@ -49,7 +49,7 @@ function arraysOf(geometry: BufferGeometry): { positions: Float32Array; triangle
 
 const torus = arraysOf(new TorusGeometry(1, 0.4, 24, 48));
 
-/** A flat sheet of n by n squares, each of side 1. */
+/** Returns a flat sheet of n by n squares, each of side 1. */
 function sheet(n: number): { positions: Float32Array; triangles: Uint32Array } {
   const positions: number[] = [];
   const triangles: number[] = [];
@@ -104,8 +104,8 @@ describe("frames of handles", () => {
       const frame = new Float32Array(12);
       writeFrame(pose, centre, unit, frame);
       const p = [number(), number(), number()]; // in the units of the weights
-      const place = new Vector3(...(p.map((x, i) => (centre[i] ?? 0) + unit * x) as [number, number, number]));
-      const expected = place.clone().applyMatrix4(pose);
+      const point = new Vector3(...(p.map((x, i) => (centre[i] ?? 0) + unit * x) as [number, number, number]));
+      const expected = point.clone().applyMatrix4(pose);
       const [px = 0, py = 0, pz = 0] = p;
       const moved = [0, 1, 2].map((i) => {
         const [a = 0, b = 0, c = 0, d = 0] = frame.subarray(4 * i, 4 * i + 4);
@@ -208,7 +208,7 @@ describe("picking", () => {
     for (let i = 0; i < 300; ++i) {
       const origin = new Vector3(6 * random() - 3, 6 * random() - 3, 6 * random() - 3);
       const direction = new Vector3(random() - 0.5, random() - 0.5, random() - 0.5).sub(origin).normalize();
-      const mine = meetTriangles(torus.positions, torus.triangles, origin.toArray(), direction.toArray());
+      const mine = raycastTriangles(torus.positions, torus.triangles, origin.toArray(), direction.toArray());
       const theirs = tree.raycastFirst(new Ray(origin, direction), DoubleSide);
       expect(mine === undefined).toBe(theirs === null);
       if (mine === undefined || theirs === null) continue;
@@ -258,7 +258,7 @@ describe("normals and heat", () => {
     for (const v of part.vertices) expect(Math.hypot(...normals.subarray(3 * v, 3 * v + 3))).toBeCloseTo(1, 5);
     expect(normals[0]).toBe(7);
     expect(normals[3 * 60 + 2]).toBeGreaterThan(0.5);
-    expect(normals[3 * 59]).toBeLessThan(-0.05); // a slope that rises to the right leans to the left
+    expect(normals[3 * 59]).toBeLessThan(-0.05); // the normal of a slope that rises to the right points left
   });
 
   it("finds stretch as a power of 2, and none where nothing was stretched", () => {
@@ -287,7 +287,7 @@ describe("normals and heat", () => {
     expect(detail[24]).toBeCloseTo(0, 6);
   });
 
-  it("finds by how much a seam bends, and nothing beside it", () => {
+  it("measures the bend of a seam, and nothing off the seam", () => {
     // Two triangles that meet at a right angle, and a third in the plane of the second.
     const positions = Float32Array.from([0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1]);
     const triangles = Uint32Array.from([0, 2, 1, 0, 1, 3, 3, 1, 4]);
@@ -341,7 +341,7 @@ describe("navigation", () => {
   function navigation(up: "y" | "z" = "z"): Navigation {
     const one = new Navigation({
       requestRender: () => undefined,
-      placeUnder: () => undefined,
+      pointUnder: () => undefined,
       bounds: () => new Sphere(new Vector3(), 1),
       fitUnder: () => undefined,
     });
@@ -362,29 +362,29 @@ describe("navigation", () => {
       }
   });
 
-  it("keeps the place that it zooms to where it is in the picture", () => {
+  it("keeps the point that it zooms to at the same pixel", () => {
     for (const orthographic of [false, true]) {
       const one = navigation();
       one.orthographic = orthographic;
-      const place = new Vector3(0.3, -0.4, 0.6);
-      const before = place.clone().project(one.camera);
-      one.zoom(0.4, place);
+      const point = new Vector3(0.3, -0.4, 0.6);
+      const before = point.clone().project(one.camera);
+      one.zoom(0.4, point);
       one.update(1.5);
-      const after = place.clone().project(one.camera);
+      const after = point.clone().project(one.camera);
       expect(Math.hypot(after.x - before.x, after.y - before.y)).toBeLessThan(1e-5);
     }
   });
 
-  it("frames places so that all are in the picture, and few are far from its rim", () => {
+  it("frames positions so that all are in the picture, and few are far from its border", () => {
     for (const orthographic of [false, true]) {
       const one = navigation();
       one.orthographic = orthographic;
       one.fit(torus.positions, 0, false);
       one.update(1.5);
-      const places = Array.from({ length: torus.positions.length / 3 }, (_, v) =>
+      const positions = Array.from({ length: torus.positions.length / 3 }, (_, v) =>
         new Vector3().fromArray(torus.positions, 3 * v).project(one.camera),
       );
-      const most = Math.max(...places.map((p) => Math.max(Math.abs(p.x), Math.abs(p.y))));
+      const most = Math.max(...positions.map((p) => Math.max(Math.abs(p.x), Math.abs(p.y))));
       expect(most).toBeLessThan(1);
       expect(most).toBeGreaterThan(0.7);
     }

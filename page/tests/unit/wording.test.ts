@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { rowsOf, tables, type Kind, type Row } from "../../tools/fact_tables.mjs";
-import { fieldsOf, fileInTheWay, inPanelWords, noteWords, toldOf, type PageError } from "../../src/app/wording";
+import { fieldsOf, fileToReplace, inPanelWords, noteWords, toldOf, type PageError } from "../../src/app/wording";
 import type { EngineError, Fields } from "../../src/protocol";
 
 const rows = (await Promise.all((await tables()).map(rowsOf))).flat();
@@ -47,7 +47,7 @@ function noteOf(row: Row, fields: Fields) {
   return { id, fields, text: remedy === undefined ? text : `${text}. ${filled(remedy, fields)}` };
 }
 
-/** Returns all that the page says of a fact. */
+/** Returns the whole text that the page shows for a fact. */
 function said(row: Row, fields: Fields): string {
   if (row.code === undefined) return noteWords(noteOf(row, fields));
   const { problem, remedy } = inPanelWords(errorOf(row, fields));
@@ -68,7 +68,7 @@ describe("every fact is worded for a window with panels", () => {
       expect(text).not.toMatch(/\{\w+(:[^}]*)?\}/);
       expect(text).not.toMatch(/undefined|NaN|null|\[object/);
       expect(text).not.toMatch(/::/);
-      expect(text).not.toMatch(/\w_\w/); // no field's sample value has one
+      expect(text).not.toMatch(/\w_\w/); // sample values have no underscores, but identifiers do
       expect(text).not.toMatch(/steps? (are |is )?(counted|numbered) from 0/i);
       expect(text).not.toMatch(/\.\./);
       if (ofCommands.includes(id)) continue;
@@ -91,11 +91,11 @@ const errorNamed = (id: string, fields: Fields, more: Partial<EngineError> = {})
 describe("an error", () => {
   const held = { vertex: 5, handle: "nose" };
   test("lies in a step, counted as the panel counts", () => {
-    const placed = (more: Partial<EngineError>) => inPanelWords(errorNamed("script.vertex_held", held, more)).location;
-    expect(placed({ step: 1, location: "" })).toBe("Step 2");
-    expect(placed({ step: 2, location: "handles[0]" })).toBe("Step 3, handles[0]");
-    expect(placed({ location: "/models/bust.ply" })).toBe("/models/bust.ply");
-    expect(placed({ location: "" })).toBe("");
+    const located = (more: Partial<EngineError>) => inPanelWords(errorNamed("script.vertex_held", held, more)).location;
+    expect(located({ step: 1, location: "" })).toBe("Step 2");
+    expect(located({ step: 2, location: "handles[0]" })).toBe("Step 3, handles[0]");
+    expect(located({ location: "/models/bust.ply" })).toBe("/models/bust.ply");
+    expect(located({ location: "" })).toBe("");
   });
   test("counts steps and pairs as the panels do", () => {
     expect(inPanelWords(errorNamed("editor.no_such_step", { step: 4, count: 2 }))).toMatchObject({
@@ -127,9 +127,9 @@ describe("an error", () => {
     expect(fieldsOf(lost, "io.file_exists")).toBeUndefined();
   });
   test("names the file that it would replace", () => {
-    expect(fileInTheWay(errorNamed("io.file_exists", { file: "a.ply" }))).toBe("a.ply");
-    expect(fileInTheWay(errorNamed("editor.file_changed", { file: "b.json" }))).toBe("b.json");
-    expect(fileInTheWay(errorNamed("script.vertex_held", held))).toBeUndefined();
+    expect(fileToReplace(errorNamed("io.file_exists", { file: "a.ply" }))).toBe("a.ply");
+    expect(fileToReplace(errorNamed("editor.file_changed", { file: "b.json" }))).toBe("b.json");
+    expect(fileToReplace(errorNamed("script.vertex_held", held))).toBeUndefined();
   });
 });
 

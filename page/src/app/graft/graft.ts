@@ -4,7 +4,7 @@ import type { Outcome } from "../../engine/connection";
 import type { DocumentState, Matrix4 } from "../../protocol";
 import {
   pairsField, readStep, withFields, withPair, withStarts,
-  type DotRef, type GraftFields, type GraftStep, type Pair,
+  type MatchRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
 import { GraftStarts } from "./graft_starts";
 import type {
@@ -23,16 +23,16 @@ export class Graft {
   readonly arrangement = signal<Arrangement>("result");
   readonly loops = signal<ReadonlyMap<number, readonly ShownLoop[]>>(new Map());
   readonly hovered = signal<LoopRef | null>(null);
-  /** The dot (start or match) that the Delete key removes. */
-  readonly dot = signal<DotRef | null>(null);
+  /** The match (or start) that the Delete key removes. */
+  readonly activeMatch = signal<MatchRef | null>(null);
   readonly cutPlane = signal<Cut | null>(null);
   readonly cutCurve = signal<DrawnCurve | null>(null);
   /** The last cut, until another change follows. */
   readonly lastCut = signal<CutRequest | null>(null);
   /** The part that a click or a drag drops on the surface. */
   readonly dropped = signal<{ name: string; isNew: boolean } | null>(null);
-  /** Tells which part is not shown beside the model: the one being dropped on the surface. */
-  readonly away = signal<((name: string) => boolean) | null>(null);
+  /** Tells which part is being dropped on the surface, and therefore not shown beside the model. */
+  readonly isBeingDropped = signal<((name: string) => boolean) | null>(null);
   /** The loop clicked first, which the next click pairs. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
@@ -51,7 +51,7 @@ export class Graft {
     return state === null ? undefined : { ...state.model, grafted: false };
   });
   readonly parts = computed((): readonly MeshObject[] => this.host.state.value?.parts ?? []);
-  readonly things = computed((): readonly MeshObject[] => [
+  readonly objects = computed((): readonly MeshObject[] => [
     ...(this.model.value === undefined ? [] : [this.model.value]),
     ...this.parts.value,
   ]);
@@ -69,8 +69,8 @@ export class Graft {
       kept ?? readStep({ source: dragged.source, target: dragged.target ?? this.model.value?.name });
     return withFields(base, dragged);
   });
-  readonly source = computed(() => this.named(this.step.value?.source));
-  readonly target = computed(() => this.named(this.step.value?.target));
+  readonly source = computed(() => this.byName(this.step.value?.source));
+  readonly target = computed(() => this.byName(this.step.value?.target));
   /** The given pairs, or the only possible pair if source and target have one loop each. */
   readonly pairs = computed(() => this.pairsOf(this.step.value));
   readonly keptPairs = computed(() => this.pairsOf(this.kept.value));
@@ -81,24 +81,24 @@ export class Graft {
     return single ? [{ sourceLoop: 0, targetLoop: 0, matches: [] }] : [];
   }
 
-  /** Where the loops of each pair start to match, and how they are twisted. */
+  /** Holds the start and the twist of each pair. */
   readonly starts: GraftStarts = new GraftStarts(this);
 
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
-  private readonly asked = new Set<number>(); // meshes whose loops were requested
+  private readonly requestedLoops = new Set<number>(); // meshes whose loops were requested
   private newest = 0; // number of the newest graft that the engine reported
 
   constructor(private readonly host: GraftHost) {}
 
-  named(name: string | undefined): MeshObject | undefined {
-    return this.things.value.find((thing) => thing.name === name);
+  byName(name: string | undefined): MeshObject | undefined {
+    return this.objects.value.find((object) => object.name === name);
   }
   /** Returns the name of a mesh in requests, or undefined for the model. */
   nameOf(mesh: number): string | undefined {
     return mesh === this.model.value?.mesh ? undefined : this.byMesh(mesh)?.name;
   }
   byMesh(mesh: number): MeshObject | undefined {
-    return this.things.value.find((thing) => thing.mesh === mesh);
+    return this.objects.value.find((object) => object.mesh === mesh);
   }
   /** Returns whether a part is shown. A grafted part is hidden by default, unless it is the current source. */
   isShown(part: MeshObject): boolean {
@@ -106,8 +106,8 @@ export class Graft {
   }
   /** Meshes shown as themselves in graft mode: all except those that the shown result replaces. */
   readonly shownMeshes = computed((): ReadonlySet<number> => {
-    const beside = this.parts.value.filter((part) => this.isShown(part) && this.away.value?.(part.name) !== true);
-    const meshes = new Set([this.model.value?.mesh ?? -1, ...beside.map((part) => part.mesh)]);
+    const parts = this.parts.value.filter((part) => this.isShown(part) && this.isBeingDropped.value?.(part.name) !== true);
+    const meshes = new Set([this.model.value?.mesh ?? -1, ...parts.map((part) => part.mesh)]);
     const { value: arrangement } = this.arrangement;
     const hasPreview = this.preview.value !== null;
     // A dropped part is shown only on the surface, even before the result is known.
@@ -130,7 +130,7 @@ export class Graft {
 
   /** Grafts a part if it and the model have one loop each. Otherwise shows both apart, so that loops can be clicked. */
   async startWith(name: string): Promise<void> {
-    const part = this.named(name);
+    const part = this.byName(name);
     const { value: model } = this.model;
     if (part === undefined || model === undefined || this.kept.value !== undefined) return;
     if (part.loops === 1 && model.loops === 1) await this.startAlone(name);
@@ -143,14 +143,14 @@ export class Graft {
     this.arrangement.value = "result";
     this.dragged.value = { source: name };
     const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
-    const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.told(done.graft);
+    const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.reportOf(done.graft);
     const start = this.startFor(report);
     if (start !== undefined) this.report.value = null; // the report of the trial is settled
-    this.takenStarts.value = new Set(start?.map((pair) => String(pair.start)));
+    this.chosenStarts.value = new Set(start?.map((pair) => String(pair.start)));
     await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
   }
   /** Starts that were chosen automatically among several that fit equally well. */
-  readonly takenStarts = signal<ReadonlySet<string>>(new Set());
+  readonly chosenStarts = signal<ReadonlySet<string>>(new Set());
   private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
     const pairs = withStarts(this.pairs.value, report?.open_starts ?? []);
     return pairs === undefined ? undefined : pairsField(pairs);
@@ -159,7 +159,7 @@ export class Graft {
   readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
 
   /** Resolves with the report of the graft with this number or a later one. */
-  private told(graft: number): Promise<GraftReport> {
+  private reportOf(graft: number): Promise<GraftReport> {
     return new Promise((resolve) => {
       const stop = this.report.subscribe((report) => {
         if (report === null || report.graft < graft) return;
@@ -208,10 +208,10 @@ export class Graft {
    */
   async beginDrop(add: () => Promise<string | undefined>): Promise<string | undefined> {
     const before = new Set(this.parts.value.map((part) => part.name));
-    this.away.value = (part) => !before.has(part);
+    this.isBeingDropped.value = (part) => !before.has(part);
     const name = await add();
     batch(() => {
-      this.away.value = name === undefined ? null : (part) => part === name;
+      this.isBeingDropped.value = name === undefined ? null : (part) => part === name;
       if (name === undefined) return;
       this.arrangement.value = "result";
       this.tool.value = "drop";
@@ -223,21 +223,21 @@ export class Graft {
   async endDrop(fields: GraftFields): Promise<void> {
     this.dropped.value = null;
     await this.set(fields);
-    this.away.value = null;
+    this.isBeingDropped.value = null;
   }
   /** Cancels the drop. A part that was opened for it is removed. */
-  async leaveDropped(): Promise<void> {
+  async cancelDrop(): Promise<void> {
     const { value: dropped } = this.dropped;
     this.dropped.value = null;
     await this.forgetDragged();
     if (dropped?.isNew === true && this.host.state.value?.undo === "add part")
       await this.host.ask({ do: "undo" });
-    this.away.value = null;
+    this.isBeingDropped.value = null;
   }
-  /** Cancels the drop because the part was released beside the surface, and tells the user. */
-  async missDropped(): Promise<void> {
+  /** Cancels the drop because the part was released off the surface, and tells the user. */
+  async cancelMissedDrop(): Promise<void> {
     const { name = "The part", isNew = true } = this.dropped.value ?? {};
-    await this.leaveDropped();
+    await this.cancelDrop();
     this.host.note(
       `${name} was let go beside the surface, so nothing is ${isNew ? "added" : "grafted"}`,
       "Drag it again, and let it go on the model, where it is to grow.",
@@ -349,15 +349,15 @@ export class Graft {
 
   /** Requests the loops of all objects, once for each mesh. */
   async needLoops(): Promise<void> {
-    for (const { mesh, name } of this.things.value) {
-      if (this.asked.has(mesh)) continue;
-      this.asked.add(mesh);
+    for (const { mesh, name } of this.objects.value) {
+      if (this.requestedLoops.has(mesh)) continue;
+      this.requestedLoops.add(mesh);
       await this.host.attempt({ do: "loops", mesh: name });
     }
   }
 
   /** Handles binary frames that concern grafts. */
-  take(frame: BinaryFrame): void {
+  onFrame(frame: BinaryFrame): void {
     if (frame.kind === FrameKind.graft) this.takePreview(frame);
     if (frame.kind === FrameKind.loops) this.takeLoops(frame);
   }
@@ -370,15 +370,15 @@ export class Graft {
       if (event.error !== undefined) this.preview.value = null;
       if (this.dragged.value === null && event.transform !== undefined)
         this.transform.value = event.transform;
-      this.starts.learn(event);
+      this.starts.storeFound(event);
     });
   }
 
   /** Discards everything that belongs to objects missing in the engine's new state. */
-  follow(state: DocumentState): void {
+  onState(state: DocumentState): void {
     const meshes = new Set([state.model.mesh, ...state.parts.map((part) => part.mesh)]);
     const known = [...this.loops.value].filter(([mesh]) => meshes.has(mesh));
-    for (const mesh of this.asked) if (!meshes.has(mesh)) this.asked.delete(mesh);
+    for (const mesh of this.requestedLoops) if (!meshes.has(mesh)) this.requestedLoops.delete(mesh);
     batch(() => {
       if (known.length < this.loops.value.size) this.loops.value = new Map(known);
       if (!meshes.has(this.hovered.value?.mesh ?? -1)) this.hovered.value = null;

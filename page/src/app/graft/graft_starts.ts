@@ -1,5 +1,5 @@
 import type { GraftReport, ShownLoop, MeshObject } from "./graft_types";
-import { meetingOf, type Meeting, type Pair } from "./graft_step";
+import { verticesOfMatch, type MatchedVertices, type Pair } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
 /** The signals of a graft that `GraftStarts` reads. */
@@ -11,27 +11,27 @@ interface PairedLoops {
   readonly report: { readonly value: GraftReport | null };
 }
 
-/** Where the pairs of a graft start to match, as given or as found, and their twist relative to the found start. */
+/** Holds the starts of a graft's pairs, given or found, and computes their twist relative to the found start. */
 export class GraftStarts {
-  private readonly found = new Map<string, Meeting>(); // last starts found automatically
+  private readonly found = new Map<string, MatchedVertices>(); // last starts found automatically
 
   constructor(private readonly graft: PairedLoops) {}
 
   /** Returns the source and target loop of a pair; undefined until both are known. */
   curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
-    const loop = (thing: MeshObject | undefined, index: number) =>
-      this.graft.loops.value.get(thing?.mesh ?? -1)?.[index]?.curve;
+    const loop = (object: MeshObject | undefined, index: number) =>
+      this.graft.loops.value.get(object?.mesh ?? -1)?.[index]?.curve;
     const source = loop(this.graft.source.value, pair.sourceLoop);
     const target = loop(this.graft.target.value, pair.targetLoop);
     return source === undefined || target === undefined ? undefined : { source, target };
   }
 
   /** Returns the start of a pair: the given one, or else the one found last. */
-  of(index: number, pairs = this.graft.pairs.value): Meeting | undefined {
+  of(index: number, pairs = this.graft.pairs.value): MatchedVertices | undefined {
     const pair = pairs[index];
     if (pair === undefined) return undefined;
     const reported = this.graft.report.value?.pairs?.[index]?.start;
-    return meetingOf(pair.start) ?? this.found.get(this.keyOf(pair)) ?? meetingOf(reported);
+    return verticesOfMatch(pair.start) ?? this.found.get(this.keyOf(pair)) ?? verticesOfMatch(reported);
   }
 
   /** Returns the twist of a pair relative to the found start, in degrees along the loop. */
@@ -54,18 +54,18 @@ export class GraftStarts {
   }
 
   /** Stores the starts that the engine found. */
-  learn(report: GraftReport): void {
+  storeFound(report: GraftReport): void {
     this.graft.pairs.value.forEach((pair, i) => {
-      const start = meetingOf(report.pairs?.[i]?.start);
+      const start = verticesOfMatch(report.pairs?.[i]?.start);
       if (start !== undefined && pair.start === undefined && pair.matches.length === 0)
         this.found.set(this.keyOf(pair), start);
     });
   }
 
   /** Returns the start that a twist is relative to: the found one, or the given one if none was found. */
-  private untwisted(pair: Pair): Meeting | undefined {
+  private untwisted(pair: Pair): MatchedVertices | undefined {
     const key = this.keyOf(pair);
-    const kept = this.found.get(key) ?? meetingOf(pair.start);
+    const kept = this.found.get(key) ?? verticesOfMatch(pair.start);
     if (kept !== undefined) this.found.set(key, kept);
     return kept;
   }

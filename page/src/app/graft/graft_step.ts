@@ -9,7 +9,7 @@ type RequestPair = NonNullable<GraftFields["pairs"]>[number];
 export type OpenStart = NonNullable<Extract<EngineEvent, { event: "graft" }>["open_starts"]>[number];
 
 /** A vertex of the source and the vertex of the target that it matches. */
-export type Meeting = readonly [number, number];
+export type MatchedVertices = readonly [number, number];
 
 /** Two loops to be joined. Loop numbers are those of the engine's list; -1 if the loop is named in another way. */
 export interface Pair {
@@ -17,7 +17,7 @@ export interface Pair {
   readonly targetLoop: number;
   readonly start?: Match | undefined; // absent: found automatically
   readonly matches: readonly Match[];
-  /** How the document names the loops. */
+  /** The document's selections of the loops. */
   readonly source?: SelectionSpec;
   readonly target?: SelectionSpec;
 }
@@ -32,7 +32,7 @@ export interface GraftStep {
   readonly pose: "find" | "keep";
   readonly shape: "similar" | "ft05";
   readonly pairs: readonly Pair[];
-  /** Where the part is dropped, instead of pairs. */
+  /** The point where the part is dropped, instead of pairs. */
   readonly at: { vertex?: number; point?: Vector3Tuple; spin_deg?: number } | undefined;
   readonly size: number | undefined; // absent: found, or the part's own
   readonly normalAngleDeg: number;
@@ -94,7 +94,7 @@ export function pairsField(pairs: readonly Pair[]): RequestPair[] {
 }
 
 /** Returns the vertices of a match; undefined if it has points instead. */
-export function meetingOf(match: Match | undefined): Meeting | undefined {
+export function verticesOfMatch(match: Match | undefined): MatchedVertices | undefined {
   const [source, target] = match ?? [];
   return typeof source === "number" && typeof target === "number" ? [source, target] : undefined;
 }
@@ -109,42 +109,51 @@ export function withoutPair(pairs: readonly Pair[], index: number): Pair[] {
   return pairs.filter((_, i) => i !== index);
 }
 
-/** A dot on a loop: the start (0) or a match (from 1 on). */
-export interface DotRef {
+/** A match of a pair by number: the start (0) or a further match (from 1 on). */
+export interface MatchRef {
   readonly pair: number;
-  readonly dot: number;
+  readonly match: number;
 }
 
 /** Returns the matches of a pair: its start, given or found, then its other matches. */
-export function meetingsOf(pair: Pair, found: Meeting | undefined): (Meeting | undefined)[] {
-  return [meetingOf(pair.start) ?? found, ...pair.matches.map(meetingOf)];
+export function matchesOf(pair: Pair, found: MatchedVertices | undefined): (MatchedVertices | undefined)[] {
+  return [verticesOfMatch(pair.start) ?? found, ...pair.matches.map(verticesOfMatch)];
 }
 
-/** Returns the pairs with one dot moved. A found start becomes a given one. */
-export function withDotAt(pairs: readonly Pair[], { pair: index, dot }: DotRef, meeting: Meeting): Pair[] {
+/** Returns the pairs with one match moved. A found start becomes a given one. */
+export function withMovedMatch(
+  pairs: readonly Pair[],
+  { pair: index, match }: MatchRef,
+  vertices: MatchedVertices,
+): Pair[] {
   return pairs.map((pair, i) => {
     if (i !== index) return pair;
-    const match: Match = [meeting[0], meeting[1]];
-    if (dot === 0) return { ...pair, start: match };
-    return { ...pair, matches: pair.matches.map((old, k) => (k === dot - 1 ? match : old)) };
+    const moved: Match = [vertices[0], vertices[1]];
+    if (match === 0) return { ...pair, start: moved };
+    return { ...pair, matches: pair.matches.map((old, k) => (k === match - 1 ? moved : old)) };
   });
 }
 
 /** Returns the pairs with one more match. A found start becomes a given one, so that it stays. */
-export function withMatch(pairs: readonly Pair[], index: number, meeting: Meeting, found: Meeting | undefined): Pair[] {
+export function withMatch(
+  pairs: readonly Pair[],
+  index: number,
+  vertices: MatchedVertices,
+  found: MatchedVertices | undefined,
+): Pair[] {
   return pairs.map((pair, i) => {
     if (i !== index) return pair;
     const start: Match | undefined = pair.start ?? (found === undefined ? undefined : [found[0], found[1]]);
-    return { ...pair, start, matches: [...pair.matches, [meeting[0], meeting[1]] as Match] };
+    return { ...pair, start, matches: [...pair.matches, [vertices[0], vertices[1]] as Match] };
   });
 }
 
-/** Returns the pairs without one dot. A removed start is found again by the engine. */
-export function withoutDot(pairs: readonly Pair[], { pair: index, dot }: DotRef): Pair[] {
+/** Returns the pairs without one match. A removed start is found again by the engine. */
+export function withoutMatch(pairs: readonly Pair[], { pair: index, match }: MatchRef): Pair[] {
   return pairs.map((pair, i) => {
     if (i !== index) return pair;
-    if (dot === 0) return { ...pair, start: undefined };
-    return { ...pair, matches: pair.matches.filter((_, k) => k !== dot - 1) };
+    if (match === 0) return { ...pair, start: undefined };
+    return { ...pair, matches: pair.matches.filter((_, k) => k !== match - 1) };
   });
 }
 

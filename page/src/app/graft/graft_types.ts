@@ -7,7 +7,7 @@ import type { LoopCurve } from "./loop_curve";
 export type GraftReport = Extract<EngineEvent, { event: "graft" }>;
 export type PartSource = { path: string } | { sample: string; resolution?: number } | { upload: string };
 export type GraftTool = "loops" | "plane" | "stroke" | "fixed" | "drop";
-/** How the two objects are shown: the result, the result with the part beside it, or both objects as they were. */
+/** The objects shown: the result, the result and the part, or both objects as they were. */
 export type Arrangement = "result" | "both" | "apart";
 
 /** The model or a part, as listed by the engine. */

@@ -77,26 +77,26 @@ export interface ShownSize {
 export function shownSize(graft: Graft, sidesOf: (mesh: number) => readonly number[] | undefined): ReadonlySignal<ShownSize> {
   const ofPreview = computed(() => sizeOf(graft.preview.value));
   return computed(() => {
-    const things = graft.things.value.filter((thing) => graft.shownMeshes.value.has(thing.mesh));
+    const objects = graft.objects.value.filter((object) => graft.shownMeshes.value.has(object.mesh));
     const isPreviewed = graft.preview.value !== null && graft.arrangement.value !== "apart";
     const result = isPreviewed ? ofPreview.value : undefined;
-    const sum = (of: (thing: { vertices: number; faces: number }) => number) =>
-      [...things, ...(result === undefined ? [] : [result])].reduce((all, thing) => all + of(thing), 0);
-    const [only] = things;
-    const alone = result !== undefined ? (only === undefined ? result.sides : undefined) : things.length === 1 && only !== undefined ? sidesOf(only.mesh) : undefined;
-    return { vertices: sum((thing) => thing.vertices), faces: sum((thing) => thing.faces), sides: alone };
+    const sum = (of: (object: { vertices: number; faces: number }) => number) =>
+      [...objects, ...(result === undefined ? [] : [result])].reduce((all, object) => all + of(object), 0);
+    const [only] = objects;
+    const alone = result !== undefined ? (only === undefined ? result.sides : undefined) : objects.length === 1 && only !== undefined ? sidesOf(only.mesh) : undefined;
+    return { vertices: sum((object) => object.vertices), faces: sum((object) => object.faces), sides: alone };
   });
 }
 
 function sizeOf(frame: Graft["preview"]["value"]): { vertices: number; faces: number; sides: number[] } | undefined {
-  const places = frame?.floats("positions");
-  if (frame === null || places === undefined) return undefined;
+  const positions = frame?.floats("positions");
+  if (frame === null || positions === undefined) return undefined;
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  places.forEach((x, i) => {
+  positions.forEach((x, i) => {
     low[i % 3] = Math.min(low[i % 3] as number, x);
     high[i % 3] = Math.max(high[i % 3] as number, x);
   });
   const faces = (frame.indices("triangles")?.length ?? 0) / 3;
-  return { vertices: places.length / 3, faces, sides: high.map((most, k) => most - (low[k] as number)) };
+  return { vertices: positions.length / 3, faces, sides: high.map((most, k) => most - (low[k] as number)) };
 }

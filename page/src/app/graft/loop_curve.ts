@@ -1,10 +1,10 @@
 // Boundary loops as curves parametrised by arc length. No state, no screen.
-import type { Meeting } from "./graft_step";
+import type { MatchedVertices } from "./graft_step";
 
 /** A closed loop of vertices with arc-length parameters: 0 at the first vertex, below 1 at all others. */
 export class LoopCurve {
   readonly length: number;
-  private readonly arcs: Float64Array;
+  private readonly parameters: Float64Array;
   private readonly indexOfVertex = new Map<number, number>();
 
   constructor(
@@ -12,15 +12,15 @@ export class LoopCurve {
     positions: Float32Array,
   ) {
     const n = vertices.length;
-    this.arcs = new Float64Array(n);
+    this.parameters = new Float64Array(n);
     let length = 0;
     for (let i = 0; i < n; ++i) {
-      this.arcs[i] = length;
+      this.parameters[i] = length;
       this.indexOfVertex.set(vertices[i] as number, i);
       length += distance(positions, vertices[i] as number, vertices[(i + 1) % n] as number);
     }
     this.length = length;
-    if (length > 0) for (let i = 0; i < n; ++i) this.arcs[i] = (this.arcs[i] as number) / length;
+    if (length > 0) for (let i = 0; i < n; ++i) this.parameters[i] = (this.parameters[i] as number) / length;
   }
 
   has(vertex: number): boolean {
@@ -28,16 +28,16 @@ export class LoopCurve {
   }
 
   /** Returns the parameter of a vertex; undefined if it is not on this loop. */
-  arcOf(vertex: number): number | undefined {
+  parameterOf(vertex: number): number | undefined {
     const index = this.indexOfVertex.get(vertex);
-    return index === undefined ? undefined : this.arcs[index];
+    return index === undefined ? undefined : this.parameters[index];
   }
 
   /** Returns the vertex nearest to a parameter of the loop. */
-  vertexAt(arc: number): number {
+  vertexAt(parameter: number): number {
     let best = 0;
-    for (let i = 1; i < this.arcs.length; ++i)
-      if (Math.abs(between(this.arcs[i] as number, arc)) < Math.abs(between(this.arcs[best] as number, arc))) best = i;
+    const distanceTo = (i: number) => Math.abs(between(this.parameters[i] as number, parameter));
+    for (let i = 1; i < this.parameters.length; ++i) if (distanceTo(i) < distanceTo(best)) best = i;
     return this.vertices[best] as number;
   }
 }
@@ -49,19 +49,24 @@ export function between(from: number, to: number): number {
 
 /**
  * Returns the parameter on the target loop that matches a vertex of the source loop, given one match. The loops run
- * opposite ways.
+ * opposite parameters.
  */
-export function meetingPlace(source: LoopCurve, target: LoopCurve, start: Meeting, vertex: number): number | undefined {
-  const from = source.arcOf(start[0]);
-  const at = source.arcOf(vertex);
-  const to = target.arcOf(start[1]);
+export function matchingParameter(
+  source: LoopCurve,
+  target: LoopCurve,
+  start: MatchedVertices,
+  vertex: number,
+): number | undefined {
+  const from = source.parameterOf(start[0]);
+  const at = source.parameterOf(vertex);
+  const to = target.parameterOf(start[1]);
   return from === undefined || at === undefined || to === undefined ? undefined : to - (at - from);
 }
 
 /** Returns the twist of `start` relative to `base`, in degrees along the target loop: -180 to 180. */
-export function twistDeg(source: LoopCurve, target: LoopCurve, base: Meeting, start: Meeting): number {
-  const untwisted = meetingPlace(source, target, base, start[0]);
-  const now = target.arcOf(start[1]);
+export function twistDeg(source: LoopCurve, target: LoopCurve, base: MatchedVertices, start: MatchedVertices): number {
+  const untwisted = matchingParameter(source, target, base, start[0]);
+  const now = target.parameterOf(start[1]);
   return untwisted === undefined || now === undefined ? 0 : 360 * between(untwisted, now);
 }
 
@@ -69,17 +74,17 @@ export function twistDeg(source: LoopCurve, target: LoopCurve, base: Meeting, st
  * Returns the start that is twisted by `angleDeg` relative to `base`. Tries all vertices of both loops and takes the
  * closest pair, so that coarse loops turn finely, too.
  */
-export function twisted(source: LoopCurve, target: LoopCurve, base: Meeting, angleDeg: number): Meeting {
+export function twisted(source: LoopCurve, target: LoopCurve, base: MatchedVertices, angleDeg: number): MatchedVertices {
   let best = base;
   let least = Infinity;
   const many = Math.max(1, Math.floor(source.vertices.length / 256));
   for (let i = 0; i < source.vertices.length; i += many) {
     const vertex = source.vertices[i] as number;
-    const place = meetingPlace(source, target, base, vertex);
-    if (place === undefined) return base;
-    const wanted = place + angleDeg / 360;
+    const parameter = matchingParameter(source, target, base, vertex);
+    if (parameter === undefined) return base;
+    const wanted = parameter + angleDeg / 360;
     const found = target.vertexAt(wanted - Math.floor(wanted));
-    const off = Math.abs(between(target.arcOf(found) ?? 0, wanted)) + 1e-9 * Math.abs(between(source.arcOf(base[0]) ?? 0, source.arcOf(vertex) ?? 0));
+    const off = Math.abs(between(target.parameterOf(found) ?? 0, wanted)) + 1e-9 * Math.abs(between(source.parameterOf(base[0]) ?? 0, source.parameterOf(vertex) ?? 0));
     if (off < least) {
       least = off;
       best = [vertex, found];
@@ -92,30 +97,30 @@ export function twisted(source: LoopCurve, target: LoopCurve, base: Meeting, ang
  * Returns whether the matches are in the same order along both loops, which run opposite ways. Crossing matches are
  * refused.
  */
-export function areInOrder(source: LoopCurve, target: LoopCurve, meetings: readonly Meeting[]): boolean {
-  const first = meetings[0];
+export function areInOrder(source: LoopCurve, target: LoopCurve, matches: readonly MatchedVertices[]): boolean {
+  const first = matches[0];
   if (first === undefined) return true;
-  const from = (arc: number | undefined, origin: number | undefined) => {
-    const way = (arc ?? 0) - (origin ?? 0);
-    return way - Math.floor(way);
+  const from = (parameter: number | undefined, origin: number | undefined) => {
+    const difference = (parameter ?? 0) - (origin ?? 0);
+    return difference - Math.floor(difference);
   };
-  const ways = meetings.map(([s, t]): [number, number] => [
-    from(source.arcOf(s), source.arcOf(first[0])),
-    from(target.arcOf(first[1]), target.arcOf(t)),
+  const parameters = matches.map(([s, t]): [number, number] => [
+    from(source.parameterOf(s), source.parameterOf(first[0])),
+    from(target.parameterOf(first[1]), target.parameterOf(t)),
   ]);
-  ways.sort((a, b) => a[0] - b[0]);
-  return ways.every(([s, t], i) => {
-    const before = ways[i - 1];
+  parameters.sort((a, b) => a[0] - b[0]);
+  return parameters.every(([s, t], i) => {
+    const before = parameters[i - 1];
     return before === undefined || (s > before[0] && t > before[1]);
   });
 }
 
 /** Returns the vertex of a polyline on the page that is nearest to a point, and its distance in pixels. */
-export function nearestPlace(places: ArrayLike<number>, x: number, y: number): { index: number; distance: number } {
+export function nearestPoint(points: ArrayLike<number>, x: number, y: number): { index: number; distance: number } {
   let index = -1;
   let least = Infinity;
-  for (let i = 0; 2 * i + 1 < places.length; ++i) {
-    const far = ((places[2 * i] as number) - x) ** 2 + ((places[2 * i + 1] as number) - y) ** 2;
+  for (let i = 0; 2 * i + 1 < points.length; ++i) {
+    const far = ((points[2 * i] as number) - x) ** 2 + ((points[2 * i + 1] as number) - y) ** 2;
     if (far < least) {
       least = far;
       index = i;

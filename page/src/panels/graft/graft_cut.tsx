@@ -29,7 +29,7 @@ export function CutPanel({ page }: { page: Page }) {
             ]}
             onChange={(value) => {
               graft.tool.value = value === "none" ? "loops" : value;
-              if (value === "plane") page.graft.layPlane(graft.model.value?.mesh ?? -1, 2);
+              if (value === "plane") page.graft.setPlane(graft.model.value?.mesh ?? -1, 2);
             }}
           />
           {chosen === "none" && graft.lastCut.value !== null && graft.lastCut.value.keep !== "both" && (
@@ -59,37 +59,37 @@ export function CutInWork({ page }: { page: Page }) {
 function PlaneFields({ page }: { page: Page }) {
   const { graft } = page.editor;
   const { value: cut } = graft.cutPlane;
-  const things = graft.things.value.filter(
-    (thing) => thing.name === graft.model.value?.name || graft.isShown(thing),
+  const objects = graft.objects.value.filter(
+    (object) => object.name === graft.model.value?.name || graft.isShown(object),
   );
   const name = graft.byMesh(cut?.mesh ?? -1)?.name ?? graft.model.value?.name ?? "";
-  const place = cut === null ? undefined : page.graft.planePlace();
+  const plane = cut === null ? undefined : page.graft.planeOffset();
   return (
     <>
       <Select
         label="Of"
         value={name}
         help="What is cut."
-        choices={things.map((thing) => ({ value: thing.name, label: thing.name }))}
-        onChange={(value) => page.graft.layPlane(graft.named(value)?.mesh ?? -1, 2)}
+        choices={objects.map((object) => ({ value: object.name, label: object.name }))}
+        onChange={(value) => page.graft.setPlane(graft.byName(value)?.mesh ?? -1, 2)}
       />
       <div class="buttons" role="group" aria-label="Across an axis">
         {(["X", "Y", "Z"] as const).map((axis, k) => (
           <Button
             key={axis}
             label={`Across ${axis}`}
-            onClick={() => page.graft.layPlane(cut?.mesh ?? graft.model.value?.mesh ?? -1, k as 0 | 1 | 2)}
+            onClick={() => page.graft.setPlane(cut?.mesh ?? graft.model.value?.mesh ?? -1, k as 0 | 1 | 2)}
           />
         ))}
       </div>
-      {place !== undefined && (
+      {plane !== undefined && (
         <Slider
           label="Place"
-          min={-place.reach}
-          max={place.reach}
-          step={place.reach / 50}
+          min={-plane.limit}
+          max={plane.limit}
+          step={plane.limit / 50}
           digits={3}
-          value={place.offset}
+          value={plane.offset}
           help="Along the plane's normal, from the middle."
           onInput={(value) => page.graft.movePlane(value)}
           onChange={(value) => page.graft.movePlane(value)}

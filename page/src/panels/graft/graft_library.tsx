@@ -22,7 +22,7 @@ export function PartLibrary({ page }: { page: Page }) {
   const { editor } = page;
   const { value: welcome } = editor.welcome;
   const roots = welcome?.folders ?? [];
-  const [place, setPlace] = useState<string>((welcome?.models.length ?? 0) > 0 ? (roots[0] ?? "samples") : "samples");
+  const [location, setLocation] = useState<string>((welcome?.models.length ?? 0) > 0 ? (roots[0] ?? "samples") : "samples");
   const input = useRef<HTMLInputElement>(null);
   return (
     <Section
@@ -34,9 +34,9 @@ export function PartLibrary({ page }: { page: Page }) {
       <div class="library-bar">
         <select
           aria-label="Where parts come from"
-          data-tip={place === "samples" ? undefined : place}
-          value={place}
-          onChange={(event) => setPlace(event.currentTarget.value)}
+          data-tip={location === "samples" ? undefined : location}
+          value={location}
+          onChange={(event) => setLocation(event.currentTarget.value)}
         >
           <option value="samples">Samples</option>
           {roots.map((root) => (
@@ -64,10 +64,10 @@ export function PartLibrary({ page }: { page: Page }) {
           }}
         />
       </div>
-      {place === "samples" ? (
+      {location === "samples" ? (
         <SampleParts page={page} />
       ) : (
-        <FolderParts key={place} page={page} root={place} />
+        <FolderParts key={location} page={page} root={location} />
       )}
     </Section>
   );

@@ -3,7 +3,7 @@ import type { Arrangement } from "../../app/graft/graft";
 import { cssColour, pairColour } from "../../app/graft/graft_colours";
 import { asTyped } from "../../app/units";
 import type { GraftFields, GraftStep, OpenStart } from "../../app/graft/graft_step";
-import { withoutDot, withoutPair } from "../../app/graft/graft_step";
+import { withoutMatch, withoutPair } from "../../app/graft/graft_step";
 import { pairingWords } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
 import { PartLibrary } from "./graft_library";
@@ -77,7 +77,7 @@ function GraftPanel({ page }: { page: Page }) {
       <MirrorField
         step={step}
         keep={keep}
-        middle={() => page.graft.middleOf(graft.source.value?.mesh ?? -1)}
+        middle={() => page.graft.centreOf(graft.source.value?.mesh ?? -1)}
       />
       {step.at === undefined && <PoseFields page={page} step={step} />}
       <More label="More of the graft">
@@ -141,7 +141,7 @@ function Pairs({ page }: { page: Page }) {
                       ? openWords(open)
                       : found
                         ? confidenceWords(confidence)
-                        : graft.takenStarts.value.has(String(pair.start))
+                        : graft.chosenStarts.value.has(String(pair.start))
                           ? "automatic, of several starts that fit alike"
                           : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}
                   </small>
@@ -165,7 +165,7 @@ function Pairs({ page }: { page: Page }) {
                   onClick={() =>
                     void graft.setPairs(
                       pairs.map((other, k) =>
-                        k === i ? { ...withoutDot([other], { pair: 0, dot: 0 })[0]!, matches: [] } : other,
+                        k === i ? { ...withoutMatch([other], { pair: 0, match: 0 })[0]!, matches: [] } : other,
                       ),
                     )
                   }

@@ -34,12 +34,12 @@ export function NumberField(props: NumberFieldProps) {
   const saysId = useId();
   const shown = formatNumber(value, props.digits, props.decimals);
   const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
-  const bad = parsed === undefined || (typed !== null && !takes(parsed, props));
+  const bad = parsed === undefined || (typed !== null && !isInRange(parsed, props));
   const [told, setTold] = useState(false);
   useEffect(() => {
     // A refused input and its message stay until the input changes or the field loses focus.
     if (!told || typed !== null) return undefined;
-    const timer = setTimeout(() => setTold(false), tellingMs);
+    const timer = setTimeout(() => setTold(false), messageMs);
     return () => clearTimeout(timer);
   }, [told, typed]);
   /** Commits the typed text. Returns whether it is valid. */
@@ -68,8 +68,8 @@ export function NumberField(props: NumberFieldProps) {
     const next = Number(inForm((parsed ?? value) + by, props).toPrecision(12));
     setTyped(null);
     const kept = Math.min(props.max ?? Infinity, Math.max(props.min ?? -Infinity, next));
-    setTold(!takes(next, props));
-    if (takes(kept, props) && kept !== value) onChange(kept);
+    setTold(!isInRange(next, props));
+    if (isInRange(kept, props) && kept !== value) onChange(kept);
   };
   return (
     <span class={`number ${bad ? "bad" : ""} ${disabled === true ? "disabled" : ""}`} data-tip={props.tip}>
@@ -103,7 +103,7 @@ export function NumberField(props: NumberFieldProps) {
   );
 }
 
-const tellingMs = 4000;
+const messageMs = 4000;
 
 type Range = Pick<NumberFieldProps, "min" | "max" | "above" | "integer">;
 
@@ -112,7 +112,7 @@ function inForm(value: number, { integer }: Range): number {
 }
 
 /** Returns whether a number is within a range. */
-export function takes(value: number, { min = -Infinity, max = Infinity, above = -Infinity }: Range): boolean {
+export function isInRange(value: number, { min = -Infinity, max = Infinity, above = -Infinity }: Range): boolean {
   return value >= min && value <= max && (value > above || above === -Infinity);
 }
 

@@ -23,18 +23,18 @@ interface MenuProps {
 
 /** A button that opens a list of commands. Arrows, home, end and escape work as usual in menus. */
 export function Menu({ label, items, icon, children, class: name }: MenuProps) {
-  const [place, setPlace] = useState<{ x: number; y: number; up: boolean } | null>(null);
+  const [position, setPosition] = useState<{ x: number; y: number; up: boolean } | null>(null);
   const button = useRef<HTMLButtonElement>(null);
   const list = useRef<HTMLDivElement>(null);
   const close = () => {
-    setPlace(null);
+    setPosition(null);
     button.current?.focus();
   };
   const open = () => {
     const box = button.current?.getBoundingClientRect();
     if (box === undefined) return;
     const up = box.bottom + 34 * items.length + 16 > window.innerHeight;
-    setPlace({
+    setPosition({
       x: Math.max(4, Math.min(box.left, window.innerWidth - 232)),
       y: up ? box.top : box.bottom,
       up,
@@ -42,15 +42,15 @@ export function Menu({ label, items, icon, children, class: name }: MenuProps) {
   };
   // Moves the focus before the list is painted, so that a key pressed right after opening goes to the list.
   useLayoutEffect(() => {
-    if (place === null) return undefined;
+    if (position === null) return undefined;
     list.current?.querySelector<HTMLElement>("[role=menuitem]:not([disabled])")?.focus();
     const outside = (event: PointerEvent) => {
       if (!(event.target instanceof Node)) return;
-      if (!list.current?.contains(event.target) && !button.current?.contains(event.target)) setPlace(null);
+      if (!list.current?.contains(event.target) && !button.current?.contains(event.target)) setPosition(null);
     };
     window.addEventListener("pointerdown", outside, true);
     return () => window.removeEventListener("pointerdown", outside, true);
-  }, [place]);
+  }, [position]);
   return (
     <>
       <button
@@ -58,25 +58,25 @@ export function Menu({ label, items, icon, children, class: name }: MenuProps) {
         ref={button}
         class={name ?? "icon-button"}
         aria-haspopup="menu"
-        aria-expanded={place !== null}
+        aria-expanded={position !== null}
         aria-label={label}
         data-label={label}
-        data-tip={place === null ? "" : undefined}
+        data-tip={position === null ? "" : undefined}
         onClick={(event) => {
           event.stopPropagation();
-          if (place === null) open();
+          if (position === null) open();
           else close();
         }}
       >
         {children ?? <Icon name={icon ?? "more"} />}
       </button>
-      {place !== null && (
+      {position !== null && (
         <div
           ref={list}
-          class={`menu ${place.up ? "up" : ""}`}
+          class={`menu ${position.up ? "up" : ""}`}
           role="menu"
           aria-label={label}
-          style={{ left: `${place.x}px`, top: `${place.y}px` }}
+          style={{ left: `${position.x}px`, top: `${position.y}px` }}
           onKeyDown={(event) => goInMenu(event, list.current, close)}
           onClick={(event) => event.stopPropagation()}
         >

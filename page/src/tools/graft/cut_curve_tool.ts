@@ -109,9 +109,9 @@ export class CutCurveTool implements Tool {
   private screenPoints(): ScreenPoint[] {
     const { value: curve } = this.graft.cutCurve;
     if (curve === null) return [];
-    const place = new Vector3();
+    const position = new Vector3();
     return curve.vertices.flatMap((v) => {
-      const at = this.view.place(curve.mesh, v, place);
+      const at = this.view.positionOf(curve.mesh, v, position);
       return at === undefined ? [] : [this.context.viewport.project(at)];
     });
   }

@@ -2,7 +2,7 @@ import type { Graft } from "../../app/graft/graft";
 import type { GraftFields } from "../../app/graft/graft_step";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Hit } from "../../view/picking/picking";
-import { meetSurface } from "../../view/picking/picking";
+import { raycastSurface } from "../../view/picking/picking";
 import type { ScreenPoint } from "../screen_camera";
 import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
 
@@ -51,9 +51,9 @@ export class DropTool implements Tool {
       move: (at) => this.hover(at, undefined),
       end: (at) => {
         this.hover(at, undefined);
-        if (this.canLand(at.screenPoint)) void this.finish();
+        if (this.isOverTarget(at.screenPoint)) void this.finish();
       },
-      cancel: () => this.giveUp(),
+      cancel: () => this.cancel(),
     };
   }
 
@@ -75,7 +75,7 @@ export class DropTool implements Tool {
   }
 
   escape(): boolean {
-    this.giveUp();
+    this.cancel();
     return true;
   }
 
@@ -111,23 +111,23 @@ export class DropTool implements Tool {
   /** Grafts the part at its current point. */
   async finish(): Promise<void> {
     const fields = this.fields();
-    if (fields === undefined) return this.giveUp();
+    if (fields === undefined) return this.cancel();
     const done = this.graft.endDrop(fields);
     this.end();
     await done;
   }
-  /** Cancels the drop and says why: the part was released beside the surface. */
-  async miss(): Promise<void> {
-    const done = this.graft.missDropped();
+  /** Cancels the drop and says why: the part was released off the surface. */
+  async cancelMissed(): Promise<void> {
+    const done = this.graft.cancelMissedDrop();
     this.end();
     await done;
   }
-  giveUp(): void {
-    if (this.graft.dropped.value !== null) void this.graft.leaveDropped();
+  cancel(): void {
+    if (this.graft.dropped.value !== null) void this.graft.cancelDrop();
     this.end();
   }
   /** Returns whether the target's surface is under this point. */
-  canLand(screenPoint: ScreenPoint): boolean {
+  isOverTarget(screenPoint: ScreenPoint): boolean {
     return this.pointUnder(screenPoint) !== undefined;
   }
   private end(): void {
@@ -140,10 +140,10 @@ export class DropTool implements Tool {
   private pointUnder({ x, y }: ScreenPoint): [number, number, number] | undefined {
     const { viewport } = this.context;
     const target = this.graft.kept.value?.target ?? this.graft.model.value?.name;
-    const surface = viewport.surfaceOf(this.graft.named(target)?.mesh ?? -1);
+    const surface = viewport.surfaceOf(this.graft.byName(target)?.mesh ?? -1);
     if (surface === undefined) return undefined;
-    const ray = viewport.rayAt(x, y).applyMatrix4(this.view.targetStand.clone().invert());
-    const point = meetSurface(surface, viewport.treeOf(surface), ray)?.point;
+    const ray = viewport.rayAt(x, y).applyMatrix4(this.view.targetMatrixWorld.clone().invert());
+    const point = raycastSurface(surface, viewport.treeOf(surface), ray)?.point;
     return point === undefined ? undefined : [point.x, point.y, point.z];
   }
 }

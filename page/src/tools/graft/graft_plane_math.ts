@@ -53,8 +53,8 @@ export function onBall(centre: Vector3, radius: number, rayOrigin: Vector3, rayD
   const middle = towards.dot(r);
   const off2 = towards.lengthSq() - middle * middle;
   const half = Math.sqrt(Math.max(0, radius * radius - off2));
-  const place = rayOrigin.clone().addScaledVector(r, middle - half).sub(centre);
-  return place.setLength(radius).add(centre);
+  const point = rayOrigin.clone().addScaledVector(r, middle - half).sub(centre);
+  return point.setLength(radius).add(centre);
 }
 
 /**

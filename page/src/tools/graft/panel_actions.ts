@@ -19,12 +19,12 @@ export class GraftPanelActions implements GraftActions {
 
   dragPart(add: () => Promise<string | undefined>, press: PointerEvent): void {
     if (press.button !== 0 || this.editor.graft.kept.value !== undefined) return;
-    let going: Promise<boolean> | undefined;
+    let begun: Promise<boolean> | undefined;
     let last: PointerEvent = press;
     const move = (event: PointerEvent) => {
       last = event;
       const far = Math.hypot(event.clientX - press.clientX, event.clientY - press.clientY);
-      if (going === undefined && far > dragPx) going = this.begin(add, () => this.follow(last));
+      if (begun === undefined && far > dragPx) begun = this.begin(add, () => this.follow(last));
       if (this.editor.graft.dropped.value !== null) this.follow(event);
     };
     const end = () => {
@@ -34,10 +34,10 @@ export class GraftPanelActions implements GraftActions {
     };
     const up = (event: PointerEvent) => {
       end();
-      if (going === undefined) return;
+      if (begun === undefined) return;
       window.addEventListener("click", swallow, { capture: true, once: true }); // the click on the thumbnail
       setTimeout(() => window.removeEventListener("click", swallow, { capture: true }));
-      void going.then((begun) => (begun ? this.finish(event) : undefined));
+      void begun.then((begun) => (begun ? this.finish(event) : undefined));
     };
     window.addEventListener("pointermove", move);
     window.addEventListener("pointerup", up);
@@ -60,45 +60,45 @@ export class GraftPanelActions implements GraftActions {
   private async finish(event: PointerEvent): Promise<void> {
     if (this.editor.graft.dropped.value === null) return; // the drop was cancelled
     const at = pointerOf(event);
-    if (this.isOverView(event) && this.dropTool.canLand(at.screenPoint)) {
+    if (this.isOverView(event) && this.dropTool.isOverTarget(at.screenPoint)) {
       this.dropTool.hover(at, undefined);
       await this.dropTool.finish();
-    } else await this.dropTool.miss();
+    } else await this.dropTool.cancelMissed();
   }
   private isOverView(event: PointerEvent): boolean {
     return document.elementFromPoint(event.clientX, event.clientY) === this.viewport.canvas;
   }
 
-  layPlane(mesh: number, axis: 0 | 1 | 2): void {
+  setPlane(mesh: number, axis: 0 | 1 | 2): void {
     const surface = this.viewport.surfaceOf(mesh);
     if (surface === undefined) return;
     const normal: Vector3Tuple = [0, 0, 0];
     normal[axis] = 1;
     this.editor.graft.tool.value = "plane";
-    this.editor.graft.cutPlane.value = { mesh, plane: { point: this.middleOf(mesh), normal } };
+    this.editor.graft.cutPlane.value = { mesh, plane: { point: this.centreOf(mesh), normal } };
     this.viewport.requestRender();
   }
-  planePlace(): { offset: number; reach: number } | undefined {
+  planeOffset(): { offset: number; limit: number } | undefined {
     const { value: cut } = this.editor.graft.cutPlane;
     const surface = this.viewport.surfaceOf(cut?.mesh ?? -1);
     if (cut === null || surface === undefined) return undefined;
     const normal = new Vector3(...cut.plane.normal);
     const size = surface.box.max.clone().sub(surface.box.min);
-    const reach = 0.5 * (Math.abs(normal.x) * size.x + Math.abs(normal.y) * size.y + Math.abs(normal.z) * size.z);
-    const offset = new Vector3(...cut.plane.point).sub(new Vector3(...this.middleOf(cut.mesh))).dot(normal);
-    return { offset: Math.abs(offset) < 1e-6 * reach ? 0 : offset, reach };
+    const limit = 0.5 * (Math.abs(normal.x) * size.x + Math.abs(normal.y) * size.y + Math.abs(normal.z) * size.z);
+    const offset = new Vector3(...cut.plane.point).sub(new Vector3(...this.centreOf(cut.mesh))).dot(normal);
+    return { offset: Math.abs(offset) < 1e-6 * limit ? 0 : offset, limit };
   }
   movePlane(offset: number): void {
     const { cutPlane } = this.editor.graft;
-    const place = this.planePlace();
-    if (cutPlane.value === null || place === undefined) return;
+    const current = this.planeOffset();
+    if (cutPlane.value === null || current === undefined) return;
     const { mesh, plane } = cutPlane.value;
-    const point = new Vector3(...plane.point).addScaledVector(new Vector3(...plane.normal), offset - place.offset);
+    const point = new Vector3(...plane.point).addScaledVector(new Vector3(...plane.normal), offset - current.offset);
     cutPlane.value = { mesh, plane: { point: point.toArray(), normal: plane.normal } };
     this.viewport.requestRender();
   }
 
-  middleOf(mesh: number): Vector3Tuple {
+  centreOf(mesh: number): Vector3Tuple {
     return this.viewport.surfaceOf(mesh)?.sphere().center.toArray() ?? [0, 0, 0];
   }
 

@@ -3,7 +3,7 @@ import type { Cut, Graft } from "../../app/graft/graft";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Viewport } from "../../view/viewport";
 import type { ScreenCamera, ScreenPoint } from "../screen_camera";
-import type { Act } from "../gesture";
+import type { GestureKind } from "../gesture";
 import { planeThroughLine, type CutPlane } from "./graft_plane_math";
 import type { Movable, Moved } from "../movable";
 import { axesOf, centreOf, type Placement } from "../pose_math";
@@ -17,7 +17,7 @@ const up = new Vector3(0, 0, 1);
 
 /** Maps the cutting plane to world coordinates, and lets the gizmo move and turn it. */
 export class PlaneControl implements Movable {
-  readonly acts: readonly Act[] = ["move", "turn"];
+  readonly gestureKinds: readonly GestureKind[] = ["move", "turn"];
 
   constructor(
     private readonly viewport: Viewport,
@@ -57,39 +57,40 @@ export class PlaneControl implements Movable {
 
   /** Sets the cutting plane of a mesh from a plane in world coordinates. */
   set(mesh: number, { point, normal }: CutPlane): void {
-    const stand = this.view.standOf(mesh);
-    const own = point.clone().applyMatrix4(stand.clone().invert());
-    const turned = normalThrough(normal, stand.clone().invert());
+    const matrixWorld = this.view.matrixWorldOf(mesh);
+    const own = point.clone().applyMatrix4(matrixWorld.clone().invert());
+    const turned = normalThrough(normal, matrixWorld.clone().invert());
     this.graft.cutPlane.value = { mesh, plane: { point: own.toArray(), normal: turned.toArray() } };
     this.viewport.requestRender();
   }
   /** Returns the centre of a mesh as shown, in world coordinates. */
-  middleOf(mesh: number): Vector3 | undefined {
-    return this.viewport.surfaceOf(mesh)?.sphere().center.applyMatrix4(this.view.standOf(mesh));
+  centreOfMesh(mesh: number): Vector3 | undefined {
+    return this.viewport.surfaceOf(mesh)?.sphere().center.applyMatrix4(this.view.matrixWorldOf(mesh));
   }
   /** Returns the diagonal of a mesh's box as shown, in world units. */
   sizeOf(mesh: number): number {
-    const scale = Math.cbrt(Math.abs(this.view.standOf(mesh).determinant()));
+    const scale = Math.cbrt(Math.abs(this.view.matrixWorldOf(mesh).determinant()));
     return scale * (this.viewport.surfaceOf(mesh)?.box.diagonal ?? 1);
   }
   inWorld({ mesh, plane }: Cut): CutPlane {
-    const stand = this.view.standOf(mesh);
-    return { point: new Vector3(...plane.point).applyMatrix4(stand), normal: normalThrough(new Vector3(...plane.normal), stand) };
+    const matrixWorld = this.view.matrixWorldOf(mesh);
+    const point = new Vector3(...plane.point).applyMatrix4(matrixWorld);
+    return { point, normal: normalThrough(new Vector3(...plane.normal), matrixWorld) };
   }
 }
 
-// A `stand` matrix is a similarity, so normals transform as directions do.
+// The world matrix of a shown mesh is a similarity, so normals transform as directions do.
 function normalThrough(normal: Vector3, matrix: Matrix4): Vector3 {
   return normal.clone().transformDirection(matrix);
 }
 
 /**
  * Places the cutting plane through a line drawn across a model or a part and through the camera. The line may begin
- * beside the object. It cuts the object that it begins on or meets first.
+ * off the object. It cuts the object that it begins on or meets first.
  */
 export class CutPlaneTool implements Tool {
   readonly cursor = "crosshair";
-  readonly beginsBeside = true;
+  readonly beginsOffSurface = true;
   private readonly line = svg("path", { class: "cut-line", display: "none" });
 
   constructor(
@@ -109,7 +110,7 @@ export class CutPlaneTool implements Tool {
 
   press({ screenPoint: first }: Pointer, hit: Hit | undefined): Stroke | undefined {
     const { overlay } = this.context.viewport;
-    const follow = ({ screenPoint }: Pointer) => this.lay(hit ?? this.firstBetween(first, screenPoint), first, screenPoint);
+    const follow = ({ screenPoint }: Pointer) => this.setPlane(hit ?? this.firstBetween(first, screenPoint), first, screenPoint);
     return {
       move: (pointer) => {
         show(this.line, true);
@@ -124,7 +125,7 @@ export class CutPlaneTool implements Tool {
     };
   }
 
-  // Returns the first hit of a line that begins beside all surfaces.
+  // Returns the first hit of a line that begins off all surfaces.
   private firstBetween(first: ScreenPoint, last: ScreenPoint): Hit | undefined {
     const count = Math.ceil(Math.hypot(last.x - first.x, last.y - first.y) / betweenPicksPx);
     for (let i = 1; i <= count; ++i) {
@@ -135,19 +136,19 @@ export class CutPlaneTool implements Tool {
     return undefined;
   }
 
-  private lay(hit: Hit | undefined, first: ScreenPoint, last: ScreenPoint): void {
+  private setPlane(hit: Hit | undefined, first: ScreenPoint, last: ScreenPoint): void {
     if (hit === undefined || Math.hypot(last.x - first.x, last.y - first.y) < 12) return;
     const { camera } = this.context;
     const [a, b] = [atDepthOf(camera, hit.point, first), atDepthOf(camera, hit.point, last)];
     const plane = planeThroughLine(a, b, camera.towards(a), camera.towards(b));
-    if (plane !== undefined) this.control.set(hit.surface.id, this.throughMiddle(plane, hit));
+    if (plane !== undefined) this.control.set(hit.surface.id, this.withPointInMesh(plane, hit));
   }
 
   // Moves the plane's point to the point of the plane nearest to the mesh's centre, so that the gizmo is inside the
   // mesh.
-  private throughMiddle({ point, normal }: CutPlane, hit: Hit): CutPlane {
-    const middle = this.control.middleOf(hit.surface.id) ?? point;
-    return { point: middle.addScaledVector(normal, point.clone().sub(middle).dot(normal)), normal };
+  private withPointInMesh({ point, normal }: CutPlane, hit: Hit): CutPlane {
+    const centre = this.control.centreOfMesh(hit.surface.id) ?? point;
+    return { point: centre.addScaledVector(normal, point.clone().sub(centre).dot(normal)), normal };
   }
 }
 

@@ -33,8 +33,8 @@ export class PlaneView {
       this.tint(this.group.visible ? surface : undefined, cut);
       if (cut === null || surface === undefined) return;
       const { point, normal } = control.inWorld(cut);
-      const middle = control.middleOf(cut.mesh) ?? point;
-      const across = middle.clone().sub(point);
+      const centre = control.centreOfMesh(cut.mesh) ?? point;
+      const across = centre.clone().sub(point);
       this.group.position.copy(point).add(across.addScaledVector(normal, -across.dot(normal)));
       this.group.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal));
       this.group.scale.setScalar(0.6 * control.sizeOf(cut.mesh));

@@ -14,21 +14,22 @@ export class MatchLines {
   private line: LineSegments2 | undefined;
 
   /**
-   * `place` returns where a vertex of the source is shown. `stand` maps the target's coordinates to where it is shown.
+   * `positionOf` returns where a vertex of the source is shown. `targetMatrixWorld` maps the target's coordinates to
+   * where it is shown.
    */
-  show(frame: BinaryFrame, place: (vertex: number) => Vector3 | undefined, stand: Matrix4): void {
+  show(frame: BinaryFrame, positionOf: (vertex: number) => Vector3 | undefined, targetMatrixWorld: Matrix4): void {
     this.hide();
     const sources = frame.indices("line_sources") ?? new Uint32Array();
-    const places = frame.floats("line_places") ?? new Float32Array();
+    const targetPoints = frame.floats("line_places") ?? new Float32Array();
     const pairs = frame.indices("line_pairs") ?? new Uint32Array();
     const [ox = 0, oy = 0, oz = 0] = frame.header.offset ?? [];
     const each = Math.max(1, Math.ceil(sources.length / (mostLines * (1 + Math.max(0, ...pairs)))));
     const ends: number[] = [];
     const colours: number[] = [];
     for (let i = 0; i < sources.length; i += each) {
-      const from = place(sources[i] as number);
+      const from = positionOf(sources[i] as number);
       if (from === undefined) continue;
-      const to = new Vector3().fromArray(places, 3 * i).add(new Vector3(ox, oy, oz)).applyMatrix4(stand);
+      const to = new Vector3().fromArray(targetPoints, 3 * i).add(new Vector3(ox, oy, oz)).applyMatrix4(targetMatrixWorld);
       const colour = pairColour(pairs[i] ?? 0);
       ends.push(...from, ...to);
       colours.push(...colour, ...colour);
@@ -64,7 +65,7 @@ export class Ghost {
     if (this.of !== surface) {
       this.hide();
       this.of = surface;
-      this.mesh = new Mesh(surface.geometry, veil);
+      this.mesh = new Mesh(surface.geometry, ghostMaterial);
       this.mesh.frustumCulled = false;
       this.mesh.renderOrder = 3;
       this.mesh.position.copy(surface.object.position);
@@ -81,7 +82,7 @@ export class Ghost {
   }
 }
 
-const veil = new ShaderMaterial({
+const ghostMaterial = new ShaderMaterial({
   vertexShader: /* glsl */ `
     varying vec3 shownNormal, seenFrom;
     void main() {

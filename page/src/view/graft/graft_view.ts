@@ -3,7 +3,7 @@ import { Group, Matrix4, Vector3 } from "three";
 import type { Graft, LoopRef, MeshObject } from "../../app/graft/graft";
 import type { Rows4, Vector3Tuple } from "../../app/graft/graft_step";
 import type { BinaryFrame } from "../../engine/binary_frame";
-import { standBeside, type Box } from "./beside";
+import { layOutParts, type Box } from "./part_layout";
 import { partColour, seamColour } from "../../app/graft/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
 import { LoopLines } from "./loop_lines";
@@ -18,8 +18,8 @@ export class GraftView {
   private readonly lines = new MatchLines();
   private readonly ghost = new Ghost();
   private preview: { frame: BinaryFrame; surface: Surface } | undefined;
-  private readonly sides = new Map<string, Vector3Tuple>(); // directions of parts as seen from the model
-  private framed = ""; // key of the objects in the last framed picture
+  private readonly directions = new Map<string, Vector3Tuple>(); // directions of parts as seen from the model
+  private framedKey = ""; // key of the objects in the last framed picture
 
   constructor(
     private readonly viewport: Viewport,
@@ -44,38 +44,38 @@ export class GraftView {
   }
 
   /** Returns where a vertex of a mesh is shown, in world coordinates. */
-  place(mesh: number, vertex: number, out = new Vector3()): Vector3 | undefined {
+  positionOf(mesh: number, vertex: number, out = new Vector3()): Vector3 | undefined {
     const surface = this.viewport.surfaceOf(mesh);
-    const stand = this.viewport.parts.get(mesh)?.stand;
+    const matrix = this.viewport.parts.get(mesh)?.matrixWorld;
     if (surface === undefined) return undefined;
-    surface.place(vertex, out);
-    return stand === undefined ? out : out.applyMatrix4(stand);
+    surface.positionOf(vertex, out);
+    return matrix === undefined ? out : out.applyMatrix4(matrix);
   }
 
   /** Returns the centre of a mesh's box where it is shown. */
-  middleOf(mesh: number): Vector3 {
-    const middle = this.viewport.surfaceOf(mesh)?.sphere().center ?? new Vector3();
-    return middle.applyMatrix4(this.standOf(mesh));
+  centreOf(mesh: number): Vector3 {
+    const centre = this.viewport.surfaceOf(mesh)?.sphere().center ?? new Vector3();
+    return centre.applyMatrix4(this.matrixWorldOf(mesh));
   }
 
   /** Returns the map from a mesh's own coordinates to where it is shown. */
-  standOf(mesh: number): Matrix4 {
-    return this.viewport.parts.get(mesh)?.stand ?? new Matrix4();
+  matrixWorldOf(mesh: number): Matrix4 {
+    return this.viewport.parts.get(mesh)?.matrixWorld ?? new Matrix4();
   }
 
   /** Returns whether the mesh itself is visible. */
-  isSeen(mesh: number): boolean {
+  isVisible(mesh: number): boolean {
     const part = this.viewport.parts.get(mesh);
     return part?.group.visible ?? this.viewport.surfaces.get(mesh)?.object.visible ?? false;
   }
 
   /** Returns the loops that can be clicked now. */
-  clickable(): LoopRef[] {
+  clickableLoops(): LoopRef[] {
     return this.loops.refs();
   }
 
   /** The map from the target's coordinates to where they are shown. */
-  get targetStand(): Matrix4 {
+  get targetMatrixWorld(): Matrix4 {
     return this.group.matrix;
   }
 
@@ -89,56 +89,56 @@ export class GraftView {
       const shown = viewport.parts.get(part.mesh);
       if (shown !== undefined) shown.group.visible = on && shows.has(part.mesh);
     }
-    this.standParts(shows);
+    this.arrangeParts(shows);
     const target = viewport.parts.get(graft.target.value?.mesh ?? -1);
-    this.group.matrix.copy(target?.stand ?? new Matrix4());
+    this.group.matrix.copy(target?.matrixWorld ?? new Matrix4());
     this.group.updateMatrixWorld(true);
     this.showPreview(on);
     this.drawLoops(on, shows);
     this.drawLines(on, shows);
     this.drawGhost(on);
-    viewport.measure();
+    viewport.updateBounds();
     this.frameIfNew(on, shows);
     viewport.requestRender();
   }
 
-  private standParts(shows: ReadonlySet<number>): void {
+  private arrangeParts(shows: ReadonlySet<number>): void {
     const { graft, viewport } = this;
     const main = viewport.main;
     if (main === undefined) return;
-    for (const name of this.sides.keys()) if (graft.named(name) === undefined) this.sides.delete(name);
+    for (const name of this.directions.keys()) if (graft.byName(name) === undefined) this.directions.delete(name);
     const posed = graft.step.value?.pose === "keep" ? graft.source.value?.mesh : undefined;
-    const beside = graft.parts.value.filter((part) => part.mesh !== posed && this.standsBeside(part, shows));
-    const surfaces = beside.map((part) => viewport.parts.get(part.mesh)).filter((part) => part !== undefined);
-    const boxes = beside.flatMap(({ mesh, name }) => {
+    const arranged = graft.parts.value.filter((part) => part.mesh !== posed && this.isArranged(part, shows));
+    const surfaces = arranged.map((part) => viewport.parts.get(part.mesh)).filter((part) => part !== undefined);
+    const boxes = arranged.flatMap(({ mesh, name }) => {
       const part = viewport.parts.get(mesh);
-      return part === undefined ? [] : [{ ...boxOf(part.surface), towards: this.sideOf(name) }];
+      return part === undefined ? [] : [{ ...boxOf(part.surface), towards: this.directionOf(name) }];
     });
-    const stands = standBeside(boxOf(main), boxes);
+    const transforms = layOutParts(boxOf(main), boxes);
     surfaces.forEach((part, i) => {
-      const { scale = 1, offset = [0, 0, 0] } = stands[i] ?? {};
-      part.stand = new Matrix4().makeScale(scale, scale, scale).setPosition(...offset);
+      const { scale = 1, offset = [0, 0, 0] } = transforms[i] ?? {};
+      part.matrixWorld = new Matrix4().makeScale(scale, scale, scale).setPosition(...offset);
     });
     const part = posed === undefined ? undefined : viewport.parts.get(posed);
-    if (part !== undefined) part.stand = this.posedAt();
+    if (part !== undefined) part.matrixWorld = this.keptPose();
   }
 
   // A part is placed to the camera's right at the time it was added, and stays there while the view turns.
-  private sideOf(part: string): Vector3Tuple {
-    const known = this.sides.get(part);
+  private directionOf(part: string): Vector3Tuple {
+    const known = this.directions.get(part);
     if (known !== undefined) return known;
-    const side = this.viewport.navigation.rightward().toArray();
-    if (this.graft.mode.value === "graft") this.sides.set(part, side);
-    return side;
+    const direction = this.viewport.navigation.rightward().toArray();
+    if (this.graft.mode.value === "graft") this.directions.set(part, direction);
+    return direction;
   }
 
-  // A part that is in the result keeps its place in the row, so that the others do not move.
-  private standsBeside(part: MeshObject, shows: ReadonlySet<number>): boolean {
+  // A part that is in the result keeps its position in the row, so that the others do not move.
+  private isArranged(part: MeshObject, shows: ReadonlySet<number>): boolean {
     return shows.has(part.mesh) || part.name === this.graft.step.value?.source || part.name === this.graft.step.value?.target;
   }
 
   /** Returns the map of a part that keeps its pose, before it deforms. */
-  private posedAt(): Matrix4 {
+  private keptPose(): Matrix4 {
     const rows = this.graft.transform.value ?? this.graft.step.value?.sourceTransform;
     return rows === undefined ? new Matrix4() : matrixOfRows(rows);
   }
@@ -159,7 +159,7 @@ export class GraftView {
     }
     const isShown = on && this.graft.arrangement.value !== "apart";
     if (this.preview !== undefined) this.preview.surface.object.visible = isShown;
-    untracked(() => this.viewport.showInstead(isShown ? this.preview?.surface : undefined));
+    untracked(() => this.viewport.showReplacement(isShown ? this.preview?.surface : undefined));
     if (before !== this.preview) before?.surface.dispose();
   }
 
@@ -184,7 +184,7 @@ export class GraftView {
     const { value: frame } = this.graft.preview;
     const source = this.graft.source.value?.mesh ?? -1;
     if (!on || frame === null || !shows.has(source)) return this.lines.hide();
-    this.lines.show(frame, (vertex) => this.place(source, vertex), this.group.matrix);
+    this.lines.show(frame, (vertex) => this.positionOf(source, vertex), this.group.matrix);
   }
 
   private drawGhost(on: boolean): void {
@@ -198,21 +198,21 @@ export class GraftView {
 
   /** Frames everything when the shown objects change. A dropped part causes this only if it reaches out of the view. */
   private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
-    const { away, dragged, step } = this.graft;
-    if (away.value !== null || dragged.value !== null) return;
+    const { isBeingDropped, dragged, step } = this.graft;
+    if (isBeingDropped.value !== null || dragged.value !== null) return;
     const there = [...shows].filter((mesh) => this.viewport.surfaceOf(mesh) !== undefined);
     const key = on ? `${there.sort().join()} ${this.preview?.surface.object.visible === true}` : "";
-    if (key === this.framed) return;
-    const grew = this.framed !== "" || shows.size > 1;
-    this.framed = key;
-    if (step.value?.at !== undefined && this.seesPart()) return;
+    if (key === this.framedKey) return;
+    const grew = this.framedKey !== "" || shows.size > 1;
+    this.framedKey = key;
+    if (step.value?.at !== undefined && this.isPartInView()) return;
     if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));
   }
 
-  private seesPart(): boolean {
+  private isPartInView(): boolean {
     if (this.preview === undefined) return true;
     const { frame, surface } = this.preview;
-    return untracked(() => this.viewport.sees(surface, verticesFrom(frame, 1)));
+    return untracked(() => this.viewport.isInView(surface, verticesFrom(frame, 1)));
   }
 }
 

@@ -49,11 +49,11 @@ export class LoopLines {
   private draw(ref: LoopRef, of: ShownLoop): void {
     const surface = this.viewport.surfaceOf(ref.mesh);
     if (surface === undefined || of.vertices.length < 2) return;
-    const places = new Float32Array(3 * (of.vertices.length + 1));
+    const positions = new Float32Array(3 * (of.vertices.length + 1));
     for (let i = 0; i <= of.vertices.length; ++i)
       for (let k = 0; k < 3; ++k)
-        places[3 * i + k] = surface.positions[3 * (of.vertices[i % of.vertices.length] as number) + k] ?? 0;
-    const geometry = new LineGeometry().setPositions(places);
+        positions[3 * i + k] = surface.positions[3 * (of.vertices[i % of.vertices.length] as number) + k] ?? 0;
+    const geometry = new LineGeometry().setPositions(positions);
     const front = new Line2(geometry, new LineMaterial({ linewidth: 4 }));
     const behind = new Line2(geometry, new LineMaterial({ linewidth: 3, transparent: true, opacity: 0.25, depthTest: false }));
     const group = new Group();

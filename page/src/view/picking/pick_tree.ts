@@ -1,7 +1,7 @@
 import { Box3, BufferAttribute, BufferGeometry, DoubleSide, Ray, Sphere, Vector3 } from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { MeshWork, type FromWorker } from "../surface/mesh_work";
-import { meetTriangles, type RayHit } from "./ray";
+import { raycastTriangles, type RayHit } from "./ray";
 import type { Surface } from "../surface/surface";
 
 const refittedHere = 200_000; // triangles up to which the page itself refits the tree, in some milliseconds
@@ -37,7 +37,7 @@ export class PickTree {
     const tree = this.current();
     if (tree === undefined) {
       const { positions, triangles } = this.surface;
-      return meetTriangles(
+      return raycastTriangles(
         positions,
         triangles,
         [origin.x, origin.y, origin.z],

@@ -14,12 +14,12 @@ export interface Hit {
 }
 
 /** Returns the nearest triangle of the shown surface that a world ray meets. */
-export function meetSurface(surface: Surface, tree: PickTree, ray: Ray): (Hit & { distance: number }) | undefined {
+export function raycastSurface(surface: Surface, tree: PickTree, ray: Ray): (Hit & { distance: number }) | undefined {
   const origin = ray.origin.clone().sub(surface.object.position);
   const met = tree.raycast(origin, ray.direction);
   if (met === undefined) return undefined;
   const corners = [0, 1, 2].map((k) => surface.triangles[3 * met.face + k] as number);
-  const [a, b, c] = corners.map((v) => surface.place(v)) as [Vector3, Vector3, Vector3];
+  const [a, b, c] = corners.map((v) => surface.positionOf(v)) as [Vector3, Vector3, Vector3];
   const point = ray.at(met.distance, new Vector3());
   const normal = new Vector3().crossVectors(b.clone().sub(a), c.clone().sub(a)).normalize();
   const distances = [a, b, c].map((corner) => corner.distanceToSquared(point));
@@ -29,13 +29,13 @@ export function meetSurface(surface: Surface, tree: PickTree, ray: Ray): (Hit & 
 }
 
 /** Maps points to pixels of the page: a 4×4 matrix in column-major order, then the canvas's box. */
-export interface Projection {
+export interface ClipTransform {
   matrix: ArrayLike<number>; // projection × view × translation of the surface
   box: DOMRect;
 }
 
 /** Returns the vertices whose projection is inside a polygon (pixels of the page), ascending. */
-export function verticesInPolygon(surface: Surface, { matrix, box }: Projection, polygon: Polygon): Uint32Array {
+export function verticesInPolygon(surface: Surface, { matrix, box }: ClipTransform, polygon: Polygon): Uint32Array {
   const test = new PolygonTest(polygon);
   const p = surface.positions;
   const found: number[] = [];
@@ -60,15 +60,21 @@ type SixteenNumbers = [...Four, ...Four, ...Four, ...Four];
  * Returns the vertices in a ball around a hit, ascending. Without `through`: only those connected to the hit by
  * triangles that face the camera.
  */
-export function verticesNear(hit: Hit, tree: PickTree, radius: number, through: boolean, eye: Vector3): Uint32Array {
+export function verticesNear(
+  hit: Hit,
+  tree: PickTree,
+  radius: number,
+  through: boolean,
+  cameraPosition: Vector3,
+): Uint32Array {
   const { surface } = hit;
   const centre = hit.point.clone().sub(surface.object.position);
-  const groups = new Joined();
+  const groups = new DisjointSets();
   const inside = new Set<number>();
   const square = radius * radius;
-  const seenFrom = eye.clone().sub(surface.object.position);
+  const ownCameraPosition = cameraPosition.clone().sub(surface.object.position);
   tree.facesNear(centre, radius, (face) => {
-    if (!through && !facesEye(surface, face, seenFrom, hit.facing)) return;
+    if (!through && !facesCamera(surface, face, ownCameraPosition, hit.facing)) return;
     let first = -1;
     for (let k = 0; k < 3; ++k) {
       const v = surface.triangles[3 * face + k] as number;
@@ -83,17 +89,17 @@ export function verticesNear(hit: Hit, tree: PickTree, radius: number, through: 
   return Uint32Array.from(near.length > 0 ? near : [hit.vertex]).sort();
 }
 
-function facesEye(surface: Surface, face: number, eye: Vector3, front: boolean): boolean {
+function facesCamera(surface: Surface, face: number, cameraPosition: Vector3, front: boolean): boolean {
   const p = surface.positions;
   const [a, b, c] = [0, 1, 2].map((k) => 3 * (surface.triangles[3 * face + k] as number)) as [number, number, number];
   const corner = new Vector3().fromArray(p, a);
   const u = new Vector3().fromArray(p, b).sub(corner);
   const v = new Vector3().fromArray(p, c).sub(corner);
-  return u.cross(v).dot(corner.sub(eye)) < 0 === front;
+  return u.cross(v).dot(corner.sub(cameraPosition)) < 0 === front;
 }
 
 /** Disjoint sets of numbers (union–find). */
-class Joined {
+class DisjointSets {
   private readonly parent = new Map<number, number>();
   of(a: number): number {
     let root = a;

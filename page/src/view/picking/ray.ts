@@ -10,7 +10,7 @@ type Triple = readonly [number, number, number];
  * Returns the nearest triangle that the ray meets from either side. `triangles`: 3 indices each; `positions`: 3 numbers
  * each.
  */
-export function meetTriangles(
+export function raycastTriangles(
   positions: Float32Array,
   triangles: Uint32Array,
   origin: Triple,

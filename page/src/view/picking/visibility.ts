@@ -5,39 +5,44 @@ import type { Surface } from "../surface/surface";
 const mostRays = 20_000; // for single vertices; for more of them a depth grid is used
 
 /** The view's projection of points: the ray to a point, its depth and its pixel on the page. */
-export interface Sight {
+export interface ScreenProjector {
   /** Writes the vector from a point towards the camera to `out`. Its length is not 1. */
-  towardsEye(place: Vector3, out: Vector3): Vector3;
-  depthOf(place: Vector3): number;
-  pixelOf(place: Vector3): { x: number; y: number };
+  towardsCamera(position: Vector3, out: Vector3): Vector3;
+  depthOf(position: Vector3): number;
+  pixelOf(position: Vector3): { x: number; y: number };
   rayAt(x: number, y: number): Ray;
 }
 
 /** Returns those of `vertices` that face the camera and are not hidden by the surface. */
-export function seenVertices(surface: Surface, vertices: Uint32Array, tree: PickTree, sight: Sight): Uint32Array {
-  const front = facing(surface, vertices, sight);
+export function visibleVertices(
+  surface: Surface,
+  vertices: Uint32Array,
+  tree: PickTree,
+  projector: ScreenProjector,
+): Uint32Array {
+  const front = facing(surface, vertices, projector);
   if (!tree.prepare()) return front;
-  if (front.length <= mostRays) return front.filter((v) => !isHidden(surface, v, tree, sight));
-  const depths = new DepthGrid(surface, front, tree, sight);
-  const place = new Vector3();
-  return front.filter((v) => depths.shows(surface.place(v, place)));
+  if (front.length <= mostRays) return front.filter((v) => !isHidden(surface, v, tree, projector));
+  const depths = new DepthGrid(surface, front, tree, projector);
+  const position = new Vector3();
+  return front.filter((v) => depths.shows(surface.positionOf(v, position)));
 }
 
-function facing(surface: Surface, vertices: Uint32Array, sight: Sight): Uint32Array {
+function facing(surface: Surface, vertices: Uint32Array, projector: ScreenProjector): Uint32Array {
   const n = surface.normals;
-  const place = new Vector3();
+  const position = new Vector3();
   const towards = new Vector3();
   return vertices.filter((v) => {
-    sight.towardsEye(surface.place(v, place), towards);
+    projector.towardsCamera(surface.positionOf(v, position), towards);
     const along = (n[3 * v] as number) * towards.x + (n[3 * v + 1] as number) * towards.y;
     return along + (n[3 * v + 2] as number) * towards.z > 0;
   });
 }
 
-function isHidden(surface: Surface, v: number, tree: PickTree, sight: Sight): boolean {
-  const place = surface.place(v);
-  const towards = sight.towardsEye(place, new Vector3()).normalize();
-  const start = place.sub(surface.object.position).addScaledVector(towards, 3e-4 * surface.box.diagonal);
+function isHidden(surface: Surface, v: number, tree: PickTree, projector: ScreenProjector): boolean {
+  const position = surface.positionOf(v);
+  const towards = projector.towardsCamera(position, new Vector3()).normalize();
+  const start = position.sub(surface.object.position).addScaledVector(towards, 3e-4 * surface.box.diagonal);
   return tree.raycast(start, towards) !== undefined;
 }
 
@@ -55,12 +60,12 @@ class DepthGrid {
     surface: Surface,
     vertices: Uint32Array,
     tree: PickTree,
-    private readonly sight: Sight,
+    private readonly projector: ScreenProjector,
   ) {
     let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
-    const place = new Vector3();
+    const position = new Vector3();
     for (const v of vertices) {
-      const { x, y } = sight.pixelOf(surface.place(v, place));
+      const { x, y } = projector.pixelOf(surface.positionOf(v, position));
       left = Math.min(left, x);
       right = Math.max(right, x);
       top = Math.min(top, y);
@@ -74,7 +79,7 @@ class DepthGrid {
     this.slack = 0.004 * surface.box.diagonal;
     this.depths = new Float32Array(this.columns * this.rows).fill(Infinity);
     for (let i = 0; i < this.depths.length; ++i) {
-      const ray = sight.rayAt(
+      const ray = projector.rayAt(
         this.left + this.step * (i % this.columns),
         this.top + this.step * Math.floor(i / this.columns),
       );
@@ -84,8 +89,8 @@ class DepthGrid {
   }
 
   /** Returns whether a point is visible: at most as deep as the surface around its pixel, within a tolerance. */
-  shows(place: Vector3): boolean {
-    const { x, y } = this.sight.pixelOf(place);
+  shows(position: Vector3): boolean {
+    const { x, y } = this.projector.pixelOf(position);
     const column = Math.floor((x - this.left) / this.step);
     const row = Math.floor((y - this.top) / this.step);
     let deepest = 0;
@@ -93,10 +98,10 @@ class DepthGrid {
       const depth = this.depths[(row + (i >> 1)) * this.columns + column + (i & 1)] ?? 0;
       if (depth < Infinity) deepest = Math.max(deepest, depth);
     }
-    return deepest === 0 || this.depthOf(place) <= deepest + this.slack;
+    return deepest === 0 || this.depthOf(position) <= deepest + this.slack;
   }
 
-  private depthOf(place: Vector3): number {
-    return this.sight.depthOf(place);
+  private depthOf(position: Vector3): number {
+    return this.projector.depthOf(position);
   }
 }

@@ -24,11 +24,11 @@ export const rising: ColourMap = [
 
 /** Returns the colour of t, clamped to 0 … 1. */
 export function colourAt(map: ColourMap, t: number): [number, number, number] {
-  const place = Math.min(1, Math.max(0, Number.isFinite(t) ? t : 0)) * (map.length - 1);
-  const i = Math.min(map.length - 2, Math.floor(place));
+  const position = Math.min(1, Math.max(0, Number.isFinite(t) ? t : 0)) * (map.length - 1);
+  const i = Math.min(map.length - 2, Math.floor(position));
   const low = map[i] ?? [0, 0, 0];
   const high = map[i + 1] ?? low;
-  const f = place - i;
+  const f = position - i;
   return [0, 1, 2].map((k) => (1 - f) * (low[k] as number) + f * (high[k] as number)) as [number, number, number];
 }
 

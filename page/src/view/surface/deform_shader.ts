@@ -6,7 +6,7 @@ import { Matrix4, Vector3, type IUniform, type Texture } from "three";
  * (include/meshgraft/deform/handle_basis.h).
  */
 export const deformShader = /* glsl */ `
-in int mover;  // 1 + its row in the weights; 0: it stays
+in int weightRow;  // 1 + its row in the weights; 0: it stays
 uniform highp sampler2D weights, basePositions, baseNormals, baseMaps, frames;
 uniform bool linear, hasMaps, hasTurns;
 uniform int handleCount;
@@ -18,8 +18,8 @@ vec4 texelAt(highp sampler2D source, int i) {
   return texelFetch(source, ivec2(i % width, i / width), 0);
 }
 
-void moveByHandles(inout vec3 place, inout vec3 direction) {
-  int row = mover - 1;
+void moveByHandles(inout vec3 point, inout vec3 direction) {
+  int row = weightRow - 1;
   vec3 moved = vec3(0.0), m0 = vec3(1, 0, 0), m1 = vec3(0, 1, 0), m2 = vec3(0, 0, 1);
   for (int h = 0; h < handleCount; ++h) {
     mat3x4 f = mat3x4(texelAt(frames, 3 * h), texelAt(frames, 3 * h + 1), texelAt(frames, 3 * h + 2));
@@ -30,7 +30,7 @@ void moveByHandles(inout vec3 place, inout vec3 direction) {
     m1 += texelAt(weights, k + 2) * f;
     m2 += texelAt(weights, k + 3) * f;
   }
-  place = weightsCentre + weightsScale * (texelAt(basePositions, row).xyz + moved);
+  point = weightsCentre + weightsScale * (texelAt(basePositions, row).xyz + moved);
   if (!hasTurns) return;
   if (hasMaps) {
     m0 += texelAt(baseMaps, 3 * row).xyz;
@@ -43,10 +43,10 @@ void moveByHandles(inout vec3 place, inout vec3 direction) {
   if (size > 0.0) direction = turned / size;
 }
 
-void shownAt(out vec3 place, out vec3 direction) {
-  place = position;
+void deformVertex(out vec3 point, out vec3 direction) {
+  point = position;
   direction = normal;
-  if (linear && mover > 0) moveByHandles(place, direction);
+  if (linear && weightRow > 0) moveByHandles(point, direction);
 }
 `;
 

@@ -15,7 +15,7 @@ export class LinearFrames {
   /** The handles' maps in the document. They apply to handles that `show` is not given. */
   committed: ReadonlyMap<string, Matrix4> = new Map();
   /** Per vertex: 1 + its row in the weights, or 0 for a vertex that stays. */
-  private readonly movers: Int32BufferAttribute;
+  private readonly weightRows: Int32BufferAttribute;
   private names: string[] = [];
   private centre: readonly [number, number, number] = [0, 0, 0];
   private scale = 1;
@@ -32,11 +32,11 @@ export class LinearFrames {
     geometry: BufferGeometry,
     vertexCount: number,
     private readonly offset: readonly [number, number, number],
-    private readonly onGiveWay: () => void,
+    private readonly onHide: () => void,
   ) {
-    this.movers = new Int32BufferAttribute(vertexCount, 1);
-    this.movers.gpuType = IntType;
-    geometry.setAttribute("mover", this.movers);
+    this.weightRows = new Int32BufferAttribute(vertexCount, 1);
+    this.weightRows.gpuType = IntType;
+    geometry.setAttribute("weightRow", this.weightRows);
   }
 
   /**
@@ -44,7 +44,7 @@ export class LinearFrames {
    * fit, `isReady` stays false and only the engine's frames are shown.
    */
   *setWeights(frame: BinaryFrame, names: Iterable<string>, renderer: WebGLRenderer): Generator<void, void> {
-    this.forget();
+    this.discardWeights();
     this.renderer = renderer;
     this.names = [...names];
     const blocks = frame.floats("blocks");
@@ -67,7 +67,7 @@ export class LinearFrames {
     this.uniforms.hasMaps.value = baseMaps !== null;
     this.uniforms.hasTurns.value = rows === 4;
     this.uniforms.handleCount.value = count;
-    this.place(frame);
+    this.setUnits(frame);
     this.numberRows(vertices, frame.indices("rows"));
     this.makeFrames(count);
     this.isReady = true;
@@ -92,43 +92,43 @@ export class LinearFrames {
   /**
    * Notes that a request with poses was sent. The returned function must be called with the frame number in its answer.
    */
-  asked(): (pose: number) => void {
+  beginRequest(): (pose: number) => void {
     ++this.unanswered;
     return (pose) => {
       --this.unanswered;
       this.newest = Math.max(this.newest, pose);
-      this.giveWay();
+      this.hideWhenExact();
     };
   }
 
-  /** Returns the `mover` attribute for copies of vertices, for a surface that draws copies. */
-  moversOf(vertices: Uint32Array): Int32BufferAttribute {
+  /** Returns the `weightRow` attribute for copies of vertices, for a surface that draws copies. */
+  weightRowsOf(vertices: Uint32Array): Int32BufferAttribute {
     const copies = new Int32BufferAttribute(new Int32Array(vertices.length), 1);
-    vertices.forEach((v, i) => (copies.array[i] = this.movers.array[v] as number));
+    vertices.forEach((v, i) => (copies.array[i] = this.weightRows.array[v] as number));
     copies.gpuType = IntType;
     return copies;
   }
 
   /** Returns whether a frame may replace what the shader shows. */
-  mayGiveWay(pose: number, quality: string | undefined): boolean {
+  mayReplace(pose: number, quality: string | undefined): boolean {
     return (quality === undefined || quality === "exact") && pose >= this.newest;
   }
 
   /** Notes that a frame of the engine has been shown. */
-  streamed(pose: number, quality: string | undefined): void {
+  noteStreamed(pose: number, quality: string | undefined): void {
     if (quality === undefined || quality === "exact") this.exact = Math.max(this.exact, pose);
-    this.giveWay();
+    this.hideWhenExact();
   }
 
   /** Switches from the shader to the engine's positions once the exact frame of the newest poses is there. */
-  private giveWay(): void {
+  private hideWhenExact(): void {
     if (this.unanswered > 0 || this.exact < this.newest || !this.isShown) return;
     this.isShown = false;
-    this.onGiveWay();
+    this.onHide();
   }
 
   /** Discards the weights, because the handles have changed. */
-  forget(): void {
+  discardWeights(): void {
     this.isShown = false;
     this.isReady = false;
     for (const texture of this.textures) {
@@ -149,7 +149,7 @@ export class LinearFrames {
     return texture;
   }
 
-  private place(frame: BinaryFrame): void {
+  private setUnits(frame: BinaryFrame): void {
     this.centre = frame.header.offset ?? [0, 0, 0];
     this.scale = frame.header.scale ?? 1;
     const [x, y, z] = this.centre;
@@ -159,11 +159,11 @@ export class LinearFrames {
 
   /** `rows`: for each of `vertices` its row in the weights; absent: its index in the list. */
   private numberRows(vertices: Uint32Array, rows: Uint32Array | undefined): void {
-    const numbers = this.movers.array as Int32Array;
+    const numbers = this.weightRows.array as Int32Array;
     numbers.fill(0);
     for (let i = 0; i < vertices.length; ++i)
       numbers[vertices[i] as number] = 1 + (rows === undefined ? i : (rows[i] as number));
-    this.movers.needsUpdate = true;
+    this.weightRows.needsUpdate = true;
   }
 
   private makeFrames(handles: number): void {

@@ -4,11 +4,11 @@ import { deformShader, type DeformUniforms } from "./deform_shader";
 const vertexShader = /* glsl */ `
 ${deformShader}
 void main() {
-  vec3 place, direction;
-  shownAt(place, direction);
-  vec4 seen = modelViewMatrix * vec4(place, 1.0);
+  vec3 point, direction;
+  deformVertex(point, direction);
+  vec4 seen = modelViewMatrix * vec4(point, 1.0);
   bool isParallel = projectionMatrix[3][3] == 1.0;
-  // A little nearer to the eye than the surface, at the same place of the picture.
+  // Draws lines a little nearer to the camera than the surface, at the same pixels.
   if (!isParallel) seen.xyz *= 0.998;
   gl_Position = projectionMatrix * seen;
   if (isParallel) gl_Position.z -= 2e-4 * gl_Position.w;
@@ -30,7 +30,7 @@ export function surfaceLines(
   strength: number,
 ): LineSegments<BufferGeometry, ShaderMaterial> {
   const geometry = new BufferGeometry();
-  for (const name of ["position", "normal", "mover"]) geometry.setAttribute(name, surface.getAttribute(name));
+  for (const name of ["position", "normal", "weightRow"]) geometry.setAttribute(name, surface.getAttribute(name));
   geometry.setIndex(new BufferAttribute(edges, 1));
   geometry.boundingSphere = surface.boundingSphere;
   const material = new ShaderMaterial({

@@ -56,13 +56,13 @@ export function edgesOf(triangles: Uint32Array, vertexCount: number): { edges: U
  * grid are merged into one of them. Triangles that keep three distinct corners remain.
  */
 export function coarseTriangles(positions: Float32Array, triangles: Uint32Array, count: number): Uint32Array {
-  const standIns = standInsOf(positions, Math.sqrt((2 * areaOf(positions, triangles)) / count));
+  const representatives = representativesOf(positions, Math.sqrt((2 * areaOf(positions, triangles)) / count));
   const kept = new Uint32Array(triangles.length);
   let length = 0;
   for (let at = 0; at < triangles.length; at += 3) {
-    const a = standIns[triangles[at] as number] as number;
-    const b = standIns[triangles[at + 1] as number] as number;
-    const c = standIns[triangles[at + 2] as number] as number;
+    const a = representatives[triangles[at] as number] as number;
+    const b = representatives[triangles[at + 1] as number] as number;
+    const c = representatives[triangles[at + 2] as number] as number;
     if (a === b || b === c || c === a) continue;
     kept[length] = a;
     kept[length + 1] = b;
@@ -85,15 +85,15 @@ function areaOf(p: Float32Array, triangles: Uint32Array): number {
 }
 
 /** Returns for each vertex the first vertex in its grid cell. */
-function standInsOf(positions: Float32Array, cell: number): Uint32Array {
+function representativesOf(positions: Float32Array, cell: number): Uint32Array {
   const firstIn = new Map<number, number>();
-  const standIns = new Uint32Array(positions.length / 3);
-  const place = (i: number) => Math.floor((positions[i] as number) / cell) + 0x8000;
-  for (let v = 0; v < standIns.length; ++v) {
-    const key = (place(3 * v) * 0x10000 + place(3 * v + 1)) * 0x10000 + place(3 * v + 2);
+  const representatives = new Uint32Array(positions.length / 3);
+  const cellOf = (i: number) => Math.floor((positions[i] as number) / cell) + 0x8000;
+  for (let v = 0; v < representatives.length; ++v) {
+    const key = (cellOf(3 * v) * 0x10000 + cellOf(3 * v + 1)) * 0x10000 + cellOf(3 * v + 2);
     const first = firstIn.get(key);
     if (first === undefined) firstIn.set(key, v);
-    standIns[v] = first ?? v;
+    representatives[v] = first ?? v;
   }
-  return standIns;
+  return representatives;
 }

@@ -5,21 +5,21 @@
 export class Slices {
   private readonly running = new Map<string, Generator<void, void>>();
 
-  private isGoing = false;
+  private isInSlice = false;
   private isAwaited = false; // whether the next slice is scheduled
   private readonly channel = new MessageChannel(); // timers would wait for 4 ms each
 
   constructor(private readonly budgetMs = 10) {
     this.channel.port1.onmessage = () => {
       this.isAwaited = false;
-      this.go();
+      this.runSlice();
     };
   }
 
   /** Starts `work`, and cancels running work of the same name. */
   start(name: string, work: Generator<void, void>): void {
     this.running.set(name, work);
-    if (!this.isGoing) this.go(); // otherwise running work has started it
+    if (!this.isInSlice) this.runSlice(); // otherwise running work has started it
   }
   isRunning(name: string): boolean {
     return this.running.has(name);
@@ -31,22 +31,22 @@ export class Slices {
     this.running.clear();
   }
 
-  private go(): void {
-    this.isGoing = true;
+  private runSlice(): void {
+    this.isInSlice = true;
     try {
-      this.goOn(performance.now() + this.budgetMs);
+      this.runUntil(performance.now() + this.budgetMs);
     } finally {
-      this.isGoing = false;
-      if (this.running.size > 0) this.later();
+      this.isInSlice = false;
+      if (this.running.size > 0) this.scheduleSlice();
     }
   }
 
-  private later(): void {
+  private scheduleSlice(): void {
     if (!this.isAwaited) this.channel.port2.postMessage(null);
     this.isAwaited = true;
   }
 
-  private goOn(until: number): void {
+  private runUntil(until: number): void {
     for (const [name, work] of this.running)
       for (;;) {
         if (work.next().done === true) {

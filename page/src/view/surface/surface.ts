@@ -142,7 +142,7 @@ export class Surface {
   }
 
   /** Returns the position of a vertex as shown, in world coordinates. */
-  place(vertex: number, out = new Vector3()): Vector3 {
+  positionOf(vertex: number, out = new Vector3()): Vector3 {
     return out.fromArray(this.positions, 3 * vertex).add(this.object.position);
   }
 
@@ -150,14 +150,14 @@ export class Surface {
   sample(vertices?: Uint32Array): Float32Array {
     const count = vertices?.length ?? this.vertexCount;
     const every = Math.max(1, Math.floor(count / 8000));
-    const places = new Float32Array(3 * Math.ceil(count / every));
-    const place = new Vector3();
+    const positions = new Float32Array(3 * Math.ceil(count / every));
+    const position = new Vector3();
     let found = 0;
     for (let i = 0; i < count; i += every) {
-      this.place(vertices?.[i] ?? i, place);
-      if (Number.isFinite(place.x + place.y + place.z)) place.toArray(places, 3 * found++);
+      this.positionOf(vertices?.[i] ?? i, position);
+      if (Number.isFinite(position.x + position.y + position.z)) position.toArray(positions, 3 * found++);
     }
-    return places.subarray(0, 3 * found);
+    return positions.subarray(0, 3 * found);
   }
 
   /** Shows the mesh as the step found it (`before`), or its current state. */
@@ -175,7 +175,7 @@ export class Surface {
   showFrame(frame: BinaryFrame): void {
     const { pose = 0, quality } = frame.header;
     if (frame.indices("vertices")?.length === 0) return this.showRest(frame);
-    if (!this.linear.isShown || this.linear.mayGiveWay(pose, quality)) this.streamed.show(frame);
+    if (!this.linear.isShown || this.linear.mayReplace(pose, quality)) this.streamed.show(frame);
   }
 
   /** Shows all vertices at rest. */
@@ -187,7 +187,7 @@ export class Surface {
   }
 
   private noteShown(frame: BinaryFrame): void {
-    this.linear.streamed(frame.header.pose ?? 0, frame.header.quality);
+    this.linear.noteStreamed(frame.header.pose ?? 0, frame.header.quality);
     ++this.version;
     this.heat.renew();
     this.onChange();
@@ -237,13 +237,13 @@ export class Surface {
     this.handles.clear();
     for (const name of frame.names())
       if (name.startsWith("handle: ")) this.handles.set(name.slice(8), frame.indices(name) ?? new Uint32Array());
-    this.linear.forget();
+    this.linear.discardWeights();
     this.deform.linear.value = false;
     this.slices.start("tint", this.paintRoles());
   }
 
   /** Yields geometries that draw nothing but bring one attribute each to the GPU, to relieve the first picture. */
-  *attributesAlone(): Generator<BufferGeometry, void> {
+  *uploadGeometries(): Generator<BufferGeometry, void> {
     const alone = (set: (geometry: BufferGeometry) => void) => {
       const geometry = new BufferGeometry();
       set(geometry);
@@ -265,7 +265,7 @@ export class Surface {
 
   dispose(): void {
     this.slices.stopAll();
-    this.linear.forget();
+    this.linear.discardWeights();
     this.textured?.dispose();
     for (const drawn of [this.mesh, this.wire, this.boundary]) {
       drawn?.geometry.dispose();

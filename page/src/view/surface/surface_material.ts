@@ -51,14 +51,14 @@ out vec3 shownColour, shownRest;
 out vec2 shownUv;
 
 void main() {
-  vec3 place, direction;
-  shownAt(place, direction);
-  vec4 seen = modelViewMatrix * vec4(place, 1.0);
+  vec3 point, direction;
+  deformVertex(point, direction);
+  vec4 seen = modelViewMatrix * vec4(point, 1.0);
   shownNormal = normalMatrix * direction;
   seenFrom = seen.xyz;
   shownTint = tint;
   shownSelection = selection;
-  shownAbove = dot(cutPlane.xyz, place) - cutPlane.w;
+  shownAbove = dot(cutPlane.xyz, point) - cutPlane.w;
   shownHeat = 0.0;
   #ifdef HAS_HEAT
     shownHeat = heat;
@@ -115,19 +115,19 @@ uniform bool hasPicture;
 out vec4 colour;
 ${lightShader}
 
-// Whether the outside is seen. At the rim of a shape slivers of triangles that face away are seen through gaps of a pixel;
+// Returns whether the outside is seen. At a silhouette, slivers of triangles that face away show through gaps of a pixel;
 // their normals tell them from an inside.
 bool isOutside() {
   return gl_FrontFacing || dot(shownNormal, seenFrom) < 0.5 * length(shownNormal) * length(seenFrom);
 }
 
 vec3 surfaceNormal() {
-  vec3 flatNormal = normalize(cross(dFdx(seenFrom), dFdy(seenFrom)));  // towards the eye
+  vec3 flatNormal = normalize(cross(dFdx(seenFrom), dFdy(seenFrom)));  // towards the camera
   if (shading == 2 || dot(shownNormal, shownNormal) < 1e-12) return flatNormal;
   return isOutside() ? normalize(shownNormal) : -normalize(shownNormal);
 }
 
-// How the surface curves across the pixel: below 0 in grooves, above 0 on ridges.
+// Returns the curvature across the pixel: below 0 in grooves, above 0 on ridges.
 float curvature(vec3 n) {
   vec3 across = dFdx(seenFrom), down = dFdy(seenFrom);
   float bend = dot(dFdx(n), across) / max(1e-20, dot(across, across)) + dot(dFdy(n), down) / max(1e-20, dot(down, down));

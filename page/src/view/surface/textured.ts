@@ -41,7 +41,7 @@ export class TexturedSurface {
       geometry.setAttribute(name, new BufferAttribute(array, size, size !== 3));
     }
     geometry.setAttribute("uv", new BufferAttribute(wedges.uv, 2));
-    geometry.setAttribute("mover", surface.linear.moversOf(wedges.vertices));
+    geometry.setAttribute("weightRow", surface.linear.weightRowsOf(wedges.vertices));
     geometry.setIndex(new BufferAttribute(wedges.triangles, 1));
     geometry.boundingSphere = surface.geometry.boundingSphere;
     wedges.groups.forEach(({ start, count }, i) => geometry.addGroup(start, count, i));
@@ -65,7 +65,7 @@ export class TexturedSurface {
         for (let k = 0; k < size; ++k) to[size * w + k] = from[size * (wedges.vertices[w] as number) + k] as number;
       attribute.needsUpdate = true;
     }
-    mesh.geometry.setAttribute("mover", surface.linear.moversOf(wedges.vertices));
+    mesh.geometry.setAttribute("weightRow", surface.linear.weightRowsOf(wedges.vertices));
   }
 
   dispose(): void {

@@ -30,7 +30,7 @@ export function* wedgesOf(
   for (let c = 0; c < triangles.length; ++c) {
     const v = triangles[c] as number;
     let wedge = first[v] as number;
-    while (wedge >= 0 && !isSamePlace(uv, corner[wedge] as number, c)) wedge = next[wedge] as number;
+    while (wedge >= 0 && !hasSameUv(uv, corner[wedge] as number, c)) wedge = next[wedge] as number;
     if (wedge < 0) {
       wedge = count++;
       corner[wedge] = c;
@@ -40,13 +40,13 @@ export function* wedgesOf(
     wedgeOf[c] = wedge;
     if (c % 98304 === 0) yield;
   }
-  const places = new Float32Array(2 * count);
-  for (let w = 0; w < count; ++w) places.set(uv.subarray(2 * (corner[w] as number), 2 * (corner[w] as number) + 2), 2 * w);
+  const uvOfWedges = new Float32Array(2 * count);
+  for (let w = 0; w < count; ++w) uvOfWedges.set(uv.subarray(2 * (corner[w] as number), 2 * (corner[w] as number) + 2), 2 * w);
   const vertices = new Uint32Array(count).map((_, w) => triangles[corner[w] as number] as number);
-  return { vertices, uv: places, ...sorted(wedgeOf, pictures) };
+  return { vertices, uv: uvOfWedges, ...sorted(wedgeOf, pictures) };
 }
 
-function isSamePlace(uv: Float32Array, a: number, b: number): boolean {
+function hasSameUv(uv: Float32Array, a: number, b: number): boolean {
   return uv[2 * a] === uv[2 * b] && uv[2 * a + 1] === uv[2 * b + 1];
 }
 

@@ -9,12 +9,12 @@ export interface Box {
 }
 
 /** A part and the unit direction from the model in which it is placed. */
-export interface Beside extends Box {
+export interface PartBox extends Box {
   readonly towards: Vector;
 }
 
 /** x' = scale x + offset: from an object's own coordinates to where it is shown. */
-export interface Standing {
+export interface PartTransform {
   readonly scale: number;
   readonly offset: Vector;
 }
@@ -26,7 +26,7 @@ const comparable = 4; // a part that is more times larger or smaller than the mo
  * placed beyond all earlier ones in its direction, so that none overlap. If that direction is the camera's right, none
  * hide each other. Parts of a very different size are scaled to the model's.
  */
-export function standBeside(model: Box, parts: readonly Beside[]): Standing[] {
+export function layOutParts(model: Box, parts: readonly PartBox[]): PartTransform[] {
   const size = diagonal(model);
   const gap = 0.12 * size;
   const placed: Box[] = [model];
@@ -35,9 +35,9 @@ export function standBeside(model: Box, parts: readonly Beside[]): Standing[] {
     const alike = own > 0 && size > 0 && own <= comparable * size && size <= comparable * own;
     const scale = alike || own === 0 || size === 0 ? 1 : size / own;
     const { towards } = part;
-    const farthest = Math.max(...placed.map((box) => dot(middle(box), towards) + reach(box, towards)));
-    const far = farthest + gap + scale * reach(part, towards) - dot(middle(model), towards);
-    const offset = add(add(middle(model), towards, far), middle(part), -scale);
+    const farthest = Math.max(...placed.map((box) => dot(centreOf(box), towards) + extentAlong(box, towards)));
+    const distance = farthest + gap + scale * extentAlong(part, towards) - dot(centreOf(model), towards);
+    const offset = add(add(centreOf(model), towards, distance), centreOf(part), -scale);
     placed.push({ min: add(offset, part.min, scale), max: add(offset, part.max, scale) });
     return { scale, offset };
   });
@@ -48,11 +48,11 @@ export function diagonal({ min, max }: Box): number {
 }
 
 /** Returns the extent of a box from its centre in a direction. */
-function reach({ min, max }: Box, [x, y, z]: Vector): number {
+function extentAlong({ min, max }: Box, [x, y, z]: Vector): number {
   return (Math.abs(x) * (max[0] - min[0]) + Math.abs(y) * (max[1] - min[1]) + Math.abs(z) * (max[2] - min[2])) / 2;
 }
 
-function middle({ min, max }: Box): Vector {
+function centreOf({ min, max }: Box): Vector {
   return [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
 }
 
