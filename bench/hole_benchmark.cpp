@@ -1,4 +1,4 @@
-// Hole triangulation beside CGAL's: a Markdown table by family and size for docs/repair.md.
+// Compares hole triangulation with CGAL's. Prints a Markdown table by family and size for docs/repair.md.
 
 #include <chrono>
 #include <cstdlib>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "mesh/hole_triangulation.h"
+#include "mesh/repair/hole_triangulation.h"
 #include "support/cgal_holes.h"
 #include "support/hole_families.h"
 

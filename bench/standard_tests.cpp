@@ -3,9 +3,10 @@
 #include <functional>
 #include <numbers>
 
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/io/selection_files.h>
 #include <meshgraft/samples/samples.h>
+#include <meshgraft/select/selection.h>
 
 namespace meshgraft::bench {
 

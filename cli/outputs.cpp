@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "cli/facts.h"
 #include "core/platform/file.h"
 #include "io/facts.h"
 #include "io/file.h"

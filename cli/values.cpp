@@ -1,4 +1,5 @@
 #include "values.h"
+#include "cli/facts.h"
 
 namespace meshgraft::cli {
 

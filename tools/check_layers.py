@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Checks that no source includes upward, or uses what only some operating systems have.
 
-    tools/check_layers.py [ROOT]
+    tools/check_layers.py [ROOT]          check
+    tools/check_layers.py --draw [ROOT]   draw into docs/architecture.md what is checked
 
 Prints each violation as file:line and exits with 1 if there are any. The layers and what each may use stand
-in USES; docs/architecture.md explains them.
+in USES, the folders of a layer in ROOMS; docs/architecture.md explains them.
 """
 
 import re
@@ -15,6 +16,7 @@ from pathlib import Path
 USES = {
     "core": set(),
     "mesh": {"core"},
+    "select": {"core", "mesh"},
     "io": {"core", "mesh"},
     "linalg": {"core", "mesh"},
     "samples": {"core", "mesh"},
@@ -23,9 +25,9 @@ USES = {
     "deform": {"core", "mesh", "linalg", "operators"},
     "baselines": {"core", "mesh", "linalg", "operators", "deform"},
     "merge": {"core", "mesh", "linalg", "operators", "deform"},
-    "script": {"core", "mesh", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
+    "script": {"core", "mesh", "select", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
     "server": {"core"},
-    "cli": {"core", "mesh", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "script"},
+    "cli": {"core", "mesh", "select", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "script"},
 }
 USES["python"] = USES["cli"]
 USES["editor"] = USES["cli"] | {"server"}
@@ -33,6 +35,44 @@ USES["cli"] = USES["cli"] | {"editor"}
 for used in USES.values():
     used.add("platform")  # src/core/platform, below all
 USES["platform"] = set()
+
+# What a layer is for, in the drawing.
+PURPOSE = {
+    "platform": "what the operating system gives (private)",
+    "core": "Error, Fact, Context, parallel_blocks",
+    "mesh": "Mesh, topology, diagnostics, repair, refinement, cuts",
+    "select": "descriptions of vertex sets",
+    "io": "PLY, OBJ, OFF, STL, glTF, 3MF, selection files",
+    "linalg": "LinearSolver: multifrontal, Eigen, iterative",
+    "samples": "built-in models",
+    "render": "pictures (private)",
+    "operators": "weights, local affine maps, A and AᵀA",
+    "deform": "handles, Deformer, live frames, quality",
+    "baselines": "published methods",
+    "merge": "correspondence, graft, seam",
+    "script": "edit files, run as steps",
+    "server": "HTTP and WebSockets (private)",
+    "editor": "sessions of the browser's page (private)",
+    "cli": "the program",
+}
+
+# Folder of a layer: the folders of the same layer whose private headers it may include. "" is the layer's own folder.
+ROOMS = {
+    "deform": {
+        "setup": set(),
+        "solve": {"setup"},
+        "": {"setup", "solve"},
+        "measure": {"setup"},
+        "reduced": {"", "setup", "solve"},
+        "proxy": {"", "setup", "solve"},
+        "live": {"", "setup", "solve", "proxy", "reduced"},
+    },
+    "mesh": {"": set(), "cut": {""}, "repair": {""}},
+    "linalg": {"": set(), "direct": {""}, "iterative": {""}},
+}
+
+# Header of a layer: the rooms below it, which must not include it.
+FACADES = {"include/meshgraft/deform/deformer.h": {"deform/setup", "deform/solve"}}
 
 # Headers, and folders of them, that only one source file may include (of a folder, one of each layer): they stand
 # behind one of our own interfaces.
@@ -64,6 +104,26 @@ def layer_of(path):
     if parts[0] in ("src", "meshgraft") and len(parts) > 2:
         return parts[1]
     return parts[0] if parts[0] in USES else None
+
+
+def room_of(path, layer):
+    """The folder of a private file within its layer, or None."""
+    if path.parts[:2] != ("src", layer) or layer not in ROOMS or path.name == "facts.h":
+        return None
+    return path.parts[2] if len(path.parts) > 3 else ""
+
+
+def check_rooms(source, included, layer):
+    """What an include from one folder of a layer into another violates, or None."""
+    here, there = room_of(source, layer), room_of(included, layer)
+    if f"{layer}/{here}" in FACADES.get(included.as_posix(), ()):
+        return f"{layer}/{here} lies below {included.name}"
+    if here is None or there is None or here == there:
+        return None
+    for room in (here, there):
+        if room not in ROOMS[layer]:
+            return f"{layer}/{room} is not in ROOMS"
+    return None if there in ROOMS[layer][here] else f"{layer}/{here} must not use {layer}/{there}"
 
 
 def find_included(root, source, bracket, name):
@@ -142,6 +202,8 @@ def check(root):
             if included is None:
                 continue
             used = layer_of(included)
+            if used == layer and (violation := check_rooms(source, included, layer)):
+                problems.append(f"{place}: {violation} ({name})")
             if source.parts[0] == "include" and included.parts[0] != "include":
                 problems.append(f"{place}: a public header includes the private {included}")
             if used != layer and used not in USES[layer]:
@@ -152,13 +214,62 @@ def check(root):
     return problems
 
 
+def reduced(uses):
+    """The arrows that no path of others stands for."""
+    def reach(node, seen):
+        for used in uses[node]:
+            if used not in seen:
+                seen.add(used)
+                reach(used, seen)
+        return seen
+
+    return {node: sorted(used for used in uses[node]
+                         if not any(used in reach(other, set()) for other in uses[node] - {used}))
+            for node in uses}
+
+
+def drawing():
+    """The layers and the rooms as Mermaid's flowcharts."""
+    lines = ["```mermaid", "flowchart TD"]
+    arrows = reduced({layer: used for layer, used in USES.items() if layer in PURPOSE})
+    lines += [f'  {layer}["<b>{layer}</b><br/>{PURPOSE[layer]}"]' for layer in arrows]
+    lines += [f"  {layer} --> {' & '.join(used)}" for layer, used in arrows.items() if used]
+    lines += ["```", "", "Folders of a layer:", "", "```mermaid", "flowchart LR"]
+    for layer, rooms in ROOMS.items():
+        name = {room: f"{layer}/{room}" if room else layer for room in rooms}
+        lines.append(f"  subgraph {layer}_rooms[{layer}]")
+        lines += [f'    {layer}_{room or "own"}["{name[room]}"]' for room in rooms]
+        lines += [f"    {layer}_{room or 'own'} --> " + " & ".join(f"{layer}_{used or 'own'}" for used in uses)
+                  for room, uses in reduced(rooms).items() if uses]
+        lines.append("  end")
+    return "\n".join([*lines, "```"])
+
+
+DRAWN = re.compile(r"(?<=<!-- drawn by tools/check_layers.py -->\n).*?(?=\n<!-- end -->)", re.DOTALL)
+
+
+def draw(root):
+    page = root / "docs/architecture.md"
+    page.write_text(DRAWN.sub(lambda _: drawing(), page.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+def check_drawing(root):
+    page = root / "docs/architecture.md"
+    drawn = DRAWN.search(page.read_text(encoding="utf-8")) if page.exists() else None
+    return [] if drawn is None or drawn[0] == drawing() else [f"{page}: not what is checked; run tools/check_layers.py --draw"]
+
+
 def main(arguments):
+    drawn = arguments[:1] == ["--draw"]
+    arguments = arguments[drawn:]
     root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
     count = sum(1 for _ in sources(root.resolve()))
     if count == 0:
         print(f"check_layers: no sources below {root}")
         return 1
-    problems = check(root)
+    if drawn:
+        draw(root)
+    problems = check(root) + check_drawing(root)
     for problem in problems:
         print(problem)
     print(f"check_layers: {count} files, {len(problems)} violations")

@@ -11,10 +11,10 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
-#include "../deform/constrained_system.h"
 #include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
 #include "deform/facts.h"
+#include "deform/solve/constrained_system.h"
 
 namespace meshgraft::baselines {
 

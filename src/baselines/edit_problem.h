@@ -14,7 +14,7 @@
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "../deform/patch.h"
+#include "deform/setup/patch.h"
 
 namespace meshgraft::baselines {
 

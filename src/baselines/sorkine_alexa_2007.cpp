@@ -5,7 +5,7 @@
 
 #include <meshgraft/core/parallel.h>
 
-#include "../deform/rotations.h"
+#include "deform/solve/rotations.h"
 #include "methods.h"
 
 namespace meshgraft::baselines {

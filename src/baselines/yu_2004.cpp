@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
-#include "../deform/rotations.h"
 #include "../mesh/disjoint_sets.h"
+#include "deform/solve/rotations.h"
 #include "methods.h"
 
 namespace meshgraft::baselines {

@@ -14,11 +14,11 @@
 #include <meshgraft/mesh/normals.h>
 
 #include "../core/stopwatch.h"
-#include "constrained_system.h"
 #include "core/facts.h"
 #include "deform/facts.h"
-#include "region_states.h"
-#include "rotation_field.h"
+#include "deform/setup/region_states.h"
+#include "deform/solve/constrained_system.h"
+#include "deform/solve/rotation_field.h"
 
 namespace meshgraft {
 

@@ -8,7 +8,7 @@
 
 #include "core/facts.h"
 #include "deform/facts.h"
-#include "region_states.h"
+#include "deform/setup/region_states.h"
 
 namespace meshgraft {
 

@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/select/selection.h>
 
 #include "document.h"
 #include "numbers.h"

@@ -11,7 +11,7 @@
 
 #include <meshgraft/core/error.h>
 
-#include "../deform/rotations.h"
+#include "deform/solve/rotations.h"
 #include "loop_curve.h"
 #include "merge/facts.h"
 #include "open_start.h"

@@ -11,7 +11,7 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/winding.h>
 
-#include "deform/facts.h"
+#include "core/facts.h"
 #include "merge/facts.h"
 
 namespace meshgraft {
@@ -69,7 +69,7 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
 
 Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location) {
   const double length = plane.normal.norm();
-  if (!(length > 0)) throw Error(facts::deform::NormalWithoutLength{}, location);
+  if (!(length > 0)) throw Error(facts::core::NormalWithoutLength{}, location);
   const Eigen::Vector3d n = plane.normal / length;
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
   map.linear() -= 2 * n * n.transpose();

@@ -4,6 +4,7 @@
 #include <meshgraft/script/edit_file.h>
 
 #include "parse_parts.h"
+#include "script/facts.h"
 
 namespace meshgraft {
 

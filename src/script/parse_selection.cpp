@@ -4,8 +4,9 @@
 
 #include <meshgraft/script/edit_file.h>
 
-#include "deform/facts.h"
 #include "parse_parts.h"
+#include "script/facts.h"
+#include "select/facts.h"
 
 namespace meshgraft {
 
@@ -28,7 +29,7 @@ std::vector<SelectionSpec> parse_operands(const Value& value) {
 SelectionSpec::Kind parse_box(const Value& value) {
   const Object fields(value, {"min", "max"});
   Selection::Box box{fields.required("min").vector3(), fields.required("max").vector3()};
-  if ((box.min.array() > box.max.array()).any()) value.fail(facts::deform::BoxReversed{});
+  if ((box.min.array() > box.max.array()).any()) value.fail(facts::select::BoxReversed{});
   return box;
 }
 

@@ -11,6 +11,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/io/selection_files.h>
 
 #include "core/facts.h"
 #include "deform/facts.h"

@@ -11,10 +11,11 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/io/selection_files.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/resolve_deform.h>
+#include <meshgraft/select/selection.h>
 
 #include "script/facts.h"
 

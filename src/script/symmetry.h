@@ -9,9 +9,9 @@
 
 #include <meshgraft/core/fact.h>
 #include <meshgraft/deform/handle.h>
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/resolve_deform.h>
+#include <meshgraft/select/selection.h>
 
 namespace meshgraft {
 

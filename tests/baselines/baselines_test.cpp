@@ -11,7 +11,7 @@
 #include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
 
-#include "../../src/baselines/methods.h"
+#include "baselines/methods.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 
@@ -23,7 +23,7 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Closed, bordered, of genus 1, flat, with corners, of two parts; some with isolated vertices.
+/// Returns scenes that are closed, bordered, of genus 1, flat or tiny, with sharp edges or isolated vertices.
 std::vector<Scene> scenes() {
   std::vector<Scene> list;
   for (const TestMesh& mesh : {bumpy_sphere(2), irregular_grid(12, 9), torus(14, 9), flat_sheet(9, 7),
@@ -37,7 +37,7 @@ void constrain(const Points& rest, const std::vector<Index>& vertices, const Aff
   for (Index v : vertices) constraints.push_back({v, map * Vector3d(rest.row(v)), map.linear()});
 }
 
-/// Both ends moved by one map each.
+/// Returns constraints that move each end by its own map.
 std::vector<VertexConstraint> ends(const Scene& scene, const Affine3d& foot, const Affine3d& head) {
   std::vector<VertexConstraint> constraints;
   constrain(scene.mesh.positions, scene.foot, foot, constraints);
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> on_faces(const TestMesh& mesh) {
   return used;
 }
 
-/// Largest distance from the image of the surface, relative to its size.
+/// Returns the largest distance of the surface's vertices from their images under `map`, relative to the box.
 double miss(const TestMesh& mesh, const Points& edited, const Affine3d& map) {
   const std::vector<std::uint8_t> used = on_faces(mesh);
   double largest = 0;
@@ -61,7 +61,7 @@ double miss(const TestMesh& mesh, const Points& edited, const Affine3d& map) {
   return largest / mesh.box_diagonal();
 }
 
-/// All constraints moved by one map: how far the surface is from its image.
+/// Moves all constraints by one map and returns how far the surface is from its image.
 double miss(const Scene& scene, Baseline method, const Affine3d& map, const BaselineOptions& options = {}) {
   const Points edited =
       deform_by(method, scene.mesh.positions, scene.mesh.triangles, {}, ends(scene, map, map), options);
@@ -90,7 +90,7 @@ TEST_P(EachBaseline, ChangesNothingWhenNothingMoves) {
 TEST_P(EachBaseline, HoldsConstraintsAndTheRest) {
   for (const Scene& scene : scenes()) {
     const Points& rest = scene.mesh.positions;
-    // The region is all but the foot; isolated vertices are inside.
+    // The region is all vertices but those of the foot; it includes isolated ones.
     std::vector<Index> region;
     for (Index v = 0; v < scene.mesh.size(); ++v)
       if (!std::binary_search(scene.foot.begin(), scene.foot.end(), v)) region.push_back(v);
@@ -106,7 +106,7 @@ TEST_P(EachBaseline, HoldsConstraintsAndTheRest) {
       if (!used[v]) {
         EXPECT_EQ(edited.row(v), rest.row(v));
       }
-    // To name the foot and say that it stays is the same edit.
+    // Constraints that keep the foot at rest give the same edit.
     const Points told = deform_by(GetParam(), rest, scene.mesh.triangles, {},
                                   ends(scene, Affine3d::Identity(), head_move(scene)));
     EXPECT_LT(largest_distance(edited, told), 1e-6 * scene.mesh.box_diagonal()) << scene.mesh.name;
@@ -121,7 +121,7 @@ TEST_P(EachBaseline, StaysFiniteOnAllFamilies) {
       EXPECT_TRUE(deform_by(GetParam(), mesh.positions, mesh.triangles, {}, constraints).allFinite())
           << mesh.name;
     } catch (const Error& error) {
-      // The smallest meshes leave only two places to hold them by.
+      // On the smallest meshes only two positions are known, which this method refuses.
       EXPECT_EQ(GetParam(), Baseline::sorkine_2004) << mesh.name << ": " << error.what();
       EXPECT_EQ(error.code(), ErrorCode::unsolvable);
       EXPECT_LT(mesh.size(), 10) << mesh.name << ": " << error.what();
@@ -139,13 +139,13 @@ TEST_P(EachBaseline, TreatsComponentsOnTheirOwn) {
   both.triangles.bottomRows(one.triangles.rows()) = one.triangles.array() + one.size();
   auto constraints = ends(scene, Affine3d::Identity(), head_move(scene));
   const Points alone = deform_by(GetParam(), one.positions, one.triangles, {}, constraints);
-  for (const auto* part : {&scene.foot, &scene.head})  // the other one is held where it is
+  for (const auto* part : {&scene.foot, &scene.head})  // the second component is held at rest
     for (Index v : *part)
       constraints.push_back(
           {v + one.size(), Vector3d(both.positions.row(v + one.size())), Matrix3d::Identity()});
   const Points edited = deform_by(GetParam(), both.positions, both.triangles, {}, constraints);
   EXPECT_LT(largest_distance(edited.bottomRows(one.size()), both.positions.bottomRows(one.size())), 1e-9);
-  // Iterations stop at another moment, and the groups' distances at another unit.
+  // The second component changes when iterations stop, and the unit of the distances between groups.
   EXPECT_LT(largest_distance(edited.topRows(one.size()), alone), 1e-2);
 }
 
@@ -163,7 +163,7 @@ TEST_P(EachBaseline, RefusesWhatCouldBeAnywhere) {
     }
   };
   expect({}, ErrorCode::unsolvable, "baselines.free_component_not_held");
-  expect({{0, {}, Matrix3d::Identity()}}, ErrorCode::unsolvable,  // a transform holds no place
+  expect({{0, {}, Matrix3d::Identity()}}, ErrorCode::unsolvable,  // a transform fixes no position
          "baselines.free_component_not_held");
   expect({{mesh.size(), Vector3d::Zero(), {}}}, ErrorCode::input, "core.no_such_vertex");
   expect({{0, {}, {}}}, ErrorCode::input, "deform.vertex_constrains_nothing");
@@ -181,7 +181,7 @@ TEST(Baselines, ReproduceARigidMotionWhereTheirTheorySaysSo) {
   for (const Scene& scene : scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     const Affine3d map = turn_about_middle(scene.mesh, 63);
-    // The base surface is harmonic, and so turns with its boundary, where nothing of the shape is left in it.
+    // With detail size 0 all shape is detail. The base surface is then harmonic and turns with its boundary.
     EXPECT_LT(miss(scene, Baseline::botsch_kobbelt_2004, map, {.detail_size_rel = 0}), 1e-8);
     EXPECT_LT(miss(scene, Baseline::botsch_kobbelt_2004, map), 5e-3);
     EXPECT_LT(miss(scene, Baseline::yu_2004, map), 1e-8);
@@ -199,8 +199,8 @@ TEST(BotschKobbelt, AddsBackAllDetailForEveryBase) {
       }
 }
 
-// Rotations are guessed from a first result in which no detail is turned, so they are never quite right; but
-// they must bring the surface closer.
+// The method estimates rotations from a first result without turned detail, so they are inexact. They must
+// still bring the surface closer.
 TEST(Lipman, TurnsDetailTheRightWay) {
   for (const Scene& scene : {make_scene(bumpy_sphere(3)), make_scene(grid(24, 18))}) {
     const Affine3d map = turn_about_middle(scene.mesh, 40);
@@ -217,8 +217,8 @@ TEST(Lipman, TurnsDetailTheRightWay) {
   }
 }
 
-// T_i = s I + [h]× holds uniform scales and the linear part of a rotation. The rest of a rotation by θ is of
-// the order of θ², and so is the error.
+// T_i = s I + [h]× contains uniform scales and the linear part of a rotation. The remainder of a rotation by θ,
+// and thus the error, is of order θ².
 TEST(Sorkine, ReproducesLinearisedSimilarities) {
   Matrix3d linearised;
   linearised << 1.3, -0.4, 0.7, 0.4, 1.3, -0.2, -0.7, 0.2, 1.3;
@@ -295,8 +295,8 @@ TEST(Arap, EnergyNeverRises) {
   }
 }
 
-// The image under a rigid motion is the one minimum without energy; the iteration comes near it step by step,
-// as its first guess does not turn the detail.
+// The image under a rigid motion is the only minimum with zero energy. The iteration approaches it step by
+// step, since its first guess does not turn the detail.
 TEST(Arap, ApproachesRigidMotions) {
   for (const Scene& scene : scenes()) {
     const Affine3d map = turn_about_middle(scene.mesh, 63);

@@ -1,4 +1,4 @@
-// The same edit gives the same bytes whatever the number of threads.
+// The same edit gives the same bytes for any number of threads.
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace meshgraft::test {
 namespace {
 
 TEST(BaselineDeterminism, SameBytesForAnyNumberOfThreads) {
-  for (const TestMesh& mesh : {bumpy_sphere(4), irregular_grid(60, 50)}) {  // large enough to be shared out
+  for (const TestMesh& mesh : {bumpy_sphere(4), irregular_grid(60, 50)}) {  // large enough for several threads
     const Scene scene = make_scene(mesh);
     const std::vector<VertexConstraint> constraints =
         Deformer(mesh.positions, mesh.triangles, two_handles(scene))

@@ -15,7 +15,8 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
-#include <meshgraft/deform/selection.h>
+#include <meshgraft/io/selection_files.h>
+#include <meshgraft/select/selection.h>
 
 namespace meshgraft::test {
 namespace {
@@ -34,7 +35,7 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// A mesh in the OFF format with the `.sel` and `.def` of the same name.
+/// A mesh in the OFF format with the `.sel` and `.def` files of the same name.
 struct StandardTest {
   Points rest;
   Triangles triangles;
@@ -60,7 +61,7 @@ struct StandardTest {
   }
 };
 
-/// Figures measured once, with the default options.
+/// Quality measured once with the default options; the tests allow 20 %.
 struct Expected {
   const char* test;
   Baseline method;
@@ -108,11 +109,11 @@ INSTANTIATE_TEST_SUITE_P(BotschSorkine, StandardTests,
                            return name;
                          });
 
-/// What the default method owes on each test (docs/methods.md has the whole table).
+/// Bounds for the default method on each test (docs/methods.md has the whole table).
 struct Standing {
   const char* test;
-  double best_product_of_cgal;  ///< edge RMS × dihedral p99 of the better of SRE_ARAP and SPOKES_AND_RIMS, 5.5
-  double largest_share;         ///< of it that ours may have
+  double best_product_of_cgal;  ///< edge RMS × dihedral p99 of CGAL 5.5, the better of two variants
+  double largest_share;         ///< largest ratio of our product to that one
 };
 
 class DefaultMethod : public testing::TestWithParam<Standing> {};

@@ -1,4 +1,4 @@
-// The public editing tasks meet what their files expect.
+// The results of the public editing tasks are those that their files expect.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/run_edit.h>
+#include <meshgraft/select/selection.h>
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
@@ -48,7 +48,7 @@ Eigen::Affine3d affine_of(const json& matrix) {
   return map;
 }
 
-/// A scenario file, read.
+/// The contents of a scenario file.
 struct Scenario {
   json file;
   Mesh mesh;
@@ -74,7 +74,7 @@ struct Scenario {
   }
 };
 
-/// What the file's `expected` block asks for.
+/// Checks a result against the file's `expected` block.
 void expect_as_told(const Scenario& scenario, const Points& result) {
   const json& expected = scenario.file["expected"];
   if (expected.is_null()) return;
@@ -116,7 +116,7 @@ TEST_P(Scenarios, MeetWhatTheirFilesExpect) {
 
   const Points& result = edit.mesh.positions;
   expect_as_told(scenario, result);
-  // Whatever the file expects: all is finite, all that is held is where it was put, and the solve is done.
+  // Every file also implies finite positions, constraints that are met, and a small residual.
   EXPECT_TRUE(result.allFinite());
   for (std::size_t h = 0; h < scenario.poses.size(); ++h)
     for (Index v : scenario.region.handles[h].vertices)
@@ -142,7 +142,7 @@ TEST(ScenarioFolder, HoldsTheEditingTasks) {
   EXPECT_GE(deform_scenarios().size(), 30U);
 }
 
-/// Share of vertices that two sets have in common.
+/// Returns the number of common vertices of two sets over that of their union.
 double overlap(const std::vector<Index>& a, const std::vector<Index>& b) {
   const std::set<Index> first(a.begin(), a.end()), second(b.begin(), b.end());
   std::size_t common = 0;
@@ -150,7 +150,7 @@ double overlap(const std::vector<Index>& a, const std::vector<Index>& b) {
   return static_cast<double>(common) / static_cast<double>(first.size() + second.size() - common);
 }
 
-/// A part described by a point and two lengths along the surface, as a person would.
+/// A limb, described as a user would: by a point and two lengths along the surface.
 struct Limb {
   Vector3d tip;
   double handle_length = 0, region_length = 0;

@@ -1,4 +1,4 @@
-#include "linalg/bipartite_matching.h"
+#include "linalg/direct/bipartite_matching.h"
 
 #include <algorithm>
 #include <bit>
@@ -38,7 +38,7 @@ Edges random_edges(int left, int right, int count, std::minstd_rand& generator) 
   return edges;
 }
 
-/// Graphs of all kinds: empty, stars, paths, complete ones, random ones of several densities.
+/// Returns graphs of many kinds: empty, stars, paths, complete ones, random ones of several densities.
 std::vector<NamedGraph> graph_families() {
   std::vector<NamedGraph> graphs{{"nothing", 0, 0, {}}, {"no edge", 3, 2, {}}, {"no right vertex", 3, 0, {}}};
   NamedGraph star{"star", 1, 9, {}}, reversed{"reversed star", 9, 1, {}}, complete{"complete", 6, 4, {}},
@@ -49,7 +49,7 @@ std::vector<NamedGraph> graph_families() {
   }
   for (int left = 0; left < 6; ++left)
     for (int right = 0; right < 4; ++right) complete.edges.emplace_back(left, right);
-  // Edges in the order in which the greedy matching leaves both ends of the path: one long path augments it.
+  // In this order of edges the greedy matching leaves both ends of the path free, so one long path augments it.
   for (int k = 0; k < 49; ++k) path.edges.emplace_back(k, k + 1);
   for (int k = 0; k < 50; ++k) path.edges.emplace_back(k, k);
   graphs.insert(graphs.end(), {star, reversed, complete, path, twice});
@@ -62,7 +62,7 @@ std::vector<NamedGraph> graph_families() {
   return graphs;
 }
 
-/// The number of edges in a maximum matching, by one augmenting path after another (Kuhn 1955).
+/// Counts the edges of a maximum matching by one augmenting path after another (Kuhn 1955).
 class AugmentingPaths {
  public:
   explicit AugmentingPaths(const NamedGraph& graph) : graph_(graph), partner_(graph.right, -1) {}
@@ -148,7 +148,7 @@ TEST(VertexCover, IsTheSameInWhateverOrderEdgesAre) {
     EXPECT_EQ(again.left, cover.left) << family.name;
     EXPECT_EQ(again.right, cover.right) << family.name;
 
-    // Vertices in another order: the cover's go with them.
+    // Renumbering the vertices renumbers the cover alike.
     std::vector<int> number(static_cast<std::size_t>(family.left));
     std::iota(number.begin(), number.end(), 0);
     std::shuffle(number.begin(), number.end(), generator);

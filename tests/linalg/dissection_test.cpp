@@ -1,4 +1,4 @@
-#include "linalg/dissection.h"
+#include "linalg/direct/dissection.h"
 
 #include <algorithm>
 #include <numeric>
@@ -10,7 +10,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
-#include "linalg/multifrontal.h"
+#include "linalg/direct/multifrontal.h"
 #include "matrix_families.h"
 
 namespace meshgraft {
@@ -41,7 +41,8 @@ struct System {
   OrderingGraph graph() const { return {group, &neighbours}; }
 };
 
-/// Meshes whose vertices are coupled with two rings around them; some with an unknown that is coupled with all.
+/// Returns systems of meshes whose vertices are coupled with two rings, some with one unknown coupled with all.
+/// Others have ordering graphs that are unrelated to the matrix.
 std::vector<System> systems() {
   std::vector<System> systems;
   for (const char* sample : {"bumpy_plane", "torus", "knot"}) {
@@ -61,7 +62,6 @@ std::vector<System> systems() {
     system.lower = matrix_of_edges(mesh.vertex_count() + 1, edges);
     systems.push_back(std::move(system));
   }
-  // Graphs that say nothing of the matrix.
   std::minstd_rand generator(6);
   for (const unsigned groups : {1U, 40U, 900U}) {
     System system{"random groups", lattice_matrix(40, 40, 2), {}, {}};
@@ -131,7 +131,7 @@ TEST(Dissection, CutsMeshesIntoManyLeavesBySmallSeparators) {
   }
 }
 
-// A grid that is cut in the middle: couplings over `reach` steps need so many columns of it, and no more.
+// Cuts a grid in the middle. If couplings reach over `reach` steps, the separator has exactly `reach` columns.
 TEST(Dissection, HasSeparatorsAsThickAsCouplingsAreLong) {
   constexpr Index width = 40, height = 25;
   for (const Index reach : {1, 2, 3}) {

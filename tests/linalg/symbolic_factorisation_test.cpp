@@ -1,4 +1,4 @@
-#include "linalg/symbolic_factorisation.h"
+#include "linalg/direct/symbolic_factorisation.h"
 
 #include <algorithm>
 #include <numeric>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "linalg/multifrontal.h"
+#include "linalg/direct/multifrontal.h"
 #include "matrix_families.h"
 
 namespace meshgraft {
@@ -14,7 +14,7 @@ namespace {
 
 using Flags = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Which entries the Cholesky factor has for this order, by elimination of a dense matrix of flags.
+/// Flags the entries of the Cholesky factor for this order, by elimination of a dense matrix of flags.
 Flags symbolic_factor(const NormalMatrix& lower, const std::vector<int>& order) {
   const auto count = static_cast<Eigen::Index>(order.size());
   std::vector<Eigen::Index> inverse_permutation(order.size());
@@ -53,7 +53,7 @@ std::vector<std::vector<int>> orders_of(Eigen::Index unknowns) {
   return {natural, backwards, random};
 }
 
-/// Of a matrix by minimum degree, and in several orders that are given.
+/// Returns the patterns of a matrix by minimum degree and for several given orders.
 std::vector<SupernodalPattern> patterns_of(const NormalMatrix& lower) {
   std::vector<SupernodalPattern> patterns{symbolic_factorisation(lower, one_leaf(lower.rows()), {})};
   for (const std::vector<int>& order : orders_of(lower.rows()))
@@ -93,7 +93,7 @@ TEST(Supernodes, HaveAllEntriesOfTheFactor) {
     }
 }
 
-// What a supernode hands up must find its rows in the parent's front.
+// The parent's front must have all rows of the update that a supernode passes on to it.
 TEST(Supernodes, HaveRowsBelowThatTheirParentsHave) {
   for (const NamedMatrix& family : matrix_families())
     for (const SupernodalPattern& pattern : patterns_of(family.lower)) {

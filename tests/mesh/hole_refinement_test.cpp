@@ -1,4 +1,4 @@
-#include "mesh/hole_refinement.h"
+#include "mesh/repair/hole_refinement.h"
 
 #include <cmath>
 
@@ -12,7 +12,7 @@
 namespace meshgraft {
 namespace {
 
-// Without the faces that have a vertex within the radius of a point.
+// Returns the mesh without the faces that have a vertex within the radius of a point.
 Mesh with_hole(const test::TestMesh& family, const Eigen::RowVector3d& centre, double radius) {
   Mesh mesh;
   mesh.positions = family.positions;

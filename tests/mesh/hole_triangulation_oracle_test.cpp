@@ -1,8 +1,8 @@
-// Hole triangulation beside CGAL's, which is seen by tests and benchmarks alone.
+// Compares hole triangulation with CGAL's, which only tests and benchmarks use.
 
 #include <gtest/gtest.h>
 
-#include "mesh/hole_triangulation.h"
+#include "mesh/repair/hole_triangulation.h"
 #include "support/cgal_holes.h"
 #include "support/hole_families.h"
 

@@ -1,4 +1,4 @@
-#include "mesh/hole_triangulation.h"
+#include "mesh/repair/hole_triangulation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ HoleCase random_hole(Index n, unsigned seed) {
   return hole;
 }
 
-// Calls `visit` for every triangulation of the vertices from `from` to `to`, behind those in `made`.
+// Calls `visit` with `made` followed by every triangulation of the polygons behind the chords in `open`.
 template <class Visit>
 void for_each_triangulation(std::vector<HoleChord> open, HoleTriangles& made, const Visit& visit) {
   while (!open.empty() && open.back()[1] - open.back()[0] == 1) open.pop_back();
@@ -89,7 +89,7 @@ TEST(HoleTriangulation, IsTheBestOfAll) {
       const std::vector<HoleChord> forbidden{{0, 2}, {1, n - 1}};
       const HoleTriangles faces = fill(hole, {.forbidden = forbidden});
       if (n == 4) {
-        EXPECT_TRUE(faces.empty());  // both diagonals are there
+        EXPECT_TRUE(faces.empty());  // both diagonals are forbidden
         continue;
       }
       for (const HoleChord& chord : forbidden) EXPECT_FALSE(uses(faces, chord));
@@ -145,7 +145,8 @@ TEST(HoleTriangulation, TakesOddLoops) {
   EXPECT_EQ(test::hole_faults(7, fill(line)), "");
 }
 
-// The middles of a square's sides lie on them: only one of their triangles with the corners has no area.
+// The hole is a square with a vertex in the middle of each side; a triangle of three vertices on a side has
+// no area.
 TEST(HoleTriangulation, AvoidsTrianglesWithoutArea) {
   HoleCase hole{"square", Points(8, 3), Points(0, 3)};
   hole.points << 0, 0, 0, 1, 0, 0, 2, 0, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0, 0, 2, 0, 0, 1, 0;

@@ -1,4 +1,4 @@
-"""tools/bootstrap.sh on made-up systems: folders with just the commands that such a system has."""
+"""Tests tools/bootstrap.sh on made-up systems: folders with only the commands that such a system has."""
 
 import os
 import shutil
@@ -29,7 +29,7 @@ class Bootstrap(unittest.TestCase):
         self.calls.touch()
 
     def command(self, name, script=""):
-        """A command that notes its call and then does `script`."""
+        """Adds a command that notes its call and then runs `script`."""
         path = self.bin / name
         path.write_text(f'#!/usr/bin/env bash\necho "{name} $*" >> "{self.calls}"\n{script}\n', encoding="utf-8")
         path.chmod(path.stat().st_mode | stat.S_IXUSR)

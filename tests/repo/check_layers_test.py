@@ -1,4 +1,4 @@
-"""tools/check_layers.py on small made-up trees: it finds what it should, and nothing else."""
+"""Tests that tools/check_layers.py finds the violations of small made-up trees, and no others."""
 
 import sys
 import tempfile
@@ -12,7 +12,7 @@ import check_layers  # noqa: E402
 
 class CheckLayers(unittest.TestCase):
     def violations(self, files):
-        """Violations of a tree given as {path: text}."""
+        """Returns the violations of a tree given as {path: text}."""
         with tempfile.TemporaryDirectory() as folder:
             root = Path(folder)
             for name, text in files.items():
@@ -44,6 +44,23 @@ class CheckLayers(unittest.TestCase):
             "include/meshgraft/deform/deformer.h": "",
             "src/mesh/mesh.cpp": "#include <string>\n\n#include <meshgraft/deform/deformer.h>\n",
         }, "src/mesh/mesh.cpp:3", "mesh must not use deform")
+
+    def test_folders_of_a_layer_include_what_they_may(self):
+        tree = {"src/deform/setup/patch.h": "", "src/deform/solve/solve.h": '#include "deform/setup/patch.h"\n',
+                "src/deform/solve/a.cpp": '#include "solve.h"\n#include "deform/facts.h"\n'}
+        self.assertEqual(self.violations(tree), [])
+        self.assert_one({**tree, "src/deform/setup/b.cpp": '#include "deform/solve/solve.h"\n'},
+                        "src/deform/setup/b.cpp:1", "deform/setup must not use deform/solve")
+        self.assert_one({**tree, "src/deform/odd/b.cpp": '#include "deform/setup/patch.h"\n'}, "deform/odd is not in ROOMS")
+
+    def test_the_core_of_a_layer_does_not_include_its_facade(self):
+        facade = {"include/meshgraft/deform/deformer.h": ""}
+        line = "#include <meshgraft/deform/deformer.h>\n"
+        self.assertEqual(self.violations({**facade, "src/deform/proxy/a.cpp": line}), [])
+        self.assert_one({**facade, "src/deform/solve/a.cpp": line}, "deform/solve lies below deformer.h")
+
+    def test_the_drawing_leaves_out_what_follows(self):
+        self.assertEqual(check_layers.reduced({"a": {"b", "c"}, "b": {"c"}, "c": set()}), {"a": ["b"], "b": ["c"], "c": []})
 
     def test_facts_are_of_the_layer_of_their_table(self):
         tree = {"src/io/gltf/facts.json": "{}", "src/io/file.cpp": '#include "gltf/facts.h"\n#include "core/facts.h"\n'}

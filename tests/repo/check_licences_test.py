@@ -1,4 +1,4 @@
-"""tools/check_licences.py on made-up tables and trees: it finds what it should, and nothing else."""
+"""Tests that tools/check_licences.py finds the violations of made-up tables and trees, and no others."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ SYSTEM = (
 
 class CheckLicences(unittest.TestCase):
     def violations(self, table, files=None, binaries=()):
-        """Violations of a table and of a tree given as {path: text}."""
+        """Returns the violations of a table and of a tree given as {path: text}."""
         with tempfile.TemporaryDirectory() as folder:
             root = Path(folder)
             for name, text in {"THIRD_PARTY.md": "# Title\n\n" + table, **(files or {})}.items():

@@ -1,4 +1,4 @@
-"""tools/facts.py on small made-up tables, and the tables of the repository."""
+"""Tests tools/facts.py on small made-up tables and on the tables of the repository."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""tools/run_tests.py counts what ctest reports, and takes nothing that did not run for a success."""
+"""Tests that tools/run_tests.py counts ctest's results, and counts no test as a success that did not run."""
 
 import sys
 import tempfile

@@ -1,19 +1,17 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/figures.h>
 #include <meshgraft/deform/handle.h>
-#include <meshgraft/linalg/linear_solver.h>
+#include <meshgraft/deform/options.h>
+#include <meshgraft/deform/region.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/operators/affine_operator.h>
-#include <meshgraft/operators/options.h>
 
 namespace meshgraft {
 
@@ -23,71 +21,6 @@ class ProxyDeformer;
 class ReducedFrames;
 class RotationField;
 struct RestMesh;
-
-/// The vertices of a mesh that move, stay fixed or are held, by their roles.
-struct Region {
-  std::vector<Index> vertices{};  ///< the region of interest; unused if `whole` is set
-  bool whole = false;             ///< the region is the whole mesh
-  std::vector<Index> fixed{};     ///< vertices of the region that are fixed (rest position, transform I)
-  std::vector<Handle> handles{};  ///< disjoint from each other and from `fixed`
-  std::vector<Anchor> anchors{};
-  std::vector<Feature> features{};
-};
-
-/// The rule by which rotations spread from the constraints (docs/methods.md). The methods share one matrix,
-/// apart from `stiffness`. They differ in the field of maps F_i on the right-hand side of E_R:
-/// ‖(M_i − M_j) d − (F_i − F_j) d‖².
-enum class DeformMethod {
-  ft05,            ///< F = I: maps are blended linearly (Fu & Tai 2005)
-  rotation_aware,  ///< F blends the logarithms of the constraints' rotations and stretches
-  corotational,    ///< starts from `rotation_aware`, then F follows the rotations of the surface itself
-};
-
-std::string_view to_string(DeformMethod value);
-
-struct DeformerOptions {
-  // The method.
-  DeformMethod method = DeformMethod::corotational;
-  /// The weight μ ≥ 0 of extra rows on edges that preserve lengths (not used by `ft05`). 0 bends most evenly;
-  /// larger values are more rigid. Under `Density::aware` μ is relative to bending over the region's size,
-  /// otherwise the rows have the plain weight μ.
-  double stiffness = 60;
-  int iterations = 20;  ///< largest number of co-rotational steps
-  /// Length over which the co-rotational field is smoothed, × the width of the surface between constraints.
-  double smoothing_length_rel = 0.09;
-  // The operator.
-  OperatorOptions operators{};
-  // The solve.
-  SolverBackend backend = SolverBackend::automatic;
-  int residual_corrections = 1;  ///< corrections per solve by the residual of the rectangular system
-};
-
-/// Seconds per stage and figures of the set-up.
-struct DeformerSummary {
-  Index free_vertices = 0;   ///< vertices whose position is solved for
-  Index fixed_vertices = 0;  ///< fixed vertices of the region
-  Index handle_vertices = 0;
-  Index degenerate_vertices = 0;  ///< free vertices with a flat or near-flat neighbourhood
-  /// Set if patch, operator and bisection tree are shared with another Deformer (`Deformer::with_region`).
-  bool reused = false;
-  double assemble_seconds = 0;
-  double analyse_seconds = 0;
-  double factorise_seconds = 0;  ///< includes the scalar systems that spread rotations
-  SolverStatistics solver{};
-};
-
-/// Figures of one evaluation.
-struct EvaluationReport {
-  double residual = 0;                 ///< ‖Aᵀ(b − A x)‖ / ‖Aᵀ b‖, 0 for a zero right-hand side
-  double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
-  int iterations = 0;                  ///< co-rotational steps made
-  int solver_iterations = 0;           ///< iterations of the backend `iterative` in the last solve
-  double last_rotation_change = 0;     ///< RMS change of F asked for by the last step, radians
-  Index inverted_maps = 0;             ///< free vertices whose local map has a determinant of 0 or less
-  /// Set if transforms were blended linearly because a constraint reflects or flattens, so that its transform
-  /// has no logarithm.
-  bool fell_back_to_linear = false;
-};
 
 /// Deforms a region of a mesh by its handles (Fu & Tai 2005, sections 3 and 4). The constructor validates,
 /// assembles and factorises. An evaluation takes two back-substitutions, and one more per co-rotational step.

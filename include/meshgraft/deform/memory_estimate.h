@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/options.h>
 
 namespace meshgraft {
 

@@ -14,11 +14,11 @@
 #include <meshgraft/core/fact.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/handle.h>
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/merge/pose_source.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/select/selection.h>
 
 namespace meshgraft {
 

@@ -11,8 +11,8 @@
 #include <meshgraft/deform/constraints.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/handle.h>
-#include <meshgraft/deform/selection.h>
 #include <meshgraft/script/edit_file.h>
+#include <meshgraft/select/selection.h>
 
 namespace meshgraft {
 

@@ -1,0 +1,386 @@
+#include <meshgraft/deform/quality.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/parallel.h>
+#include <meshgraft/deform/intersections.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "core/percentile.h"
+#include "deform/setup/free_vertices.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Eigen::Vector3d;
+
+// One state of the surface, in units in which squares and cubes neither overflow nor underflow.
+struct Pose {
+  const Points& positions;
+  Vector3d centre;    // of the bounding box; volumes are measured from it
+  double scale;       // a power of two, so that scaling does not round
+  double resolution;  // scaled length below which rounding of the coordinates dominates
+
+  Vector3d between(Index from, Index to) const {
+    return (positions.row(to) - positions.row(from)).transpose() * scale;
+  }
+  Vector3d centred(Index vertex) const { return (positions.row(vertex).transpose() - centre) * scale; }
+};
+
+struct Box {
+  Vector3d min = Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Vector3d max = -min;
+  double extent() const { return (max - min).maxCoeff(); }
+};
+
+// Returns the box of vertices with faces. Unused vertices must not affect the units.
+Box bounding_box(const Points& positions, const IndexLists& faces_around) {
+  Box box;
+  for (Index v = 0; v < faces_around.size(); ++v) {
+    if (faces_around[v].empty() || !positions.row(v).allFinite()) continue;
+    box.min = box.min.cwiseMin(positions.row(v).transpose());
+    box.max = box.max.cwiseMax(positions.row(v).transpose());
+  }
+  return box;
+}
+
+// Returns the poses of both states in one common scale, because their sizes are compared.
+std::pair<Pose, Pose> make_poses(const Points& rest, const Points& edited, const IndexLists& faces_around) {
+  const Box rest_box = bounding_box(rest, faces_around);
+  const Box edited_box = bounding_box(edited, faces_around);
+  const double extent = rest_box.extent();
+  const double scale = extent > 0 && std::isfinite(extent) ? std::ldexp(1.0, -std::ilogb(extent)) : 1.0;
+  const auto pose = [&](const Points& positions, const Box& box) {
+    const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+    return Pose{positions, box.min / 2 + box.max / 2, scale,
+                4 * std::numeric_limits<double>::epsilon() * largest * scale};
+  };
+  return {pose(rest, rest_box), pose(edited, edited_box)};
+}
+
+using TriangleEdges = std::array<Vector3d, 3>;  // [k] is the edge from corner k to corner k+1, scaled
+
+TriangleEdges triangle_edges(const Pose& pose, const std::array<Index, 3>& v) {
+  return {pose.between(v[0], v[1]), pose.between(v[1], v[2]), pose.between(v[2], v[0])};
+}
+
+// A face in one state of the surface.
+struct FaceShape {
+  Vector3d normal{0, 0, 0};  // unit length, or zero where the face has no direction
+  double area = 0;           // scaled
+  double cone = 0;           // signed volume of the cone from the box centre to the face
+  bool finite = false;
+  bool has_normal() const { return !normal.isZero(0); }
+};
+
+FaceShape measure_shape(const Pose& pose, const std::array<Index, 3>& v, const TriangleEdges& edges) {
+  FaceShape shape;
+  const Vector3d twice_area = edges[0].cross(edges[1]);
+  const double norm = twice_area.norm();
+  const double cone = pose.centred(v[0]).dot(pose.centred(v[1]).cross(pose.centred(v[2]))) / 6;
+  if (!std::isfinite(norm) || !std::isfinite(cone)) return shape;
+  shape.finite = true;
+  shape.area = norm / 2;
+  shape.cone = cone;
+  const double longest = std::max({edges[0].norm(), edges[1].norm(), edges[2].norm()});
+  if (norm > longest * pose.resolution) shape.normal = twice_area / norm;
+  return shape;
+}
+
+// Returns the in-plane singular values σ1 ≥ σ2 of the affine map between two states of a triangle. Both
+// triangles are laid into the plane along the same edge, which makes the map upper triangular. Its conformal
+// part Q and anticonformal part R give σ = ‖Q‖ ± ‖R‖ without cancellation.
+std::array<double, 2> singular_values(const TriangleEdges& rest, const TriangleEdges& edited) {
+  std::size_t k = 0;  // a long edge of the edited face has a direction unless the face is a point
+  for (std::size_t c = 1; c < 3; ++c) {
+    if (edited[c].squaredNorm() > edited[k].squaredNorm()) k = c;
+  }
+  const auto flat = [k](const TriangleEdges& edges) {
+    const Vector3d& u = edges[k];
+    const Vector3d& w = edges[(k + 1) % 3];
+    const double base = u.norm();
+    if (base == 0) return std::array{0.0, 0.0, 0.0};
+    return std::array{base, u.dot(w) / base, u.cross(w).norm() / base};
+  };
+  const auto [l, x, y] = flat(rest);
+  const auto [l_edited, x_edited, y_edited] = flat(edited);
+  const double a = l_edited / l;
+  const double b = (x_edited - a * x) / y;
+  const double d = y_edited / y;
+  const double q = std::hypot((a + d) / 2, b / 2);
+  const double r = std::hypot((a - d) / 2, b / 2);
+  return {q + r, std::abs(q - r)};
+}
+
+struct FaceMeasure {
+  FaceShape rest, edited;
+  std::array<double, 2> sigma{1, 1};  // valid if `stretch_known`
+  bool free = false;                  // has a free vertex
+  bool stretch_known = false;
+  bool finite() const { return rest.finite && edited.finite; }
+};
+
+std::vector<FaceMeasure> measure_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
+                                       const Flags& is_free, const Context& context) {
+  std::vector<FaceMeasure> measures(static_cast<std::size_t>(triangles.rows()));
+  parallel_blocks(
+      measures.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+          const auto row = triangles.row(static_cast<Eigen::Index>(f));
+          const std::array<Index, 3> v{row[0], row[1], row[2]};
+          const TriangleEdges rest_edges = triangle_edges(rest, v), edited_edges = triangle_edges(edited, v);
+          FaceMeasure& measure = measures[f];
+          measure.free = is_free[v[0]] || is_free[v[1]] || is_free[v[2]];
+          measure.rest = measure_shape(rest, v, rest_edges);
+          measure.edited = measure_shape(edited, v, edited_edges);
+          if (!measure.free || !measure.finite() || !measure.rest.has_normal()) continue;
+          measure.sigma = singular_values(rest_edges, edited_edges);
+          measure.stretch_known = true;
+        }
+      },
+      context);
+  return measures;
+}
+
+// An edge and its first two faces.
+struct Edge {
+  Index tail = -1, head = -1;  // tail < head
+  std::array<Index, 2> faces{-1, -1};
+  Index forward = 0, backward = 0;  // number of faces that run from tail to head, and of the others
+  bool joins_two_faces() const { return forward + backward == 2; }
+};
+
+bool repeats_vertex(const Triangles& triangles, Index f) {
+  return triangles(f, 0) == triangles(f, 1) || triangles(f, 1) == triangles(f, 2) ||
+         triangles(f, 2) == triangles(f, 0);
+}
+
+// Lists the edges in order of their ends. Each vertex contributes the edges to larger neighbours.
+std::vector<Edge> list_edges(const Triangles& triangles, const IndexLists& faces_around) {
+  struct Side {
+    Index head, face;
+    bool forward;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(static_cast<std::size_t>(triangles.rows()) * 3 / 2 + 64);
+  std::vector<Side> sides;
+  for (Index v = 0; v < faces_around.size(); ++v) {
+    sides.clear();
+    for (const Index f : faces_around[v]) {
+      if (repeats_vertex(triangles, f)) continue;
+      const int c = triangles(f, 0) == v ? 0 : triangles(f, 1) == v ? 1 : 2;
+      const Index next = triangles(f, (c + 1) % 3), previous = triangles(f, (c + 2) % 3);
+      if (next > v) sides.push_back({next, f, true});
+      if (previous > v) sides.push_back({previous, f, false});
+    }
+    std::sort(sides.begin(), sides.end());
+    for (const Side& side : sides) {
+      if (edges.empty() || edges.back().tail != v || edges.back().head != side.head) {
+        edges.push_back({v, side.head});
+      }
+      Edge& edge = edges.back();
+      const Index faces_before = edge.forward + edge.backward;
+      if (faces_before < 2) edge.faces[static_cast<std::size_t>(faces_before)] = side.face;
+      ++(side.forward ? edge.forward : edge.backward);
+    }
+  }
+  return edges;
+}
+
+// Returns the signed angle (radians) by which the surface turns across an edge. If the faces are not
+// consistently oriented, the sign of one normal is reversed.
+double turn_across(const Vector3d& along, const Vector3d& first, const Vector3d& second, bool oriented) {
+  const double sign = oriented ? 1.0 : -1.0;
+  return std::atan2(sign * along.normalized().dot(first.cross(second)), sign * first.dot(second));
+}
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct EdgeMeasure {
+  double stretch = unknown;   // (edited − rest) / rest length
+  double turn_deg = unknown;  // change of the dihedral angle, 0 … 180
+  bool free = false;          // has a free end
+  bool rim = false;           // between held and free surface
+};
+
+double turn_change_deg(const Edge& edge, const FaceMeasure& first, const FaceMeasure& second,
+                       const Vector3d& rest_along, const Vector3d& edited_along) {
+  const auto directed = [](const FaceMeasure& f) { return f.rest.has_normal() && f.edited.has_normal(); };
+  if (!directed(first) || !directed(second)) return unknown;
+  const bool alike = edge.forward == 1;
+  const double before = turn_across(rest_along, first.rest.normal, second.rest.normal, alike);
+  const double after = turn_across(edited_along, first.edited.normal, second.edited.normal, alike);
+  const double change = std::abs(after - before);
+  return std::min(change, 2 * std::numbers::pi - change) * 180 / std::numbers::pi;
+}
+
+std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited, const std::vector<Edge>& edges,
+                                       const std::vector<FaceMeasure>& faces, const Flags& is_free,
+                                       const Context& context) {
+  std::vector<EdgeMeasure> measures(edges.size());
+  const auto measure_edge = [&](const Edge& edge) {
+    EdgeMeasure measure;
+    const bool tail_free = is_free[edge.tail], head_free = is_free[edge.head];
+    measure.free = tail_free || head_free;
+    measure.rim = tail_free != head_free;
+    const FaceMeasure& first = faces[edge.faces[0]];
+    if (edge.joins_two_faces()) measure.rim |= first.free != faces[edge.faces[1]].free;
+    if (!measure.free && !measure.rim) return measure;
+
+    const Vector3d rest_along = rest.between(edge.tail, edge.head);
+    const Vector3d edited_along = edited.between(edge.tail, edge.head);
+    const double rest_length = rest_along.norm();
+    const double stretch = edited_along.norm() / rest_length - 1;
+    if (rest_length > rest.resolution && std::isfinite(stretch)) measure.stretch = stretch;
+    if (edge.joins_two_faces()) {
+      measure.turn_deg = turn_change_deg(edge, first, faces[edge.faces[1]], rest_along, edited_along);
+    }
+    return measure;
+  };
+  parallel_blocks(
+      edges.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e) measures[e] = measure_edge(edges[e]);
+      },
+      context);
+  return measures;
+}
+
+void report_areas(const std::vector<FaceMeasure>& faces, Quality& quality) {
+  double rest = 0, edited = 0, rest_free = 0, edited_free = 0;
+  for (const FaceMeasure& face : faces) {
+    if (!face.finite()) continue;
+    rest += face.rest.area;
+    edited += face.edited.area;
+    if (!face.free) continue;
+    rest_free += face.rest.area;
+    edited_free += face.edited.area;
+  }
+  if (rest > 0) quality.area_ratio = edited / rest;
+  if (rest_free > 0) quality.area_ratio_free = edited_free / rest_free;
+}
+
+// The volume is the sum of the cones over all faces, for any common apex (divergence theorem).
+void report_volume(const Pose& rest_pose, const std::vector<FaceMeasure>& faces, const std::vector<Edge>& edges,
+                   Quality& quality) {
+  const bool finite = std::all_of(faces.begin(), faces.end(), [](const auto& face) { return face.finite(); });
+  const bool closed = !edges.empty() && std::all_of(edges.begin(), edges.end(), [](const Edge& edge) {
+    return edge.forward == edge.backward;
+  });
+  if (!finite || !closed) return;
+  double rest = 0, edited = 0, rest_area = 0;
+  for (const FaceMeasure& face : faces) {
+    rest += face.rest.cone;
+    edited += face.edited.cone;
+    rest_area += face.rest.area;
+  }
+  const bool encloses_volume = std::abs(rest) > rest_pose.resolution * rest_area;
+  if (encloses_volume) quality.volume_ratio = edited / rest;
+}
+
+void report_stretch(const std::vector<FaceMeasure>& faces, Quality& quality) {
+  std::vector<double> sigmas;
+  sigmas.reserve(2 * faces.size());
+  for (const FaceMeasure& face : faces) {
+    if (face.stretch_known) sigmas.insert(sigmas.end(), face.sigma.begin(), face.sigma.end());
+  }
+  if (sigmas.empty()) return;
+  const auto [min, max] = std::minmax_element(sigmas.begin(), sigmas.end());
+  quality.sigma_min = *min;
+  quality.sigma_max = *max;
+  quality.sigma_p1 = percentile(sigmas, 1);
+  quality.sigma_p5 = percentile(sigmas, 5);
+  quality.sigma_p50 = percentile(sigmas, 50);
+  quality.sigma_p95 = percentile(sigmas, 95);
+  quality.sigma_p99 = percentile(sigmas, 99);
+}
+
+void report_edges(const std::vector<EdgeMeasure>& edges, Quality& quality) {
+  double squares = 0;
+  std::size_t stretched = 0;
+  std::vector<double> turns;
+  for (const EdgeMeasure& edge : edges) {
+    if (edge.free && !std::isnan(edge.stretch)) {
+      squares += edge.stretch * edge.stretch;
+      ++stretched;
+    }
+    if (std::isnan(edge.turn_deg)) continue;
+    if (edge.free) turns.push_back(edge.turn_deg);
+    if (edge.rim) quality.rim_jump_max_deg = std::max(quality.rim_jump_max_deg, edge.turn_deg);
+  }
+  if (stretched > 0) quality.edge_rms = std::sqrt(squares / static_cast<double>(stretched));
+  if (turns.empty()) return;
+  quality.dihedral_p50_deg = percentile(turns, 50);
+  quality.dihedral_p99_deg = percentile(turns, 99);
+  quality.dihedral_max_deg = *std::max_element(turns.begin(), turns.end());
+}
+
+// Returns whether a face's normal points against the faces around its corners. Areas at rest are the weights
+// in both states, so that neither tessellation nor the growth of a face decides.
+bool looks_away(Index face, FaceShape FaceMeasure::* state, const std::vector<FaceMeasure>& faces,
+                const Triangles& triangles, const IndexLists& faces_around) {
+  Vector3d mean = Vector3d::Zero();
+  for (int c = 0; c < 3; ++c) {
+    for (const Index neighbour : faces_around[triangles(face, c)]) {
+      if (neighbour != face) mean += faces[neighbour].rest.area * (faces[neighbour].*state).normal;
+    }
+  }
+  return (faces[face].*state).normal.dot(mean) < 0;
+}
+
+void count_flipped(const std::vector<FaceMeasure>& faces, const Triangles& triangles,
+                   const IndexLists& faces_around, const Context& context, Quality& quality) {
+  Flags flipped(faces.size(), 0);
+  parallel_blocks(
+      faces.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+          const auto face = static_cast<Index>(f);
+          if (!faces[f].free || !faces[f].finite() || !faces[f].rest.has_normal()) continue;
+          flipped[f] = looks_away(face, &FaceMeasure::edited, faces, triangles, faces_around) &&
+                       !looks_away(face, &FaceMeasure::rest, faces, triangles, faces_around);
+        }
+      },
+      context);
+  quality.flipped_faces = static_cast<Index>(std::count(flipped.begin(), flipped.end(), char{1}));
+}
+
+}  // namespace
+
+Quality measure_quality(const Points& rest, const Points& edited, const Triangles& triangles,
+                        std::span<const Index> free_vertices, const QualityOptions& options,
+                        const Context& context) {
+  require_same_vertices(rest, edited);
+  const Flags is_free = flag_free(rest.rows(), free_vertices);
+  const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
+  const auto [rest_pose, edited_pose] = make_poses(rest, edited, faces_around);
+  const std::vector<FaceMeasure> faces = measure_faces(rest_pose, edited_pose, triangles, is_free, context);
+  const std::vector<Edge> edges = list_edges(triangles, faces_around);
+  const std::vector<EdgeMeasure> edge_measures =
+      measure_edges(rest_pose, edited_pose, edges, faces, is_free, context);
+
+  Quality quality;
+  report_areas(faces, quality);
+  report_volume(rest_pose, faces, edges, quality);
+  report_stretch(faces, quality);
+  report_edges(edge_measures, quality);
+  count_flipped(faces, triangles, faces_around, context, quality);
+  if (options.self_intersections)
+    quality.new_self_intersections =
+        count_new_self_intersections(rest, edited, triangles, free_vertices, context);
+  return quality;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,368 @@
+#include "reduced_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+
+#include <meshgraft/core/parallel.h>
+
+#include "deform/solve/rotations.h"
+#include "surface_samples.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Returns weight · [I | 0] (3 or 4 columns) in rows 3v … 3v+2 for each vertex v.
+Columns scaled_identities(const Columns& weights, std::size_t column) {
+  Columns field = Columns::Zero(3 * weights.rows(), 4);
+  for (Eigen::Index v = 0; v < weights.rows(); ++v)
+    for (Eigen::Index j = 0; j < 3; ++j) field(3 * v + j, j) = weights(v, static_cast<Eigen::Index>(column));
+  return field;
+}
+
+}  // namespace
+
+/// The logarithms of the handles' transforms and of the fits of components without a given transform.
+struct ReducedField::Logs {
+  Eigen::Matrix3d reference = Eigen::Matrix3d::Identity();
+  Columns handles;  ///< H × 9: rotation vector, logarithm of the stretch
+  Columns fits;     ///< components without a given map × 9
+};
+
+ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField& rotations,
+                           std::span<const Handle> handles, const DeformerOptions& options, Index centres,
+                           Index samples, const Context& context)
+    : system_(&system),
+      rotations_(&rotations),
+      handles_(handles),
+      handle_count_(handles.size()),
+      iterations_(rotations.iterations()) {
+  context.step("reduce", 0);
+  spread_logs(context);
+  choose_samples(centres, samples);
+  spread_samples(options.backend, context);
+  if (iterations_ > 0) reduce_smoothing(context);
+  fit_loose_components();
+  maps_.setZero(4, static_cast<Eigen::Index>(samples_.size() * width()));
+  base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
+}
+
+void ReducedField::choose_samples(Index centres, Index samples) {
+  const Patch& patch = system_->patch();
+  const IndexLists& rings = system_->rings();
+  const Flags& given = system_->known().transform;
+  Flags open(given.size());
+  for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
+  // Components without a given map come first. Each needs a centre.
+  const Flags& holds = rotations_->fields().component_holds();
+  const auto loose = static_cast<Index>(std::count(holds.begin(), holds.end(), 0));
+  centres = std::max(centres, loose);
+  samples_ = farthest_vertices(patch.points, rings, given, open, std::max(samples, loose));
+  centres_.assign(samples_.begin(),
+                  samples_.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(
+                                         samples_.size(), static_cast<std::size_t>(centres))));
+  cell_ = nearest_sample(patch.points, rings, samples_);
+  areas_.assign(samples_.size(), 0.0);
+  normals_ = Points::Zero(static_cast<Eigen::Index>(samples_.size()), 3);
+  const std::vector<double>& areas = rotations_->fields().areas();
+  for (Index v = 0; v < patch.size(); ++v) {
+    if (!open[v]) cell_[v] = -1;
+    if (cell_[v] < 0) continue;
+    areas_[cell_[v]] += areas[v];
+    if (system_->operators()->nodes().apex[v] < 0)
+      normals_.row(cell_[v]) += areas[v] * rotations_->normals().row(v);
+  }
+  for (auto normal : normals_.rowwise())
+    if (!normal.isZero(0)) normal.normalize();
+}
+
+/// Computes the weights χ, by which the handles' logarithms are blended.
+void ReducedField::spread_logs(const Context& context) {
+  const Patch& patch = system_->patch();
+  const KnownParts& known = system_->known();
+  const IndexLists& rings = system_->rings();
+  const SurfaceFields& fields = rotations_->fields();
+  given_ = Columns::Zero(patch.size(), static_cast<Eigen::Index>(handle_count_));
+  given_areas_.assign(handle_count_, 0.0);
+  gives_maps_.assign(handle_count_, 0);
+  for (std::size_t h = 0; h < handle_count_; ++h)
+    for (const Index vertex : handles_[h].vertices) {
+      const Index v = patch.local(vertex);
+      if (v < 0 || rings[v].empty() || !handles_[h].constrain_transform) continue;
+      gives_maps_[h] = 1;
+      given_areas_[h] += fields.areas()[v];
+      given_(v, static_cast<Eigen::Index>(h)) = 1;
+    }
+  for (Index v = 0; v < patch.size(); ++v)
+    from_rest_ = from_rest_ || (known.transform[v] && given_.row(v).isZero(0) && !rings[v].empty());
+  blend_weights_ = fields.spread(given_, context);
+}
+
+/// Computes the weights φ, and the means and values of χ and φ that frames need.
+void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
+  const Patch& patch = system_->patch();
+  const auto centre_count = static_cast<Eigen::Index>(centres_.size());
+  Flags held = system_->known().transform;
+  Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
+  values.rightCols(given_.cols()) = given_;
+  for (Eigen::Index k = 0; k < centre_count; ++k) {
+    values(centres_[static_cast<std::size_t>(k)], k) = 1;
+    held[centres_[static_cast<std::size_t>(k)]] = 1;
+  }
+  const SurfaceFields around_centres(patch.points, system_->triangles(), system_->rings(), system_->cuts(),
+                                     held, rotations_->fields().bending(), -1, backend, context);
+  const Columns weights = around_centres.spread(values, context);
+  centre_weights_ = weights.leftCols(centre_count);
+  given_weights_ = weights.rightCols(given_.cols());
+  interpolation_ = cell_means(centre_weights_, 1);
+  cell_influence_ = cell_means(blend_weights_, 1);
+  centre_influence_.resize(centre_count, given_.cols());
+  for (Eigen::Index k = 0; k < centre_count; ++k)
+    centre_influence_.row(k) = blend_weights_.row(centres_[static_cast<std::size_t>(k)]);
+}
+
+/// Reduces smoothing to the samples: smooth(f)(c) = Σ_v g_c(v) a_v f(v), where g_c is the smoothed unit
+/// source at c. This takes one solve per centre.
+void ReducedField::reduce_smoothing(const Context& context) {
+  const SurfaceFields& fields = rotations_->fields();
+  constexpr Eigen::Index at_once = 16;
+  const auto count = static_cast<Eigen::Index>(centres_.size());
+  smoothing_ = Columns::Zero(count, static_cast<Eigen::Index>(samples_.size()));
+  for (Eigen::Index first = 0; first < count; first += at_once) {
+    const Eigen::Index columns = std::min(at_once, count - first);
+    Columns sources = Columns::Zero(system_->patch().size(), columns);
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      const Index centre = centres_[static_cast<std::size_t>(first + k)];
+      sources(centre, k) = 1 / fields.areas()[centre];
+    }
+    const Columns g = fields.smooth(sources, Columns::Zero(sources.rows(), columns), context);
+    for (Index v = 0; v < system_->patch().size(); ++v)
+      if (cell_[v] >= 0)
+        smoothing_.col(cell_[v]).segment(first, columns) += fields.areas()[v] * g.row(v).transpose();
+  }
+}
+
+/// Fits affine maps to components with given positions only. The field of such a component starts from its
+/// fit.
+void ReducedField::fit_loose_components() {
+  const SurfaceFields& fields = rotations_->fields();
+  const Patch& patch = system_->patch();
+  std::vector<Index> number(fields.component_holds().size(), -1);
+  for (std::size_t c = 0; c < number.size(); ++c) {
+    if (fields.component_holds()[c]) continue;
+    number[c] = static_cast<Index>(fits_.size());
+    fits_.push_back(Columns::Zero(3, static_cast<Eigen::Index>(4 * handle_count_)));
+    std::vector<std::pair<Index, std::size_t>> held;  // vertex, handle
+    for (std::size_t h = 0; h < handle_count_; ++h)
+      for (const Index vertex : handles_[h].vertices)
+        if (const Index v = patch.local(vertex);
+            v >= 0 && handles_[h].constrain_position && fields.component()[v] == static_cast<Index>(c))
+          held.emplace_back(v, h);
+    if (held.size() < 4) continue;
+    Eigen::MatrixXd held_points(held.size(), 3), moves = Eigen::MatrixXd::Zero(held.size(), 4 * handle_count_);
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      held_points.row(row) = patch.points.row(held[k].first);
+      moves.row(row).segment<4>(static_cast<Eigen::Index>(4 * held[k].second)) << held_points.row(row), 1.0;
+    }
+    held_points.rowwise() -= held_points.colwise().mean().eval();
+    moves.rowwise() -= moves.colwise().mean().eval();
+    fits_.back() = held_points.completeOrthogonalDecomposition().solve(moves);
+  }
+  const auto loose = [&](Index v) { return number[fields.component()[v]]; };
+  std::transform(centres_.begin(), centres_.end(), std::back_inserter(centre_component_), loose);
+  std::transform(samples_.begin(), samples_.end(), std::back_inserter(cell_component_), loose);
+}
+
+/// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.
+SparseRows ReducedField::cell_mean_rows(int rows_per_vertex) const {
+  const std::vector<double>& areas = rotations_->fields().areas();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t v = 0; v < cell_.size(); ++v)
+    for (int k = 0; cell_[v] >= 0 && k < rows_per_vertex; ++k)
+      entries.emplace_back(rows_per_vertex * cell_[v] + k, rows_per_vertex * static_cast<int>(v) + k,
+                           areas[v] / areas_[cell_[v]]);
+  SparseRows rows(rows_per_vertex * static_cast<Eigen::Index>(samples_.size()),
+                  rows_per_vertex * static_cast<Eigen::Index>(cell_.size()));
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
+}
+
+Columns ReducedField::cell_means(const Columns& values, int rows_per_vertex) const {
+  return multiply(cell_mean_rows(rows_per_vertex), values);
+}
+
+ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
+  const std::size_t handle = number % handle_count_;
+  Columnwise sides;
+  sides.values = unit_frame_values(*system_, handles_.subspan(handle, 1));
+  if (number < handle_count_) {
+    sides.field.smoothness = scaled_identities(given_weights_, handle);
+    sides.field.stretch = sides.field.smoothness;
+    return sides;
+  }
+  // In a linear blend, edges with stiffness use the blended transforms, and E_R alone determines the maps.
+  sides.field.stretch = scaled_identities(blend_weights_, handle);
+  const SurfaceFields& fields = rotations_->fields();
+  Index loose = 0;
+  for (std::size_t c = 0; c < fields.component_holds().size(); ++c) {
+    if (fields.component_holds()[c]) continue;
+    const Columns fit = fits_[loose++].middleCols<4>(static_cast<Eigen::Index>(4 * handle));
+    for (Index v = 0; v < system_->patch().size(); ++v)
+      if (fields.component()[v] == static_cast<Index>(c)) sides.field.stretch.middleRows<3>(3 * v) = fit;
+  }
+  return sides;
+}
+
+void ReducedField::set_maps(std::size_t first, std::size_t stride, const Columns& means) {
+  for (std::size_t s = 0; s < samples_.size(); ++s)
+    for (Eigen::Index c = 0; c < means.cols(); ++c)
+      maps_.topRows<3>().col(
+          static_cast<Eigen::Index>(s * width() + first + stride * static_cast<std::size_t>(c))) =
+          means.col(c).segment<3>(static_cast<Eigen::Index>(3 * s));
+}
+
+void ReducedField::finish() {
+  system_ = nullptr;
+  rotations_ = nullptr;
+  handles_ = {};
+  cell_ = {};
+  given_ = centre_weights_ = given_weights_ = blend_weights_ = {};
+}
+
+/// Computes the logarithms; returns false if a transform has none. `RotationField::blend` does the same per
+/// vertex.
+bool ReducedField::handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const {
+  std::vector<PolarParts> parts(poses.size());
+  bool from_rest = from_rest_;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t h = 0; h < poses.size(); ++h) {
+    if (!gives_maps_[h]) continue;
+    if (!polar_decompose(poses[h].transform.linear(), parts[h])) return false;
+    from_rest = from_rest || poses[h].rotation.has_value();
+    sum += given_areas_[h] * parts[h].rotation;
+  }
+  if (!from_rest) logs.reference = nearest_rotation(sum);
+  logs.handles = Columns::Zero(static_cast<Eigen::Index>(poses.size()), 9);
+  for (std::size_t h = 0; h < poses.size(); ++h) {
+    if (!gives_maps_[h]) continue;
+    Eigen::Vector3d turn = rotation_log(parts[h].rotation * logs.reference.transpose());
+    if (poses[h].rotation) turn = nearest_turn(turn, poses[h].rotation->angle() * poses[h].rotation->axis());
+    logs.handles.row(static_cast<Eigen::Index>(h)) << turn.transpose(),
+        stretch_log(parts[h].stretch).transpose();
+  }
+  logs.fits = Columns::Zero(static_cast<Eigen::Index>(fits_.size()), 9);
+  for (std::size_t c = 0; c < fits_.size(); ++c) {
+    const Eigen::Matrix3d change = fits_[c] * frames;
+    PolarParts fit;
+    if (!polar_decompose(Eigen::Matrix3d::Identity() + change.transpose(), fit)) return false;
+    logs.fits.row(static_cast<Eigen::Index>(c))
+        << rotation_log(fit.rotation * logs.reference.transpose()).transpose(),
+        stretch_log(fit.stretch).transpose();
+  }
+  return true;
+}
+
+BlendedMap ReducedField::blend(const Logs& logs, Eigen::Index row, const Columns& influence,
+                               Index component) const {
+  Eigen::Matrix<double, 1, 9> log;
+  if (component >= 0)
+    log = logs.fits.row(component);
+  else
+    log = influence.row(row) * logs.handles;
+  return {rotation_exp(log.head<3>().transpose()) * logs.reference, stretch_exp(log.tail<6>().transpose())};
+}
+
+ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const HandleFrame* frames,
+                                        const Context& context) const {
+  const auto handle_rows = static_cast<Eigen::Index>(4 * handle_count_);
+  Columns handle_frames(handle_rows, 3);
+  for (std::size_t h = 0; h < handle_count_; ++h)
+    handle_frames.middleRows<4>(static_cast<Eigen::Index>(4 * h)) = frames[h];
+  Result result;
+  result.coefficients = Columns::Zero(static_cast<Eigen::Index>(width()), 3);
+  Logs logs;
+  if (!handle_logs(poses, handle_frames, logs)) {
+    result.linear = true;
+    result.coefficients.middleRows(handle_rows, handle_rows) = handle_frames;
+    return result;
+  }
+  result.coefficients.topRows(handle_rows) = handle_frames;
+  std::vector<BlendedMap> at_centres, at_cells;
+  for (std::size_t k = 0; k < centres_.size(); ++k)
+    at_centres.push_back(blend(logs, static_cast<Eigen::Index>(k), centre_influence_, centre_component_[k]));
+  set_field(at_centres, Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), result.coefficients);
+  if (iterations_ == 0) return result;
+  for (std::size_t s = 0; s < samples_.size(); ++s)
+    at_cells.push_back(blend(logs, static_cast<Eigen::Index>(s), cell_influence_, cell_component_[s]));
+  local_steps(at_centres, at_cells, result, context);
+  return result;
+}
+
+/// Returns (M − I)ᵀ of a cell without the part that anchors' targets cause.
+Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coefficients) const {
+  using Lanes = Eigen::Array<double, 4, 1>;
+  Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
+  const double* column = maps_.data() + 4 * cell * width();
+  for (Eigen::Index row = 0; row < coefficients.rows(); ++row, column += 4) {
+    const Eigen::Map<const Lanes> numbers(column);
+    x += numbers * coefficients(row, 0);
+    y += numbers * coefficients(row, 1);
+    z += numbers * coefficients(row, 2);
+  }
+  Eigen::Matrix3d map;
+  map << x.head<3>(), y.head<3>(), z.head<3>();
+  return map;
+}
+
+/// Performs the steps of `RotationField::local_steps` on the samples.
+void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres,
+                               const std::vector<BlendedMap>& at_cells, Result& result,
+                               const Context& context) const {
+  Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), previous;
+  Columns raw(static_cast<Eigen::Index>(samples_.size()), 3);
+  double pace = 1;
+  while (result.iterations < iterations_) {
+    const Columns current = interpolation_ * deviation;
+    const auto turn = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        const auto row = static_cast<Eigen::Index>(s);
+        const Eigen::Matrix3d change = cell_map(s, result.coefficients) + base_maps_.middleRows<3>(3 * row);
+        raw.row(row) = surface_turn(change.transpose() + Eigen::Matrix3d::Identity(), at_cells[s],
+                                    normals_.row(row).transpose(), current.row(row).transpose())
+                           .transpose();
+      }
+    };
+    parallel_blocks(samples_.size(), turn, context, 32);
+    const Columns step = smoothing_ * raw - deviation;
+    if (result.iterations > 0) pace = damped_pace(pace, step, previous);
+    previous = step;
+    deviation += pace * step;
+    set_field(at_centres, deviation, result.coefficients);
+    ++result.iterations;
+
+    const Columns change = interpolation_ * step;
+    double sum = 0, area = 0;
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      sum += areas_[s] * change.row(static_cast<Eigen::Index>(s)).squaredNorm();
+      area += areas_[s];
+    }
+    result.change = area > 0 ? std::sqrt(sum / area) : 0;
+    if (result.change < settled_change) break;
+  }
+}
+
+void ReducedField::set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
+                             Columns& coefficients) const {
+  for (std::size_t k = 0; k < at_centres.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const Eigen::Matrix3d map =
+        rotation_exp(deviation.row(row).transpose()) * at_centres[k].rotation * at_centres[k].stretch;
+    coefficients.middleRows<3>(static_cast<Eigen::Index>(8 * handle_count_) + 3 * row) =
+        (map - Eigen::Matrix3d::Identity()).transpose();
+  }
+}
+
+}  // namespace meshgraft

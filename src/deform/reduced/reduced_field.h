@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <meshgraft/deform/options.h>
+
+#include "deform/solve/constrained_system.h"
+#include "deform/solve/corotation.h"
+#include "deform/solve/handle_frame.h"
+#include "deform/solve/rotation_field.h"
+
+namespace meshgraft {
+
+/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational steps use samples of the
+/// surface, which are means over cells of vertices.
+///
+/// A solution is linear in `width()` rows of coefficients, three columns each:
+///   4 per handle    its frame, if the field is blended by logarithms
+///   4 per handle    its frame, if transforms are blended linearly
+///   3 per centre    (F − I)ᵀ at the centre
+/// `handle_sides` and `centre_weights` give the right-hand sides of these rows. `set_maps` takes the maps
+/// that they cause.
+class ReducedField {
+ public:
+  ReducedField(const ConstrainedSystem& system, const RotationField& rotations, std::span<const Handle> handles,
+               const DeformerOptions& options, Index centres, Index samples, const Context& context);
+
+  std::size_t width() const { return 8 * handle_count_ + 3 * centre_count(); }
+  std::size_t centre_count() const { return centres_.size(); }
+
+  /// The known values and field that give the right-hand sides of some rows.
+  struct Columnwise {
+    ConstrainedSystem::Known values;
+    MapField field;
+  };
+  /// Returns the known values and field for a handle's four rows. Numbers from the handle count on select the
+  /// linearly blended rows.
+  Columnwise handle_sides(std::size_t number) const;
+  const Columns& centre_weights() const { return centre_weights_; }  ///< Returns φ, patch × centres.
+  /// Returns means over cells of values with `rows_per_vertex` rows per vertex. `cell_mean_rows` returns the
+  /// matrix that computes them.
+  Columns cell_means(const Columns& values, int rows_per_vertex) const;
+  SparseRows cell_mean_rows(int rows_per_vertex) const;
+  /// Sets the means of the local maps that rows first, first + stride, … cause.
+  void set_maps(std::size_t first, std::size_t stride, const Columns& means);
+  /// Sets the local maps with all handles at rest, needed if anchors have targets.
+  void set_base_maps(const Columns& maps) { base_maps_ = cell_means(maps, 3); }
+  /// Releases all that only the set-up needs.
+  void finish();
+
+  struct Result {
+    Columns coefficients;  ///< width() × 3
+    int iterations = 0;
+    double change = 0;
+    bool linear = false;
+  };
+  Result find(std::span<const HandlePose> poses, const HandleFrame* frames, const Context& context) const;
+
+ private:
+  void spread_logs(const Context& context);
+  void choose_samples(Index centres, Index samples);
+  void spread_samples(SolverBackend backend, const Context& context);
+  void reduce_smoothing(const Context& context);
+  void fit_loose_components();
+  struct Logs;
+  bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
+  BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
+  Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
+  void local_steps(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
+                   Result& result, const Context& context) const;
+  void set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
+                 Columns& coefficients) const;
+
+  // Used in the set-up only; null and empty afterwards.
+  const ConstrainedSystem* system_;
+  const RotationField* rotations_;
+  std::span<const Handle> handles_;
+  std::vector<Index> cell_;  ///< per vertex of the patch: its cell, or -1 if its map is given
+  Columns given_;            ///< patch × handles: 1 where the handle gives the map
+  Columns
+      centre_weights_;     ///< φ: patch × centres, 1 at its centre and 0 at the others and where maps are given
+  Columns given_weights_;  ///< φ: patch × handles, 1 where the handle gives the map and 0 at the centres
+  Columns blend_weights_;  ///< χ: patch × handles, the same without centres: the blend of logarithms
+
+  // Used by frames.
+  std::size_t handle_count_ = 0;
+  int iterations_ = 0;
+  Flags gives_maps_;                      ///< per handle: it constrains transforms of the patch
+  std::vector<double> given_areas_;       ///< per handle: area of the vertices whose map it gives
+  bool from_rest_ = false;                ///< a map is known without a handle: rotations count from rest
+  std::vector<Index> centres_, samples_;  ///< vertices of the patch; the centres are the first samples
+  std::vector<Index> centre_component_, cell_component_;  ///< components without a given map, else -1
+  std::vector<Columns> fits_;                             ///< per such one: (M − I)ᵀ = fit (3 × 4H) · frames
+  Columns centre_influence_, cell_influence_;             ///< χ at centres, and its means over cells
+  Columns interpolation_;                                 ///< cells × centres: means of φ
+  Columns smoothing_;          ///< centres × cells: weights of the cells in the smoothed field
+  std::vector<double> areas_;  ///< per cell
+  Points normals_;             ///< per cell: normal if maps are fitted to flat rings, else 0
+  /// The columns of (M − I)ᵀ that `width()` rows cause, per cell. Each column is padded to four numbers, so
+  /// that they are added at once.
+  Eigen::Matrix<double, 4, Eigen::Dynamic> maps_;
+  Columns base_maps_;  ///< 3 rows per cell: maps with all handles at rest
+};
+
+}  // namespace meshgraft

@@ -1,0 +1,168 @@
+#include <meshgraft/deform/reduced_frames.h>
+
+#include <algorithm>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+
+#include "core/facts.h"
+#include "deform/facts.h"
+#include "deform/setup/region_states.h"
+#include "deform/solve/constrained_system.h"
+#include "deform/solve/handle_frame.h"
+#include "deform/solve/rotation_field.h"
+#include "reduced_field.h"
+#include "response_columns.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Returns the rows of the free vertices.
+Columns free_rows(const ConstrainedSystem& system, const Columns& displacements) {
+  Columns rows(static_cast<Eigen::Index>(system.free_vertices().size()), displacements.cols());
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    rows.row(k) = displacements.row(system.patch().local(system.free_vertices()[static_cast<std::size_t>(k)]));
+  return rows;
+}
+
+}  // namespace
+
+void validate(const ReducedFramesOptions& options) {
+  require_between(options.centres, 1, 1024, "centres");
+  require_between(options.samples_per_centre, 1, 64, "samples_per_centre");
+}
+
+struct ReducedFrames::Impl {
+  std::vector<Handle> handles;
+  Eigen::RowVector3d centre;
+  double scale = 1;
+  Points base;                          ///< n×3: positions with all handles at rest
+  std::unique_ptr<ReducedField> field;  ///< null if nothing is free
+  ResponseColumns responses;
+
+  void solve_responses(const ConstrainedSystem& system, const Context& context);
+  void solve_targets(const ConstrainedSystem& system, const Context& context);
+  void place_handles(std::span<const HandlePose> poses, Points& positions, const Context& context) const;
+};
+
+ReducedFrames::ReducedFrames(const Deformer& deformer, const ReducedFramesOptions& options,
+                             const Context& context)
+    : impl_(std::make_unique<Impl>()) {
+  validate(options);
+  const ConstrainedSystem& system = deformer.system();
+  if (!deformer.is_of_handles()) throw Error(facts::deform::NoHandles{});
+  if (deformer.options().method == DeformMethod::ft05) throw Error(facts::deform::ReducedFramesNeedless{});
+  if (!system.features().empty()) throw Error(facts::deform::FeaturesNotReduced{});
+  Impl& d = *impl_;
+  d.handles.assign(deformer.handles().begin(), deformer.handles().end());
+  d.base = system.rest();
+  d.centre = system.patch().centre;
+  d.scale = system.patch().scale;
+  if (system.row_count() == 0) return;
+  const Index samples = options.centres * options.samples_per_centre;
+  d.field = std::make_unique<ReducedField>(system, *deformer.rotation_field(), d.handles, deformer.options(),
+                                           options.centres, samples, context);
+  d.solve_responses(system, context);
+  d.solve_targets(system, context);
+  d.field->finish();
+}
+
+ReducedFrames::ReducedFrames(ReducedFrames&&) noexcept = default;
+ReducedFrames& ReducedFrames::operator=(ReducedFrames&&) noexcept = default;
+ReducedFrames::~ReducedFrames() = default;
+
+/// Solves for the vertices' responses to handles and centres. A few columns are solved at a time, which
+/// bounds the memory of the right-hand sides.
+void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
+  responses = ResponseColumns(system.free_vertices(), field->width());
+  const SparseRows coupling = system.coupling(context);
+  for (std::size_t handle = 0; handle < 2 * handles.size(); ++handle) {  // blended by logarithms, then linearly
+    const ReducedField::Columnwise sides = field->handle_sides(handle);
+    const Columns y = system.respond(sides.values, sides.field, coupling, context);
+    responses.set(4 * handle, 1, free_rows(system, system.displacements(y, sides.values, context)), context);
+    field->set_maps(4 * handle, 1, field->cell_means(system.maps(y, sides.values, context), 3));
+  }
+  const SparseRows displacements = system.displacement_rows();
+  const SparseRows maps = multiply(field->cell_mean_rows(3), system.map_rows(), context);
+  const auto centres = static_cast<Eigen::Index>(field->centre_count());
+  constexpr Eigen::Index at_once = 32;
+  for (int axis = 0; axis < 3; ++axis) {
+    const SparseRows sides = system.field_rows(axis, coupling, context);
+    for (Eigen::Index first = 0; first < centres; first += at_once) {
+      context.step("reduce", static_cast<double>(axis * centres + first) / static_cast<double>(3 * centres));
+      const Columns weights = field->centre_weights().middleCols(first, std::min(at_once, centres - first));
+      const Columns y = system.back_substitute(multiply(sides, weights, context), context);
+      const std::size_t column = 8 * handles.size() + static_cast<std::size_t>(3 * first + axis);
+      responses.set(column, 3, multiply(displacements, y, context), context);
+      field->set_maps(column, 3, multiply(maps, y, context));
+    }
+  }
+}
+
+/// Adds the displacements that anchors with targets cause while all handles rest.
+void ReducedFrames::Impl::solve_targets(const ConstrainedSystem& system, const Context& context) {
+  const std::vector<Anchor>& anchors = system.anchors();
+  if (std::none_of(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.target.has_value(); }))
+    return;
+  const ConstrainedSystem::Known values = system.no_values(3);
+  const Columns y = system.solve(values, {}, {.corrections = system.residual_corrections()}, context);
+  const Columns x = free_rows(system, system.displacements(y, values, context));
+  for (Eigen::Index k = 0; k < x.rows(); ++k)
+    base.row(system.free_vertices()[static_cast<std::size_t>(k)]) += scale * x.row(k);
+  field->set_base_maps(system.maps(y, values, context));
+}
+
+void ReducedFrames::frame(std::span<const HandlePose> poses, Points& positions, const Context& context,
+                          EvaluationReport* report) const {
+  const Impl& d = *impl_;
+  require_affine_poses(d.handles, poses);
+  if (positions.rows() != d.base.rows())
+    throw Error(facts::core::SizeMismatch{
+        .what = "rows of positions", .given = positions.rows(), .of = "vertices", .needed = d.base.rows()});
+  ReducedField::Result found;
+  if (d.field) {
+    std::vector<HandleFrame> frames;
+    for (const HandlePose& pose : poses) frames.push_back(handle_frame(pose, d.centre, d.scale));
+    found = d.field->find(poses, frames.data(), context);
+    d.responses.place(found.coefficients, d.scale, d.base, positions, context);
+  } else {
+    positions = d.base;
+  }
+  d.place_handles(poses, positions, context);
+  if (report == nullptr) return;
+  *report = {};
+  report->iterations = found.iterations;
+  report->last_rotation_change = found.change;
+  report->fell_back_to_linear = found.linear;
+}
+
+Points ReducedFrames::frame(std::span<const HandlePose> poses, const Context& context,
+                            EvaluationReport* report) const {
+  Points positions(impl_->base.rows(), 3);
+  frame(poses, positions, context, report);
+  return positions;
+}
+
+void ReducedFrames::Impl::place_handles(std::span<const HandlePose> poses, Points& positions,
+                                        const Context& context) const {
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    if (!handles[h].constrain_position) continue;
+    const std::vector<Index>& vertices = handles[h].vertices;
+    const auto pose_vertices = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k)
+        positions.row(vertices[k]) = (poses[h].transform * base.row(vertices[k]).transpose()).transpose();
+    };
+    parallel_blocks(vertices.size(), pose_vertices, context, 4096);
+  }
+}
+
+Index ReducedFrames::centres() const {
+  return impl_->field ? static_cast<Index>(impl_->field->centre_count()) : 0;
+}
+
+std::int64_t ReducedFrames::memory_bytes() const {
+  return impl_->responses.memory_bytes() + static_cast<std::int64_t>(sizeof(double)) * impl_->base.size();
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,278 @@
+#include "constrained_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Geometry>
+
+#include "core/stopwatch.h"
+#include "rotations.h"
+
+namespace meshgraft {
+
+ConstrainedSystem::ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
+                                     std::span<const Anchor> all_anchors, std::span<const Feature> features,
+                                     const DeformerOptions& options, DeformerSummary& summary,
+                                     const ConstrainedSystem* other, const Context& context)
+    : residual_corrections_(options.residual_corrections),
+      features_(features.begin(), features.end()),
+      feature_column_(features.size(), -1) {
+  validate(options.operators);
+  require_between(residual_corrections_, 0, 10, "residual_corrections");
+  Stopwatch watch;
+  summary.reused = other != nullptr && share(*other, states, all_anchors, context);
+  if (!summary.reused) {
+    cut_ = std::make_shared<CutPatch>(std::move(mesh), states, options.operators.laplacian_order, context);
+    find_known(states, all_anchors);
+  }
+  for (Index v = 0; v < static_cast<Index>(rest().rows()); ++v)
+    if (cut_->in_faces[v] && !states.position[v]) free_.push_back(v);
+  if (patch().size() > 0) {
+    if (!operators_) build_operator(options.operators, context);
+    region_size_ = std::sqrt(free_area());
+    build_system(options.operators.density, options.method == DeformMethod::ft05 ? 0 : options.stiffness,
+                 context);
+    summary.degenerate_vertices = count_degenerate();
+  }
+  summary.free_vertices = static_cast<Index>(free_.size());
+  summary.assemble_seconds = watch.lap();
+  if (E_.cols() == 0) return;
+  factorise(options.backend, summary, context);
+  prepare_similarities(context);
+}
+
+/// Takes over the other system's patch, rows and cuts. Returns false if they differ from those of these
+/// states, or if less than half of the patch would be used. The caller then sets them up itself.
+bool ConstrainedSystem::share(const ConstrainedSystem& other, const VertexStates& states,
+                              std::span<const Anchor> all_anchors, const Context& context) {
+  const CutPatch& cut = *other.cut_;
+  // If faces of the patch were turned over, a part of it set up alone might get the opposite orientation.
+  if (other.operators_ == nullptr || cut.patch.rewound || cut.feature != states.feature) return false;
+  const auto active = cut.active_among(states);
+  if (!active) return false;
+  const PatchOperator& operators = *other.operators_;
+  const IndexLists& all_rings = operators.rows().rings();
+  std::optional<PatchPart> part = part_around(cut, *active, all_rings, context);
+  if (part && (2 * part->size < cut.patch.size() || !operators.serves(*part, cut.patch))) return false;
+
+  cut_ = other.cut_;
+  find_known(states, all_anchors);
+  const IndexLists& rings = part ? part->rings : all_rings;
+  fix_unconstrained_components(rings, known_);
+  if (!operators.serves(known_)) {
+    anchors_.clear();
+    return false;
+  }
+  require_solvable(patch(), rings, known_);
+  part_ = std::move(part);
+  operators_ = other.operators_;
+  fewer_maps_ = operators.fewer_maps(known_);
+  *cuts_ = *other.cuts_;
+  return true;
+}
+
+void ConstrainedSystem::find_known(const VertexStates& states, std::span<const Anchor> all_anchors) {
+  known_ = cut_->known_parts(states);
+  for (std::size_t a = 0; a < all_anchors.size(); ++a) {
+    const Anchor& anchor = all_anchors[a];
+    require_usable(anchor, a, static_cast<Index>(rest().rows()));
+    const Index local = patch().local(anchor.vertex);
+    if (local < 0 || states.position[anchor.vertex]) continue;  // a known position needs no anchor
+    known_.anchored[local] = 1;
+    anchors_.push_back(anchor);
+  }
+}
+
+void ConstrainedSystem::build_operator(const OperatorOptions& options, const Context& context) {
+  const IndexLists rings = vertex_rings(patch().size(), patch().triangles, context);
+  fix_unconstrained_components(rings, known_);
+  require_solvable(patch(), rings, known_);
+  operators_ = std::make_shared<PatchOperator>(*cut_, known_, rings, options, context);
+}
+
+Index ConstrainedSystem::count_degenerate() const {
+  Index count = 0;
+  for (Index v = 0; v < patch().size(); ++v)
+    if (!known_.position[v] && is_fitted(known_, v) && operators_->rows().nodes().flat[v]) ++count;
+  return count;
+}
+
+/// Returns the area of the patch's faces with a free corner, without those of features, in patch units.
+double ConstrainedSystem::free_area() const {
+  double area = 0;
+  for (const auto& t : patch().triangles.rowwise()) {
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return !known_.position[v] && known_.feature[v] < 0; }))
+      continue;
+    const Eigen::RowVector3d u = patch().points.row(t[1]) - patch().points.row(t[0]),
+                             v = patch().points.row(t[2]) - patch().points.row(t[0]);
+    area += u.cross(v).norm() / 2;
+  }
+  return area > 0 ? area : 1;
+}
+
+/// Returns rows w (x_i − x_j) of the edges with a free end; their right-hand side is w
+/// ½(F_i + F_j)(p_i − p_j). With `aware` their sum of squares approximates μ²/D² ∫ ‖∂x − F‖², where D is the
+/// region's size. E_R approximates ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of
+/// the two.
+SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) {
+  const AffineOperator& op = operators_->rows();
+  const double scale = density == Density::aware ? op.mean_edge_length() / region_size_ : 1.0;
+  if (stiffness > 0) {
+    for (Index i = 0; i < patch().size(); ++i)
+      for (const Index j : op.rings()[i])
+        if (i < j && (!known_.position[i] || !known_.position[j]) &&
+            (known_.feature[i] < 0 || known_.feature[i] != known_.feature[j]))
+          edge_rows_.push_back({{i, j}, stiffness * scale});
+  }
+  SparseRows rows(static_cast<Eigen::Index>(edge_rows_.size()), op.nodes().positions.rows());
+  if (edge_rows_.empty()) return rows;  // Eigen's makeCompressed fails on a matrix without rows
+  rows.reserve(std::vector<int>(edge_rows_.size(), 2));
+  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
+    const auto row = static_cast<Eigen::Index>(b);
+    rows.insertBackUncompressed(row, edge_rows_[b].ends[0]) = edge_rows_[b].weight;
+    rows.insertBackUncompressed(row, edge_rows_[b].ends[1]) = -edge_rows_[b].weight;
+  }
+  rows.makeCompressed();
+  return rows;
+}
+
+/// Returns soft rows weight · (x_i − target). For a vertex i that was moved off its plane, x_i is the
+/// position recovered by FT05 equation 8. With `aware`, the rows of anchors spread over a surface approximate
+/// an integral, like those of E_L and E_R. They are scaled by the free area, so that neither size nor
+/// tessellation matters.
+SparseRows ConstrainedSystem::anchor_rows(Density density) {
+  const AffineOperator& op = operators_->rows();
+  const double area = region_size_ * region_size_;
+  SparseRows rows(static_cast<Eigen::Index>(anchors_.size()), E_.cols());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t a = 0; a < anchors_.size(); ++a) {
+    const Index v = patch().local(anchors_[a].vertex);
+    const double scale = density == Density::aware ? op.edge_lengths()[v] * op.mean_edge_length() / area : 1.0;
+    anchor_weights_.push_back(anchors_[a].weight * scale);
+    const auto add = [&](const SparseRows& matrix, Eigen::Index row, double factor) {
+      for (SparseRows::InnerIterator it(matrix, row); it; ++it)
+        entries.emplace_back(static_cast<int>(a), static_cast<int>(it.col()),
+                             anchor_weights_.back() * factor * it.value());
+    };
+    add(E_, v, 1);
+    const Eigen::RowVector3d back = patch().points.row(v) - op.nodes().positions.row(v);
+    for (int k = 0; k < 3; ++k)
+      if (back[k] != 0) add(G_, 3 * v + k, back[k]);
+  }
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return rows;
+}
+
+/// Assembles the system. Its columns are each free vertex followed by its apex, then four for each feature:
+/// three of the map and one of the translation.
+void ConstrainedSystem::build_system(Density density, double stiffness, const Context& context) {
+  const AffineOperator& op = operators_->rows();
+  const Index n = patch().size();
+  const Eigen::Index node_count = op.nodes().positions.rows();
+  std::vector<int> column(static_cast<std::size_t>(node_count), -1);
+  int columns = 0;
+  std::map<Index, std::vector<Index>> features;
+  for (Index v = 0; v < n; ++v) {
+    if (known_.feature[v] >= 0)
+      features[known_.feature[v]].push_back(v);
+    else if (!known_.position[v])
+      column[v] = columns++;
+    if (op.nodes().apex[v] >= 0 && is_fitted(known_, v)) column[op.nodes().apex[v]] = columns++;
+  }
+  const int first_shared = columns;
+  columns += 4 * static_cast<int>(features.size());
+
+  std::vector<Eigen::Triplet<double>> E_entries, F_entries;
+  for (Eigen::Index node = 0; node < node_count; ++node)
+    if (column[node] >= 0) E_entries.emplace_back(static_cast<int>(node), column[node], 1.0);
+  shared_begin_ = first_shared;
+  int shared = first_shared;
+  for (const auto& [feature, vertices] : features) {
+    feature_column_[feature] = shared;
+    if (features_[feature].similarity) similarities_.push_back(feature);
+    for (Index v : vertices) {
+      for (int k = 0; k < 3; ++k) {
+        E_entries.emplace_back(v, shared + k, op.nodes().positions(v, k));
+        F_entries.emplace_back(3 * v + k, shared + k, 1.0);
+      }
+      E_entries.emplace_back(v, shared + 3, 1.0);
+    }
+    shared += 4;
+  }
+  E_.resize(node_count, columns);
+  E_.setFromTriplets(E_entries.begin(), E_entries.end());
+  SparseRows F(3 * n, columns);
+  F.setFromTriplets(F_entries.begin(), F_entries.end());
+  if (columns == 0) return;
+
+  G_ = multiply(H(), E_, context);
+  if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
+  A_L_ = difference_of_products(op.L(), E_, op.delta(), G_, context);
+
+  stiffness_rows_ = stiffness_rows(density, stiffness);
+  A_L_ = stack(stack(A_L_, multiply(stiffness_rows_, E_, context)), anchor_rows(density));
+  A_L_transposed_ = transpose(A_L_, context);
+  G_transposed_ = transpose(G_, context);
+  context.step("assemble", 0.7);
+}
+
+/// Computes AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G. PᵀP couples only the maps of pairs and is small.
+NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
+  if (E_.cols() == 0) return NormalMatrix(0, 0);
+  return normal_equations(A_L_transposed_, A_L_, G_transposed_, coupling(context), G_, context);
+}
+
+/// Returns the graph for the elimination order. Each unknown belongs to its vertex, except those of features,
+/// which vertices far apart share.
+OrderingGraph ConstrainedSystem::ordering_graph() const {
+  OrderingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rows().rings(),
+                      cuts_, Points::Zero(E_.cols(), 3)};
+  const std::vector<Index>& apex = operators_->rows().nodes().apex;
+  for (Index v = 0; v < patch().size(); ++v)
+    for (const Index node : {v, apex[v]}) {
+      if (node < 0) continue;
+      for (SparseRows::InnerIterator entry(E_, node); entry; ++entry)
+        if (entry.col() < shared_begin_) {
+          graph.group[entry.col()] = v;
+          graph.positions.row(entry.col()) = operators_->rows().nodes().positions.row(node);
+        }
+    }
+  return graph;
+}
+
+void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summary, const Context& context) {
+  Stopwatch watch;
+  const NormalMatrix normal = normal_matrix(context);
+  normal_one_norm_ = one_norm(normal);
+  summary.assemble_seconds += watch.lap();
+
+  solver_ = make_solver(backend);
+  solver_->analyse(normal, ordering_graph(), context);
+  summary.analyse_seconds = watch.lap();
+  solver_->factorise(normal, context);
+  summary.factorise_seconds = watch.lap();
+  summary.solver = solver_->statistics();
+}
+
+void ConstrainedSystem::prepare_similarities(const Context& context) {
+  const auto count = static_cast<Eigen::Index>(4 * similarities_.size());
+  if (count == 0) return;
+  Eigen::MatrixXd units = Eigen::MatrixXd::Zero(E_.cols(), count);
+  for (Eigen::Index s = 0; s < count; ++s) units(shared_row(s), s) = 1;
+  similarity_response_ = solver_->solve(units, context);
+  Eigen::MatrixXd among(count, count);
+  for (Eigen::Index s = 0; s < count; ++s) among.row(s) = similarity_response_.row(shared_row(s));
+  similarity_stiffness_ = among.inverse();
+}
+
+/// Returns the row of y of the s-th shared unknown of the similarities.
+Eigen::Index ConstrainedSystem::shared_row(Eigen::Index s) const {
+  return feature_column_[similarities_[static_cast<std::size_t>(s / 4)]] + s % 4;
+}
+
+double ConstrainedSystem::condition_estimate(const Context& context) const {
+  return solver_ ? estimate_condition(normal_one_norm_, *solver_, context) : 1.0;
+}
+
+}  // namespace meshgraft

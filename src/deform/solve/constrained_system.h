@@ -1,0 +1,195 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/figures.h>
+#include <meshgraft/deform/options.h>
+#include <meshgraft/linalg/sparse.h>
+
+#include "deform/setup/patch.h"
+#include "deform/setup/patch_operator.h"
+#include "deform/setup/region_states.h"
+#include "deform/setup/solvability.h"
+
+namespace meshgraft {
+
+/// Maps F_v per vertex of the patch for the right-hand side, minus I: rows 3v … 3v+2 are (F_v − I)ᵀ. A field
+/// without rows stands for I everywhere.
+struct MapField {
+  Columns smoothness;  ///< for E_R: (M_i − M_j) d = (F_i − F_j) d
+  Columns stretch;     ///< for the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
+};
+
+/// The least-squares problem of a deformation with constraints per vertex. The constructor assembles and
+/// factorises it. It can then be solved for any values of the constraints.
+///
+/// All positions and maps are stored as differences from rest (x − p, M − I). An edit that moves nothing
+/// therefore gives exactly zero, and small edits keep their relative precision.
+///
+/// Let y be the unknowns. The displacements of the nodes are E y + x_known. The maps are H (E
+/// y + x_known) + F y + m_known, where F holds the maps that are shared columns themselves. The rows are
+///
+///   E_L rows:  A_L y = −(L x_known − Δ (H x_known + m_known)),   A_L = L E − Δ (H E + F)
+///   E_R rows:  P G y = P (r − H x_known − m_known),              G = H E + F
+///
+/// The rows of stiffness and anchors follow those of E_L.
+class ConstrainedSystem {
+ public:
+  /// Fills the counts of free and degenerate vertices, the seconds and the solver's facts in `summary`.
+  /// `other` may be null. Otherwise it is a system on the same mesh with the same operator options, and its
+  /// parts are shared where possible.
+  ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
+                    std::span<const Anchor> anchors, std::span<const Feature> features,
+                    const DeformerOptions& options, DeformerSummary& summary, const ConstrainedSystem* other,
+                    const Context& context);
+
+  /// The known displacements of nodes and known maps minus I, as given by constraints.
+  struct Known {
+    Columns x, m;
+  };
+  Known known_values(std::span<const VertexConstraint> constraints) const;
+  /// Returns known values that are all zero, with `columns` columns.
+  Known no_values(Eigen::Index columns) const;
+
+  /// How to solve for the unknowns.
+  struct SolveSteps {
+    int corrections = 0;  ///< number of corrections with the rectangular system's residual after the solve
+    const Columns* guess = nullptr;  ///< unknowns of a similar problem, from which an iterative solver starts
+  };
+  Columns solve(const Known& values, const MapField& field, const SolveSteps& steps,
+                const Context& context) const;
+  /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any
+  /// number of columns. `is_linear` must hold.
+  Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
+  /// Solves the same by one back-substitution, for many columns. `coupling` is PᵀP. The rows of E_R, four
+  /// times as many as those of the maps, are then never written out.
+  Columns respond(const Known& values, const MapField& field, const SparseRows& coupling,
+                  const Context& context) const;
+  SparseRows coupling(const Context& context) const;  ///< Returns PᵀP.
+
+  // For many fields at once. Let φ be a number per vertex of the patch, F − I = φ e_axis eᵀ the field, and
+  // all known values zero. Then field_rows(axis) φ is the right-hand side, and back-substitution gives y.
+  // Sparse rows turn y into displacements of the free vertices and local maps.
+  SparseRows field_rows(int axis, const SparseRows& coupling, const Context& context) const;
+  Columns back_substitute(const Columns& rhs, const Context& context) const;
+  SparseRows displacement_rows() const;
+  const SparseRows& map_rows() const { return G_; }
+  /// Returns whether solutions are linear in values, field and targets. They are if no feature is a
+  /// similarity.
+  bool is_linear() const { return similarities_.empty(); }
+  /// Returns the number of rows of the right-hand sides, for estimates of the memory that one column takes.
+  Eigen::Index row_count() const;
+
+  /// Returns the map T of each feature in a solution, or I for a feature without columns in the system.
+  std::vector<Eigen::Matrix3d> feature_maps(const Columns& y) const;
+  /// Returns (T − I)ᵀ over tᵀ of a feature (4 rows, patch units), zero if it has no columns in the system.
+  Columns feature_rows(std::size_t feature, const Columns& y) const;
+  /// Returns the local maps of a solution minus I: rows 3v … 3v+2 are (M_v − I)ᵀ.
+  Columns maps(const Columns& y, const Known& values, const Context& context) const;
+  /// Returns the displacements of all vertices of the patch in a solution (patch units), known ones included.
+  Columns displacements(const Columns& y, const Known& values, const Context& context) const;
+
+  /// The field on the right-hand side, and unknowns near the solution if there are any.
+  struct Problem {
+    MapField field;
+    Columns guess;
+  };
+  /// Computes positions (n×3) for constraints that fit `states`. Fills the measures of `report` unless it is
+  /// null. Fills `solved_maps`, unless it is null, with the solution's `maps`, or leaves it empty if nothing
+  /// is free.
+  void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, Points& out,
+                EvaluationReport* report, Columns* solved_maps, const Context& context) const;
+  OrderingGraph ordering_graph() const;
+  NormalMatrix normal_matrix(const Context& context) const;
+  double condition_estimate(const Context& context) const;
+
+  const std::shared_ptr<const RestMesh>& mesh() const { return cut_->mesh; }
+  const Points& rest() const { return cut_->mesh->points; }
+  const Patch& patch() const { return cut_->patch; }
+  // The faces and rings of the part of the patch around the unknowns. Rings of vertices without such a face
+  // are empty.
+  const Triangles& triangles() const { return part_ ? part_->triangles : patch().triangles; }
+  const IndexLists& rings() const { return part_ ? part_->rings : operators_->rows().rings(); }
+  const KnownParts& known() const { return known_; }
+  const std::vector<Feature>& features() const { return features_; }
+  const std::vector<Index>& free_vertices() const { return free_; }
+  const std::vector<Anchor>& anchors() const { return anchors_; }  ///< at vertices with an unknown position
+  int residual_corrections() const { return residual_corrections_; }
+  /// Returns the bisection of the patch's rings, for other systems over the same rings.
+  const std::shared_ptr<BisectionTree>& cuts() const { return cuts_; }
+  /// Returns null if nothing is free. In a shared operator, `H` has rows for maps that are known here.
+  const AffineOperator* operators() const { return operators_ ? &operators_->rows() : nullptr; }
+
+ private:
+  // Steps of the set-up.
+  bool share(const ConstrainedSystem& other, const VertexStates& states, std::span<const Anchor> all_anchors,
+             const Context& context);
+  void find_known(const VertexStates& states, std::span<const Anchor> all_anchors);
+  void build_operator(const OperatorOptions& options, const Context& context);
+  void build_system(Density density, double stiffness, const Context& context);
+  double free_area() const;
+  SparseRows stiffness_rows(Density density, double stiffness);
+  SparseRows anchor_rows(Density density);
+  void prepare_similarities(const Context& context);
+  Eigen::Index shared_row(Eigen::Index s) const;
+  void impose_similarities(Columns& y) const;
+  void place_features(const Columns& y, Points& out) const;
+  Index count_inverted(const Columns& maps) const;
+  void factorise(SolverBackend backend, DeformerSummary& summary, const Context& context);
+  Index count_degenerate() const;
+
+  /// Right-hand sides or residuals: one block of columns for E_L, stiffness and anchors, one for E_R.
+  struct Rows {
+    Columns laplacian, smoothness;
+  };
+  Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
+  Columns laplacian_rows(const Known& values, const Columns& m, const MapField& field,
+                         const Context& context) const;
+  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const;
+  void add_targets(Rows& rows) const;
+  Columns apply_transposed(const Rows& rows, const Context& context) const;
+  Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
+  Columns solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const;
+  void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints, Points& out,
+             const Context& context) const;
+  double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
+
+  std::vector<Index> free_;  ///< global indices, ascending
+  // These two may be shared with other systems.
+  std::shared_ptr<const CutPatch> cut_;
+  std::shared_ptr<const PatchOperator> operators_;
+  std::optional<PatchPart> part_;         ///< set if a shared patch is larger than needed
+  std::optional<SparseRows> fewer_maps_;  ///< H, if the operator's H has more maps
+  const SparseRows& H() const { return fewer_maps_ ? *fewer_maps_ : operators_->rows().H(); }
+  KnownParts known_;
+  double region_size_ = 1;  ///< √(area of the faces that touch a free vertex)
+  /// An edge with a row of stiffness.
+  struct EdgeRow {
+    std::array<Index, 2> ends;
+    double weight;
+  };
+  std::vector<EdgeRow> edge_rows_;
+  SparseRows stiffness_rows_;           ///< rows × nodes
+  std::vector<Anchor> anchors_;         ///< at vertices with an unknown position
+  std::vector<double> anchor_weights_;  ///< per anchor: weight of its row
+  SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
+  std::unique_ptr<LinearSolver> solver_;
+  std::shared_ptr<BisectionTree> cuts_ = std::make_shared<BisectionTree>();  ///< of the patch's rings
+  double normal_one_norm_ = 0;
+  int residual_corrections_ = 1;
+
+  // Each feature has four shared columns. They are the last columns of y.
+  std::vector<Feature> features_;
+  std::vector<Index> feature_column_;     ///< first column per feature, or -1 if it has none
+  Index shared_begin_ = 0;                ///< first shared column of all features
+  std::vector<Index> similarities_;       ///< features that are similarities and have columns
+  Eigen::MatrixXd similarity_response_;   ///< N⁻¹ e_s for their columns s, N = AᵀA; columns × 4 per feature
+  Eigen::MatrixXd similarity_stiffness_;  ///< inverse of the response's rows s: the cost of moving s
+};
+
+}  // namespace meshgraft

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <meshgraft/deform/options.h>
+
+#include "constrained_system.h"
+#include "surface_fields.h"
+
+namespace meshgraft {
+
+/// Finds the field of maps F = R U (rotation, stretch) that replaces the identity on the right-hand side of a
+/// `ConstrainedSystem`. Large rotations then do not shrink the surface. The matrix stays the same.
+class RotationField {
+ public:
+  /// `system` must outlive the field. `other` is null or belongs to a system with the same patch.
+  RotationField(const ConstrainedSystem& system, const DeformerOptions& options, const RotationField* other,
+                const Context& context);
+
+  struct Result {
+    ConstrainedSystem::Problem problem;  ///< the field, and the unknowns of the last step
+    int iterations = 0;                  ///< number of co-rotational steps performed
+    double change = 0;                   ///< root mean square change that the last step asked for, radians
+    bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
+  };
+  Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
+
+  const SurfaceFields& fields() const { return fields_; }
+  const Points& normals() const { return *normals_; }  ///< Returns the normals of the patch at rest.
+  int iterations() const { return iterations_; }       ///< Returns the largest number of co-rotational steps.
+
+ private:
+  static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,
+                                                             const RotationField* other,
+                                                             const Context& context);
+  /// The map that the constraints alone give at each vertex: F = rotation · stretch.
+  struct Blend {
+    std::vector<Eigen::Matrix3d> rotation, stretch;
+    std::vector<Eigen::Vector3d> feature_turn;  ///< rotation vector per feature, with all turns
+  };
+  /// One map per feature. If empty, the maps are unknown and `blend` uses the mean of the constraints.
+  using FeatureMaps = std::vector<Eigen::Matrix3d>;
+  std::vector<Eigen::Matrix<double, 1, 9>> mean_logs_around_features(const Columns& logs) const;
+  bool impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
+                          Blend& blended) const;
+  bool blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features, Blend& blended,
+             const Context& context) const;
+  std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
+  MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
+  MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
+  bool local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
+                   const Context& context) const;
+  Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
+                            const Context& context) const;
+  double root_mean_square(const Columns& deviation) const;
+
+  const ConstrainedSystem& system_;
+  bool has_features_ = false;
+  int iterations_ = 0;
+  SurfaceFields fields_;
+  std::shared_ptr<const Points> normals_;  ///< of the patch at rest
+};
+
+}  // namespace meshgraft

@@ -1,0 +1,283 @@
+#include "multifrontal.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <meshgraft/core/error.h>
+
+#include "dense_cholesky.h"
+#include "linalg/blas_threads.h"
+#include "linalg/facts.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Returns the parent of each supernode, or -1 at roots. The parent contains the supernode's first row below
+/// its own.
+std::vector<int> parents(const SupernodalPattern& pattern) {
+  std::vector<int> node_at(pattern.order.size()), parent;
+  for (int node = 0; node < pattern.supernodes(); ++node)
+    std::fill(node_at.begin() + pattern.first_position[node],
+              node_at.begin() + pattern.first_position[node + 1], node);
+  for (int node = 0; node < pattern.supernodes(); ++node) {
+    const std::int64_t below =
+        pattern.rows_begin[node] + pattern.first_position[node + 1] - pattern.first_position[node];
+    parent.push_back(below < pattern.rows_begin[node + 1] ? node_at[pattern.rows[below]] : -1);
+  }
+  return parent;
+}
+
+/// Estimates the operations per supernode.
+std::vector<double> work(const SupernodalPattern& pattern) {
+  std::vector<double> operations;
+  for (int node = 0; node < pattern.supernodes(); ++node) {
+    const double columns = pattern.first_position[node + 1] - pattern.first_position[node],
+                 rows = static_cast<double>(pattern.rows_begin[node + 1] - pattern.rows_begin[node]),
+                 below = rows - columns;
+    operations.push_back(columns * (columns * columns / 3 + columns * below + below * below + 100 * rows));
+  }
+  return operations;
+}
+
+/// A pool of memory for update matrices. Reuse avoids the cost of touching fresh pages.
+class UpdateStore {
+ public:
+  struct Block {
+    std::unique_ptr<double[]> values;
+    std::int64_t size = 0;
+  };
+
+  Block take(std::int64_t size) {
+    const std::lock_guard lock(mutex_);
+    auto fitting = free_.lower_bound(size);
+    if (fitting != free_.end() && fitting->first > 2 * size + 10'000) fitting = free_.end();
+    if (fitting == free_.end()) {
+      // Frees the largest of the blocks that are too small before the allocation, because sizes grow up the
+      // tree.
+      if (auto smaller = free_.lower_bound(size); smaller != free_.begin()) {
+        --smaller;
+        total_ -= smaller->first;
+        free_.erase(smaller);
+      }
+      total_ += size;
+      peak_ = std::max(peak_, total_);
+      return {std::unique_ptr<double[]>(new double[static_cast<std::size_t>(size)]), size};
+    }
+    Block block{std::move(fitting->second), fitting->first};
+    free_.erase(fitting);
+    return block;
+  }
+
+  void give_back(Block block) {
+    if (block.size == 0) return;
+    const std::lock_guard lock(mutex_);
+    free_.emplace(block.size, std::move(block.values));
+  }
+
+  std::int64_t peak() const { return peak_; }
+
+ private:
+  std::mutex mutex_;
+  std::multimap<std::int64_t, std::unique_ptr<double[]>> free_;
+  std::int64_t total_ = 0, peak_ = 0;
+};
+
+}  // namespace
+
+struct MultifrontalFactor::Front {
+  int first = 0, columns = 0, rows = 0;
+  const int* positions = nullptr;  ///< of its rows
+  double* panel = nullptr;         ///< rows×columns, column-major
+
+  int below() const { return rows - columns; }
+  std::int64_t update_size() const { return static_cast<std::int64_t>(below()) * below(); }
+};
+
+MultifrontalFactor::Front MultifrontalFactor::front(int node) const {
+  const int first = pattern_.first_position[node];
+  return {first, pattern_.first_position[node + 1] - first,
+          static_cast<int>(pattern_.rows_begin[node + 1] - pattern_.rows_begin[node]),
+          pattern_.rows.data() + pattern_.rows_begin[node], values_.get() + panel_begin_[node]};
+}
+
+MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
+    : pattern_(std::move(pattern)),
+      inverse_permutation_(pattern_.order.size()),
+      parent_(parents(pattern_)),
+      panel_begin_(1, 0),
+      children_(parent_.size()),
+      forest_(parent_, work(pattern_)) {
+  for (std::size_t p = 0; p < inverse_permutation_.size(); ++p)
+    inverse_permutation_[pattern_.order[p]] = static_cast<int>(p);
+  for (int node = 0; node < pattern_.supernodes(); ++node) {
+    const Front f = front(node);
+    panel_begin_.push_back(panel_begin_.back() + static_cast<std::int64_t>(f.rows) * f.columns);
+    if (parent_[node] >= 0) children_[parent_[node]].push_back(node);
+  }
+}
+
+/// The data of one factorisation.
+struct MultifrontalFactor::Elimination {
+  LowerEntries entries;
+  UpdateStore store;
+  std::vector<UpdateStore::Block> updates;  ///< per supernode, until its parent has added it
+};
+
+/// Copies the supernode's columns of the matrix to the panel. `row_at` gives the front's row of a position.
+void MultifrontalFactor::gather_panel(const Front& f, const LowerEntries& entries,
+                                      const std::vector<int>& row_at) const {
+  std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
+  for (int c = 0; c < f.columns; ++c)
+    for (std::int64_t e = entries.begin[f.first + c]; e < entries.begin[f.first + c + 1]; ++e)
+      f.panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] = entries.value[e];
+}
+
+/// Adds the columns of the children's updates that fall into columns [from, to) of the front to `target`.
+/// `target` holds the front's rows and columns from `shift` on, with `stride` rows per column.
+void MultifrontalFactor::add_updates(int node, int from, int to, const std::vector<int>& row_at,
+                                     const Elimination& elimination, double* target, int shift,
+                                     int stride) const {
+  std::vector<int> rows;
+  for (const int child : children_[node]) {
+    const Front g = front(child);
+    const double* update = elimination.updates[child].values.get();
+    const int below = g.below();
+    rows.resize(static_cast<std::size_t>(below));
+    for (int r = 0; r < below; ++r) rows[r] = row_at[g.positions[g.columns + r]];
+    const auto begin = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), from) - rows.begin()),
+               end = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), to) - rows.begin());
+    for (int c = begin; c < end; ++c) {
+      double* out = target + static_cast<std::int64_t>(rows[c] - shift) * stride - shift;
+      const double* in = update + static_cast<std::int64_t>(c) * below;
+      for (int r = c; r < below; ++r) out[rows[r]] += in[r];
+    }
+  }
+}
+
+/// Eliminates a supernode. The children's updates in the panel are added before its factorisation, the others
+/// after the front's own update is formed.
+void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Elimination& elimination,
+                                   const Context& context) const {
+  const Front f = front(node);
+  for (int r = 0; r < f.rows; ++r) row_at[f.positions[r]] = r;
+  gather_panel(f, elimination.entries, row_at);
+  add_updates(node, 0, f.columns, row_at, elimination, f.panel, 0, f.rows);
+  const int good = factorise_panel(f.panel, f.rows, f.columns, context);
+  if (good < f.columns)
+    throw Error(facts::linalg::NotPositiveDefinite{.count = pattern_.order.size(),
+                                                   .at = std::array{pattern_.order[f.first + good]}});
+  if (f.below() > 0) {
+    UpdateStore::Block& update = elimination.updates[node];
+    update = elimination.store.take(f.update_size());
+    form_update(f.panel, f.rows, f.columns, update.values.get(), context);
+    add_updates(node, f.columns, f.rows, row_at, elimination, update.values.get(), f.columns, f.below());
+  }
+  for (const int child : children_[node]) elimination.store.give_back(std::move(elimination.updates[child]));
+}
+
+void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
+  const SingleThreadedBlas single_threaded(context);
+  Elimination elimination{
+      .entries = permute(lower, inverse_permutation_, true, context), .store = {}, .updates = {}};
+  elimination.updates.resize(parent_.size());
+  values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
+  const auto unknowns = static_cast<double>(pattern_.order.size());
+  std::atomic<std::int64_t> eliminated = 0;
+  tbb::enumerable_thread_specific<std::vector<int>> row_maps(
+      [&] { return std::vector<int>(pattern_.order.size()); });
+  const auto caller = std::this_thread::get_id();
+  forest_.visit_up(
+      [&](int node) {
+        eliminate(node, row_maps.local(), elimination, context);
+        eliminated += front(node).columns;
+        if (std::this_thread::get_id() == caller)
+          context.step("factorise", static_cast<double>(eliminated) / unknowns);
+      },
+      context);
+  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + elimination.store.peak()) +
+                static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(pattern_.rows.size());
+}
+
+Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Context& context) const {
+  const SingleThreadedBlas single_threaded(context);
+  constexpr Eigen::Index widest = 32;
+  Eigen::MatrixXd result(rhs.rows(), rhs.cols());
+  for (Eigen::Index begin = 0; begin < rhs.cols(); begin += widest) {
+    const Eigen::Index width = std::min(widest, rhs.cols() - begin);
+    Eigen::MatrixXd x(rhs.rows(), width);
+    const auto for_each_position = [&](const auto& body) {
+      parallel_blocks(
+          pattern_.order.size(),
+          [&](std::size_t first, std::size_t last) {
+            for (Eigen::Index c = 0; c < width; ++c)
+              for (auto p = static_cast<Eigen::Index>(first); p < static_cast<Eigen::Index>(last); ++p)
+                body(p, c);
+          },
+          context, 16'384);
+    };
+    for_each_position([&](Eigen::Index p, Eigen::Index c) { x(p, c) = rhs(pattern_.order[p], begin + c); });
+    substitute(x, context);
+    for_each_position([&](Eigen::Index p, Eigen::Index c) { result(pattern_.order[p], begin + c) = x(p, c); });
+  }
+  return result;
+}
+
+/// Computes x ← L⁻ᵀ L⁻¹ x, with rows indexed by position.
+void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) const {
+  const auto width = static_cast<int>(x.cols());
+  // Per supernode, in its own front: the amounts that its columns subtract from the rows below.
+  std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
+  forest_.visit_up(
+      [&](int node) {
+        const Front f = front(node);
+        fronts[node].reset(new double[static_cast<std::size_t>(f.rows) * width]);
+        double* values = fronts[node].get();
+        for (int c = 0; c < width; ++c) {
+          double* own = values + static_cast<std::int64_t>(c) * f.rows;
+          std::copy_n(x.data() + c * x.rows() + f.first, f.columns, own);
+          std::fill_n(own + f.columns, f.below(), 0.0);
+        }
+        for (const int child : children_[node]) {
+          const Front g = front(child);
+          std::vector<int> rows(static_cast<std::size_t>(g.below()));
+          for (int r = 0, k = 0; r < g.below(); ++r) {
+            while (f.positions[k] < g.positions[g.columns + r]) ++k;
+            rows[r] = k;
+          }
+          for (int c = 0; c < width; ++c) {
+            double* sum = values + static_cast<std::int64_t>(c) * f.rows;
+            const double* update = fronts[child].get() + static_cast<std::int64_t>(c) * g.rows + g.columns;
+            for (int r = 0; r < g.below(); ++r) sum[rows[r]] += update[r];
+          }
+          fronts[child].reset();
+        }
+        solve_panel(f.panel, f.rows, f.columns, values, width);
+        for (int c = 0; c < width; ++c)
+          std::copy_n(values + static_cast<std::int64_t>(c) * f.rows, f.columns,
+                      x.data() + c * x.rows() + f.first);
+      },
+      context);
+  forest_.visit_down(
+      [&](int node) {
+        const Front f = front(node);
+        const std::unique_ptr<double[]> values(new double[static_cast<std::size_t>(f.rows) * width]);
+        for (int c = 0; c < width; ++c)
+          for (int r = 0; r < f.rows; ++r)
+            values[r + static_cast<std::int64_t>(c) * f.rows] = x(f.positions[r], c);
+        solve_panel_transposed(f.panel, f.rows, f.columns, values.get(), width);
+        for (int c = 0; c < width; ++c)
+          std::copy_n(values.get() + static_cast<std::int64_t>(c) * f.rows, f.columns,
+                      x.data() + c * x.rows() + f.first);
+      },
+      context);
+}
+
+}  // namespace meshgraft

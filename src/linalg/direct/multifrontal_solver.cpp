@@ -1,0 +1,64 @@
+#include <optional>
+
+#include "dissection.h"
+#include "graph_partition.h"
+#include "linalg/backends.h"
+#include "multifrontal.h"
+#include "symbolic_factorisation.h"
+
+namespace meshgraft {
+
+namespace {
+
+class MultifrontalSolver final : public LinearSolver {
+ public:
+  void analyse(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) override {
+    context.step("analyse");
+    factor_.emplace(find_pattern(lower, graph, context));
+    context.throw_if_stopped();
+    statistics_.backend = "multifrontal";
+    statistics_.unknowns = lower.rows();
+    statistics_.matrix_nonzeros = lower.nonZeros();
+    statistics_.factor_nonzeros = static_cast<std::int64_t>(factor_->pattern().factor_nonzeros());
+    statistics_.factor_flops = factor_->pattern().flops();
+  }
+
+  void factorise(const NormalMatrix& lower, const Context& context) override {
+    context.step("factorise", 0);
+    factor_->factorise(lower, context);
+    statistics_.peak_memory_bytes = factor_->peak_bytes();
+  }
+
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions&,
+                        const Context& context) const override {
+    return factor_->solve(rhs, context);
+  }
+
+  SolverStatistics statistics() const override { return statistics_; }
+
+ private:
+  /// Chooses the ordering that is fastest for the size of the matrix (docs/performance.md).
+  SupernodalPattern find_pattern(const NormalMatrix& lower, const OrderingGraph& graph,
+                                 const Context& context) {
+    constexpr Eigen::Index fewest_to_dissect = 8'000, fewest_for_metis = 50'000;
+    if (graph.neighbours != nullptr && lower.rows() >= fewest_to_dissect) {
+      statistics_.ordering = "dissection";
+      return symbolic_factorisation(lower, dissect(lower, graph, context), context);
+    }
+    if (lower.rows() >= fewest_for_metis) {
+      statistics_.ordering = "metis";
+      return symbolic_factorisation(lower, nested_dissection_order(lower, context), context);
+    }
+    statistics_.ordering = "amd";
+    return symbolic_factorisation(lower, one_leaf(lower.rows()), context);
+  }
+
+  std::optional<MultifrontalFactor> factor_;
+  SolverStatistics statistics_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_multifrontal_solver() { return std::make_unique<MultifrontalSolver>(); }
+
+}  // namespace meshgraft

@@ -1,0 +1,199 @@
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/core/parallel.h>
+
+#include "block_matrix.h"
+#include "block_rows.h"
+#include "coarse_space.h"
+#include "linalg/backends.h"
+#include "linalg/blas_threads.h"
+#include "linalg/facts.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// One number per column.
+using FourNumbers = Eigen::Array<double, 1, 4>;
+
+/// Computes Σ x y per column, in parts of fixed size so that rounding does not depend on the threads.
+FourNumbers dot(const FourColumns& x, const FourColumns& y, const Context& context) {
+  constexpr Eigen::Index part_size = 8192;
+  const auto parts = static_cast<std::size_t>((x.rows() + part_size - 1) / part_size);
+  std::vector<FourNumbers> sums(parts);
+  parallel_blocks(
+      parts,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t part = begin; part < end; ++part) {
+          const Eigen::Index first = static_cast<Eigen::Index>(part) * part_size;
+          const Eigen::Index rows = std::min(part_size, x.rows() - first);
+          FourNumbers sum = FourNumbers::Zero();
+          for (Eigen::Index row = first; row < first + rows; ++row)
+            sum += x.row(row).array() * y.row(row).array();
+          sums[part] = sum;
+        }
+      },
+      context, 4);
+  FourNumbers total = FourNumbers::Zero();
+  for (const FourNumbers& sum : sums) total += sum;
+  return total;
+}
+
+/// Computes y ← y_scale y + x_scale x, column by column.
+void combine(const FourNumbers& y_scale, FourColumns& y, const FourNumbers& x_scale, const FourColumns& x,
+             const Context& context) {
+  parallel_blocks(
+      static_cast<std::size_t>(y.rows()),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row)
+          y.row(row) = (y_scale * y.row(row).array() + x_scale * x.row(row).array()).matrix();
+      },
+      context, 16384);
+}
+
+/// Solves by conjugate gradients (Hestenes and Stiefel 1952) on up to four columns at once, each with its own
+/// scalars. The preconditioner is a two-grid method: a Gauss-Seidel sweep, the exact solution on the coarse
+/// grid, and a backward sweep.
+class IterativeSolver final : public LinearSolver {
+ public:
+  void analyse(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) override {
+    context.step("analyse");
+    coarse_space_.reset();
+    matrix_.reset();
+    order_ = order_nodes(lower, graph, context);
+    context.step("analyse", 0.6);
+    matrix_ = make_block_matrix(order_);
+    coarse_space_.emplace(order_, context);
+    coarse_neighbours_ = coarse_space_->coarse_neighbours();
+    statistics_ = {};
+    statistics_.backend = "iterative";
+    statistics_.unknowns = lower.rows();
+    statistics_.matrix_nonzeros = lower.nonZeros();
+    statistics_.coarse_unknowns = coarse_space_->unknowns();
+  }
+
+  void factorise(const NormalMatrix& lower, const Context& context) override {
+    context.step("factorise");
+    matrix_->set_values(lower, context);
+    context.step("factorise", 0.3);
+    const NormalMatrix coarse = coarse_space_->restrict_matrix(*matrix_, context);
+    context.step("factorise", 0.6);
+    coarse_solver_ = make_solver(available_backends().front());
+    coarse_solver_->analyse(coarse, coarse_space_->ordering_graph(coarse_neighbours_),
+                            {.threads = context.threads, .stop_token = context.stop_token});
+    coarse_solver_->factorise(coarse, {.threads = context.threads, .stop_token = context.stop_token});
+    context.step("factorise", 1.0);
+
+    const SolverStatistics of_coarse = coarse_solver_->statistics();
+    statistics_.ordering = of_coarse.ordering;
+    statistics_.factor_nonzeros = of_coarse.factor_nonzeros;
+    statistics_.factor_flops = of_coarse.factor_flops;
+    statistics_.operator_complexity = 1 + static_cast<double>(coarse.nonZeros()) /
+                                              static_cast<double>(std::max<std::int64_t>(1, lower.nonZeros()));
+    statistics_.peak_memory_bytes = matrix_->bytes() + coarse_space_->bytes() + of_coarse.peak_memory_bytes;
+  }
+
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
+                        const Context& context) const override {
+    const SingleThreadedBlas single_threaded(context);  // once, not in every coarse solve
+    Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
+    int iterations = 0;
+    for (Eigen::Index first = 0; first < rhs.cols(); first += 4) {
+      const Eigen::Index columns = std::min<Eigen::Index>(4, rhs.cols() - first);
+      iterations = std::max(iterations, solve_four(rhs, first, columns, options, solution, context));
+    }
+    iterations_ = iterations;
+    return solution;
+  }
+
+  SolverStatistics statistics() const override {
+    SolverStatistics statistics = statistics_;
+    statistics.iterations = iterations_;
+    return statistics;
+  }
+
+ private:
+  FourColumns to_rows(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index columns) const {
+    const std::vector<int>& unknown = order_.nodes.unknown;
+    FourColumns rows = FourColumns::Zero(static_cast<Eigen::Index>(unknown.size()), 4);
+    for (Eigen::Index row = 0; row < rows.rows(); ++row)
+      if (unknown[row] >= 0) rows.row(row).head(columns) = values.block(unknown[row], first, 1, columns);
+    return rows;
+  }
+
+  /// The scratch data of the preconditioner z = M⁻¹ r, which is symmetric and positive definite.
+  struct Workspace {
+    FourColumns s, e;
+  };
+  void precondition(const FourColumns& r, Eigen::Index columns, FourColumns& z, Workspace& work,
+                    const Context& context) const {
+    matrix_->sweep_forward(r, z, work.s, context);
+    const Eigen::MatrixXd coarse = coarse_space_->restrict_columns(work.s, columns, context);
+    coarse_space_->prolong(coarse_solver_->solve(coarse, context), work.e, context);
+    matrix_->sweep_backward(work.e, work.s, z, context);
+  }
+
+  /// Writes the solution for `columns` columns of `rhs` from `first` on. Returns the number of iterations.
+  int solve_four(const Eigen::MatrixXd& rhs, Eigen::Index first, Eigen::Index columns,
+                 const SolveOptions& options, Eigen::MatrixXd& solution, const Context& context) const {
+    constexpr int most_iterations = 1000;
+    const auto quotient = [](const FourNumbers& a, const FourNumbers& b) {
+      return FourNumbers((b > 0).select(a / b, 0.0));
+    };
+    const Context quiet{.threads = context.threads, .progress = {}, .stop_token = context.stop_token};
+    Workspace work;
+    FourColumns r = to_rows(rhs, first, columns), x = FourColumns::Zero(r.rows(), 4), z, p, q;
+    precondition(r, columns, z, work, quiet);
+    FourNumbers rz = dot(r, z, quiet);
+    const FourNumbers goal = options.tolerance * options.tolerance * rz;
+    if (options.guess != nullptr) {
+      x = to_rows(*options.guess, first, columns);
+      matrix_->multiply(x, q, quiet);
+      combine(FourNumbers::Ones(), r, -FourNumbers::Ones(), q, quiet);
+      precondition(r, columns, z, work, quiet);
+      rz = dot(r, z, quiet);
+    }
+    const double start = quotient(rz, goal).maxCoeff();
+    p = z;
+    int iteration = 0;
+    for (; (rz > goal).any(); ++iteration) {
+      context.step("solve", std::log(start / quotient(rz, goal).maxCoeff()) / std::log(start));
+      matrix_->multiply(p, q, quiet);
+      const FourNumbers pq = dot(p, q, quiet);
+      if (iteration == most_iterations || !rz.isFinite().all() || !pq.isFinite().all() || (pq < 0).any())
+        throw Error(facts::linalg::NotConverged{
+            .iterations = iteration,
+            .error = options.tolerance * std::sqrt(std::max(0.0, quotient(rz, goal).maxCoeff())),
+            .tolerance = options.tolerance});
+      const FourNumbers alpha = quotient(rz, pq);
+      combine(FourNumbers::Ones(), x, alpha, p, quiet);
+      combine(FourNumbers::Ones(), r, -alpha, q, quiet);
+      precondition(r, columns, z, work, quiet);
+      const FourNumbers rz_before = std::exchange(rz, dot(r, z, quiet));
+      combine(quotient(rz, rz_before), p, FourNumbers::Ones(), z, quiet);
+    }
+    const std::vector<int>& row = order_.nodes.row;
+    for (Eigen::Index u = 0; u < rhs.rows(); ++u)
+      solution.block(u, first, 1, columns) = x.row(row[u]).head(columns);
+    return iteration;
+  }
+
+  NodeOrder order_;
+  std::unique_ptr<BlockMatrix> matrix_;
+  std::optional<CoarseSpace> coarse_space_;
+  IndexLists coarse_neighbours_;
+  std::unique_ptr<LinearSolver> coarse_solver_;
+  SolverStatistics statistics_;
+  mutable std::atomic<int> iterations_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_iterative_solver() { return std::make_unique<IterativeSolver>(); }
+
+}  // namespace meshgraft

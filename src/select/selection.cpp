@@ -1,0 +1,373 @@
+#include <meshgraft/select/selection.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <span>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+
+#include "core/facts.h"
+#include "mesh/box_diagonal.h"
+#include "mesh/vertex_tree.h"
+#include "select/facts.h"
+
+namespace meshgraft {
+
+namespace {
+
+std::string at(const std::string& location, std::string_view list, std::size_t k) {
+  return location + "." + std::string(list) + "[" + std::to_string(k) + "]";
+}
+
+void require_finite(const Eigen::Vector3d& vector, const std::string& location) {
+  if (!vector.allFinite()) throw Error(facts::core::NotFinite{.what = "a coordinate"}, location);
+}
+
+void require_not_negative(double number, const std::string& location) {
+  if (!std::isfinite(number) || number < 0)
+    throw Error(facts::core::NegativeOrNotFinite{.value = number}, location);
+}
+
+Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& location) {
+  require_finite(normal, location);
+  const double length = normal.stableNorm();
+  if (length == 0) throw Error(facts::core::NormalWithoutLength{}, location);
+  return normal / length;
+}
+
+// Sets of vertices as flags, to combine selections.
+
+Flags flags_of(std::span<const Index> vertices, Index vertex_count) {
+  Flags flags(vertex_count, false);
+  for (const Index v : vertices) flags[v] = true;
+  return flags;
+}
+
+template <typename Predicate>
+std::vector<Index> vertices_where(Index vertex_count, const Predicate& predicate) {
+  std::vector<Index> vertices;
+  for (Index v = 0; v < vertex_count; ++v) {
+    if (predicate(v)) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+// Returns the vertices with finite positions that belong to a face.
+std::vector<Index> candidates_of(const SelectionContext& context) {
+  std::vector<Index> candidates;
+  for (Index v = 0; v < context.mesh.vertex_count(); ++v)
+    if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
+  return candidates;
+}
+
+// Finds shortest edge paths that avoid blocked vertices.
+class PathFinder {
+ public:
+  explicit PathFinder(const SelectionContext& context)
+      : context_(context),
+        blocked_(context.mesh.vertex_count(), false),
+        distance_(context.mesh.vertex_count(), unreached),
+        previous_(context.mesh.vertex_count(), -1) {}
+
+  void block(std::span<const Index> vertices) {
+    for (const Index v : vertices) blocked_[v] = true;
+  }
+
+  // Returns the vertices after `from` up to and including `to`; empty if there is no path. Dijkstra with
+  // early exit.
+  std::vector<Index> find(Index from, Index to) {
+    std::vector<Index> touched = {from};
+    using Entry = std::pair<double, Index>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+    distance_[from] = 0;
+    front.emplace(0.0, from);
+    while (!front.empty() && front.top().second != to) {
+      const auto [reached, v] = front.top();
+      front.pop();
+      if (reached > distance_[v]) continue;
+      for (const Index w : context_.rings[v]) {
+        if (blocked_[w] && w != to) continue;
+        const double candidate =
+            reached + (context_.mesh.positions.row(w) - context_.mesh.positions.row(v)).norm();
+        if (!(candidate < distance_[w])) continue;
+        if (distance_[w] == unreached) touched.push_back(w);
+        distance_[w] = candidate;
+        previous_[w] = v;
+        front.emplace(candidate, w);
+      }
+    }
+    std::vector<Index> path;
+    if (!front.empty()) {
+      for (Index v = to; v != from; v = previous_[v]) path.push_back(v);
+      std::reverse(path.begin(), path.end());
+    }
+    for (const Index v : touched) distance_[v] = unreached;
+    return path;
+  }
+
+ private:
+  static constexpr double unreached = std::numeric_limits<double>::infinity();
+  const SelectionContext& context_;
+  Flags blocked_;
+  std::vector<double> distance_;
+  std::vector<Index> previous_;
+};
+
+class Resolver {
+ public:
+  explicit Resolver(const SelectionContext& context) : context_(context), count_(context.mesh.vertex_count()) {}
+
+  std::vector<Index> resolve(const Selection& selection, const std::string& location) const {
+    std::vector<Index> found =
+        std::visit([&](const auto& kind) { return vertices(kind, location); }, selection.kind);
+    return context_.weld.empty() ? found : representatives(found);
+  }
+
+ private:
+  // Returns the first copy of each vertex in the weld, once, in order of first occurrence.
+  std::vector<Index> representatives(std::span<const Index> vertices) const {
+    Flags seen(count_, false);
+    std::vector<Index> distinct;
+    for (const Index v : vertices) {
+      const Index first_copy = context_.weld.of(v);
+      if (!seen[first_copy]) distinct.push_back(first_copy);
+      seen[first_copy] = true;
+    }
+    return distinct;
+  }
+
+  Eigen::Vector3d position(Index v) const { return context_.mesh.positions.row(v).transpose(); }
+
+  std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& location) const {
+    if (!of) throw Error(facts::select::NoSelection{}, location);
+    return resolve(*of, location);
+  }
+
+  std::vector<Index> vertices(const Selection::All&, const std::string&) const {
+    std::vector<Index> all(count_);
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+
+  std::vector<Index> vertices(const Selection::Indices& indices, const std::string& location) const {
+    Flags seen(count_, false);
+    std::vector<Index> distinct;
+    for (std::size_t k = 0; k < indices.vertices.size(); ++k) {
+      const Index v = indices.vertices[k];
+      if (v < 0 || v >= count_)
+        throw Error(facts::core::NoSuchVertex{.vertex = v, .count = count_}, at(location, "indices", k));
+      if (!seen[v]) distinct.push_back(v);
+      seen[v] = true;
+    }
+    return distinct;
+  }
+
+  std::vector<Index> vertices(const Selection::Box& box, const std::string& location) const {
+    require_finite(box.min, location + ".box.min");
+    require_finite(box.max, location + ".box.max");
+    if ((box.min.array() > box.max.array()).any()) throw Error(facts::select::BoxReversed{}, location + ".box");
+    return vertices_where(count_, [&](Index v) {
+      const Eigen::Array3d x = position(v).array();
+      return (x >= box.min.array()).all() && (x <= box.max.array()).all();
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Sphere& sphere, const std::string& location) const {
+    require_finite(sphere.centre, location + ".sphere.centre");
+    require_not_negative(sphere.radius, location + ".sphere.radius");
+    return vertices_where(count_,
+                          [&](Index v) { return (position(v) - sphere.centre).norm() <= sphere.radius; });
+  }
+
+  std::vector<Index> vertices(const Selection::HalfSpace& half, const std::string& location) const {
+    require_finite(half.point, location + ".half_space.point");
+    const Eigen::Vector3d normal = unit(half.normal, location + ".half_space.normal");
+    return vertices_where(count_, [&](Index v) { return (position(v) - half.point).dot(normal) >= 0; });
+  }
+
+  std::vector<Index> vertices(const Selection::Component& component, const std::string& location) const {
+    const auto& numbers = context_.components;
+    const Index count = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
+    if (count == 0) throw Error(facts::select::NoVertexWithFace{}, location + ".component");
+    if (component.number < 0 || component.number >= count)
+      throw Error(facts::select::NoSuchComponent{.number = component.number, .count = count},
+                  location + ".component");
+    return vertices_where(count_, [&](Index v) { return numbers[v] == component.number; });
+  }
+
+  std::vector<Index> vertices(const Selection::Loop& loop, const std::string& location) const {
+    const auto count = static_cast<Index>(context_.loops.size());
+    if (count == 0) throw Error(facts::select::NoLoops{.number = loop.number}, location + ".loop");
+    if (loop.number < 0 || loop.number >= count)
+      throw Error(facts::select::NoSuchLoop{.number = loop.number, .count = count}, location + ".loop");
+    return context_.loops[loop.number];
+  }
+
+  std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& location) const {
+    require_finite(nearest.point, location + ".nearest");
+    // A linear search suffices, because a tree does not pay for one query.
+    Index best = -1;
+    double best_distance = std::numeric_limits<double>::infinity();
+    for (Index v = 0; v < count_; ++v) {
+      const double distance = (position(v) - nearest.point).norm();
+      if (context_.components[v] < 0 || !(distance < best_distance)) continue;
+      best = v;
+      best_distance = distance;
+    }
+    if (best < 0) throw Error(facts::select::NoVertexWithFace{}, location + ".nearest");
+    return {best};
+  }
+
+  std::vector<Index> vertices(const Selection::Path& path, const std::string& location) const {
+    const std::vector<Index> stations = path_stations(path, location + ".path");
+    PathFinder finder(context_);
+    finder.block(stations);
+    std::vector<Index> vertices = {stations[0]};
+    const std::size_t legs = path.closed ? stations.size() : stations.size() - 1;
+    for (std::size_t k = 0; k < legs; ++k) {
+      const Index from = stations[k];
+      const Index to = stations[(k + 1) % stations.size()];
+      const std::vector<Index> leg = finder.find(from, to);
+      if (leg.empty()) throw Error(facts::select::NoWayAlongEdges{.from = from, .to = to}, location + ".path");
+      finder.block(leg);
+      vertices.insert(vertices.end(), leg.begin(), leg.end());
+    }
+    if (path.closed) vertices.pop_back();  // it repeats the first vertex
+    return vertices;
+  }
+
+  // Returns the vertices nearest to a path's points, without successive repeats.
+  std::vector<Index> path_stations(const Selection::Path& path, const std::string& location) const {
+    const VertexTree tree(context_.mesh.positions, candidates_of(context_));
+    std::vector<Index> stations;
+    Flags seen(count_, false);
+    for (std::size_t k = 0; k < path.points.size(); ++k) {
+      require_finite(path.points[k], at(location, "points", k));
+      const auto nearest = tree.nearest(path.points[k]);
+      if (!nearest) throw Error(facts::select::NoVertexWithFace{}, location);
+      const Index v = nearest->vertex;
+      const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
+      if ((!stations.empty() && v == stations.back()) || comes_home) continue;
+      if (seen[v]) throw Error(facts::select::PathCrossesItself{.vertex = v}, at(location, "points", k));
+      seen[v] = true;
+      stations.push_back(v);
+    }
+    const std::size_t needed = path.closed ? 3 : 2;
+    if (stations.size() < needed)
+      throw Error(
+          facts::select::PathTooShort{
+              .kind = path.closed ? "closed path" : "path", .needed = needed, .count = stations.size()},
+          location + ".points");
+    return stations;
+  }
+
+  std::vector<Index> vertices(const Selection::Grow& grow, const std::string& location) const {
+    const std::vector<Index> of = child(grow.of, location + ".grow.of");
+    if (grow.rings >= 0) return grow_rings(of, grow.rings, context_.rings);
+    const Flags near_outside = within_rings_of_outside(of, -std::int64_t{grow.rings});
+    return ascending(of, [&](Index v) { return !near_outside[v]; });
+  }
+
+  std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& location) const {
+    require_not_negative(grow.length, location + ".grow_length.length");
+    const std::vector<Index> of = child(grow.of, location + ".grow_length.of");
+    const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, grow.length);
+    return vertices_where(count_, [&](Index v) { return std::isfinite(distance[v]); });
+  }
+
+  std::vector<Index> vertices(const Selection::Rim& rim, const std::string& location) const {
+    if (rim.rings < 1) throw Error(facts::select::NoRings{}, location + ".rim.rings");
+    const std::vector<Index> of = child(rim.of, location + ".rim.of");
+    const Flags near_outside = within_rings_of_outside(of, rim.rings);
+    return ascending(of, [&](Index v) { return near_outside[v]; });
+  }
+
+  Flags within_rings_of_outside(const std::vector<Index>& inside, std::int64_t rings) const {
+    const Flags in = flags_of(inside, count_);
+    const std::vector<Index> outside = vertices_where(count_, [&](Index v) { return !in[v]; });
+    const auto most = static_cast<int>(std::min<std::int64_t>(rings, count_));
+    return flags_of(grow_rings(outside, most, context_.rings), count_);
+  }
+
+  template <typename Predicate>
+  std::vector<Index> ascending(const std::vector<Index>& of, const Predicate& predicate) const {
+    const Flags in = flags_of(of, count_);
+    return vertices_where(count_, [&](Index v) { return in[v] && predicate(v); });
+  }
+
+  std::vector<Flags> operands(const std::vector<Selection>& of, const std::string& location,
+                              std::string_view name) const {
+    if (of.empty()) throw Error(facts::select::NoSelection{}, location + "." + std::string(name));
+    std::vector<Flags> sets;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      sets.push_back(flags_of(resolve(of[k], at(location, name, k)), count_));
+    }
+    return sets;
+  }
+
+  std::vector<Index> vertices(const Selection::Union& combined, const std::string& location) const {
+    const auto sets = operands(combined.of, location, "union");
+    return vertices_where(count_, [&](Index v) {
+      return std::any_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Intersect& combined, const std::string& location) const {
+    const auto sets = operands(combined.of, location, "intersect");
+    return vertices_where(count_, [&](Index v) {
+      return std::all_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Minus& combined, const std::string& location) const {
+    const auto sets = operands(combined.of, location, "minus");
+    return vertices_where(count_, [&](Index v) {
+      return sets[0][v] && std::none_of(sets.begin() + 1, sets.end(), [&](const Flags& set) { return set[v]; });
+    });
+  }
+
+  std::vector<Index> vertices(const Selection::Mirror& mirror, const std::string& location) const {
+    require_finite(mirror.point, location + ".mirror.point");
+    const Eigen::Vector3d normal = unit(mirror.normal, location + ".mirror.normal");
+    require_not_negative(mirror.tolerance_rel, location + ".mirror.tolerance_rel");
+    const std::vector<Index> of = child(mirror.of, location + ".mirror.of");
+    const double tolerance = mirror.tolerance_rel * box_diagonal(context_.mesh.positions);
+    const VertexTree tree(context_.mesh.positions, candidates_of(context_));
+    std::vector<Index> images;
+    for (const Index v : of) {
+      const Eigen::Vector3d x = position(v);
+      if (!x.allFinite()) continue;
+      const auto found = tree.nearest(x - 2 * (x - mirror.point).dot(normal) * normal);
+      if (found && found->distance <= tolerance) images.push_back(found->vertex);
+    }
+    return ascending(images, [](Index) { return true; });
+  }
+
+  const SelectionContext& context_;
+  Index count_;
+};
+
+}  // namespace
+
+SelectionContext::SelectionContext(const Mesh& the_mesh, Weld the_weld)
+    : mesh(the_mesh), weld(std::move(the_weld)) {
+  auto [the_rings, the_components, the_loops] = connectivity(the_mesh);
+  rings = std::move(the_rings);
+  components = std::move(the_components);
+  loops = std::move(the_loops);
+}
+
+std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
+                           const std::string& location) {
+  return Resolver(context).resolve(selection, location);
+}
+
+}  // namespace meshgraft
