@@ -9,7 +9,7 @@
 
 namespace meshgraft::bench {
 
-/// One handle moved on a mesh that is the region as a whole.
+/// An edit of one handle; the region is the whole mesh.
 struct BenchEdit {
   Points positions;
   Triangles triangles;
@@ -18,13 +18,14 @@ struct BenchEdit {
   Eigen::Affine3d pose;  // of the handle
 };
 
-/// The edit that every system is timed on: a square sheet with bumps, two rings of its border held, a disc in
-/// its middle (a tenth of the side as its radius) turned by 45° out of the plane. The mesh is irregular
-/// (jittered vertices, diagonals either way), for grids flatter orderings. About `vertex_count` vertices (the
-/// nearest square number); the same call always gives the same mesh.
+/// Returns the edit that every system is timed on: a square sheet with bumps, of about `vertex_count`
+/// vertices (the nearest square number). Two rings of its border are fixed. The handle is a disc in its
+/// middle, a tenth of the side in radius, turned by 45° out of the plane. The mesh is irregular (jittered
+/// vertices, diagonals either way), because grids flatter orderings. The same call always gives the same
+/// mesh.
 BenchEdit make_bump_edit(Index vertex_count);
 
-/// The edit's region, held as it says.
+/// Returns the edit's region with its fixed vertices and its handle.
 Region region_of(const BenchEdit& edit);
 
 }  // namespace meshgraft::bench

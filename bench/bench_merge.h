@@ -4,7 +4,8 @@
 
 namespace meshgraft::bench {
 
-/// A graft of the built-in head on the bust, both of about `vertex_count` vertices, posed a little above it.
+/// A graft of the built-in head on the bust, both of about `vertex_count` vertices. The head is a little
+/// above.
 struct BenchMerge {
   Mesh target, source;
   std::vector<MergePair> pairs;

@@ -49,7 +49,7 @@ double median_seconds(int calls, const std::function<void()>& work) {
 
 namespace {
 
-/// A line "name: … kB" of /proc/self/status.
+/// Returns the value of a line "name: … kB" of /proc/self/status, in bytes.
 std::int64_t status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -65,7 +65,7 @@ std::int64_t status_bytes(const std::string& name) {
 
 PeakMemory::PeakMemory() {
   malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << "5";  // the high-water mark starts anew
+  std::ofstream("/proc/self/clear_refs") << "5";  // resets the high-water mark VmHWM
   before_ = status_bytes("VmRSS");
 }
 

@@ -16,7 +16,7 @@
 
 namespace meshgraft::bench {
 
-/// Made once per size and shared by all benchmarks of that size.
+/// Makes a task once per size; all benchmarks of that size share it.
 template <class Task, Task (*make)(Index)>
 class BySize {
  public:
@@ -33,19 +33,19 @@ using Edits = BySize<BenchEdit, make_bump_edit>;
 
 using Stages = std::vector<std::pair<std::string, double>>;  ///< name, seconds
 
-/// Adds to the counters of one iteration, whose time is the stages' sum.
+/// Adds the stages to the counters, and sets the iteration's time to their sum.
 void report(benchmark::State& state, const Stages& stages);
-/// Divides the counters, which were summed over the iterations.
+/// Divides the counters by the number of iterations, over which they were summed.
 void average(benchmark::State& state);
-/// One iteration, timed by its stages.
+/// Registers a benchmark of one iteration, which is timed by its stages.
 void add(const std::string& name, const std::function<void(benchmark::State&)>& body);
 
 double median(std::vector<double> values);
 double seconds(const std::function<void()>& work);
-/// Median of some calls.
+/// Returns the median time of some calls.
 double median_seconds(int calls, const std::function<void()>& work);
 
-/// The most memory that the process had since the object was made, less what it had then.
+/// Measures the process's peak of resident memory since construction, less the memory that it had then.
 class PeakMemory {
  public:
   PeakMemory();

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int frames_timed = 21;
 
-/// The edit's handle, or as many discs in a circle around the middle, each with its own turn.
+/// The edit's handle, or several discs in a circle around the middle, each with its own turn.
 struct ManyHandles {
   Region region;
   std::vector<HandlePose> poses;
@@ -52,7 +52,7 @@ ManyHandles with_handles(const BenchEdit& edit, int count) {
   return many;
 }
 
-/// How far two results are apart, relative to the largest displacement.
+/// Returns the largest distance between two results, relative to the largest displacement.
 double relative_error(const Points& positions, const Points& exact, const Points& rest) {
   return (positions - exact).rowwise().norm().maxCoeff() / (exact - rest).rowwise().norm().maxCoeff();
 }
@@ -125,7 +125,7 @@ void run_proxy(benchmark::State& state, const BenchEdit& edit) {
   count(state, edit, set_up, memory.bytes(), 0);
 }
 
-/// A region that is dragged at once: one pose right after construction, and another once all is made.
+/// Drags a region at once: one pose right after construction, and another when everything is made.
 void run_live(benchmark::State& state, const BenchEdit& edit, DeformMethod method) {
   const ManyHandles one = with_handles(edit, 1);
   LiveOptions options;

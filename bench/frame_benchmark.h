@@ -4,8 +4,8 @@
 
 namespace meshgraft::bench {
 
-/// What a frame costs while a handle is dragged: linear frames by a handle basis, those of the default method
-/// by reduced frames, and on a proxy; and what has to be set up for it.
+/// Times the frames of a dragged handle and their set-up: linear frames by a handle basis, frames of the
+/// default method by reduced frames, and frames on a proxy.
 void register_frames(Edits& edits);
 
 }  // namespace meshgraft::bench

@@ -1,11 +1,11 @@
-// How fast a surface is searched for intersections with itself, beside CGAL in the same run:
+// Times the search of a surface for intersections with itself, beside CGAL in the same run:
 //
 //   meshgraft_intersection_bench [Google Benchmark's own flags]
 //
-// The surface is the knot of 100,000 and of a million triangles, its vertices moved at random by up to 0.2 edge
-// lengths (it does not intersect itself) and by up to 0.8 (it does, everywhere). Prints at the end how much
-// longer CGAL takes, of the medians; with --benchmark_repetitions=5
-// --benchmark_enable_random_interleaving=true, the machine's moods weigh on both alike.
+// The surface is the knot of 100,000 and of a million triangles. Its vertices are moved at random by up to
+// 0.2 edge lengths (it does not intersect itself) and by up to 0.8 (it does, everywhere). Prints at the end
+// how much longer CGAL takes, by medians. With --benchmark_repetitions=5
+// --benchmark_enable_random_interleaving=true, changes of the machine's speed affect both alike.
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +85,7 @@ void add_case(const std::string& name, const std::function<std::size_t()>& count
       ->UseRealTime();
 }
 
-/// Prints the runs, and how many times as long as the first of each group the others take.
+/// Prints the runs, and how many times as long as each group's first run its others take.
 class RatioReporter : public benchmark::ConsoleReporter {
  public:
   void ReportRuns(const std::vector<Run>& runs) override {

@@ -1,10 +1,10 @@
-// How fast files are read and written, beside established readers of the same files in the same run:
+// Times the reading and writing of files, beside established readers of the same files in the same run:
 //
 //   meshgraft_io_bench [--resolution=1000] [--peak_memory] [Google Benchmark's own flags]
 //
-// The files hold a torus of resolution² vertices and twice as many triangles, in a folder of their own in the
-// temporary one, which is removed at the end. The files stay in the disk cache. --peak_memory measures, instead
-// of times, what one reading adds to a fresh process at its peak.
+// The files hold a torus of resolution² vertices and twice as many triangles. They lie in a temporary folder,
+// which is removed at the end, and stay in the disk cache. --peak_memory measures, instead of times, by how
+// much one reading raises the peak memory of a fresh process.
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,7 +37,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files to read, gone afterwards.
+/// A temporary folder for the files; removed on destruction.
 class Folder {
  public:
   Folder() {
@@ -57,7 +57,7 @@ class Folder {
   fs::path path_;
 };
 
-// As programs write them: six decimals.
+// Returns a torus whose coordinates have six decimals, as programs write them.
 Mesh make_torus(int resolution) {
   Mesh mesh = make_sample("torus", resolution);
   mesh.positions = (mesh.positions.array() * 1e6).round() / 1e6;
@@ -84,7 +84,7 @@ Mesh with_normals_and_uvs(Mesh mesh) {
   return mesh;
 }
 
-// A binary PLY of floats, as scanners and other programs write it; meshgraft composes doubles.
+// Writes a binary PLY of floats, as scanners and other programs do, because meshgraft composes doubles.
 void write_float_ply(const Mesh& mesh, const fs::path& path) {
   static_assert(std::endian::native == std::endian::little);
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
@@ -126,7 +126,7 @@ constexpr std::array<std::string_view, 6> file_names = {"plain.ply", "normals.pl
 
 struct Reader {
   std::string_view name;
-  std::size_t (*read)(const fs::path& path);  ///< the number of faces, 0 where the format is none of its
+  std::size_t (*read)(const fs::path& path);  ///< returns the number of faces; 0 for an unknown format
 };
 
 std::size_t read_by_meshgraft(const fs::path& path) {
@@ -164,7 +164,7 @@ void register_reading(const Folder& folder) {
   }
 }
 
-// Into memory-like files would be faster, but nobody writes so: flushing to the disk is part of it.
+// The times include flushing to the disk, because users' files are written so.
 void register_writing(const Folder& folder) {
   for (const std::string_view file : file_names) {
     for (const bool edited : {true, false}) {
@@ -184,7 +184,7 @@ void register_writing(const Folder& folder) {
   }
 }
 
-// From /proc/self/status, in MB: "VmHWM" is the peak, "VmRSS" the present.
+// Returns a value of /proc/self/status in MB: "VmHWM" is the peak, "VmRSS" the present use.
 double memory(std::string_view key) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)

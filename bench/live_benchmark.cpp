@@ -1,5 +1,5 @@
-// How soon a large region can be dragged, how frames are while more is made behind, and when they are exact;
-// prints the tables of docs/performance.md as markdown.
+// Measures how soon a large region can be dragged, how long frames take while the set-up goes on, and when
+// they are exact. Prints the tables of docs/performance.md as Markdown.
 //
 //   meshgraft_live [--vertices N,N,…] [--method NAME] [--proxy-from N] [--drag | --close]
 
@@ -36,14 +36,14 @@ double now() {
 
 void sleep(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-/// The edit's pose, on the way from rest.
+/// Interpolates the pose's matrix: `part` 0 is rest, 1 is the edit's pose.
 std::vector<HandlePose> pose_of(const BenchEdit& edit, double part) {
   HandlePose pose;
   pose.transform.matrix() = (1 - part) * Eigen::Matrix4d::Identity() + part * edit.pose.matrix();
   return {pose};
 }
 
-/// Frames as they arrive.
+/// Records frames as they arrive.
 class Recorder {
  public:
   struct Entry {
@@ -70,7 +70,7 @@ class Recorder {
   std::vector<Entry> entries_;
 };
 
-/// One pose right after construction, and once all is made two more.
+/// Drags one pose right after construction, and two more when everything is made.
 void run_still(const BenchEdit& edit, const LiveOptions& options) {
   Recorder recorder;
   const double start = now();
@@ -94,8 +94,8 @@ void run_still(const BenchEdit& edit, const LiveOptions& options) {
   std::fflush(stdout);
 }
 
-/// Sixty poses a second until everything is made, then none: by stage, what each frame took, and how old the
-/// pose was when its frame came.
+/// Drags sixty poses a second until two seconds after everything is made, then stops. Prints by stage how
+/// long frames took, and how old the poses were when their frames arrived.
 void run_drag(const BenchEdit& edit, const LiveOptions& options) {
   struct Frames {
     std::vector<double> seconds, lags;
@@ -142,7 +142,7 @@ void run_drag(const BenchEdit& edit, const LiveOptions& options) {
   std::fflush(stdout);
 }
 
-/// How old a pose is when its first frame comes, while an exact evaluation of the one before runs.
+/// Measures the age of a pose at its first frame, where it interrupts the exact evaluation of the one before.
 void run_interrupt(const BenchEdit& edit, const LiveOptions& options) {
   Recorder recorder;
   LiveDeformer live(edit.positions, edit.triangles, region_of(edit), recorder.callbacks(), options);
@@ -164,7 +164,7 @@ void run_interrupt(const BenchEdit& edit, const LiveOptions& options) {
              1e3 * lags[lags.size() / 2], 1e3 * lags.back());
 }
 
-/// How long destruction takes at any moment.
+/// Measures how long destruction takes at different moments of the set-up.
 void run_close(const BenchEdit& edit, const LiveOptions& options) {
   double longest = 0, longest_after = 0, sum = 0;
   constexpr int times = 20;

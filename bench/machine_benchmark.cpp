@@ -11,7 +11,7 @@ extern "C" void dgemm_(const char* transa, const char* transb, const int* m, con
                        const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
                        const double* beta, double* c, const int* ldc);
 
-extern "C" [[gnu::weak]] void openblas_set_num_threads(int count);  // where BLAS is OpenBLAS
+extern "C" [[gnu::weak]] void openblas_set_num_threads(int count);  // null unless BLAS is OpenBLAS
 
 namespace meshgraft::bench {
 
@@ -23,7 +23,7 @@ void on_threads(int threads, const std::function<void(int)>& work) {
   work(0);
 }
 
-/// Each core multiplies matrices of its own.
+/// Returns the operations per second of dense matrix products; each thread multiplies its own matrices.
 double dgemm_flops(int threads) {
   if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
   constexpr int n = 2000;

@@ -2,8 +2,8 @@
 
 namespace meshgraft::bench {
 
-/// What the machine can do: products of dense matrices (dgemm) on one core and on all, and the memory's streams
-/// (triad a = b + s c, and reading alone). Other figures are read beside these.
+/// Measures the machine, as a scale for the other figures: products of dense matrices (dgemm) on one core and
+/// on all, and the speed of memory (triad a = b + s c, and reading alone).
 void register_machine();
 
 }  // namespace meshgraft::bench

@@ -1,5 +1,5 @@
-// The four tests of Botsch and Sorkine by our methods, by published ones, and by CGAL, in one run; prints the
-// tables of docs/methods.md as markdown.
+// Runs the four tests of Botsch and Sorkine by our methods, by published ones, and by CGAL. Prints the tables
+// of docs/methods.md as Markdown.
 //
 //   meshgraft_methods [--data FOLDER] [--table methods|ablations|stiffness] [--meshes FOLDER]
 
@@ -77,7 +77,7 @@ std::vector<Method> all_methods() {
           cgal(CgalMethod::sre_arap, "SRE_ARAP")};
 }
 
-// One choice changed at a time.
+// Returns the default method, and variants of it with one choice changed in each.
 std::vector<Method> ablations() {
   std::vector<Method> methods{ours("default", {})};
   const auto add = [&](const std::string& name, const std::function<void(DeformerOptions&)>& change) {

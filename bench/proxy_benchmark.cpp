@@ -1,5 +1,5 @@
-// What a decimated proxy costs and how far it is from the direct solve; prints the tables of
-// docs/performance.md as markdown.
+// Measures what a decimated proxy costs and how far its result is from the direct solve. Prints the tables of
+// docs/performance.md as Markdown.
 //
 //   meshgraft_proxy [--edit sheet|bar|sphere] [--vertices N] [--proxies N,N,…] [--method NAME] [--no-direct]
 
@@ -109,7 +109,7 @@ void report(const Settings& settings, const BenchEdit& edit, const std::optional
     }
     for (const Index v : edit.handle)
       moved = std::max(moved, ((*direct).row(v) - edit.positions.row(v)).norm());
-    // How crinkled the result is: dihedral angles against those of the direct solve.
+    // Dihedral angles against those of the direct solve show how rough the result is.
     const Quality beside = measure_quality(*direct, positions, edit.triangles, proxy.free_vertices(),
                                            {.self_intersections = false});
     fmt::print(" {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.2f} |", 100 * largest / moved,

@@ -1,5 +1,5 @@
-// Random grafts of the built-in models on one another: whether their results are valid, why some are refused,
-// and how good the others are; prints markdown tables.
+// Makes random grafts of the built-in models on one another. Prints Markdown tables of how many results are
+// valid, why grafts are refused, and how good the results are.
 //
 //   meshgraft_random_grafts [--count 500] [--seed 1] [--verbose] [--save FOLDER]
 
@@ -30,19 +30,19 @@ struct Arguments {
   std::uint64_t first_seed = 1;
   int count = 500;
   bool verbose = false;
-  std::filesystem::path folder;  ///< for the meshes of each graft; none: they are not kept
+  std::filesystem::path folder;  ///< where the meshes of each graft are saved; not if empty
 };
 
 struct Refusal {
   std::string reason;
-  std::string text;  ///< with its numbers, and how the loops fit
+  std::string text;  ///< the message with its numbers, and how well the loops fit
   bool is_right = true;
 };
 
 struct Outcome {
   std::uint64_t seed = 0;
   std::string text;
-  std::vector<Refusal> refusals;  ///< each followed by an attempt that does what it says, as far as it says it
+  std::vector<Refusal> refusals;  ///< in order; an attempt that follows the remedy comes after each
   bool merged = false;
   std::vector<std::string> faults;
   double seconds = 0;
@@ -52,10 +52,10 @@ struct Outcome {
   bool is_valid() const { return merged && faults.empty(); }
 };
 
-// Refusals for one reason count as one.
+// Returns the reason by which refusals are counted.
 std::string reason_of(const Error& error) { return fmt::format("{}: {}", to_string(error.code()), error.id()); }
 
-// Why, and whether that is so: a start that was not found must hardly be better than another one.
+// Judges a refusal: that of an open start is right only if the best start is hardly better than another.
 Refusal judged(const Error& error, const test::RandomGraft& graft) {
   Refusal refusal{reason_of(error), fmt::format("{} ({})", error.problem(), error.remedy()), true};
   if (error.id() != "merge.open_start") return refusal;
@@ -88,7 +88,7 @@ Outcome run_one(std::uint64_t seed, const Arguments& arguments) {
       if (made.refusal) {
         outcome.refusals.push_back(judged(*made.refusal, graft));
         if (made.refusal->code() == ErrorCode::internal) outcome.faults = {outcome.refusals.back().reason};
-        // Each remedy settles one pair.
+        // Each remedy settles one pair, so more refusals than pairs end the attempts.
         again = outcome.refusals.size() <= graft.pairs.size() && test::follow_remedy(graft, *made.refusal);
         continue;
       }
@@ -134,7 +134,7 @@ void print_refusals(const std::vector<Outcome>& outcomes) {
       fmt::print("| {} | {} | {} |\n", outcome.seed, refusal.text, refusal.is_right ? "yes" : "NO");
 }
 
-// How much more the seam is bent than the surfaces that it joins.
+// Returns by how many degrees the seam's dihedral angles (p99) exceed those of the surfaces that it joins.
 double bend_beyond_surfaces(const SeamReport& seam) {
   return seam.dihedral_p99_deg - std::max(seam.target_dihedral_p99_deg, seam.source_dihedral_p99_deg);
 }
@@ -200,7 +200,7 @@ void print_measures(const std::vector<Outcome>& outcomes) {
   };
   fmt::print("\n| measure | median | worst tenth | worst | of number |\n|---|---:|---:|---:|---:|\n");
   for (const Measure& measure : measures) {
-    std::vector<std::pair<double, std::uint64_t>> values;  // the worst last
+    std::vector<std::pair<double, std::uint64_t>> values;  // measure and seed, the worst last
     for (const Outcome& outcome : outcomes)
       if (outcome.is_valid()) values.emplace_back(measure.value(outcome), outcome.seed);
     if (values.empty()) return;

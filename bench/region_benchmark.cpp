@@ -9,7 +9,7 @@ namespace meshgraft::bench {
 
 namespace {
 
-/// The edit's region with a second disc, beside the first.
+/// Returns the edit's region with a second disc as a handle, beside the first.
 Region with_second_disc(const BenchEdit& edit) {
   Region region = region_of(edit);
   Handle disc{"second disc"};
@@ -20,12 +20,12 @@ Region with_second_disc(const BenchEdit& edit) {
   return region;
 }
 
-/// Seconds of a set-up: what precedes the matrix, the matrix, and what follows it.
+/// Seconds of a set-up: before the matrix, for the matrix, and for its analysis and factorisation.
 struct SetUp {
   double prepare = 0, normal = 0, analyse = 0, factorise = 0;
 };
 
-/// `make` takes a context, whose progress tells where the matrix begins and ends.
+/// Times a set-up. `make` takes a context, whose progress tells when the matrix begins and ends.
 template <class Make>
 SetUp time_set_up(const Make& make) {
   using Clock = std::chrono::steady_clock;

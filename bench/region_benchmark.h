@@ -4,7 +4,7 @@
 
 namespace meshgraft::bench {
 
-/// A second handle on the edit's sheet: a set-up from nothing beside `Deformer::with_region`.
+/// Times a second handle on the edit's sheet: a set-up from scratch beside `Deformer::with_region`.
 void register_regions(Edits& edits);
 
 }  // namespace meshgraft::bench

@@ -24,7 +24,7 @@ MERGE_STAGES = ["match", "assemble", "factorise", "solve", "seam"]
 
 
 def read_medians(benchmarks):
-    """{(system, variant, backend): {size: {counter: median over repetitions}}}"""
+    """Return {(system, variant, backend): {size: {counter: median}}}, and the number of repetitions."""
     runs = defaultdict(list)
     for entry in benchmarks:
         if entry.get("run_type", "iteration") != "iteration":
@@ -138,7 +138,7 @@ def ordering_table(runs):
 
 
 def growth(by_size):
-    """Exponent of the set-up's growth between 50,000 vertices and the largest size."""
+    """Return a sentence on the exponent of the set-up's growth from 50,000 vertices to the largest size."""
     sizes = sorted(size for size in by_size if size >= 50_000)
     if len(sizes) < 2:
         return ""
@@ -223,7 +223,7 @@ def make_report(data):
 
 
 def draw_plots(data, folder):
-    """Time and memory over size beside CGAL's, and the stages of the set-ups."""
+    """Plot time and memory over size beside CGAL's, and the stages of the set-ups."""
     medians, _ = read_medians(data["benchmarks"])
     chosen = {
         "apex": ("meshgraft", "apex", "multifrontal"),

@@ -1,10 +1,9 @@
-// Times of set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints, and of
-// merging:
+// Times set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints, and merging:
 //
 //   meshgraft_bench [--eigen_max_vertices=20000] [--iterative_max_vertices=100000] [Google Benchmark's own
 //   flags]
 //
-// One iteration is one edit from nothing. Its stages are counters in seconds, so that the medians over
+// One iteration is one edit from scratch. Its stages are counters in seconds, so that the medians over
 // repetitions are each stage's own; the benchmark's time is their sum.
 
 #include <algorithm>
@@ -68,7 +67,7 @@ void run_deformer(benchmark::State& state, const BenchEdit& edit, const Deformer
   state.counters["dihedral_p99_deg"] = quality.dihedral_p99_deg;
 }
 
-// Of the matrix's own graph by METIS, beside that of the mesh's graph in `run_deformer`.
+// Times METIS on the matrix's own graph; `run_deformer` times the ordering of the mesh's graph.
 void run_ordering(benchmark::State& state, const BenchEdit& edit, const OperatorOptions& operators) {
   const Deformer deformer(edit.positions, edit.triangles, region_of(edit),
                           {.method = DeformMethod::ft05, .operators = operators});
@@ -136,7 +135,7 @@ void run_merge(benchmark::State& state, const BenchMerge& merge, const MergeOpti
   state.counters["source_vertices"] = merge.source.vertex_count();
 }
 
-/// Up to which size each backend is timed.
+/// The largest size at which each backend is timed.
 struct MaxVertices {
   Index eigen = 20'000, iterative = 1'000'000;
 };
@@ -153,7 +152,7 @@ void register_deformer(Edits& edits, const MaxVertices& most) {
     };
     if (is_available(SolverBackend::multifrontal)) {
       for (const Index size : sizes) add_size(SolverBackend::multifrontal, "multifrontal", size);
-      if (treatment == DegenerateTreatment::ft05_noise)  // the other one's factor takes 15 GB there
+      if (treatment == DegenerateTreatment::ft05_noise)  // the apex treatment's factor takes 15 GB
         for (const Index size : very_large_sizes) add_size(SolverBackend::multifrontal, "multifrontal", size);
     }
     for (const Index size : sizes) {
@@ -177,7 +176,7 @@ void register_orderings(Edits& edits) {
           });
 }
 
-// The default method: its set-up has two scalar systems more, its evaluation a solve per step.
+// Registers the default method. Its set-up has two more scalar systems, its evaluation one solve per step.
 void register_corotational(Edits& edits) {
   for (const Index size : sizes) {
     add("meshgraft/corotational/default/" + std::to_string(size),

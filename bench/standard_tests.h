@@ -13,11 +13,11 @@ struct StandardTest {
   BenchEdit edit;
 };
 
-/// The four tests of Botsch and Sorkine (TVCG 2008) on our own samples: a bumpy plane whose middle is lifted, a
-/// cylinder bent by 120°, a bar twisted by 135°, a cactus bent by 70°.
+/// Returns the four tests of Botsch and Sorkine (TVCG 2008) on our own samples: a bumpy plane whose middle is
+/// lifted, a cylinder bent by 120°, a bar twisted by 135°, a cactus bent by 70°.
 std::vector<StandardTest> sample_tests();
 
-/// The same on meshes of the user's: NAME.off, NAME.sel and NAME.def in `folder` for each of the four names.
+/// Reads the four tests from the user's files: NAME.off, NAME.sel and NAME.def in `folder` for each name.
 std::vector<StandardTest> read_tests(const std::filesystem::path& folder);
 
 }  // namespace meshgraft::bench

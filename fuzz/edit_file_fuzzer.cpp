@@ -1,4 +1,5 @@
-// Parses arbitrary text as an edit file. What is accepted must come back from its own text.
+// Parses arbitrary text as an edit file. An accepted edit must be written the same after parsing its own
+// text.
 
 #include <cstddef>
 #include <cstdint>

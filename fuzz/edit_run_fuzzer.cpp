@@ -1,5 +1,5 @@
-// Parses arbitrary text as an edit file and runs it, on built-in models of a few hundred vertices alone: files
-// are not there, larger models are left out.
+// Parses arbitrary text as an edit file and runs it. Only edits of built-in models of a few hundred vertices
+// run: there are no files, and larger models would take too long.
 
 #include <algorithm>
 #include <cstddef>

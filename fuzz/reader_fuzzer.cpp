@@ -1,5 +1,6 @@
-// Reads arbitrary bytes as a mesh file of the format MESHGRAFT_FUZZ_FORMAT. What can be read must stand every
-// question that a command asks first, come back byte for byte where nothing was changed, and survive an edit.
+// Reads arbitrary bytes as a mesh file of the format MESHGRAFT_FUZZ_FORMAT. A mesh that can be read must
+// survive the checks that commands make first, be written back byte for byte if unchanged, and survive an
+// edit.
 
 #include <cstddef>
 #include <cstdint>
@@ -36,7 +37,7 @@ void try_to_write_edited(Mesh mesh, const std::string& name) {
     const Mesh again = format().read(written(mesh, name), name, {});
     require(again.face_count() == mesh.face_count());
   } catch (const meshgraft::Error&) {
-    // What no number of the format can hold.
+    // The format's numbers cannot hold the edited coordinates.
   }
 }
 
@@ -44,7 +45,7 @@ void try_to_write_edited(Mesh mesh, const std::string& name) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string content(reinterpret_cast<const char*>(data), size);
-  // Of glTF's two containers the content tells one.
+  // The signature tells which of glTF's two containers the content is.
   const bool has_signature = format().has_signature != nullptr && format().has_signature(content);
   const std::string name =
       "/fuzz/in" + std::string(has_signature ? format().extensions.front() : format().extensions.back());

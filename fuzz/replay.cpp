@@ -1,4 +1,4 @@
-// Runs a fuzz target over the files of the folders that are named: the seeds, and what once broke something.
+// Runs a fuzz target over the files of the given folders: the seeds, and inputs that once broke something.
 
 #include <cstddef>
 #include <cstdint>

@@ -24,7 +24,7 @@ inline std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-// The built program in a folder of its own, with a flat sheet and an edit of it.
+// Runs the built program in a folder of its own, with a flat sheet and an edit of it.
 class CommandLine : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -75,7 +75,7 @@ class CommandLine : public ::testing::Test {
             read_text(folder_ / ".err")};
   }
 
-  // Everything in the folder but what the test itself put there.
+  // Returns the names in the folder, without the files that the fixture put there.
   std::vector<std::string> new_files() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
@@ -88,7 +88,8 @@ class CommandLine : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-// A tube with a lid, or upside down; its rim are vertices 0 to 11. Faces have UVs and the material "skin".
+// Returns the OBJ text of a tube with a lid, or of one upside down. Its rim is the vertices 0 to 11. Faces
+// have UVs and the material "skin".
 inline std::string tube(double bottom, bool upside_down, const std::string& library) {
   constexpr int around = 12, rings = 6;
   std::string text = library.empty() ? "" : "mtllib " + library + "\n";

@@ -55,12 +55,12 @@ TEST_F(CommandLine, CompareWritesAFolderAndOnlyItsOwnFilesIntoIt) {
   ASSERT_EQ(run("deform edit.json -o alone.obj").status, 0);
   EXPECT_EQ(read_text(folder_ / "both/corotational.obj"), read_text(folder_ / "alone.obj"));
 
-  // Again into the same folder, beside a file that is nobody's business.
+  // A second run into the same folder leaves a foreign file as it is.
   write("both/mine.txt", "mine");
   EXPECT_EQ(run(command).status, 0);
   EXPECT_EQ(read_text(folder_ / "both/mine.txt"), "mine");
 
-  // A file of somebody else's that is in the way.
+  // A foreign file under the name of an output is an error.
   std::filesystem::create_directory(folder_ / "other");
   write("other/yu-2004.obj", "mine");
   const Outcome refused = run("compare edit.json --methods ft05,yu-2004 -o other");
@@ -71,7 +71,7 @@ TEST_F(CommandLine, CompareWritesAFolderAndOnlyItsOwnFilesIntoIt) {
 }
 
 TEST_F(CommandLine, CompareNeverWritesOverAnInput) {
-  // An edit of an earlier comparison's result, compared into the same folder.
+  // The input is an earlier comparison's result, and the output goes into its folder.
   ASSERT_EQ(run("compare edit.json --methods ft05 -o f").status, 0);
   std::string again = edit();
   const std::string input = R"("file": "sheet.obj")";

@@ -172,7 +172,7 @@ TEST_F(CommandLine, OutputsAreToldApartHoweverTheyAreSpelled) {
 }
 
 TEST_F(CommandLine, OutputsThatLinksMakeOneAreRefused) {
-  std::filesystem::create_symlink("later.obj", folder_ / "link.obj");  // to nothing yet
+  std::filesystem::create_symlink("later.obj", folder_ / "link.obj");  // its target does not exist yet
   EXPECT_EQ(run("repair sheet.obj -o later.obj --report link.obj").status, 2);
   EXPECT_EQ(run("repair sheet.obj -o link.obj --report later.obj").status, 2);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "later.obj"));

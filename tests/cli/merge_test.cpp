@@ -79,7 +79,7 @@ TEST_F(CommandLine, AMergedObjDefinesTheMaterialsOfBoth) {
        {"\nmtllib whole.mtl\n", "\nusemtl skin\n", "\nusemtl skin_2\n", "\ng seam\n", "\nvt 1 1\n"})
     EXPECT_NE(whole.find(line), std::string::npos) << line;
 
-  // Onto PLY, which has no materials.
+  // PLY has no materials, so a note names the lost library.
   const Outcome ply = run(merge + "out/whole.ply --json");
   ASSERT_EQ(ply.status, 0) << ply.err;
   EXPECT_NE(json::parse(ply.out)["notes"].dump().find("body.mtl"), std::string::npos) << ply.out.substr(0, 400);
@@ -122,7 +122,7 @@ TEST_F(CommandLine, MergesColoursWithMaterials) {
 TEST_F(CommandLine, OffersToSmoothARaggedLoop) {
   std::string ragged = tube(0, true, "");
   std::size_t line = 0;
-  for (int v = 0; v < 12; ++v) {  // every other vertex of the rim lower
+  for (int v = 0; v < 12; ++v) {  // lowers every other vertex of the rim
     const std::size_t end = ragged.find('\n', line), z = ragged.rfind(' ', end);
     if (v % 2 == 0) ragged.replace(z, end - z, " -0.3");
     line = ragged.find('\n', line) + 1;

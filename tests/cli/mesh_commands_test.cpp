@@ -143,7 +143,7 @@ TEST_F(CommandLine, PicturesTakeAView) {
 }
 
 TEST_F(CommandLine, ChecksAndRepairs) {
-  // A face whose corners are one, and two vertices without faces.
+  // Adds a face of three equal corners, and two vertices without faces.
   write("damaged.obj", sheet() + "v 3 0 0.2\nv 90 90 90\nf 1 1 1\n");
   const Outcome clean = run("check sheet.obj");
   EXPECT_EQ(clean.status, 0) << clean.out << clean.err;
@@ -201,7 +201,7 @@ TEST_F(CommandLine, VerticesWithoutAPlaceAreNamedWhereTheyMatter) {
   write("ball.json", R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "nan.off"}},
       "steps": [{"kind": "deform", "mesh": "a", "region": "all",
                  "handles": [{"name": "h", "select": {"indices": [2]}, "pose": {"translate": [1, 0, 0]}}]}]})");
-  // A square of triangles about vertex 4, with a bad corner 2.
+  // A square of four triangles around vertex 4; its corner 2 is not finite.
   write("nan.off", "OFF 5 4 0\n0 0 0\n1 0 0\n1 nan 0\n0 1 0\n.5 .5 0\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n");
   const Outcome posed = run("deform ball.json -o out.ply");
   EXPECT_EQ(posed.status, 3);

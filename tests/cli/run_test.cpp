@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map more than any limit here
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers map more than these limits
 TEST_F(CommandLine, TooLittleMemoryEndsInGoodTime) {
   write("bar.json",
         R"({"format": "meshgraft-edit", "version": 2, "inputs": {"bar": {"sample": "bar", "resolution": 100}},
@@ -62,7 +62,7 @@ TEST_F(CommandLine, DeformsWritesAndReports) {
   EXPECT_NE(outcome.out.find(" 0 new self-intersections"), std::string::npos) << outcome.out;
 }
 
-// Cuts the sheet in two, lifts the edge of one part, and shears what was cut off.
+// Returns an edit that cuts the sheet in two, lifts the edge of one part, and shears the other.
 std::string cut_and_deform() {
   const std::string lift = R"("handles": [{"name": "edge", "pose": {"translate": [0, 0, 1]},
       "select": {"half_space": {"point": [0, 6.5, 0], "normal": [0, 1, 0]}}}])";

@@ -46,7 +46,7 @@ FieldValue sample(FieldKind kind, std::int64_t count) {
   return {};
 }
 
-// Returns a fact of a class, with `count` in fields of integers.
+// Returns a fact of a class whose integer fields are `count`.
 Fact sample(const FactType& type, std::int64_t count) {
   std::vector<FieldValue> values;
   for (const FieldType& field : type.fields) values.push_back(sample(field.kind, count));

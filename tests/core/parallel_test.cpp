@@ -29,7 +29,7 @@ Context with_threads(int threads) { return {.threads = threads, .progress = {}, 
 TEST(ParallelBlocks, VisitsEveryIndexOnce) {
   for (const auto [count, grain] : sizes)
     for (const int threads : {0, 1, 2, 4}) {
-      std::vector<int> visits(count, 0);  // plain ints: a block that overlaps another is a data race too
+      std::vector<int> visits(count, 0);  // plain ints, so overlapping blocks are a data race, too
       parallel_blocks(
           count,
           [&](std::size_t begin, std::size_t end) {
@@ -112,7 +112,7 @@ std::vector<std::vector<int>> forests() {
     }
     open.push_back(node);
   }
-  // As deep as it is large, with a leaf beside each node of a path.
+  // A path with a leaf at each node, so its depth grows with its size.
   std::vector<int> caterpillar;
   for (int node = 0; node < 200'000; node += 2) {
     caterpillar.push_back(node + 1);
@@ -129,7 +129,7 @@ TEST(TaskForest, VisitsEachNodeOnceAndChildrenOrParentsFirst) {
       work.push_back(1.0 + static_cast<double>(node % 7));
     const TaskForest forest(parent, work);
     for (const int threads : {1, 2, 4}) {
-      // Plain sums over the nodes below (above): a visit too early, twice or at the same time shows.
+      // Plain sums over the nodes below (above) go wrong if a visit is too early, repeated or concurrent.
       std::vector<int> below(parent.size(), 0), above(parent.size(), 0), expected(parent.size(), 1);
       std::vector<std::vector<int>> children(parent.size());
       for (std::size_t node = 0; node < parent.size(); ++node)
@@ -217,7 +217,7 @@ TEST(RunAbandonable, StopsWaitingWhileTheWorkGoesOn) {
                    context),
                Error);
   shared->may_end.set_value();
-  shared->ended.get_future().wait();  // the test does not end otherwise
+  shared->ended.get_future().wait();  // hangs if the abandoned work does not end
 }
 
 TEST(RunAbandonable, RunsToTheEndAndPassesOnAnException) {

@@ -1,4 +1,4 @@
-// What every system that the platform layer is implemented for has to hold to.
+// Checks what the platform layer guarantees on every system for which it is implemented.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -179,7 +179,7 @@ TEST(PlatformFile, RefusesWhatIsNotThere) {
 
 constexpr int free_code = 10, locked_code = 11, other_code = 12;
 
-/// What another process is told that asks for a file's lock.
+/// Ends the process with a code that tells whether it could lock the file.
 [[noreturn]] void exit_with_lock_state(const fs::path& path) {
   std::error_code error;
   File file(path, OpenMode::append, error);
@@ -195,7 +195,7 @@ TEST(PlatformFileDeathTest, ALockExcludesOthersUntilItsFileIsClosed) {
   EXPECT_EXIT(exit_with_lock_state(path), testing::ExitedWithCode(free_code), "");
   EXPECT_FALSE(file.try_lock());
   EXPECT_EXIT(exit_with_lock_state(path), testing::ExitedWithCode(locked_code), "");
-  File second = open(path, OpenMode::append);  // another opening by the same process is another, too
+  File second = open(path, OpenMode::append);  // the lock excludes other openings by the same process, too
   EXPECT_EQ(second.try_lock(), std::errc::resource_unavailable_try_again);
   EXPECT_EQ(read_file(path), "line\n");
 
@@ -219,7 +219,7 @@ TEST(PlatformMemoryDeathTest, ALimitOfTheProcessCounts) {
     const rlimit low{limit, limit};
     bool holds = ::setrlimit(RLIMIT_AS, &low) == 0 && platform::process_memory_limit() == limit &&
                  !platform::can_reserve_address_space(limit);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they need more than that to open a file
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need more to open a file
     holds = holds && available_memory() <= limit;
 #endif
     std::_Exit(holds ? 0 : 1);

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define MESHGRAFT_SANITIZED 1
-extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // GCC installs no header of it
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // GCC installs no header that declares it
 #else
 #define MESHGRAFT_SANITIZED 0
 #include <malloc.h>
@@ -37,7 +37,7 @@ int thread_count() {
   return static_cast<int>(std::distance(fs::directory_iterator("/proc/self/task"), fs::directory_iterator()));
 }
 
-/// Waits for library calls that were left behind to end, so that what they hold is given back.
+/// Waits until no more than `count` threads run, so that calls left behind have freed their memory.
 void wait_for_threads(int count) {
   while (thread_count() > count) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
@@ -60,7 +60,7 @@ bool cancelled_at(int last, const std::function<void(const Context&)>& work) {
 }
 
 constexpr int moments = MESHGRAFT_SANITIZED ? 4 : 12;
-constexpr std::int64_t slack = 1 << 20;  // what libraries keep for each thread that once ran
+constexpr std::int64_t slack = 1 << 20;  // bytes that libraries keep for each thread that once ran
 
 TEST(Cancellation, ACancelledSetUpLeavesNothingBehind) {
   const Scene scene = make_scene(bumpy_sphere(5));

@@ -68,8 +68,7 @@ TEST(Density, LargeTurnsKeepTheRule) {
   }
 }
 
-// The equations as FT05 writes them depend on the triangles; were the measure blind to it, it would prove
-// nothing above.
+// Shows that the measure can fail: the rows as FT05 writes them do depend on the triangles.
 TEST(Density, TheRowsAsWrittenDependOnTheTriangles) {
   constexpr RowShape shapes[] = {RowShape::tube};
   double worst = 0;

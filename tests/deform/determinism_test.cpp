@@ -1,4 +1,4 @@
-// The same edit gives the same bytes, run after run and whatever the number of threads.
+// The same edit gives the same bytes in every run and for any number of threads.
 #include <string>
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ Points edit(const Scene& scene, const OperatorOptions& options, int threads) {
 }
 
 TEST(Determinism, SameBytesTwiceAndForAnyNumberOfThreads) {
-  // Large enough that work is shared out.
+  // These meshes are large enough for work to be shared among threads.
   for (const TestMesh& mesh : {bumpy_sphere(4), irregular_grid(60, 50), flat_sheet(50, 40), bar(6, 40)})
     for (const DegenerateTreatment treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
       OperatorOptions options;

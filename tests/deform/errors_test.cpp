@@ -1,4 +1,4 @@
-// What cannot be solved is refused with a name, a place and a remedy.
+// Problems that cannot be solved are refused with a name, a location and a remedy.
 #include <limits>
 #include <stop_token>
 #include <string>
@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Expects an Error with this id whose message contains `words`; those about an edit also tell what to do.
+/// Expects an Error with this id whose message contains `words`. Unsolvable edits must also have a remedy.
 template <typename Call>
 void expect_error(ErrorCode code, std::string_view id, const std::vector<std::string>& words, Call call) {
   try {
@@ -93,7 +93,7 @@ TEST(Errors, AComponentWithoutConstraintIsNamed) {
   region.whole = false;
   for (Index v = 0; v < n; ++v) region.vertices.push_back(v);
   EXPECT_NO_THROW(make(two, region));
-  // A region that is all of a component touches nothing fixed.
+  // A region that covers a whole component has no fixed neighbour.
   Region second;
   for (Index v = n; v < 2 * n; ++v) second.vertices.push_back(v);
   expect_error(ErrorCode::unsolvable, "deform.component_not_held",

@@ -1,4 +1,4 @@
-// Linear frames from the handle basis are what the solver would say.
+// Linear frames from the handle basis equal the solver's results.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -29,14 +29,14 @@ Points normals_of(const TestMesh& mesh, const Points& positions) {
   return vertex_normals(positions, mesh.triangles, vertex_triangles(mesh.size(), mesh.triangles));
 }
 
-/// What two solutions of the same problem may differ by: a part of the box and of how far things moved, and the
-/// coordinates' own rounding.
+/// Returns how far two solutions of the same problem may differ. The tolerance grows with the box, the largest
+/// displacement and the rounding of the coordinates.
 double tolerance(const TestMesh& mesh, const Points& edited) {
   const double moved = largest_distance(edited, mesh.positions);
   return std::max(1e-10 * std::max(mesh.box_diagonal(), moved), eight_ulp(edited));
 }
 
-/// The positions of the buffers' product, as a vertex shader takes it, in units of the scene.
+/// Returns the positions that a vertex shader computes from the buffers, in scene units.
 Points shade(const HandleBasis& basis, const Points& rest, std::span<const HandlePose> poses) {
   const HandleBuffers buffers = basis.buffers();
   const auto frames = basis.frame_matrices(poses);
@@ -98,7 +98,7 @@ TEST(HandleBasis, FollowsAnchorsAndFeatures) {
       std::vector<char> held(static_cast<std::size_t>(mesh.size()), 0);
       for (const std::vector<Index>* part : {&scene.foot, &scene.head})
         for (const Index v : *part) held[v] = 1;
-      Feature feature;  // large enough that some of it is beyond any row's reach
+      Feature feature;  // large enough that no row reaches some of its vertices
       for (Index v = 0; v < mesh.size(); ++v)
         if (!held[v] &&
             (mesh.positions.row(v) - mesh.positions.row(mesh.size() / 2)).norm() < 0.25 * mesh.box_diagonal())
@@ -157,7 +157,7 @@ TEST(HandleBasis, HandlesAndTheOutsideAreExact) {
   }
 }
 
-/// Angles between unit vectors, ascending, degrees.
+/// Returns the angles between unit vectors in ascending order, in degrees.
 std::vector<double> angles_deg(const Points& a, const Points& b) {
   std::vector<double> angles;
   for (Eigen::Index v = 0; v < a.rows(); ++v)
@@ -211,7 +211,7 @@ TEST(HandleBasis, BuffersAreAccurateFarFromTheOrigin) {
       const HandleBasis basis(deformer, with_normals ? normals_of(mesh, mesh.positions) : Points());
       const HandleBuffers buffers = basis.buffers();
       EXPECT_EQ(buffers.blocks.cols(), with_normals ? 32 : 8);
-      // Moves of about the size of the mesh: everything stays within a few boxes.
+      // These poses move about as far as the mesh is large, so that all vertices stay within a few boxes.
       const auto poses = two_poses(scene);
       const Points direct = deformer.evaluate(poses);
       const Points expected = (direct.rowwise() - buffers.centre) / buffers.scale;
@@ -270,7 +270,7 @@ TEST(HandleBasis, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST(HandleBasis, LargeAndUnevenHandleCounts) {
-  // More handles than are solved for at once, of a few vertices each.
+  // Eleven handles of one vertex each are more than the basis solves for at once.
   const TestMesh mesh = irregular_grid(40, 30);
   const Scene scene = make_scene(mesh);
   Region region = held_foot(scene);

@@ -40,7 +40,7 @@ TEST(HandlePivot, IsTheCentreOfTheRim) {
   const Mesh grid = shapes::grid(6, 6);
   const IndexLists rings = vertex_rings(grid.vertex_count(), grid.faces);
   Handle handle;
-  handle.vertices = {0, 1, 2, 7, 8, 9, 14, 15, 16};  // a corner block: its rim is the row and the column inside
+  handle.vertices = {0, 1, 2, 7, 8, 9, 14, 15, 16};  // a corner block: its rim is its inner row and column
   const Eigen::Vector3d expected = Eigen::Vector3d(2 + 2 + 2 + 1 + 0, 0 + 1 + 2 + 2 + 2, 0) / 5;
   EXPECT_LT((handle_pivot(handle, grid.positions, rings) - expected).norm(), 1e-15);
 }
@@ -135,7 +135,7 @@ TEST(MakePose, NamesWhatIsWrong) {
   EXPECT_EQ(no_angle.id(), "core.not_finite");
 }
 
-// The lower row of a wavy strip, unevenly spaced.
+// Returns a strip whose lower row is wavy and unevenly spaced.
 Mesh strip() {
   return shapes::sheet({.columns = 12, .rows = 2}, [](double u, double v) {
     return Eigen::Vector3d(3 * u * u + u, v, 0.4 * std::sin(5 * u));
@@ -220,7 +220,7 @@ TEST(CurveConstraints, AreTheIdentityForAnUnchangedCurve) {
 }
 
 TEST(CurveConstraints, AreThePlaneRotationOfAPlaneCurve) {
-  // A flat curve turned and scaled within its plane: the smallest rotation is the whole one.
+  // The curve is turned and scaled within its plane, so the smallest rotation is that turn.
   const Mesh mesh = shapes::grid(5, 1);
   const Handle handle = curve({0, 1, 2, 3, 4, 5});
   const Eigen::Matrix3d w = 1.7 * Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -255,7 +255,7 @@ TEST(CurveConstraints, TakeTangentsToTangentsScaledByArcLength) {
     EXPECT_LT((w * tangent(old_point) - ratio * tangent(new_point)).norm(), 1e-13);
     EXPECT_LT((w * w.transpose() - ratio * ratio * Eigen::Matrix3d::Identity()).norm(), 1e-12);
     EXPECT_GT(w.determinant(), 0);
-    // Nothing turns about the tangent: the axis of the rotation is orthogonal to both tangents.
+    // No part of the rotation is about the tangent, so its axis is orthogonal to both tangents.
     const Eigen::Vector3d axis = Eigen::AngleAxisd(Eigen::Matrix3d(w / ratio)).axis();
     EXPECT_NEAR(axis.dot(tangent(old_point)), 0, 1e-7);
   }

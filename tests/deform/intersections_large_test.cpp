@@ -1,4 +1,4 @@
-// Where triangles crowd, they are counted all the same.
+// Intersections are counted also where the boxes of very many triangles overlap.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ struct Crowd {
   }
 };
 
-// Triangles that lie on top of each other, parallel and apart, in some direction: all their boxes overlap.
+// Returns parallel triangles, one above the other, that do not touch although all their boxes overlap.
 Crowd stack(Index count, const Eigen::RowVector2d& slope) {
   Crowd crowd(count);
   for (Index t = 0; t < count; ++t) {

@@ -1,4 +1,4 @@
-// The tests of our own for triangles that intersect, beside CGAL's on the same pairs.
+// Compares the library's intersection tests with CGAL's on the same pairs of triangles.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -39,7 +39,7 @@ TrianglePairCase made_of(const MakePoint& point) {
   return pair;
 }
 
-// A point of the plane of `t`, on its corners, its edges and their lines often; exact for small integers.
+// Returns a point in the plane of `t`, often on a corner or an edge's line. It is exact for small integers.
 Point3 point_in_plane(const Triangle3& t, Random& random) {
   const int u = integer(random, -1, 5), v = integer(random, -1, 5 - u);
   Point3 p;
@@ -55,7 +55,7 @@ TrianglePairCase on_grid(Random& random, int most) {
   });
 }
 
-// In the plane z = 0, in x + y + z = 0, or in a plane whose coordinates are rounded.
+// Returns two triangles in the plane z = 0, in x + y + z = 0, or in a plane whose coordinates are rounded.
 TrianglePairCase in_a_plane(Random& random) {
   const int kind = integer(random, 0, 2);
   return made_of([&]() -> Point3 {
@@ -66,7 +66,7 @@ TrianglePairCase in_a_plane(Random& random) {
   });
 }
 
-// One to three corners of the second in the plane of the first, on it as a rule.
+// Returns triangles where one to three corners of the second lie in the plane of the first, mostly on it.
 TrianglePairCase touching(Random& random) {
   TrianglePairCase pair = on_grid(random, 5);
   const int corners = integer(random, 1, 3);
@@ -74,7 +74,7 @@ TrianglePairCase touching(Random& random) {
   return pair;
 }
 
-// An edge of the second along the line of an edge of the first, or a corner at a corner.
+// Returns triangles where an edge of the second is on the line of one of the first. Corners may coincide.
 TrianglePairCase along_an_edge(Random& random) {
   TrianglePairCase pair = on_grid(random, 5);
   for (std::size_t corner = 0; corner < 2; ++corner) {
@@ -130,7 +130,7 @@ std::vector<Family> families() {
   return all;
 }
 
-// Corners that both have come first, as `intersect_beyond_shared` wants it.
+// Makes the first `shared` corners of both triangles equal; `intersect_beyond_shared` expects them first.
 TrianglePairCase sharing(TrianglePairCase pair, int shared) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(shared); ++k) pair.b[k] = pair.a[k];
   return pair;
@@ -173,7 +173,7 @@ TEST(IntersectionsOracle, AgreesWithCgalOnPairsOfTriangles) {
         if (HasFatalFailure()) return;
       }
       EXPECT_GT(tally.pairs, cases / 3) << shared;
-      if (shared < 2) {  // across an edge, flat overlaps alone do
+      if (shared < 2) {  // triangles that share an edge intersect only where they overlap in one plane
         EXPECT_GT(tally.intersecting, 0) << shared;
       }
       EXPECT_LT(tally.intersecting, tally.pairs) << shared;

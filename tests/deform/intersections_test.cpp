@@ -45,14 +45,14 @@ TestMesh joined(const TestMesh& a, const TestMesh& b) {
   return both;
 }
 
-// Two spheres of radius 1 whose centres are `distance` apart, in a direction that no edge has.
+// Returns two spheres of radius 1 whose centres are `distance` apart. No edge has the direction between them.
 TestMesh two_spheres(int level, double distance) {
   const Eigen::Affine3d move(Eigen::Translation3d(distance * Vector3d(0.36, 0.48, 0.8)) *
                              Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
   return joined(icosphere(level), transformed(icosphere(level), move, "moved"));
 }
 
-// A strip along a polyline in the plane y = 0, `rows` cells wide in y.
+// Returns a strip along a polyline in the plane y = 0, `rows` cells wide in y.
 TestMesh strip(const std::vector<std::array<double, 2>>& profile, Index rows) {
   const auto width = static_cast<Index>(profile.size());
   TestMesh mesh{"strip", Points(width * (rows + 1), 3), Triangles(2 * (width - 1) * rows, 3)};
@@ -69,8 +69,8 @@ TestMesh strip(const std::vector<std::array<double, 2>>& profile, Index rows) {
   return mesh;
 }
 
-// Whether an edge of one triangle passes through the other, in plain floating point: for surfaces in general
-// position.
+// Returns whether an edge of triangle s passes through triangle t. Plain floating point suffices for surfaces
+// in general position.
 bool pierces(const Points& p, const Triangles& triangles, Index s, Index t) {
   const auto corner = [&](Index f, int c) -> Vector3d { return p.row(triangles(f, c)).transpose(); };
   const auto volume = [](const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
@@ -111,8 +111,8 @@ TEST(Intersections, SurfacesAsTheyAreHaveNone) {
 TEST(Intersections, AStripThroughItself) {
   for (const Index rows : {1, 2, 7}) {
     const TestMesh flat = strip({{0, 0}, {4, 0}, {7, 0}, {13, 0}}, rows);
-    // The third column passes through the first, 0.625 along that one and 0.5 along itself. So in each row the
-    // diagonals leave three pairs of triangles a stretch of the line in common; across a row's end two touch.
+    // The third column, at 0.5 of its length, passes through the first, at 0.625 of its length. So in each row
+    // three pairs of triangles intersect, and two more across the end of each row but the last.
     const TestMesh folded = strip({{0, 0}, {4, 0}, {4, 3}, {1, -3}}, rows);
     const Pairs pairs = found_new(flat.positions, folded.positions, flat.triangles);
     EXPECT_EQ(static_cast<Index>(pairs.size()), 3 * rows + 2 * (rows - 1));
@@ -133,7 +133,7 @@ TEST(Intersections, AFoldOntoItselfIsOneAndAnyOtherFoldIsNone) {
     const TestMesh folded = strip({{0, 0}, {1, 0}, {0, height}}, 1);
     EXPECT_EQ(found_new(flat.positions, folded.positions, flat.triangles), Pairs()) << height;
   }
-  // Both triangles of each side overlap both of the other; 0 and 3 have the fold in common.
+  // Both triangles of each side overlap both of the other side. Triangles 0 and 3 share the fold's edge.
   const TestMesh closed = strip({{0, 0}, {1, 0}, {0, 0}}, 1);
   EXPECT_EQ(found_new(flat.positions, closed.positions, flat.triangles),
             (Pairs{{0, 2}, {0, 3}, {1, 2}, {1, 3}}));
@@ -184,7 +184,7 @@ TEST(Intersections, OnlyTrianglesThatTouchFreeVerticesCount) {
   EXPECT_EQ(self_intersections(moved.positions, moved.triangles, free), expected);
   EXPECT_EQ(self_intersections(moved.positions, moved.triangles, {}), Pairs());
 
-  // With one sphere free, each of its intersections is there once.
+  // With one sphere free, each of its intersections is listed once.
   std::vector<Index> first_sphere(static_cast<std::size_t>(half));
   std::iota(first_sphere.begin(), first_sphere.end(), Index{0});
   EXPECT_EQ(new_self_intersections(apart.positions, moved.positions, moved.triangles, first_sphere), pairs);
@@ -206,7 +206,7 @@ TEST(Intersections, CountsAreThoseOfTheLists) {
 }
 
 TEST(Intersections, AFarTriangleDoesNotBlurTheOthers) {
-  // As small against the whole as a float's last bit, and less.
+  // The far triangle makes the spheres as small against the box as a float's last bit, and smaller.
   const TestMesh moved = two_spheres(2, 1.2);
   const Pairs pairs = found(moved.positions, moved.triangles);
   for (const double far : {1e9, 1e17, 1e300}) {
@@ -217,7 +217,7 @@ TEST(Intersections, AFarTriangleDoesNotBlurTheOthers) {
 }
 
 TEST(Intersections, AroundASharedVertexWhatLiesBeyondItCounts) {
-  // Two triangles with the vertex 0 in common; the second one's far side moves.
+  // Two triangles share vertex 0. The tests move the second triangle's edge opposite to it.
   Triangles triangles(2, 3);
   triangles << 0, 1, 2, 3, 4, 0;
   Points rest(5, 3);
@@ -237,7 +237,7 @@ TEST(Intersections, AroundASharedVertexWhatLiesBeyondItCounts) {
 }
 
 TEST(Intersections, WhatCoincidesAtRestIsNotNew) {
-  // A sheet with a second side that has vertices of its own, and each face once more with the same vertices.
+  // A sheet and its copy with vertices of its own coincide, and each face is listed twice.
   const TestMesh side = grid(6, 5);
   TestMesh sheet = joined(side, side);
   const Triangles once = sheet.triangles;
@@ -269,7 +269,7 @@ TEST(Intersections, ManyFacesMayMeetInAnEdge) {
 TEST(Intersections, TrianglesWithoutAreaOrPlaceTakeNoPart) {
   const TestMesh apart = two_spheres(2, 2.5), moved = two_spheres(2, 1.2);
   const Pairs pairs = found(moved.positions, moved.triangles);
-  // Needles through everything, points, and repeated corners, after the spheres' own triangles.
+  // Appends faces that repeat corners, as points or needles, to the spheres' triangles.
   Triangles triangles(moved.triangles.rows() + 3, 3);
   triangles << moved.triangles, Triangles::Constant(1, 3, 4), Triangles::Constant(2, 3, 9);
   triangles.bottomRows(2) << 4, 9, 9, 100, 4, 100;
@@ -294,7 +294,7 @@ TEST(Intersections, TrianglesWithoutAreaOrPlaceTakeNoPart) {
 }
 
 TEST(Intersections, LayersWhoseBoxesAllOverlapAreToldApart) {
-  // Parallel to no axis, then one triangle through all of them.
+  // The layers are parallel to no axis; the last triangle passes through all of them.
   constexpr Index layers = 1500;
   Points points(3 * (layers + 1), 3);
   Triangles triangles(layers + 1, 3);

@@ -1,4 +1,4 @@
-// The backend `iterative` finds what the direct ones find, to a millionth of the box.
+// The backend `iterative` agrees with the direct backends to a millionth of the box.
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>

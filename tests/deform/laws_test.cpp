@@ -1,4 +1,4 @@
-// What every deformation owes, over families of meshes and all settings.
+// Laws that every deformation obeys, over families of meshes and all settings.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,7 +22,7 @@ using Eigen::Affine3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Treatments whose thresholds do not flip under rounding.
+/// Degenerate treatments whose thresholds rounding does not cross.
 const std::vector<DegenerateTreatment> smooth_treatments{DegenerateTreatment::apex};
 
 Deformer make_deformer(const Scene& scene, const Region& region, const OperatorOptions& options = {}) {
@@ -33,7 +33,7 @@ Points edit_head(const Scene& scene, const OperatorOptions& options = {}) {
   return make_deformer(scene, held_foot(scene), options).evaluate(std::vector{pose_of(head_move(scene))});
 }
 
-/// Vertices of faces follow `map`.
+/// Checks that the vertices of faces follow `map`.
 void expect_affine(const TestMesh& mesh, const Points& result, const Affine3d& map) {
   const Points expected = image(mesh.positions, map);
   double error = 0;
@@ -120,7 +120,7 @@ TEST(Laws, NothingMovesWhenNothingIsMoved) {
     }
 }
 
-/// The same mesh with its vertices and triangles in another order: vertex i becomes `place[i]`.
+/// Returns the scene with its vertices and triangles in another order: vertex i becomes `place[i]`.
 Scene shuffled(const Scene& scene, std::vector<Index>& place) {
   std::mt19937 random(11);
   const auto shuffle = [&](auto& list) {
@@ -161,7 +161,7 @@ TEST(Laws, OrderDoesNotMatter) {
 
 TEST(Laws, ASimilarityOfTheSceneCarriesTheResultAlong) {
   for (const TestMesh& mesh : mesh_families()) {
-    // A scene that is rounded at 1e9 is another one once it is moved from there.
+    // Skips scenes at 1e9: moving them away from there changes how their coordinates are rounded.
     if (mesh.positions.cwiseAbs().maxCoeff() > 1e6) continue;
     const double size = mesh.box_diagonal();
     const Affine3d similarity = Eigen::Translation3d(size * Vector3d(2, -1, 3)) *
@@ -224,7 +224,7 @@ TEST(Laws, HandlesAndVertexConstraintsAreTheSameEdit) {
   const Deformer by_vertices = Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, {},
                                                           constraints, {}, {}, linear_method());
   EXPECT_TRUE(same_bytes(by_vertices.evaluate(constraints), by_handles.evaluate(poses)));
-  // A field of identities is FT05, too.
+  // A rotation field of identities gives the FT05 result, too.
   const std::vector<Matrix3d> identities(static_cast<std::size_t>(scene.mesh.size()), Matrix3d::Identity());
   EXPECT_LT(
       largest_distance(by_vertices.evaluate_with_field(constraints, identities), by_handles.evaluate(poses)),
@@ -264,7 +264,7 @@ TEST(Laws, SeveralHandlesGoWhereTheyAreSent) {
   EXPECT_LT(largest_distance(result, mesh.positions), 3 * mesh.box_diagonal());
 }
 
-/// Anchors on every second vertex of a sheet's middle part.
+/// Returns anchors on every second vertex of a sheet's middle part, with shifted targets if `shift` is given.
 std::vector<Anchor> middle_anchors(const TestMesh& sheet, double weight, const Vector3d* shift) {
   std::vector<Anchor> anchors;
   for (Index v = 0; v < sheet.size(); v += 2) {
@@ -325,7 +325,7 @@ TEST(Laws, AnchorsCarriedAlongKeepAffineMaps) {
     }
 }
 
-/// Middle part of a mesh that nobody holds.
+/// Returns a feature in the middle of the longest side, where no vertex is constrained.
 Feature middle_feature(const Scene& scene) {
   Feature feature;
   const TestMesh& mesh = scene.mesh;
@@ -365,13 +365,13 @@ TEST(Laws, FeaturesKeepOneAffineMap) {
     }
 }
 
-// Tear-free scenes at 1e9: rounding the coordinates is all that distance may cost.
+// Uses meshes without thin triangles at 1e9: distance may cost only the rounding of the coordinates.
 TEST(Laws, DistanceFromTheOriginCostsOnlyTheCoordinatesRounding) {
   for (const TestMesh& mesh : {bumpy_sphere(3), flat_sheet(18, 12), tube(14, 30), irregular_grid(22, 16)})
     for (const OperatorOptions& options : operator_variants(smooth_treatments)) {
       SCOPED_TRACE(mesh.name + ", " + describe(options));
       const Scene far = make_scene(far_away(mesh));
-      Scene near = far;  // the same rounded shape: the difference is exact
+      Scene near = far;  // the same rounded shape, since the subtraction is exact
       near.mesh.positions.rowwise() -= far_offset().transpose();
       const double ulp = eight_ulp(far.mesh.positions) / 8;
       const Affine3d shift(Eigen::Translation3d(0.25, -0.5, 0.75));
@@ -381,7 +381,7 @@ TEST(Laws, DistanceFromTheOriginCostsOnlyTheCoordinatesRounding) {
           make_deformer(far, held_foot(far), options).evaluate(std::vector{pose_of(shift)});
       const Points back = far_result.rowwise() - far_offset().transpose();
       EXPECT_LE((back - near_result).cwiseAbs().maxCoeff(), ulp);
-      // A turn's matrix is itself rounded at that distance, once for each product.
+      // At that distance each product of matrices rounds the turn's matrix as well.
       const Affine3d move = head_move(near), to(Eigen::Translation3d{far_offset()});
       const Points near_turn =
           make_deformer(near, held_foot(near), options).evaluate(std::vector{pose_of(move)});
@@ -403,11 +403,11 @@ TEST(Laws, SizeDoesNotMatter) {
     }
 }
 
-/// A long sheet of which the middle is edited.
+/// A long sheet whose middle is edited.
 struct LocalEdit {
   TestMesh mesh = irregular_grid(60, 8);
   Region region;
-  std::vector<Index> far;  ///< vertices at either end, out of the edit's reach
+  std::vector<Index> far;  ///< vertices at both ends, beyond the edit's reach
 
   LocalEdit() {
     Handle handle = make_handle("middle", {});
@@ -475,7 +475,7 @@ TEST(Laws, WindingDoesNotMatter) {
   }
 }
 
-/// Every face twice, once from either side: the normals cancel everywhere.
+/// Lists every face twice, in opposite orientations, so that the normals cancel everywhere.
 TEST(Laws, TwoSidedSheetsAreSolvable) {
   TestMesh sheet = flat_sheet(12, 12);
   const Index faces = static_cast<Index>(sheet.triangles.rows());
@@ -491,7 +491,7 @@ TEST(Laws, TwoSidedSheetsAreSolvable) {
 TEST(Laws, UnrelatedPartsHaveNoSay) {
   const Scene scene = make_scene(irregular_grid(18, 12));
   const Index n = scene.mesh.size();
-  // A second, larger and coarser part of the same mesh, far to the side.
+  // Adds a second component that is larger, coarser and far to the side.
   TestMesh other =
       transformed(irregular_grid(9, 6), Affine3d(Eigen::Translation3d(40, 0, 0) * Eigen::Scaling(3.0)), "");
   TestMesh both = scene.mesh;
@@ -508,7 +508,7 @@ TEST(Laws, UnrelatedPartsHaveNoSay) {
       for (Index v = 0; v < n; ++v) alone.vertices.push_back(v);
       alone.handles.push_back(make_handle("head", scene.head));
       Region with_other = alone;
-      with_other.fixed.push_back(n);  // a corner of the other part, which is otherwise free
+      with_other.fixed.push_back(n);  // a corner of the other component, which is otherwise free
       for (Index v = n; v < both.size(); ++v) with_other.vertices.push_back(v);
       const std::vector<HandlePose> pose{pose_of(head_move(scene))};
       const DeformerOptions all = linear_method(options);
@@ -520,8 +520,8 @@ TEST(Laws, UnrelatedPartsHaveNoSay) {
   }
 }
 
-/// With the maps of a known shape as the field R, that shape makes E_R vanish; with next to no weight on E_L it
-/// is what the solve must return.
+/// With a known shape's local maps as the rotation field, E_R vanishes at that shape. Since E_L has almost no
+/// weight, the solve must return that shape.
 TEST(Laws, TheRotationFieldIsFollowed) {
   const Scene scene = make_scene(bumpy_sphere(3));
   const Points& rest = scene.mesh.positions;

@@ -1,4 +1,4 @@
-// A live deformation drops what is superseded, only ever gets better, and ends at the exact evaluation.
+// A live deformation drops superseded poses, never shows a worse frame, and ends at the exact evaluation.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -34,7 +34,7 @@ namespace {
 const std::vector<DeformMethod> methods{DeformMethod::ft05, DeformMethod::rotation_aware,
                                         DeformMethod::corotational};
 
-/// Small models, no rest before the exact evaluation, and a proxy whatever the size.
+/// Returns options for tests: small models, no pause before the exact evaluation, and a proxy at any size.
 LiveOptions quick_options(DeformMethod method) {
   LiveOptions options;
   options.deformer.method = method;
@@ -45,7 +45,7 @@ LiveOptions quick_options(DeformMethod method) {
   return options;
 }
 
-/// What came, with a copy of each frame's numbers at that time.
+/// Records frames and failures, with a copy of each frame's positions at its arrival.
 class Recorder {
  public:
   struct Failure {
@@ -83,7 +83,7 @@ class Recorder {
     arrived_.wait(lock, [&] { return frames_.size() >= count; });
   }
 
-  /// Poses in order, each pose's qualities rising, nothing written to after it was handed out.
+  /// Checks that poses come in order, that each pose's qualities rise, and that no frame changed later.
   void expect_order() const {
     const std::lock_guard lock(mutex_);
     EXPECT_FALSE(overlapped_);
@@ -103,7 +103,7 @@ class Recorder {
   }
 
  private:
-  /// Sees whether two callbacks run at a time.
+  /// Detects whether two callbacks run at the same time.
   class Alone {
    public:
     explicit Alone(Recorder& recorder) : recorder_(recorder) {
@@ -141,7 +141,7 @@ Deformer make_direct(const Scene& scene, const Region& region, DeformMethod meth
   return {scene.mesh.positions, scene.mesh.triangles, region, options};
 }
 
-/// The head's move, in part.
+/// Returns a pose between rest (`part` 0) and the head's move (`part` 1).
 std::vector<HandlePose> part_of_move(const Scene& scene, double part) {
   HandlePose pose = pose_of(head_move(scene));
   pose.transform.matrix() = (1 - part) * Eigen::Matrix4d::Identity() + part * pose.transform.matrix();
@@ -194,7 +194,7 @@ TEST(LiveDeformer, GoesOnFromAnEarlierDeformer) {
       SCOPED_TRACE(mesh.name + ", " + std::string(to_string(method)));
       const Scene scene = make_scene(mesh);
       const Region region = held_foot(scene);
-      Region more = region;  // one of the vertices that were free is held, too
+      Region more = region;  // fixes one vertex that was free
       const Deformer direct = make_direct(scene, region, method);
       more.fixed.push_back(direct.free_vertices().front());
       Recorder recorder, again;
@@ -215,14 +215,14 @@ TEST(LiveDeformer, GoesOnFromAnEarlierDeformer) {
     }
 }
 
-/// From every stage of the set-up on: the newest pose waits for it, or is refined when it comes.
+/// Checks that the newest pose waits for the first stage of the set-up, and is refined as later ones come.
 TEST(LiveDeformer, GetsBetterByItself) {
   const Scene scene = make_scene(bumpy_sphere(3));
   for (const DeformMethod method : methods) {
     SCOPED_TRACE(to_string(method));
     Recorder recorder;
     Context context;
-    context.progress = [&](std::string_view step, double) {  // the deformer comes after the proxy's frame
+    context.progress = [&](std::string_view step, double) {  // the deformer waits for the proxy's frame
       if (step == "assemble") recorder.wait_for_frames(1);
     };
     LiveDeformer live = make_live(scene, held_foot(scene), recorder, quick_options(method), context);
@@ -231,7 +231,7 @@ TEST(LiveDeformer, GetsBetterByItself) {
     while (live.stage() != LiveStage::ready) std::this_thread::yield();
     const std::size_t before = recorder.frames().size();
     EXPECT_EQ(recorder.frames().front().quality, FrameQuality::proxy);
-    // Twice, so that the second preview tells how far the first one was off.
+    // Drags twice, since the second preview reports the error of the first.
     for (const double part : {0.6, 0.7}) {
       live.drag(part_of_move(scene, part));
       live.wait_until_exact();
@@ -276,7 +276,7 @@ TEST(LiveDeformer, EachFrameIsWhatItsQualitySays) {
 TEST(LiveDeformer, DropsPosesThatAreSuperseded) {
   const Scene scene = make_scene(bumpy_sphere(3));
   Recorder recorder;
-  // Nothing is there yet, so that all but the last wait in vain.
+  // The gate holds the set-up back, so that every pose but the last is superseded.
   std::mutex gate;
   std::unique_lock closed_gate(gate);
   Context context;
@@ -292,7 +292,7 @@ TEST(LiveDeformer, DropsPosesThatAreSuperseded) {
   for (const LiveFrame& frame : recorder.frames()) EXPECT_EQ(frame.pose, 10);
 }
 
-/// Without a quick way, poses are evaluated exactly one after another: a drag without end shows something.
+/// Without previews, poses are evaluated exactly one after another, so that an endless drag still shows frames.
 TEST(LiveDeformer, ShowsExactFramesWhereNothingIsQuicker) {
   const Scene scene = make_scene(bumpy_sphere(3));
   Region region = held_foot(scene);
@@ -358,7 +358,7 @@ TEST(LiveDeformer, FollowsRedrawnCurves) {
 
 TEST(LiveDeformer, ReportsWhatTheDeformerReports) {
   const Scene scene = make_scene(bumpy_sphere(3));
-  Region loose = held_foot(scene);  // held by nothing but one position
+  Region loose = held_foot(scene);  // constrained by one position only
   loose.fixed.clear();
   loose.handles[0].vertices = {scene.head.front()};
   loose.handles[0].constrain_transform = false;
@@ -415,12 +415,12 @@ TEST(LiveDeformer, TheConstructorThrowsWhatIsWrongAtFirstSight) {
   EXPECT_EQ(error_of([&] { live.drag(std::vector{endless}); }).first, "deform.too_large_or_not_finite");
 }
 
-/// A pose that has no finite solution is told with its number, and the next one is answered.
+/// A pose that cannot be evaluated is reported once with its number, and the next pose is evaluated.
 TEST(LiveDeformer, APoseThatCannotBeEvaluatedIsToldOnce) {
   const Scene scene = make_scene(bumpy_sphere(3));
   Recorder recorder;
   LiveDeformer live = make_live(scene, held_foot(scene), recorder, quick_options(DeformMethod::ft05));
-  HandlePose redrawn;  // of a handle that is no curve
+  HandlePose redrawn;  // the handle is no curve
   redrawn.curve = Points::Zero(2, 3);
   live.drag(std::vector{redrawn});
   const auto told = error_of([&] { live.wait_until_exact(); });
@@ -445,7 +445,7 @@ TEST(LiveDeformer, TellsItsProgress) {
   {
     LiveDeformer live =
         make_live(scene, held_foot(scene), recorder, quick_options(DeformMethod::corotational), context);
-    live.wait_until_exact();  // without a pose: until the deformer is there
+    live.wait_until_exact();  // without a pose, this waits for the deformer
     EXPECT_GE(live.stage(), LiveStage::exact);
     while (live.stage() != LiveStage::ready) std::this_thread::yield();
   }
@@ -460,8 +460,8 @@ std::size_t thread_count() {
   return count;
 }
 
-/// At any moment of the set-up and after: no frame after destruction, no thread left, and frames that were kept
-/// stay valid.
+/// Destroys the object at random moments of the set-up and later. No frame may follow, no thread may be left,
+/// and kept frames must stay valid.
 TEST(LiveDeformer, CanBeDestroyedAtAnyMoment) {
   using Clock = std::chrono::steady_clock;
   const Scene scene = make_scene(bumpy_sphere(2));
@@ -496,7 +496,7 @@ TEST(LiveDeformer, CanBeDestroyedAtAnyMoment) {
       if (!frames.empty()) kept.push_back(frames.back());
       EXPECT_EQ(recorder.frames().size(), frames.size());
     }
-    if (threads == 0) threads = thread_count();  // with the workers of loops, which stay
+    if (threads == 0) threads = thread_count();  // includes the workers of parallel loops, which stay
   }
   for (int look = 0; look < 1000 && thread_count() > threads; ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -504,7 +504,7 @@ TEST(LiveDeformer, CanBeDestroyedAtAnyMoment) {
   for (const LiveFrame& frame : kept) EXPECT_TRUE(frame.positions->allFinite());
 }
 
-/// Others drag, look and wait while it is closed.
+/// Closes the object while other threads drag, query and wait.
 TEST(LiveDeformer, CanBeClosedWhileOthersUseIt) {
   const Scene scene = make_scene(bumpy_sphere(3));
   for (int time = 0; time < 12; ++time) {
@@ -548,7 +548,7 @@ TEST(LiveDeformer, AStopOfTheContextClosesIt) {
   EXPECT_EQ(error_of([&] { live.wait_until_exact(); }).first, "deform.live_deformer_closed");
 }
 
-/// A callback may drag on, up to and into the destruction, but not wait for the next frame.
+/// A callback may drag, even during destruction, but must not wait for the next frame.
 TEST(LiveDeformer, CallbacksMayDrag) {
   const Scene scene = make_scene(bumpy_sphere(3));
   Recorder recorder;
@@ -570,9 +570,9 @@ TEST(LiveDeformer, CallbacksMayDrag) {
   EXPECT_GE(count, 20);
 }
 
-/// A region that fits no memory is refused by the deformer, and by this one once the proxy is there.
+/// If only the proxy cannot be made, exact frames still come.
 TEST(LiveDeformer, WorksWhereOnlyAProxyFails) {
-  // The proxy is cut from farther around than the solve reaches.
+  // One vertex is not finite. It lies in the proxy domain, which is wider, but beyond the solve's reach.
   Scene scene = make_scene(grid(60, 60));
   Region region;
   const Eigen::RowVector3d middle = scene.mesh.positions.colwise().mean();
@@ -634,7 +634,7 @@ TEST(LiveDeformer, TheProxyStaysWhereTheRestDoesNotFit) {
   const Scene scene = make_scene(bumpy_sphere(3));
   LiveOptions options = quick_options(DeformMethod::corotational);
   Context context;
-  context.progress = [](std::string_view step, double) {  // as the deformer's set-up does when memory ends
+  context.progress = [](std::string_view step, double) {  // simulates a set-up that runs out of memory
     if (step == "assemble") throw std::bad_alloc();
   };
   Recorder recorder;

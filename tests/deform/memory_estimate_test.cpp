@@ -1,4 +1,4 @@
-// What a factorisation is said to need beforehand is what it takes, within a factor of two.
+// The memory estimate of a factorisation is right within a factor of two.
 #include <string>
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(SolvePath, SuitsTheRegionAndTheMemory) {
   EXPECT_EQ(choose_path(50'000, options, 8 * gigabyte), SolvePath::direct);
   EXPECT_EQ(choose_path(1'000'000, options, 1000 * gigabyte), SolvePath::iterative);
   EXPECT_EQ(choose_path(1'000'000, options, 2 * gigabyte), SolvePath::proxy);
-  // More memory never makes it coarser, and a larger region never finer.
+  // More memory never gives a coarser path, and a larger region never a finer one.
   for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
     const DeformerOptions some{.operators = {.degenerate = treatment}};
     for (Index free = 1000; free < 100'000'000; free *= 2) {

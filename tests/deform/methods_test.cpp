@@ -1,4 +1,4 @@
-// What the rotation-aware and co-rotational methods owe beside the linear one, and what they are for.
+// Laws of the rotation-aware and co-rotational methods beyond those of the linear one, and their advantages.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,7 +34,7 @@ std::string describe(const DeformerOptions& options) {
   return std::string(to_string(options.method)) + ", stiffness " + std::to_string(options.stiffness);
 }
 
-/// The methods with and without stiffness.
+/// Returns the options of both methods, with and without stiffness.
 std::vector<DeformerOptions> method_variants() {
   std::vector<DeformerOptions> variants;
   for (const DeformMethod method : rotating_methods)
@@ -51,21 +51,22 @@ Points edit_head(const Scene& scene, const DeformerOptions& options) {
   return make_deformer(scene, held_foot(scene), options).evaluate(std::vector{pose_of(head_move(scene))});
 }
 
-/// Steps multiply what rounding does to badly conditioned solves: triangles of 1:1000 cost a digit.
+/// Returns the tolerance for rounding. Co-rotational steps amplify it in badly conditioned solves, so that
+/// triangles of 1:1000 cost a digit.
 double step_tolerance(const TestMesh& mesh, const DeformerOptions& options) {
   const bool needles =
       mesh.name.find("needle") != std::string::npos || mesh.name.find("fan pole") != std::string::npos;
   return needles && options.method == DeformMethod::corotational ? 1e-8 : 1e-9;
 }
 
-/// Largest distance over the vertices of faces, relative to the box.
+/// Returns the largest distance over the vertices of faces, relative to the box.
 double relative_distance(const TestMesh& mesh, const Points& a, const Points& b) {
   double largest = 0;
   for (Index v : mesh.triangles.reshaped()) largest = std::max(largest, (a.row(v) - b.row(v)).norm());
   return largest / mesh.box_diagonal();
 }
 
-/// A turn about the head's first vertex with all its turns, and a shift.
+/// Returns a turn about the head's first vertex that keeps its number of whole turns.
 HandlePose turned(const Scene& scene, double angle_deg, const Vector3d& axis = Vector3d(1, -2, 0.5)) {
   HandleMotion motion;
   motion.axis = axis;
@@ -140,7 +141,7 @@ TEST(Methods, AnchorsAndFeaturesKeepSimilarities) {
   }
 }
 
-/// The middle third of a mesh along its longest side.
+/// Returns the vertices in the middle third of a mesh along its longest side.
 std::vector<Index> middle_of(const TestMesh& mesh) {
   const Eigen::RowVector3d low = mesh.positions.colwise().minCoeff(),
                            high = mesh.positions.colwise().maxCoeff();
@@ -180,7 +181,8 @@ TEST(Methods, SimilarFeaturesStaySimilar) {
   }
 }
 
-// A part that nothing reaches but through the feature's map: it is carried along, however far it extends.
+// Checks that a feature carries its vertices however far it extends. Beyond some rings only the feature's map
+// reaches them.
 TEST(Methods, FeaturesCarryWhatIsDeepInsideThem) {
   const TestMesh mesh = tube(14, 60);
   const Scene scene = make_scene(mesh, 0.1, 0.05);
@@ -206,7 +208,7 @@ TEST(Methods, NothingMovesWhenNothingIsMoved) {
 
 TEST(Methods, ASimilarityOfTheSceneCarriesTheResultAlong) {
   for (const TestMesh& mesh : mesh_families()) {
-    // A scene that is rounded at 1e9 is another one once it is moved from there.
+    // Skips scenes at 1e9: moving them away from there changes how their coordinates are rounded.
     if (mesh.positions.cwiseAbs().maxCoeff() > 1e6) continue;
     const double size = mesh.box_diagonal();
     const Affine3d similarity = Eigen::Translation3d(size * Vector3d(2, -1, 3)) *
@@ -227,7 +229,7 @@ TEST(Methods, ASimilarityOfTheSceneCarriesTheResultAlong) {
   }
 }
 
-/// A part that is carried as a whole: how it lay before does not matter.
+/// Where every constraint moves, turning the whole mesh at rest does not change the result.
 TEST(Methods, ThePoseAtRestDoesNotMatterWhereNothingStays) {
   for (const TestMesh& mesh : {bumpy_sphere(3), tube(14, 30), irregular_grid(22, 16), torus(14, 30)}) {
     const Scene scene = make_scene(mesh);
@@ -259,7 +261,7 @@ TEST(Methods, ThePoseAtRestDoesNotMatterWhereNothingStays) {
 TEST(Methods, OrderDoesNotMatter) {
   for (const TestMesh& mesh : mesh_families()) {
     const Scene scene = make_scene(mesh);
-    // Vertices in reverse.
+    // Reverses the order of the vertices.
     const Index last = mesh.size() - 1;
     Scene other = scene;
     other.mesh.positions = mesh.positions.colwise().reverse();
@@ -293,7 +295,7 @@ TEST(Methods, HandlesAndVertexConstraintsAreTheSameEdit) {
   }
 }
 
-/// From 0° to 720° and back no frame jumps, and it matters how often a handle was turned.
+/// From 0° to 720° no frame jumps, and a handle's whole turns change the result.
 TEST(Methods, TurnsAreContinuousAndUnreduced) {
   constexpr double step_deg = 8;
   for (const TestMesh& mesh : {bar(3, 20), irregular_grid(30, 8)}) {
@@ -312,7 +314,7 @@ TEST(Methods, TurnsAreContinuousAndUnreduced) {
       double largest = 0, travelled = 0;
       for (double angle = step_deg; angle <= 720; angle += step_deg) {
         const Points next = deformer.evaluate(std::vector{turned(scene, angle, along)});
-        // Nothing of the bar moves much farther in a frame than the handle that is turned.
+        // No vertex may move much farther in a frame than those of the turned handle.
         largest = std::max(largest, relative_distance(mesh, next, previous));
         travelled = std::max(travelled, relative_distance(mesh, next, mesh.positions));
         previous = next;
@@ -326,7 +328,7 @@ TEST(Methods, TurnsAreContinuousAndUnreduced) {
   }
 }
 
-/// A bend is where steps may oscillate: frames that differ by little look alike.
+/// Steps may oscillate in a bend, so a tiny change of the angle must change little.
 TEST(Methods, BendsDoNotJump) {
   const Scene scene = make_scene(tube(12, 18));
   const auto bend = [](double angle_deg) {
@@ -359,7 +361,7 @@ TEST(Methods, SimilaritiesAreReproducedFromPositionsAlone) {
   }
 }
 
-/// Two parts have nothing to do with each other, however the other is held and turned.
+/// A second component does not influence the first, however it is constrained.
 TEST(Methods, UnrelatedPartsHaveNoSay) {
   const Scene scene = make_scene(tube(10, 16));
   const Index n = scene.mesh.size();
@@ -384,13 +386,13 @@ TEST(Methods, UnrelatedPartsHaveNoSay) {
     with_other.handles.back().constrain_transform = false;
   }
   for (DeformerOptions options : method_variants()) {
-    // The rows of stiffness are measured by the area of all that is free.
+    // With stiffness the components would interact, since its rows are scaled by the area of all free vertices.
     options.stiffness = 0;
     const HandlePose head = turned(scene, 120, Vector3d::UnitX()), still;
     const Points a = Deformer(both.positions, both.triangles, alone, options).evaluate(std::vector{head});
     const Points b =
         Deformer(both.positions, both.triangles, with_other, options).evaluate(std::vector{head, still, still});
-    // The co-rotational steps of all parts stop together.
+    // The co-rotational steps of all components stop together, so their number may differ.
     const double tolerance = options.method == DeformMethod::corotational ? 1e-3 : 1e-9;
     EXPECT_LT(largest_distance(a, b), tolerance * scene.mesh.box_diagonal()) << describe(options);
   }
@@ -400,7 +402,7 @@ TEST(Methods, UnrelatedPartsHaveNoSay) {
   EXPECT_LT(largest_distance(stiff.bottomRows(other.size()), other.positions), 1e-9 * other.box_diagonal());
 }
 
-/// What the methods are for: a bar twisted by 135° keeps its thickness.
+/// Checks the methods' main advantage: a bar twisted by 135° keeps its thickness better than by the linear one.
 TEST(Methods, LargeTurnsDoNotShrink) {
   const Scene scene = make_scene(bar(6, 36));
   const HandlePose twist = turned(scene, 135, Vector3d::UnitZ());
@@ -428,7 +430,7 @@ TEST(Methods, ScalesSpreadWithTheRotations) {
   const std::vector poses{make_pose(motion, middle)};
   for (const DeformerOptions& options : method_variants()) {
     const Points result = make_deformer(scene, held_foot(scene), options).evaluate(poses);
-    // Half way the tube is wider than at its foot and narrower than at its head.
+    // Halfway up, the tube is wider than at its foot and narrower than at its head.
     double sum = 0;
     int count = 0;
     const double low = scene.mesh.positions.col(2).minCoeff(), high = scene.mesh.positions.col(2).maxCoeff();
@@ -465,7 +467,7 @@ TEST(Methods, ReflectionsAndFlatteningsFallBackToLinear) {
   }
 }
 
-/// More steps than anybody needs neither blow up nor fold.
+/// Checks that the result converges and stays stable over many more steps than the default.
 TEST(Methods, ManyStepsAreStable) {
   for (const TestMesh& mesh :
        {bumpy_sphere(3), bar(4, 30), tube(16, 40), irregular_grid(30, 24), torus(14, 30)}) {

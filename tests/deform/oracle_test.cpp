@@ -1,5 +1,5 @@
-// The solved positions make the method's energy smallest, as a reference that shares no code with the solver
-// measures it: fits by QR from the final positions, sums of equations 9 and 11.
+// The solved positions minimise the method's energy. A reference that shares no code with the solver measures
+// it, with fits by QR to the final positions and the sums of equations 9 and 11.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// What a constraint at the moved end gives.
+/// The parts of a constraint at the moved end that are given.
 enum class Given { both, position, transform };
 
 struct Setting {
@@ -42,7 +42,7 @@ std::vector<Setting> settings() {
   return all;
 }
 
-/// The head turned, scaled and moved, the foot held: no affine map does both.
+/// Returns constraints that turn, scale and move the head and hold the foot, which no affine map does.
 std::vector<VertexConstraint> constraints_of(const Scene& scene, Given given) {
   const Points& p = scene.mesh.positions;
   const Vector3d pivot = p.row(scene.head.front());
@@ -61,8 +61,8 @@ std::vector<VertexConstraint> constraints_of(const Scene& scene, Given given) {
   return constraints;
 }
 
-/// p' of the product's noise, in model units. The product works on a patch that is moved and scaled; vertices
-/// that it did not move tell how.
+/// Returns p', the rest positions with the deformer's noise, in model units. The deformer works on a shifted
+/// and scaled patch; the vertices without noise give its scale.
 Points moved_positions(const Deformer& deformer, const Points& rest) {
   const StencilNodes& nodes = deformer.affine_operator().nodes();
   const auto patch = deformer.patch_vertices();
@@ -116,8 +116,8 @@ void for_each_case(const std::vector<TestMesh>& meshes, Check check) {
     }
 }
 
-// Vertices that were moved off their plane are answered for by the dense solution below: their final positions
-// do not tell those that the energy is a function of.
+// Returns whether the gradient can be tested. With noise it cannot, since the energy is a function of x', which
+// final positions do not determine. The dense solution below covers those settings.
 bool has_gradient(const Setting& setting) {
   return setting.operators.degenerate != DegenerateTreatment::ft05_noise;
 }
@@ -134,7 +134,7 @@ TEST(OracleAgainstDeformer, GradientVanishesAtFreeVertices) {
     const double gradient = oracle.relative_gradient(solved.positions);
     EXPECT_LT(gradient, 1e-8);
     worst = std::max(worst, gradient);
-    // The edit is not affine: something has to give.
+    // The edit is not affine, so the energy cannot vanish.
     EXPECT_GT(oracle.energy(solved.positions), 1e-4);
   });
   RecordProperty("worst_relative_gradient", std::to_string(worst * 1e12) + "e-12");

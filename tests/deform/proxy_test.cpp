@@ -1,4 +1,4 @@
-// A decimated proxy owes what the direct solve owes, and comes close to it.
+// A decimated proxy obeys the laws of the direct solve and approximates its results.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -47,7 +47,7 @@ Points directly(const Scene& scene, const DeformerOptions& deformer = {}) {
       .evaluate(std::vector{pose_of(head_move(scene))});
 }
 
-/// Root of the mean square of the distances, relative to the largest displacement.
+/// Returns the root mean square of the distances, relative to the largest displacement.
 double difference(const Scene& scene, const Points& result, const Points& reference) {
   const double moved = largest_distance(reference, scene.mesh.positions);
   return std::sqrt((result - reference).rowwise().squaredNorm().mean()) / moved;
@@ -131,8 +131,8 @@ TEST(Proxy, DetailIsNeitherCrinkledNorCutOffAtRims) {
                                            {.self_intersections = false});
     const Quality moved = measure_quality(mesh.positions, reference, mesh.triangles, proxy.free_vertices(),
                                           {.self_intersections = false});
-    // Beside what the edit itself changes of the angles. Without passing over at rims the sphere and the sheet
-    // are off there by 1.8 and 2.9 times as much.
+    // The bounds are relative to how the edit itself changes the angles. Unless vertices near rims follow the
+    // rims, the jumps of the sphere and the sheet are 1.8 and 2.9 times those of the edit.
     EXPECT_LT(beside.dihedral_p99_deg, 2 * moved.dihedral_p99_deg);
     EXPECT_LT(beside.rim_jump_max_deg, 1.1 * moved.rim_jump_max_deg);
   }
@@ -249,7 +249,7 @@ TEST(Proxy, RedrawnCurvesAreFollowed) {
     EXPECT_LT(off, last);
     last = off;
   }
-  EXPECT_LT(last, 1e-10);  // all vertices
+  EXPECT_LT(last, 1e-10);  // the last proxy keeps all vertices
 }
 
 TEST(Proxy, PositionsAloneHoldIt) {
@@ -336,7 +336,7 @@ TEST(Proxy, WorksOnDirtyScansWhereTheDirectSolveDoes) {
       const Points result = by_proxy(scene, 400);
       EXPECT_TRUE(result.allFinite() || !mesh.positions.allFinite());
     } catch (const Error& error) {
-      // What the direct solve refuses, the proxy refuses, in the same words.
+      // The proxy refuses what the direct solve refuses, with the same message.
       const Scene scene = make_scene(mesh);
       std::string of_direct, of_proxy;
       try {
@@ -422,13 +422,13 @@ TEST(Proxy, CanBeCancelledAnywhere) {
     try {
       const ProxyDeformer proxy(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), proxy_of(400),
                                 context);
-      // Which thread does a part of the work is up to chance, and so is how many steps it reports.
+      // The number of reported steps depends on how the threads happen to share the work.
       EXPECT_LT(step, last) << "was not cancelled";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::cancelled);
     }
   }
-  // An evaluation that was cancelled leaves nothing behind.
+  // A cancelled evaluation does not change later ones.
   const std::vector poses{pose_of(head_move(scene))};
   const Points before = whole.evaluate(poses);
   std::stop_source stop;

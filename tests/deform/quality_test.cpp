@@ -25,7 +25,7 @@ struct Surface {
   bool closed = false;
 };
 
-// A grid of (columns+1)×(rows+1) vertices over [0, columns]×[0, rows], two triangles a cell.
+// Returns a grid of (columns+1)×(rows+1) vertices over [0, columns]×[0, rows], with two triangles a cell.
 Surface grid(Index columns, Index rows) {
   Surface sheet{"sheet", Points((columns + 1) * (rows + 1), 3), Triangles(2 * columns * rows, 3), false};
   for (Index r = 0; r <= rows; ++r) {
@@ -52,7 +52,7 @@ Surface bumpy_sheet() {
   return sheet;
 }
 
-// A torus of m×n vertices: closed, oriented outward.
+// Returns a closed torus of m×n vertices, oriented outward.
 Surface torus(Index m, Index n) {
   Surface ring{"torus", Points(m * n, 3), Triangles(2 * m * n, 3), true};
   Index t = 0;
@@ -76,7 +76,7 @@ Surface tetrahedron() {
   return solid;
 }
 
-// A flat fan of needles: height over length down to 1:1000.
+// Returns a flat fan of needles, with height to length down to 1:1000.
 Surface needles() {
   Surface fan{"needles", Points(12, 3), Triangles(10, 3), false};
   fan.positions.row(0) << 0, 0, 0;
@@ -189,13 +189,13 @@ TEST(Quality, ShearHasTheSingularValuesOfItsMatrix) {
   Points edited = sheet.positions;
   edited.col(0) += k * sheet.positions.col(1);
   const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
-  const double larger = k / 2 + std::sqrt(1 + k * k / 4);  // of (1 k; 0 1); the other one is its inverse
+  const double larger = k / 2 + std::sqrt(1 + k * k / 4);  // of (1 k; 0 1); the smaller one is its inverse
   EXPECT_NEAR(q.sigma_max, larger, 1e-12);
   EXPECT_NEAR(q.sigma_min, 1 / larger, 1e-12);
   EXPECT_NEAR(q.area_ratio, 1, 1e-12);
 }
 
-// A strip along x, folded about the lines x = 1, 2, … by these angles; it does not stretch.
+// Returns a strip along x, folded about the lines x = 1, 2, … by these angles without stretch.
 Surface folded_strip(const std::vector<double>& fold_deg) {
   Surface strip = grid(static_cast<Index>(fold_deg.size()) + 1, 2);
   const auto columns = static_cast<Eigen::Index>(fold_deg.size()) + 2;
@@ -242,7 +242,8 @@ TEST(Quality, FoldsDoNotDependOnTheWinding) {
 }
 
 TEST(Quality, NearestRankPercentiles) {
-  // 100 triangles of their own, the k-th stretched along x by 1 + k/100 (k = 1 … 100): 100 values are 1.
+  // The k-th of 100 separate triangles is stretched along x by 1 + k/100, k = 1 … 100. So 100 of the 200
+  // singular values are 1.
   Points rest(300, 3), edited(300, 3);
   Triangles triangles(100, 3);
   for (Index k = 0; k < 100; ++k) {
@@ -288,7 +289,7 @@ TEST(Quality, OnlyWhatTouchesFreeVerticesMatters) {
   const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, free);
   ASSERT_GT(q.dihedral_max_deg, 1);
 
-  // Whatever happens to the part beyond their rings leaves all but the total area as it is.
+  // Changes beyond the rings of the free vertices affect only the total area.
   Points crumpled = edited;
   crumpled.bottomRows(300) *= 0.1;
   auto here = numbers(q), there = numbers(measure_quality(sheet.positions, crumpled, sheet.triangles, free));
@@ -306,7 +307,7 @@ TEST(Quality, OnlyWhatTouchesFreeVerticesMatters) {
 
 TEST(Quality, AFoldAlongARimIsAJump) {
   const Surface flat = folded_strip({0, 0, 0, 0, 0});
-  std::vector<Index> free;  // columns 3 … 6; the fold along column 2 has no free end
+  std::vector<Index> free;  // columns 3 … 6; no vertex of the fold along column 2 is free
   for (Index v = 0; v < static_cast<Index>(flat.positions.rows()); ++v) {
     if (v % 7 >= 3) free.push_back(v);
   }
@@ -343,7 +344,7 @@ TEST(Quality, DegenerateFacesAreLeftOut) {
   const Points edited = transformed(sheet.positions, rigid_motion() * Eigen::Scaling(1.0, 2.0, 0.5));
   const Quality clean = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
 
-  // Faces that repeat a vertex, with edges that the surface does not have.
+  // Appends faces that repeat a vertex and have edges that the surface lacks.
   Triangles triangles(sheet.triangles.rows() + 3, 3);
   triangles.topRows(sheet.triangles.rows()) = sheet.triangles;
   triangles.bottomRows(3) << 5, 5, 400, 0, 744, 744, 9, 9, 9;
@@ -356,9 +357,9 @@ TEST(Quality, DegenerateFacesAreLeftOut) {
 
 TEST(Quality, NeverNaN) {
   Surface sheet = grid(6, 6);
-  sheet.positions.row(8) = sheet.positions.row(9);  // needles and points at rest
+  sheet.positions.row(8) = sheet.positions.row(9);  // makes faces without area at rest
   Points edited = sheet.positions;
-  edited.topRows(20).rowwise() = edited.row(3).eval();  // and faces collapsed to points by the edit
+  edited.topRows(20).rowwise() = edited.row(3).eval();  // collapses faces to points in the edit
   const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
   for (const double number : numbers(q)) EXPECT_TRUE(std::isfinite(number));
   EXPECT_EQ(q.sigma_min, 0);
@@ -390,7 +391,7 @@ TEST(Quality, FarAndTinyScenesMeasureAlike) {
     }
     Eigen::RowVector3d offset(1e9, -1e9, 1e9);
     const Points far_rest = s.positions.rowwise() + offset, far_edited = edited.rowwise() + offset;
-    // 1e-7 of rounding in each coordinate, over edges down to 0.3 long, in degrees for angles.
+    // Coordinates are rounded by 1e-7, edges are down to 0.3 long, and angles are in degrees.
     expect_near(numbers(measure_quality(far_rest, far_edited, s.triangles, all_vertices(s))), 1e-4);
   }
 }

@@ -1,4 +1,4 @@
-// Frames of a reduced model keep near the exact evaluation, and share its laws.
+// Frames of a reduced model stay near the exact evaluation and obey its laws.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -30,7 +30,7 @@ Deformer make_deformer(const Scene& scene, const Region& region, DeformMethod me
   return {scene.mesh.positions, scene.mesh.triangles, region, options};
 }
 
-/// Small models are enough for laws that hold whatever their size.
+/// Options of small models, which suffice for laws that hold at every size.
 const ReducedFramesOptions few{.centres = 12, .samples_per_centre = 2};
 
 double largest_move(const TestMesh& mesh, const Points& edited) {
@@ -97,7 +97,7 @@ TEST(ReducedFrames, HandlesAndTheOutsideAreExact) {
   }
 }
 
-/// With a centre and a sample at every vertex nothing is interpolated, and the steps are the exact ones.
+/// With a centre and a sample at every vertex nothing is interpolated, so the steps equal the exact ones.
 TEST(ReducedFrames, WithAllVerticesAsCentresIsTheExactEvaluation) {
   for (const TestMesh& mesh : small_families())
     for (const DeformMethod method : methods)
@@ -117,7 +117,7 @@ TEST(ReducedFrames, WithAllVerticesAsCentresIsTheExactEvaluation) {
       }
 }
 
-/// A turn of the head about an axis through a place, by any number of turns.
+/// Returns a turn of the head by any angle about an axis, `pivot_rel` box diagonals below the head's centre.
 HandlePose turned(const Scene& scene, const Vector3d& axis, double angle_deg, double pivot_rel = 0) {
   HandleMotion motion;
   motion.axis = axis;
@@ -128,7 +128,7 @@ HandlePose turned(const Scene& scene, const Vector3d& axis, double angle_deg, do
                                pivot_rel * scene.mesh.box_diagonal() * Vector3d::UnitZ());
 }
 
-/// Unit vector along the longest side of the box.
+/// Returns the unit vector along the longest side of the box.
 Vector3d longest_side(const TestMesh& mesh) {
   Eigen::Index longest = 0;
   (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff(&longest);
@@ -199,7 +199,7 @@ TEST(ReducedFrames, FollowsAnchorsAndTheOtherTreatment) {
 }
 
 TEST(ReducedFrames, EveryPartHasACentre) {
-  // Three bars apart, the second and third held by positions alone, with fewer centres than parts.
+  // Uses three separate bars and asks for one centre. Positions alone hold the second and the third bar.
   const Scene one = make_scene(bar(2, 8));
   const Index n = one.mesh.size();
   Scene scene;

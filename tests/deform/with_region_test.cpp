@@ -1,4 +1,4 @@
-// Another region on the same mesh: what a set-up from nothing gives, by less work.
+// A deformer for another region of the same mesh gives the results of a new one, with less work.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -26,7 +26,7 @@ namespace {
 constexpr DeformMethod methods[] = {DeformMethod::ft05, DeformMethod::rotation_aware,
                                     DeformMethod::corotational};
 
-/// What of a scene is neither foot nor head, in the order of the mesh's longest side.
+/// Returns the vertices of faces that are neither in the foot nor in the head, along the axis between the two.
 std::vector<Index> between_ends(const Scene& scene) {
   std::vector<Index> free;
   for (const Index v : scene.mesh.triangles.reshaped())
@@ -46,7 +46,7 @@ std::vector<Index> between_ends(const Scene& scene) {
   return free;
 }
 
-/// A share of what is between the ends, from the middle on.
+/// Returns a share of the vertices between the ends, from the middle in both directions.
 std::vector<Index> middle_part(const Scene& scene, double share) {
   const std::vector<Index> free = between_ends(scene);
   const auto count =
@@ -57,7 +57,7 @@ std::vector<Index> middle_part(const Scene& scene, double share) {
   return part;
 }
 
-/// The vertices within some edges of the one in the middle.
+/// Returns the vertices between the ends that are at most `rings` edges from the middle vertex.
 std::vector<Index> disc(const Scene& scene, int rings) {
   const IndexLists around = vertex_rings(scene.mesh.size(), scene.mesh.triangles);
   std::vector<Index> grown = grow_rings(middle_part(scene, 0), rings, around);
@@ -76,7 +76,7 @@ Region with_fixed(Region region, const std::vector<Index>& vertices) {
   return region;
 }
 
-/// The head's move for the first handle, another one for the second.
+/// Returns the head's move for the first handle and another map for the second.
 std::vector<HandlePose> poses_of(const Scene& scene, const Region& region) {
   const Eigen::Affine3d other =
       about_middle(scene.mesh, Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, -1).normalized()).matrix());
@@ -90,14 +90,15 @@ Deformer make(const Scene& scene, const Region& region, const DeformerOptions& o
   return {scene.mesh.positions, scene.mesh.triangles, region, options, context};
 }
 
-/// Rounding of far-away coordinates, and what steps do to triangles of 1:1000.
+/// Returns a tolerance for the rounding of distant coordinates and of steps on triangles of 1:1000.
 double tolerance(const TestMesh& mesh) {
   const bool needles =
       mesh.name.find("needle") != std::string::npos || mesh.name.find("fan pole") != std::string::npos;
   return std::max((needles ? 1e-8 : 1e-10) * mesh.box_diagonal(), eight_ulp(mesh.positions));
 }
 
-/// That the other region's deformer is as one from nothing, or refused for the same reason. Whether it shares.
+/// Checks that the other region's deformer equals a new one, or is refused for the same reason. Returns whether
+/// it shares the set-up.
 bool expect_as_fresh(const Scene& scene, const Deformer& deformer, const Region& region,
                      const DeformerOptions& options) {
   std::optional<Deformer> fresh;
@@ -163,7 +164,8 @@ TEST(WithRegion, IsAsFreshInEveryVariant) {
       SCOPED_TRACE(mesh.name + ", " + describe(operators));
       const DeformerOptions options = linear_method(operators);
       const Deformer deformer = make(scene, region, options);
-      // Flat vertices were moved off their plane, but those of a handle are not.
+      // Noise moves flat vertices off their plane, but not those of a handle. A new handle on such vertices
+      // prevents sharing.
       const std::vector<Index> held = disc(scene, 1);
       const std::vector<Index>& moved = deformer.affine_operator().nodes().moved;
       const bool moves = std::any_of(moved.begin(), moved.end(), [&](Index v) {
@@ -177,7 +179,8 @@ TEST(WithRegion, IsAsFreshInEveryVariant) {
 TEST_P(WithRegionByMethod, PartsOfThePatchThatNothingReachesDoNotCount) {
   const DeformMethod method = GetParam();
   const DeformerOptions options{.method = method, .iterations = 5};
-  // A handle's inside, a band between two parts, and a fixed end that the handle hides.
+  // Nothing reaches the inside of a disc handle, of a band handle or of a handle at the foot, nor the foot
+  // behind the latter.
   for (const TestMesh& mesh : {irregular_grid(50, 16), tube(16, 50)}) {
     const Scene scene = make_scene(mesh, 0.1, 0.1);
     const Region region = held_foot(scene);
@@ -273,7 +276,7 @@ TEST(WithRegion, IsMadeAnewWhereSomethingElseIsNeeded) {
   fewer_fixed.fixed.resize(fewer_fixed.fixed.size() / 2);
   const Deformer deformer = make(scene, region, {});
   EXPECT_FALSE(expect_as_fresh(scene, deformer, fewer_fixed, {}));
-  // Most of the patch would be of no use.
+  // Most of the shared patch would be unused.
   EXPECT_FALSE(expect_as_fresh(scene, deformer, with_fixed(region, middle_part(scene, 0.99)), {}));
   Region nothing_free = region;
   nothing_free.fixed = between_ends(scene);

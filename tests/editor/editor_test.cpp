@@ -1,4 +1,4 @@
-// The editor's engine as a page sees it: through its socket.
+// Tests the editor's engine through its socket, as a page sees it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 const Json turn = {{"rotate", {{"axis", {1, 0, 0}}, {"angle_deg", 40}}}, {"translate", {0.1, 0, 0}}};
 const Json open_bar = {{"do", "open"}, {"sample", "bar"}, {"resolution", 20}};
 
-/// The upper end of the bar as a handle.
+/// Makes a handle of the bar's upper end.
 Json paint_top(Page& page, const std::string& name = "top") {
   const std::vector<int> top = page.vertices([](double, double, double z) { return z > 3.7; });
   return page.ask({{"do", "paint-handle"}, {"vertices", top}, {"name", name}, {"reach", 2.0}});
@@ -37,7 +37,7 @@ Json paint_top(Page& page, const std::string& name = "top") {
 
 Json pose_top(Page& page) { return page.ask({{"do", "pose"}, {"poses", {{"top", turn}}}}); }
 
-/// What the page shows where these are the positions.
+/// Returns the coordinates that the page shows for these positions, 3 floats a vertex.
 std::vector<float> as_shown(const Points& positions, const std::vector<double>& offset) {
   std::vector<float> numbers;
   for (Eigen::Index v = 0; v < positions.rows(); ++v)
@@ -234,7 +234,7 @@ TEST(Editor, SendsThePicturesOfItsFoldersAlone) {
   EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0}));
   const std::vector<float>& uv = frame.numbers["corner_uv"];
   ASSERT_EQ(uv.size(), 18u);
-  for (std::size_t c = 0; c < 6; ++c) {  // there UVs are the places
+  for (std::size_t c = 0; c < 6; ++c) {  // the model's UVs equal its x and y
     const auto v = static_cast<std::size_t>(frame.indices["triangles"][c]);
     EXPECT_EQ(uv[2 * c], frame.numbers["positions"][3 * v] + 0.5F);
     EXPECT_EQ(uv[2 * c + 1], frame.numbers["positions"][3 * v + 1] + 0.5F);

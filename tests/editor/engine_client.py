@@ -1,4 +1,4 @@
-"""The editor as a process of its own, and a page that talks to it, with Python's standard library alone."""
+"""Runs the editor as a process and talks to it as a page does, with Python's standard library alone."""
 
 import base64
 import json
@@ -10,11 +10,11 @@ import urllib.parse
 
 
 class Gone(Exception):
-    """The connection ended."""
+    """Raised when the connection has ended."""
 
 
 class Engine:
-    """`meshgraft edit`; ends with the block that it is used in."""
+    """A running `meshgraft edit`, which ends with its `with` block."""
 
     def __init__(self, program, *arguments, cwd=None, limits=None, env=None):
         self.process = subprocess.Popen(
@@ -41,18 +41,18 @@ class Engine:
         self.process.wait()
 
     def end(self, signal, patience=10):
-        """Its exit status after a signal."""
+        """Sends a signal and returns the exit status."""
         self.process.send_signal(signal)
         return self.process.wait(patience)
 
     def peak_memory(self):
-        """Bytes that it had resident at most."""
+        """Returns the peak of resident memory in bytes."""
         with open(f"/proc/{self.process.pid}/status") as status:
             return next(int(line.split()[1]) * 1024 for line in status if line.startswith("VmHWM"))
 
 
 class Page:
-    """A WebSocket that asks and waits for the answer; frames are read and dropped but for their header."""
+    """A WebSocket that sends requests and waits for their answers. It keeps only the headers of frames."""
 
     def __init__(self, url):
         parts = urllib.parse.urlsplit(url)
@@ -74,7 +74,7 @@ class Page:
         self.socket.close()
 
     def send(self, request):
-        """Sends without waiting; returns the request's number."""
+        """Sends without waiting, and returns the request's number."""
         self.last_id += 1
         text = json.dumps({**request, "id": self.last_id}).encode()
         mask = os.urandom(4)
@@ -96,21 +96,21 @@ class Page:
         return self.replies.pop(number)
 
     def ask(self, request):
-        """The result of a request."""
+        """Sends a request and returns its result."""
         reply = self.reply_to(self.send(request))
         if "error" in reply:
             raise AssertionError(f"{request}: {reply['error']}")
         return reply["result"]
 
     def refusal(self, request):
-        """The error of a request."""
+        """Sends a request and returns its error."""
         reply = self.reply_to(self.send(request))
         if "error" not in reply:
             raise AssertionError(f"{request} was not refused")
         return reply["error"]
 
     def event(self, name, is_right=lambda event: True):
-        """Waits for an event; those that came before count."""
+        """Waits for an event. Earlier events that were not taken count."""
         while True:
             for index, event in enumerate(self.events):
                 if event["event"] == name and is_right(event):
@@ -118,7 +118,7 @@ class Page:
             self._take()
 
     def frame(self, is_right):
-        """Waits for a frame; its header."""
+        """Waits for a frame, and returns its header."""
         while True:
             for index, header in enumerate(self.frames):
                 if is_right(header):
@@ -130,7 +130,7 @@ class Page:
         return self.frame(lambda header: header.get("quality") == "exact" and header["pose"] == pose)
 
     def upload(self, name, parts):
-        """Sends a file in parts, chunked; the status and the text of the answer."""
+        """Sends a file in parts, chunked, and returns the status and the text of the answer."""
         address = f"{self.host}:{self.port}"
         connection = socket.create_connection((self.host, self.port), timeout=60)
         with connection:
@@ -143,7 +143,7 @@ class Page:
                     connection.sendall(b"%x\r\n" % len(part) + part + b"\r\n")
                 connection.sendall(b"0\r\n\r\n")
             except OSError:
-                pass  # refused meanwhile
+                pass  # the server may refuse before all is sent
             try:
                 while b"\r\n\r\n" not in answer or not answer.split(b"\r\n\r\n", 1)[1]:
                     more = connection.recv(65536)
@@ -176,7 +176,7 @@ class Page:
         return data[:count]
 
     def _fragment(self):
-        """Whether it is a message's last, its kind (0: more of the one before), its bytes."""
+        """Returns whether a fragment is the last of its message, its kind (0: continuation), and its bytes."""
         first, second = self._need(2)
         length = second & 127
         if length == 126:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What happens to the editor's work when the program, the disk or the page fails.
+"""Checks that the editor's work survives when the program, the disk or the page fails.
 
     faults_test.py MESHGRAFT [SEED]
 
@@ -49,7 +49,7 @@ def height_of(page):
 
 
 def work_until_killed(engine, page, folder, counter):
-    """Raises the top, drags, saves; ends with a kill. What was acknowledged last, and what was sent last."""
+    """Raises the top, drags and saves until a kill. Returns the last acknowledged and the last sent number."""
     acknowledged = sent = counter
     end = time.monotonic() + chance.uniform(0.01, 0.25)
     waiting = []
@@ -73,7 +73,7 @@ def work_until_killed(engine, page, folder, counter):
 
 
 def check_files(folder):
-    """Files that were being written are whole, or as they were before."""
+    """Checks that files that were being written are whole, or as they were before."""
     if (folder / "work.json").exists():
         json.loads((folder / "work.json").read_text())
     if (folder / "work.ply").exists():
@@ -92,7 +92,7 @@ def kills_lose_nothing_that_was_acknowledged(folder):
                 try:
                     page.ask({"do": "restore"})
                     offered += 1
-                except AssertionError:  # all was saved
+                except AssertionError:  # nothing to restore, because all was saved
                     page.ask({"do": "open", "path": str(folder / "work.json")})
             height = height_of(page)
             if height is None:

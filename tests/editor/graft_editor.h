@@ -15,7 +15,7 @@ namespace meshgraft::test {
 
 inline const Json loop_0 = {{"loop", 0}};
 
-/// A bust that a head can be grafted onto.
+/// An editor whose model is a bust that a head can be grafted onto.
 class GraftEditor : public testing::Test {
  protected:
   TemporaryFolder folder_;
@@ -32,7 +32,7 @@ class GraftEditor : public testing::Test {
   }
   Json state() { return page_.ask({{"do", "state"}}); }
 
-  /// What is told of a graft, or of a newer one.
+  /// Waits for the event of this graft or of a newer one.
   Json told(const Json& number) {
     return page_.event("graft", [&](const Json& event) { return event["graft"] >= number; });
   }
@@ -47,7 +47,7 @@ class GraftEditor : public testing::Test {
     page_.ask({{"do", "save"}, {"edit", name}, {"overwrite", true}});
     return read_file(folder_.path() / name);
   }
-  /// Saves the edit and the mesh, and expects of the edit what was saved and what is shown.
+  /// Saves the edit and the mesh. Expects that running the edit gives the saved mesh and the shown positions.
   Mesh expect_replayed(const std::vector<float>& positions, const std::vector<double>& offset) {
     page_.ask({{"do", "save"}, {"edit", "replayed.json"}, {"mesh", "saved.ply"}, {"overwrite", true}});
     Mesh mesh = run_edit(read_edit_file(folder_ / "replayed.json")).mesh;

@@ -1,4 +1,4 @@
-// Grafts as a page sees them.
+// Tests grafts through the engine's socket, as a page sees them.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -74,7 +74,7 @@ TEST_F(GraftEditor, PairsByHand) {
   EXPECT_FALSE(unclear["error"]["remedy"].empty());
   EXPECT_EQ(page_.refusal({{"do", "accept"}})["code"], "input");
 
-  // Wide ones to wide ones.
+  // Pairs loops by their length, wide ones with wide ones.
   const Json posts = page_.ask({{"do", "loops"}})["loops"];
   const Json bracket = page_.ask({{"do", "loops"}, {"mesh", "bracket"}})["loops"];
   const auto by_length = [](const Json& loops) {
@@ -348,7 +348,7 @@ TEST_F(GraftEditor, OpensAGraftThatWasSaved) {
   EXPECT_EQ(other.frame(6).numbers.at("positions"), frame.numbers.at("positions"));
 }
 
-/// A cut, a graft on it, and a handle on what came of that.
+/// The first step is a graft; the second cuts its result.
 TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
   open_bust_and_head();
   ASSERT_FALSE(graft({{"source", "head"}}).contains("error"));

@@ -1,4 +1,4 @@
-// A journal tells every change whose line is whole, wherever it was cut.
+// Checks that a journal gives back every change whose line is whole, wherever its file is cut off.
 #include "editor/journal.h"
 
 #include <filesystem>
@@ -69,7 +69,7 @@ TEST(Journal, TellsEveryWholeLineWhereverItIsCut) {
   EXPECT_EQ(lines, recorded.documents.size());
 }
 
-// What sessions of version 0.1 left: documents and patches with a solver's former name.
+// Sessions of version 0.1 left documents and patches with a solver's former name.
 TEST(Journal, TellsDocumentsThatNameASolverAsItWasCalledBefore) {
   Json settings = first_document().json;
   settings["steps"][0]["settings"]["backend"] = "cholmod";
@@ -143,7 +143,7 @@ TEST(Journal, GoesWhereAllIsSaved) {
   EXPECT_EQ(folder.entry_count(), 0u);
 }
 
-/// As a program that is killed leaves them, once all was saved, or beside another session.
+/// The files are as a killed program leaves them: after all was saved, or beside another session's.
 TEST(Journal, TakesAwayWhatWasSavedAndFindsTheSecondSessions) {
   const Recorded recorded = record();
   const TemporaryFolder folder;

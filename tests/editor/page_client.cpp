@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto patience = 60s;  // beside other work, under a sanitizer
+constexpr auto patience = 60s;  // enough for a sanitizer on a busy machine
 
 template <class T>
 std::vector<T> take(const char*& from, std::size_t length) {
@@ -31,7 +31,7 @@ std::vector<T> take(const char*& from, std::size_t length) {
   return values;
 }
 
-// Padded to 4.
+// Reads bytes that are padded to a multiple of 4.
 void take_bytes(const char*& from, std::size_t length, std::string& bytes) {
   bytes.assign(from, length);
   from += (length + 3) / 4 * 4;

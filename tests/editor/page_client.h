@@ -18,7 +18,7 @@ namespace meshgraft::test {
 
 using Json = nlohmann::json;
 
-/// The editor on a thread of its own.
+/// Runs the editor on a thread of its own.
 class RunningEditor {
  public:
   explicit RunningEditor(const std::vector<std::filesystem::path>& folders,
@@ -41,7 +41,8 @@ struct Frame {
   std::map<std::string, std::string> bytes;
 };
 
-/// What the editor's page is to the engine: a WebSocket that asks, and shows what comes.
+/// Stands for the editor's page: a WebSocket that sends requests, and keeps the positions that a page would
+/// show.
 class Page {
  public:
   explicit Page(const std::string& url);
@@ -49,24 +50,24 @@ class Page {
   Page(Page&&) noexcept;
   Page& operator=(Page&&) noexcept;
 
-  /// Sends a request, or any text, without waiting.
+  /// Sends a request without waiting, and returns its id.
   int send(Json request);
   void send_text(const std::string& text);
-  /// The whole reply to a request.
+  /// Waits for the reply to a request, and returns all of it.
   Json reply_to(int id);
-  /// The result of a request; a failure if it is refused.
+  /// Sends a request and returns its result; the test fails if it is refused.
   Json ask(const Json& request);
-  /// The error of a request; a failure if there is a result.
+  /// Sends a request and returns its error; the test fails if there is a result.
   Json refusal(const Json& request);
 
-  /// Sends a file; its name among the uploads.
+  /// Sends a file, and returns its name among the uploads.
   std::string upload(const std::string& name, const std::string& bytes) const;
 
-  /// Waits for an event, or a frame of one kind; those that came before count until they were asked for.
+  /// Waits for an event, or a frame of one kind. Earlier ones count unless they were returned before.
   Json event(const std::string& name, const std::function<bool(const Json&)>& is_right = {});
   Frame frame(std::uint32_t kind, const std::function<bool(const Frame&)>& is_right = {});
-  /// Waits for the exact frame of a pose; the positions that are then shown, 3 floats a vertex, relative to
-  /// `offset`.
+  /// Waits for the exact frame of a pose. Returns the positions that are then shown, 3 floats a vertex,
+  /// relative to `offset`.
   const std::vector<float>& exact(const Json& pose);
 
   const std::vector<float>& shown() const { return shown_; }
@@ -91,7 +92,7 @@ class Page {
   std::map<int, Json> replies_;
   std::vector<Json> events_;
   std::vector<Frame> frames_;
-  std::string parts_;  // of the frame that comes
+  std::string parts_;  // received so far of a frame
   std::size_t parts_seen_ = 0;
   std::vector<float> rest_, shown_;
   std::vector<double> offset_;

@@ -1,4 +1,4 @@
-// Where parts come from, and what of them is kept.
+// Tests from where parts can be added, and which of their files a session keeps.
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -91,7 +91,7 @@ TEST_F(PartFiles, RestoresPartsAndGraftsAfterACrash) {
   add("upload", upload);
   const std::vector<float> grafted = shown(graft({{"source", "head"}})).numbers.at("positions");
   const fs::path journal = folder_ / "bust.ply.meshgraft-session";
-  // A machine that stops leaves the folder as it is; another program then takes it up.
+  // A copy of the folder stands for one that a stopped machine left; another program opens it.
   const TemporaryFolder later;
   fs::copy(folder_.path(), later.path(), fs::copy_options::recursive);
   const RunningEditor next({later.path()});
@@ -213,7 +213,7 @@ TEST_F(PartFiles, TellsWhichAxisStandsUp) {
   EXPECT_EQ(state()["up"], "z") << "a sample";
 }
 
-/// What a session leaves beside the model, when it is over.
+/// A session that is over leaves a journal only if there is work to restore.
 TEST_F(PartFiles, JournalsGoWhereNothingIsLeftToRestore) {
   const auto journals = [&] {
     std::size_t count = 0;

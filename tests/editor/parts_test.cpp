@@ -1,4 +1,4 @@
-// Parts beside the model, their loops, and cuts, as a page sees them.
+// Tests parts beside the model, their loops, and cuts, as a page sees them.
 #include <algorithm>
 #include <cmath>
 #include <string>

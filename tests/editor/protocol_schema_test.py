@@ -43,7 +43,7 @@ for line in Path(sys.argv[2]).read_text().splitlines():
         best = jsonschema.exceptions.best_match([error])
         wrong.append(f"{part} {json.dumps(entry['message'])[:200]}: {best.json_path}: {best.message[:300]}")
 
-# Every request of the schema is part of the conversation, so that none is checked by nobody.
+# Every request of the schema must occur in the conversation, so that each of them is checked.
 known = set()
 for one in schema["$defs"]["request"]["oneOf"]:
     word = one["properties"]["do"]

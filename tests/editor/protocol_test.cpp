@@ -1,4 +1,4 @@
-// All that a page may ask, held against the schema of the messages.
+// Sends every request that a page may send, and checks the messages against their schema.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -86,7 +86,7 @@ void ask_all_of_grafting(Page& page) {
   page.ask({{"do", "graft"}, {"what", "cancel"}});
   page.ask({{"do", "graft"}, {"source", "face"}});
   page.ask({{"do", "accept"}});
-  page.reply_to(page.send({{"do", "thumbnail"}, {"mesh", "face"}, {"size", 32}}));  // in any build
+  page.reply_to(page.send({{"do", "thumbnail"}, {"mesh", "face"}, {"size", 32}}));  // refused without renderer
 }
 
 TEST(Protocol, TakesLocationsApart) {

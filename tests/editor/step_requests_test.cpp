@@ -1,4 +1,4 @@
-// Symmetry, and changes of any step, as a page asks for them.
+// Tests a page's requests for symmetry and for changes of any step.
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -43,7 +43,7 @@ std::vector<float> run(Page& page, const std::filesystem::path& file) {
   return numbers;
 }
 
-/// How far these vertices' mirror images across the x axis are from any vertex, at most.
+/// Returns the largest distance of these vertices' mirror images across x = 0 from their nearest vertices.
 double asymmetry(const std::vector<float>& shown, const std::vector<int>& vertices) {
   double largest = 0;
   for (const int v : vertices) {
@@ -133,7 +133,7 @@ TEST(EditorSymmetry, TellsOfPosesThatAreNotSymmetric) {
       "input");
 }
 
-/// Two accepted steps and one in work.
+/// Makes two accepted steps and one in progress.
 void make_three_steps(Page& page) {
   page.ask(open_a_bar);
   paint(page, page.vertices([](double, double, double z) { return z > 3.7; }), "top", 2);
@@ -173,7 +173,8 @@ TEST(EditorSteps, AnEarlierStepChangesAndTheLaterOnesFollow) {
   EXPECT_EQ(page.exact(page.ask({{"do", "redo"}})["pose"]), second);
 }
 
-/// Whether what is shown was used or the step was run, the mesh that is saved is the edit file's, to the byte.
+/// The saved mesh has the bytes that the edit file gives, whether saving uses the shown frame or runs the
+/// step.
 TEST(EditorSteps, SavesTheBytesThatTheFileGivesWheneverItIsAsked) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});

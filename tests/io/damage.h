@@ -18,7 +18,7 @@ inline std::string with_line_ends(const std::string& text, const std::string& li
   return result;
 }
 
-/// The law of damaged files: each is refused with Error(input), or read and written back as it is.
+/// Expects that a damaged file is refused with Error(input), or is read and written back as it is.
 inline void expect_read_or_refused(const TemporaryFolder& folder, const char* name,
                                    const std::string& content) {
   const auto path = folder.file(name, content);
@@ -31,8 +31,8 @@ inline void expect_read_or_refused(const TemporaryFolder& folder, const char* na
   }
 }
 
-/// Applies the law to `count` copies of `content`, each cut off or with a few bytes changed, the same on every
-/// run.
+/// Expects the same of `count` copies of `content`, each cut off or with a few bytes changed. The copies are
+/// the same on every run.
 inline void expect_damage_is_survived(const TemporaryFolder& folder, const char* name,
                                       const std::string& content, int count) {
   std::mt19937 random(7);

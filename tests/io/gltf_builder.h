@@ -60,7 +60,7 @@ struct GltfBuilder {
     return static_cast<int>(json["accessors"].size()) - 1;
   }
 
-  /// Positions, with their bounds.
+  /// Adds an accessor of positions with their bounds.
   int positions(const std::vector<float>& values) {
     const int index = accessor(values, "VEC3");
     std::vector<float> low(values.begin(), values.begin() + 3), high = low;
@@ -78,7 +78,7 @@ struct GltfBuilder {
     return json[array].back();
   }
 
-  /// A primitive in a mesh in a node.
+  /// Adds a node with a mesh of one primitive.
   void show(Json primitive) {
     add("meshes", {{"primitives", Json::array({std::move(primitive)})}});
     add("nodes", {{"mesh", 0}});
@@ -138,7 +138,7 @@ inline GlbParts parts_of(const std::string& glb) {
   return parts;
 }
 
-/// The bytes of an accessor's tightly packed elements (no sparse parts).
+/// Returns the bytes of an accessor's tightly packed elements (no sparse parts).
 inline std::string accessor_bytes(const GlbParts& parts, std::size_t index) {
   const Json& accessor = parts.json["accessors"][index];
   if (!accessor.contains("bufferView")) return {};

@@ -166,7 +166,7 @@ TEST(GltfMorphTarget, OfAGltfFileJoinsThoseThatAreThere) {
   EXPECT_FALSE(target.contains("NORMAL")) << "as the target before it";
   EXPECT_EQ(accessor_floats(parts, target["POSITION"]),
             (std::vector<float>{0, 0, 0, 0, 0, 0.5F, 0, 0, 0.25F, 0, 0, 0}));
-  // Animated weights come in pairs now.
+  // The mesh now has two targets, so animated weights come in pairs.
   const Json& animation = parts.json["animations"][0];
   const Json& sampler = animation["samplers"][animation["channels"][0]["sampler"].get<std::size_t>()];
   EXPECT_EQ(accessor_floats(parts, sampler["output"]), (std::vector<float>{0.1F, 0, 0.2F, 0, 0.3F, 0}));

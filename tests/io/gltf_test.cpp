@@ -155,7 +155,7 @@ GltfBuilder morphed_and_animated() {
 
 GltfBuilder quantised() {
   GltfBuilder b;
-  // Padded to 4 bytes each, as vertex attributes have to be.
+  // Each position is padded to a multiple of 4 bytes, as vertex attributes have to be.
   std::vector<std::int16_t> padded = {-16384, -16384, 0, 0, 16384,  -16384, 0, 0,
                                       16384,  16384,  0, 0, -16384, 16384,  0, 0};
   std::string bytes;
@@ -200,7 +200,7 @@ void move(Mesh& mesh, double amount = 0.1) {
   update_normals(mesh, rest);
 }
 
-/// JSON without what an edit may change: the bounds of accessors.
+/// Returns the JSON without the bounds of accessors, which an edit may change.
 Json without_bounds(Json json) {
   for (Json& accessor : json["accessors"]) {
     accessor.erase("min");
@@ -209,7 +209,7 @@ Json without_bounds(Json json) {
   return json;
 }
 
-/// Accessors that hold what an edit may change.
+/// Returns the accessors whose values an edit may change.
 std::set<std::size_t> moved_accessors(const Json& json) {
   std::set<std::size_t> moved;
   for (const Json& mesh : json["meshes"])
@@ -306,7 +306,7 @@ TEST(Gltf, BoundsFollowAndTheirOtherNumbersKeepTheirText) {
   EXPECT_NE(read_file(folder / "b.bin"), b.buffer);
 }
 
-// A buffer of another name may serve other files: in place, too, it stays as it is.
+// A buffer of another name may serve other files, so it stays as it is even if the mesh is written in place.
 TEST(Gltf, LeavesBuffersOfOtherNamesAlone) {
   const TemporaryFolder folder;
   const GltfBuilder b = plain_square();
@@ -318,7 +318,7 @@ TEST(Gltf, LeavesBuffersOfOtherNamesAlone) {
   Mesh again = read_mesh(folder / "a.gltf");
   EXPECT_EQ(again.positions, mesh.positions);
   again.positions(2, 2) = 0.25;
-  folder.written(again, "a.gltf");  // its own now
+  folder.written(again, "a.gltf");  // a.gltf now has a buffer of its own
   EXPECT_FALSE(std::filesystem::exists(folder / "a_2.bin"));
   EXPECT_EQ(read_mesh(folder / "a.gltf").positions(2, 2), 0.25);
 }
@@ -328,7 +328,7 @@ TEST(Gltf, ShowsAttributesInTheirUsualUnits) {
   const Mesh mesh = folder.mesh("a.glb", rich_square().glb());
   const Attribute* uv = mesh.find_attribute(Domain::vertex, "uv");
   ASSERT_NE(uv, nullptr);
-  EXPECT_EQ(uv->values, (std::vector<double>{0, 0, 1, 0, 1, 1, 0, 1}));  // from the bottom
+  EXPECT_EQ(uv->values, (std::vector<double>{0, 0, 1, 0, 1, 1, 0, 1}));  // v is counted from the bottom
   const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
   ASSERT_NE(colour, nullptr);
   EXPECT_EQ(colour->components, 4);
@@ -494,7 +494,7 @@ TEST(Gltf, DataUrisAreEncodedAgain) {
 TEST(Gltf, NeverReplacesTheBufferOfItsInput) {
   const TemporaryFolder folder;
   const GltfBuilder b = plain_square();
-  folder.file("out.bin", b.buffer);  // the input's buffer has the very name that the output's would get
+  folder.file("out.bin", b.buffer);  // the input's buffer has the name that the output's would get
   Mesh mesh = folder.mesh("in.gltf", b.gltf("out.bin"));
   move(mesh);
   const WriteResult result = write_mesh(mesh, folder / "out.gltf");

@@ -31,7 +31,7 @@ Mesh triangle() {
                    (Triangles(1, 3) << 0, 1, 2).finished());
 }
 
-/// Takes the rights of root away for a while, which no permission could deny anything.
+/// Drops the rights of root for its lifetime, because permissions deny root nothing.
 class OrdinaryUser {
  public:
   explicit OrdinaryUser(const TemporaryFolder& folder) : was_root_(::geteuid() == 0) {
@@ -168,7 +168,7 @@ TEST(MeshIo, AFailedWriteLeavesTheOldFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.file("out.ply", triangle_ply);
   Mesh mesh = read_mesh(path);
-  mesh.positions(0, 0) = 1e300;  // no float
+  mesh.positions(0, 0) = 1e300;  // too large for a float
   expect_error([&] { write_mesh(mesh, path); }, "io.value_does_not_fit", {"out.ply", "vertex 0"});
   EXPECT_EQ(read_file(path), triangle_ply);
   EXPECT_EQ(folder.entry_count(), 1u);

@@ -146,8 +146,8 @@ TEST(Obj, ANormalThatItsCornersDisagreeOnGetsNewLines) {
   Mesh mesh = folder.mesh("in.obj", rich);
   Attribute& normals = normals_of(mesh);
   normals.values[0] = 0.5;                                   // corner 0 leaves line 1, which others keep
-  for (int c = 4; c < 7; ++c) normals.values[3 * c] = 0.25;  // line 2 as a whole
-  normals.values[3 * 6 + 2] = 0.75;                          // and its last corner again
+  for (int c = 4; c < 7; ++c) normals.values[3 * c] = 0.25;  // all corners of line 2
+  normals.values[3 * 6 + 2] = 0.75;                          // one of these differs again
   std::string expected = rich;
   expected.replace(expected.find("vn 0 -1 0\n"), 10, "vn 0.25 -1 0\nvn 0.5 0 1\nvn 0.25 -1 0.75\n");
   expected.replace(expected.find("1/1/1"), 5, "1/1/3");
@@ -264,7 +264,7 @@ TEST(Obj, AJoinedMeshDefinesTheMaterialsOfBoth) {
   EXPECT_EQ(written.find("mtllib", written.find("mtllib") + 1), std::string::npos);
   EXPECT_NE(written.find("\nusemtl hair_2\n"), std::string::npos) << written;
 
-  // And once more onto that.
+  // Joins once more, onto that result.
   const WriteResult again =
       write_mesh(join(read_mesh(folder / "out/whole.obj"), one).mesh, folder / "out/whole.obj");
   EXPECT_EQ(again.files.back(), folder / "out/whole_2.mtl") << "an input's library stays";
@@ -437,7 +437,7 @@ struct BadObj {
   const char* what;
   std::string content;
   const char* id;
-  std::vector<std::string> words;  // of the message
+  std::vector<std::string> words;  // that the message contains
 };
 
 TEST(Obj, ContinuedLinesAreOneWhateverTheyHold) {

@@ -188,10 +188,10 @@ TEST(Ply, AnEditChangesTheBytesOfMovedCoordinatesOnly) {
   for (const bool big_endian : {false, true}) {
     const std::string file = rich_binary(big_endian);
     Mesh mesh = folder.mesh("in.ply", file);
-    mesh.positions(2, 1) = 0.3;  // to the nearest float
+    mesh.positions(2, 1) = 0.3;  // is written as the nearest float
     const std::string written = folder.written(mesh, "out.ply");
     ASSERT_EQ(written.size(), file.size());
-    // camera 4+1+4 bytes; a vertex record has 37, y stands 15 bytes into it.
+    // The camera takes 9 bytes (4+1+4). A vertex record has 37 bytes; its y begins at byte 15.
     const std::size_t record = 3 + 4 + 8 + 4 + 4 + 12 + 2;
     const std::size_t y =
         rich_header(big_endian ? "binary_big_endian" : "binary_little_endian").size() + 9 + 2 * record + 15;
@@ -304,7 +304,7 @@ TEST(Ply, TriangleStripsAreReadAsTriangles) {
   Mesh moved = mesh;
   moved.positions(5, 2) = 3;
   EXPECT_EQ(folder.mesh("moved.ply", folder.written(moved, "moved_out.ply")).faces, mesh.faces);
-  // Where a file has faces as well, they are the surface.
+  // In a file with faces and strips, the faces are the surface.
   const std::string both =
       header + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + body + "3 0 2 4\n";
   EXPECT_EQ(folder.mesh("both.ply", both).face_count(), 1);
@@ -380,7 +380,7 @@ struct BadPly {
   const char* what;
   std::string content;
   const char* id;
-  std::vector<std::string> words;  // of the message
+  std::vector<std::string> words;  // that the message contains
 };
 
 std::string vertices(const std::string& rows, int count = 1) {
@@ -595,7 +595,7 @@ TEST(Ply, BinaryPolygonsCutOffAnywhereAreRefused) {
     }
   }
   std::string huge = binary_polygon_files()[1];
-  huge[huge.size() - 5] = '\xFF';  // of the last index
+  huge[huge.size() - 5] = '\xFF';  // the highest byte of the last index
   const auto path = folder.file("huge.ply", huge);
   expect_error([&] { read_mesh(path); }, "io.index_too_large", {"face 2", "byte"});
 }
@@ -620,7 +620,7 @@ struct DecimalComma : std::numpunct<char> {
 TEST(Ply, LocalesDoNotMatter) {
   const TemporaryFolder folder;
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
-  std::setlocale(LC_ALL, "de_DE.UTF-8");  // where it is installed
+  std::setlocale(LC_ALL, "de_DE.UTF-8");  // has no effect where it is not installed
   Mesh mesh = folder.mesh("in.ply", vertices("1234.5 0.25 1e3\n"));
   EXPECT_EQ(mesh.positions(0, 0), 1234.5);
   mesh.positions(0, 0) = 4321.5;

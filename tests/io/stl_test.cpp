@@ -133,7 +133,7 @@ TEST(Stl, InAsciiOnlyNewNumbersHaveNewText) {
   replace("vertex 1e0 0 0", "vertex 1e0 0 -0.1");
   replace("normal 0 0 1.0", "normal 0.09901476 -0.09901476 0.990147");
   const std::string written = folder.written(mesh, "out.stl");
-  // The last digits of the normal are the machine's.
+  // The last digits of the normal depend on the machine.
   const std::size_t normal = ascii.find("normal");
   EXPECT_EQ(written.substr(0, normal + 10), expected.substr(0, normal + 10));
   EXPECT_EQ(written.substr(written.find("outer")), expected.substr(expected.find("outer")));

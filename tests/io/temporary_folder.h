@@ -11,7 +11,7 @@
 
 namespace meshgraft::test {
 
-/// A folder of its own for each test, gone afterwards.
+/// A temporary folder, removed on destruction.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -36,10 +36,10 @@ class TemporaryFolder {
     return path_ / name;
   }
 
-  /// The mesh that a file of this name and content holds.
+  /// Writes a file of this name and content, and returns the mesh that is read from it.
   Mesh mesh(const char* name, std::string_view content) const { return read_mesh(file(name, content)); }
 
-  /// What is written for a mesh under this name.
+  /// Writes a mesh under this name, and returns the file's content.
   std::string written(const Mesh& mesh, const char* name) const {
     write_mesh(mesh, path_ / name);
     return read_file(path_ / name);

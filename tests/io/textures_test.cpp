@@ -1,4 +1,4 @@
-// Which pictures belong to a mesh's materials.
+// Tests which pictures are found for a mesh's materials.
 #include <filesystem>
 #include <fstream>
 #include <string>

@@ -79,7 +79,8 @@ std::string model(const std::string& resources, const std::string& build,
          "</resources>\n<build>\n" + build + "</build>\n</model>\n";
 }
 
-/// A closed tetrahedron of exact and awkward numbers; triangles with a slicer's own attribute.
+/// Returns a closed tetrahedron with unusual spellings of numbers, and with a slicer's own attribute of a
+/// triangle.
 std::string tetrahedron(const std::string& triangle_more = "") {
   return R"(<mesh><vertices>
  <vertex x="0" y="0.10" z="-0"/> <!-- <vertex x="9" y="9" z="9"/> -->
@@ -309,7 +310,7 @@ TEST_F(Threemf, CarriesObjectsMaterialsAndColours) {
     EXPECT_EQ(corners->values[4 * static_cast<std::size_t>(c)], triangles.data()[c] % 256);
 }
 
-// libzip takes another way where what comes before a changed entry makes up most of the archive.
+// libzip writes by another algorithm where the entries before a changed one make up most of the archive.
 TEST_F(Threemf, SurvivesLargeEntriesBeforeTheModel) {
   std::mt19937 random(7);
   for (const std::size_t size : {std::size_t{1500}, std::size_t{60000}}) {
@@ -324,7 +325,7 @@ TEST_F(Threemf, SurvivesLargeEntriesBeforeTheModel) {
   }
 }
 
-// lib3mf reads the parts that are referred to before the one with the build, wherever the archive has them.
+// lib3mf reads referenced parts before the part with the build, in whatever order the archive has them.
 TEST_F(Threemf, TellsEqualMeshesOfTwoPartsApart) {
   const std::string object = R"(<object id="4" type="model">)" + tetrahedron() + "</object>";
   for (const char* inner : {"3D/Objects/inner.model", "2D/inner.model"}) {

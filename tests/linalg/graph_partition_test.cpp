@@ -1,4 +1,4 @@
-#include "linalg/graph_partition.h"
+#include "linalg/direct/graph_partition.h"
 
 #include <algorithm>
 #include <numeric>
@@ -9,7 +9,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
-#include "linalg/symbolic_factorisation.h"
+#include "linalg/direct/symbolic_factorisation.h"
 #include "matrix_families.h"
 
 namespace meshgraft {

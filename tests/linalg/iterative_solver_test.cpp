@@ -1,4 +1,4 @@
-// The backend `iterative`: as accurate as was asked for, at a cost that does not grow with the problem.
+// The backend `iterative` is as accurate as asked for, and its iterations do not grow with the problem.
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -13,8 +13,7 @@
 namespace meshgraft {
 namespace {
 
-/// A thin plate over a mesh, clamped where `held`: the bi-Laplacian of the free vertices, and what is known of
-/// it.
+/// A thin plate over a mesh: the bi-Laplacian of its free vertices, and what the solver is told about them.
 struct Plate {
   IndexLists rings;
   std::vector<Index> free;
@@ -47,7 +46,7 @@ Plate make_plate(const Mesh& mesh, const std::function<bool(Index)>& held) {
   return plate;
 }
 
-/// A sample, held at its low end.
+/// Returns the plate over a sample, held at its low end.
 Plate plate_of(const char* sample, int resolution) {
   const Mesh mesh = make_sample(sample, resolution);
   const double low = mesh.positions.col(2).minCoeff(), high = mesh.positions.col(2).maxCoeff();
@@ -67,7 +66,7 @@ Eigen::MatrixXd loads(const Plate& plate, int columns) {
   return plate.matrix.selfadjointView<Eigen::Lower>() * Eigen::MatrixXd::Random(plate.matrix.rows(), columns);
 }
 
-/// √(eᵀ N e), the largest over the columns, relative to that of x.
+/// Returns √(eᵀ N e) of the error e over that of the exact solution, the largest of all columns.
 double energy_error(const Plate& plate, const Eigen::MatrixXd& x, const Eigen::MatrixXd& exact) {
   const auto energy = [&](const Eigen::MatrixXd& e) {
     return Eigen::RowVectorXd(e.cwiseProduct(plate.matrix.selfadjointView<Eigen::Lower>() * e).colwise().sum());
@@ -170,8 +169,8 @@ TEST(IterativeSolver, ReportsProgressAndStopsWhenAsked) {
 }
 
 TEST(IterativeSolver, SaysWhereItDoesNotConverge) {
-  // Singular: nothing holds the plate, and the load pushes it away. What rounding leaves of the smallest
-  // eigenvalue is no use.
+  // The matrix is singular: nothing holds the plate, and the load pushes it away. Only rounding keeps the
+  // smallest eigenvalue from zero.
   const Mesh mesh = make_sample("torus", 40);
   const Plate plate = make_plate(mesh, [](Index) { return false; });
   auto solver = make_solver(SolverBackend::iterative);
@@ -182,7 +181,7 @@ TEST(IterativeSolver, SaysWhereItDoesNotConverge) {
     FAIL() << "found a solution";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::unsolvable);
-    // Rounding decides whether the coarse grid's factorisation finds it already.
+    // Rounding decides whether the coarse grid's factorisation already fails.
     EXPECT_TRUE(error.id() == "linalg.not_converged" || error.id() == "linalg.not_positive_definite")
         << error.what();
     EXPECT_FALSE(error.remedy().empty());
@@ -190,7 +189,7 @@ TEST(IterativeSolver, SaysWhereItDoesNotConverge) {
 }
 
 TEST(IterativeSolver, SolvesHubsAndWhatHasNoPositions) {
-  // A wheel: a hub that all others are beside, so that every node is coupled with every other.
+  // In a wheel all nodes are beside the hub, so the bi-Laplacian couples every node with every other.
   constexpr Index rim = 700;
   Plate plate;
   std::vector<std::vector<Index>> rings(rim + 1);

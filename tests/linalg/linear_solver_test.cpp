@@ -21,7 +21,7 @@
 namespace meshgraft {
 namespace {
 
-/// A 2D bi-Laplacian on a k×k grid plus a little of the identity: positive definite, irregular enough.
+/// Returns a 2D bi-Laplacian on a k×k grid plus a small multiple of the identity, which is positive definite.
 NormalMatrix grid_matrix(int k, double shift = 1e-3) {
   std::vector<Eigen::Triplet<double>> entries;
   const auto at = [k](int x, int y) { return y * k + x; };
@@ -61,7 +61,7 @@ TEST_P(EveryBackend, SolvesSeveralColumnsAtOnce) {
     const Eigen::MatrixXd rhs = matrix.selfadjointView<Eigen::Lower>() * x;
     EXPECT_LT((solver->solve(rhs) - x).norm(), 1e-6 * x.norm()) << k;
     EXPECT_EQ(solver->statistics().unknowns, k * k);
-    if (GetParam() == SolverBackend::iterative) continue;  // its factor is that of a smaller matrix
+    if (GetParam() == SolverBackend::iterative) continue;  // it factorises a smaller matrix
     EXPECT_GE(solver->statistics().factor_nonzeros, matrix.nonZeros());
   }
 }
@@ -129,7 +129,7 @@ TEST_P(EveryBackend, EstimatesTheConditionNumberFromBelow) {
   EXPECT_GE(estimate, exact / 10);
 }
 
-/// Neighbours in a k×k grid.
+/// Returns the neighbours in a k×k grid.
 IndexLists grid_rings(int k) {
   IndexLists rings;
   for (int y = 0; y < k; ++y) {
@@ -143,7 +143,7 @@ IndexLists grid_rings(int k) {
   return rings;
 }
 
-/// A grid's matrix and an unknown that is coupled with all others.
+/// Returns a grid's matrix with one more unknown that is coupled with all others.
 NormalMatrix with_shared_unknown(const NormalMatrix& grid) {
   const Eigen::Index n = grid.rows();
   std::vector<Eigen::Triplet<double, std::int64_t>> entries;
@@ -176,7 +176,7 @@ TEST_P(EveryBackend, SolvesTheSameWithACouplingGraph) {
   EXPECT_LT((with->solve(rhs, options) - without->solve(rhs, options)).norm(), 1e-6 * x.norm());
 }
 
-/// A bi-Laplacian over rings, plus the identity.
+/// Returns a bi-Laplacian over rings, plus the identity.
 NormalMatrix bilaplacian(const IndexLists& rings) {
   const Index n = rings.size();
   std::vector<Eigen::Triplet<double>> entries;
@@ -217,7 +217,7 @@ TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
 }
 
 TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
-  // Two unknowns at each place of a grid, and a column of places without any: two pieces.
+  // Each grid position has two unknowns, but a middle column has none, so the graph falls into two pieces.
   constexpr int k = 90;
   const IndexLists rings = grid_rings(k);
   std::vector<Index> group;
@@ -292,8 +292,8 @@ TEST(NestedDissection, CanBeCancelledAtAnyTime) {
 }
 
 TEST(NestedDissection, SolvesWhateverTheGraphSays) {
-  // Graphs that say nothing of the matrix: sets then are coupled in odd ways, and all of it has to be found out
-  // from the matrix.
+  // These graphs are unrelated to the matrix. Sets are then coupled irregularly, and the solver must find all
+  // couplings in the matrix.
   constexpr int k = 100;
   const NormalMatrix matrix = grid_matrix(k);
   const Eigen::MatrixXd x = Eigen::MatrixXd::Random(k * k, 3);
@@ -343,12 +343,12 @@ TEST_P(EveryBackend, GivesTheSameBytesForAnyNumberOfThreadsAndColumns) {
   };
   const auto by_one = factor(1), by_two = factor(2);
   for (const int columns : {1, 2, 3, 5, 32, 40}) {
-    if (columns > 5 && GetParam() == SolverBackend::iterative) continue;  // takes them four at a time
+    if (columns > 5 && GetParam() == SolverBackend::iterative) continue;  // solves four at a time
     const Eigen::MatrixXd one = by_one->solve(rhs.leftCols(columns), context(1)),
                           two = by_two->solve(rhs.leftCols(columns), context(2));
     EXPECT_EQ(std::memcmp(one.data(), two.data(), sizeof(double) * one.size()), 0) << columns;
     const Eigen::MatrixXd residual = matrix.selfadjointView<Eigen::Lower>() * one - rhs.leftCols(columns);
-    EXPECT_LT(residual.norm(), 1e-8 * rhs.norm()) << columns;  // iterations stop short
+    EXPECT_LT(residual.norm(), 1e-8 * rhs.norm()) << columns;  // iterations stop at a tolerance
   }
 }
 
@@ -429,7 +429,7 @@ TEST(SparseProducts, AgreeWithEigenAndDoNotDependOnThreads) {
   }
 }
 
-/// Random rows, in runs of `together` with the same columns.
+/// Returns random rows, in runs of `together` rows with the same columns.
 SparseRows random_runs(int rows, int columns, int together, std::minstd_rand& generator) {
   const auto random = [&] { return static_cast<double>(generator() % 2001) / 1000.0 - 1.0; };
   std::vector<Eigen::Triplet<double>> entries;
@@ -449,7 +449,7 @@ TEST(SparseProducts, TakeRowsWithTheSameColumnsTogether) {
     const SparseRows a = random_runs(200, 300, together, generator),
                      b = random_runs(300, 150, together, generator);
     EXPECT_LT((multiply(a, b) - SparseRows(a * b)).norm(), 1e-12) << together;
-    const SparseRows columnwise = transpose(a);  // runs of columns, too
+    const SparseRows columnwise = transpose(a);  // has runs of columns
     EXPECT_LT((multiply(columnwise, a) - SparseRows(columnwise * a)).norm(), 1e-12) << together;
 
     const SparseRows K = multiply(transpose(random_runs(50, 300, together, generator)),

@@ -11,7 +11,7 @@
 
 namespace meshgraft {
 
-/// A positive definite matrix with an entry for each edge; one that is repeated counts once.
+/// Returns a positive definite matrix with an entry for each edge. Repeated edges count once.
 inline NormalMatrix matrix_of_edges(Index unknowns, const std::vector<std::pair<Index, Index>>& edges) {
   std::vector<Eigen::Triplet<double, std::int64_t>> entries;
   std::vector<std::pair<Index, Index>> below;
@@ -30,7 +30,7 @@ inline NormalMatrix matrix_of_edges(Index unknowns, const std::vector<std::pair<
   return lower;
 }
 
-/// A width×height grid whose unknowns are coupled with those at most `reach` steps away.
+/// Returns the matrix of a width×height grid whose unknowns are coupled with those at most `reach` steps away.
 inline NormalMatrix lattice_matrix(Index width, Index height, Index reach = 1) {
   std::vector<std::pair<Index, Index>> edges;
   for (Index y = 0; y < height; ++y)
@@ -47,7 +47,7 @@ struct NamedMatrix {
   NormalMatrix lower;
 };
 
-/// Nothing, one unknown, diagonal, bands, dense rows, pieces that are not coupled, grids, random matrices.
+/// Returns matrices of many kinds: empty, one unknown, diagonal, band, dense rows, uncoupled, grids, random.
 inline std::vector<NamedMatrix> matrix_families() {
   using Edges = std::vector<std::pair<Index, Index>>;
   std::vector<NamedMatrix> matrices{{"nothing", matrix_of_edges(0, {})},

@@ -13,7 +13,7 @@
 namespace meshgraft {
 namespace {
 
-// A closed curve with one bump, its vertices unevenly spaced; normals point outward and somewhat up.
+// Returns a closed curve with one bump and unevenly spaced vertices. Its normals point outward and somewhat up.
 LoopGeometry bumpy_loop(int count, double phase, bool backwards, double bump = 0.4) {
   LoopGeometry loop{Points(count, 3), Points(count, 3)};
   for (int i = 0; i < count; ++i) {
@@ -115,7 +115,7 @@ TEST(Correspondence, OfCirclesIsRefusedAlone) {
     EXPECT_NE(std::find(pair.target.begin(), pair.target.end(), starts[0].least_turned.target),
               pair.target.end());
   }
-  // Where the source is posed, nearness decides.
+  // Where the source has a pose, nearness decides.
   const auto posed = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, true, {&place, 1});
   for (int i = 0; i < 64; ++i)
     EXPECT_LT((at(target.points, posed[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1);

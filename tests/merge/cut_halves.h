@@ -15,7 +15,7 @@
 /// Meshes for grafts whose result is known: one surface in two pieces.
 namespace meshgraft::test {
 
-/// The faces for which `is_in` holds, with their vertices in order and their attributes.
+/// Returns the faces for which `is_in` holds, with their vertices in the same order and their attributes.
 inline Mesh faces_where(const Mesh& mesh, const std::function<bool(Index)>& is_in) {
   std::vector<Index> local(static_cast<std::size_t>(mesh.vertex_count()), -1);
   for (Index f = 0; f < mesh.face_count(); ++f) {
@@ -53,7 +53,7 @@ inline Mesh faces_where(const Mesh& mesh, const std::function<bool(Index)>& is_i
   return part;
 }
 
-/// The faces on one side of a plane, by their centroids.
+/// Returns the faces whose centroids lie on one side of a plane.
 inline Mesh side_of_plane(const Mesh& mesh, const Eigen::RowVector3d& normal, double offset, bool above) {
   return faces_where(mesh, [&](Index f) {
     Eigen::RowVector3d centroid = Eigen::RowVector3d::Zero();
@@ -62,7 +62,7 @@ inline Mesh side_of_plane(const Mesh& mesh, const Eigen::RowVector3d& normal, do
   });
 }
 
-/// The loops of two meshes that have the same points, paired.
+/// Pairs the loops of two meshes that have the same points.
 inline std::vector<LoopPair> coinciding_loops(const Mesh& target, const Mesh& source) {
   const auto key = [](const Mesh& mesh, const std::vector<Index>& loop) {
     std::vector<std::array<double, 3>> points;

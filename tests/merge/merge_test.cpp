@@ -30,7 +30,7 @@ struct Graft {
   std::string name;
   Mesh target, source;
   std::vector<MergePair> pairs;
-  bool closed = true;  // when joined
+  bool closed = true;  // whether the joined mesh is closed
 };
 
 double diagonal(const Points& points) {
@@ -64,7 +64,7 @@ std::vector<MergePair> without_matches(const std::vector<LoopPair>& loops) {
   return pairs;
 }
 
-// A sample cut by a plane, to be grafted back: what is above onto what is below.
+// Cuts a sample by a plane into a target below and a source above, to be grafted back.
 Graft cut_sample(const std::string& sample, int resolution, const Eigen::Vector3d& point,
                  const Eigen::Vector3d& normal) {
   const Mesh whole = make_sample(sample, resolution);
@@ -77,7 +77,7 @@ Graft cut_sample(const std::string& sample, int resolution, const Eigen::Vector3
   return graft;
 }
 
-// Parts with one loop, several, and of a genus; none of the loops is so round that it has no start.
+// Returns grafts with one or several loops, and of positive genus. No loop is so round that its start is open.
 std::vector<Graft> grafts_back() {
   return {cut_sample("cactus", 28, {0, 0, 1.3}, {0.2, 0.1, 1}),
           cut_sample("dinosaur", 34, {-1, 0, 0}, {-1, 0.1, 0.2}),
@@ -185,7 +185,7 @@ TEST(Merge, TheFarPartKeepsItsShape) {
   EXPECT_EQ(similar.report.shape.inverted, 0);
   EXPECT_GT(similar.report.shape.smallest_singular_p5, 0.5);
   const MergeResult linear = merge_meshes(graft.target, graft.source, graft.pairs, {.shape = MergeShape::ft05});
-  EXPECT_GT(linear.report.shape.distance_rel, 1e-4);  // the loops differ, so it is sheared
+  EXPECT_GT(linear.report.shape.distance_rel, 1e-4);  // the loops differ, so it shears the source
 }
 
 TEST(Merge, LocksTheScale) {
@@ -267,7 +267,7 @@ TEST(Merge, TurnsTheTargetsNormals) {
   const Points wider = merge_meshes(graft.target, graft.source, graft.pairs, options).grafted;
   options.normal_angle_deg = -20;
   const Points narrower = merge_meshes(graft.target, graft.source, graft.pairs, options).grafted;
-  // One way the neck opens like a funnel, the other way it closes.
+  // A positive angle must change the neck's width one way, a negative angle the other way.
   const auto width = [](const Points& points) {
     return (points.col(0).maxCoeff() - points.col(0).minCoeff()) +
            (points.col(1).maxCoeff() - points.col(1).minCoeff());
@@ -276,7 +276,7 @@ TEST(Merge, TurnsTheTargetsNormals) {
   EXPECT_LT((width(wider) - width(straight)) * (width(narrower) - width(straight)), 0);
 }
 
-// A tube of radius 1 with `rows` rows of `around` vertices, closed above; its loop is at z = 0.
+// Returns a tube of radius 1 with `rows` rows of `around` vertices, closed above. Its loop lies at z = 0.
 Mesh peg(Index rows, Index around) {
   Mesh mesh;
   mesh.positions.resize(rows * around + 1, 3);
@@ -296,7 +296,7 @@ Mesh peg(Index rows, Index around) {
   return mesh;
 }
 
-// A surface with a hole of a radius around z, 32 vertices around: a plate, or a tube cut off at an angle.
+// Returns a plate with a hole around z, or a tube that is cut off at an angle. The hole has 32 vertices.
 Mesh holed(double radius, double tilt_deg, bool plate) {
   constexpr Index around = 32, rows = 10;
   const double slope = std::tan(tilt_deg * std::numbers::pi / 180);
@@ -318,7 +318,7 @@ Mesh holed(double radius, double tilt_deg, bool plate) {
   return mesh;
 }
 
-// The loop that holds vertex 0.
+// Returns the loop whose first vertex is 0.
 std::vector<Index> first_loop(const Mesh& mesh) {
   for (std::vector<Index>& loop : boundary_loops(mesh))
     if (loop.front() == 0) return loop;
@@ -341,7 +341,7 @@ TEST(Merge, BendsPartsOfFewRows) {
           EXPECT_LT(result.report.seam.dihedral_p99_deg, 80) << what;
           EXPECT_EQ(result.grafted.rows(), source.vertex_count());
           EXPECT_EQ(result.source.new_index.size(), static_cast<std::size_t>(source.vertex_count()));
-          // It stands on the hole.
+          // The source stands upright on the hole.
           const Eigen::Vector3d up = result.report.shape.similarity.rotation.col(2);
           const double slope = tilt_deg * std::numbers::pi / 180;
           EXPECT_GT(up.dot(Eigen::Vector3d(-std::sin(slope), 0, std::cos(slope))), std::cos(0.6)) << what;
@@ -427,7 +427,7 @@ std::optional<Error> refusal_of(const Graft& graft, const MergeOptions& options 
   return std::nullopt;
 }
 
-// The id of a refusal, followed by its role if it has one; empty if nothing was refused.
+// Returns the id of a refusal, followed by its role if it has one. Returns "" if nothing was refused.
 std::string cause_of(const Graft& graft, const MergeOptions& options = {}) {
   const std::optional<Error> refusal = refusal_of(graft, options);
   if (!refusal) return "";
@@ -478,7 +478,7 @@ TEST(MergeErrors, NameWhatIsWrong) {
   bad.pairs.push_back(bad.pairs[0]);
   EXPECT_EQ(cause_of(bad), "merge.loop_named_twice source");
 
-  // Source vertices go round one way, target vertices the other: these two cross a third.
+  // Matched vertices must follow each other in opposite directions on the two loops, so these matches cross.
   bad = good;
   const auto& s = good.pairs[0].loops.source;
   const auto& t = good.pairs[0].loops.target;
@@ -596,7 +596,7 @@ TEST(Merge, AFeatureThatReachesIntoTheKeptPartStays) {
 }
 
 TEST(MergeErrors, LoopsThatTouchThemselvesAreNamed) {
-  // Two holes of a grid that share a corner.
+  // Two holes in a grid share a corner.
   const Mesh sheet = make_sample("bumpy_plane", 12);
   std::vector<Index> taken;
   const IndexLists rings = vertex_rings(sheet.vertex_count(), sheet.faces);

@@ -29,7 +29,7 @@ Eigen::RowVector3d middle(const Points& positions, const std::vector<Index>& loo
   return sum / static_cast<double>(loop.size());
 }
 
-// A part with one loop around z, 1.2 long.
+// Returns a part with one loop around z, 1.2 long.
 Mesh head() { return make_sample("head", 24); }
 
 std::vector<Index> only_loop(const Mesh& mesh) {
@@ -49,7 +49,7 @@ std::optional<Error> refusal_of(const Mesh& target, const Mesh& source, const st
   return std::nullopt;
 }
 
-// The id of a refusal, or that of the note which gives its reason.
+// Returns the id of the note that gives a refusal's reason, or that of the refusal itself.
 std::string cause_of(const Mesh& target, const Mesh& source, const std::vector<Index>& loop, const Drop& drop) {
   const std::optional<Error> refusal = refusal_of(target, source, loop, drop);
   if (!refusal) return "nothing was refused";
@@ -69,7 +69,7 @@ TEST(OpenHole, LaysTheLoopOnAFlatPlace) {
       EXPECT_EQ(hole.size, size);
       EXPECT_NEAR(length(hole.target.positions, opened), size * length(part.positions, loop),
                   0.04 * size * length(part.positions, loop));
-      // Where the matched vertices come to lie: turned from z to x, then spun about x.
+      // The matched target vertices are the source's, turned from z to x and then spun about x.
       const Eigen::Matrix3d turn =
           (Eigen::AngleAxisd(spin_deg * std::numbers::pi / 180, Eigen::Vector3d::UnitX()) *
            Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()))
@@ -161,7 +161,7 @@ TEST(OpenHole, ShrinksAPartThatDoesNotFit) {
 }
 
 TEST(OpenHole, TurnsAPartOverToThePlaceAsLittleAsPossible) {
-  // A part that stands on a surface as it stands in its file is not turned.
+  // On a surface that faces +z a part keeps the orientation that it has in its file.
   const Mesh bar = make_sample("bar", 12), part = head();
   const std::vector<Index> loop = only_loop(part);
   const OpenedHole hole = open_hole(bar, part, loop, {Eigen::Vector3d(0, 0, 4), 0.8});
@@ -174,7 +174,7 @@ TEST(OpenHole, TurnsAPartOverToThePlaceAsLittleAsPossible) {
   }
 }
 
-// The largest size that a refusal names; 0 if it names none.
+// Returns the largest size that a refusal names, or 0 if it names none.
 double size_that_fits(const std::optional<Error>& refusal) {
   return refusal && refusal->id() == "merge.no_hole" ? refusal->fact().get<double>("largest") : 0;
 }
@@ -198,8 +198,8 @@ TEST(OpenHole, NamesTheLargestSizeThatFits) {
 }
 
 TEST(OpenHole, FindsRoomOrTellsAllOverASurface) {
-  // Wherever the part goes, the hole is a disc of the loop's size, and the part grows out of it; but the tips
-  // of cones are too narrow at any size.
+  // At every vertex the hole is a disc of the loop's size, and the part can be merged there. Only the tips of
+  // cones are too narrow at any size.
   const Mesh part = head();
   int refused = 0;
   const std::vector<Index> loop = only_loop(part);
@@ -240,7 +240,7 @@ TEST(OpenHole, FindsRoomOrTellsAllOverASurface) {
 }
 
 TEST(OpenHole, ShrinksAPartThatWouldReachIntoTheTarget) {
-  // In a corner of two walls: the head is wider than its neck.
+  // In a corner of two walls the head would reach into a wall, since it is wider than its neck.
   Mesh corner = make_sample("bumpy_plane", 40);
   for (auto point : corner.positions.rowwise())
     point = Eigen::RowVector3d(std::min(point.x(), 0.0), point.y(), std::max(point.x(), 0.0));
@@ -277,7 +277,7 @@ TEST(DropPart, GraftsOnAClosedTargetAndMapsItsVertices) {
     ASSERT_TRUE(result.options.size.has_value());
     EXPECT_EQ(*result.options.size, drop.size.value_or(1));
     ASSERT_EQ(result.merge.target.new_index.size(), static_cast<std::size_t>(target.vertex_count()));
-    // Most of the target is where it was, under its new number.
+    // Most target vertices keep their position under a new index.
     Index unmoved = 0;
     for (Index v = 0; v < target.vertex_count(); ++v) {
       const Index now = result.merge.target.new_index[v];

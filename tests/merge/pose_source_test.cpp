@@ -20,7 +20,7 @@ Mesh bumpy_grid() {
                              .interpolation = Interpolation::direction,
                              .components = 3,
                              .values = {normals.data(), normals.data() + normals.size()}});
-  // Corner c of the mesh carries its own vertex and c, so that a value that strays is seen.
+  // Corner c has the values (its vertex, c), so that a value at a wrong corner is detected.
   Attribute uv{.name = "uv", .domain = Domain::corner, .components = 2};
   for (Index c = 0; c < mesh.faces.corner_count(); ++c) {
     uv.values.push_back(mesh.faces.corners()[static_cast<std::size_t>(c)]);

@@ -1,4 +1,4 @@
-// Grafts that nobody thought of give valid meshes, if need be from the start that a refusal names.
+// Random grafts give valid meshes, if need be from the start that a refusal names.
 // meshgraft_random_grafts makes more of them.
 #include <gtest/gtest.h>
 
@@ -30,8 +30,7 @@ TEST_P(RandomGrafts, GiveValidMeshesWithWellShapedSeams) {
   EXPECT_LT(seam.dihedral_p99_deg, std::max(seam.target_dihedral_p99_deg, seam.source_dihedral_p99_deg) + 5);
 }
 
-// Some that were slow (183, 246, 283) or refused (6, 36), and some whose seams were folded or of thin
-// triangles.
+// These seeds once were slow (183, 246, 283), refused (6, 36), or had seams with folds or thin triangles.
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomGrafts,
                          testing::Values(4, 6, 10, 19, 22, 23, 36, 183, 246, 269, 274, 283),
                          testing::PrintToStringParamName());

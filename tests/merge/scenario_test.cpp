@@ -1,4 +1,4 @@
-// The public merging tasks meet what their files expect.
+// The results of the public merging tasks are those that their files expect.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -45,7 +45,7 @@ double diagonal(const Points& points) {
   return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
 }
 
-// The largest distance between vertices of two lists that begin alike; refinement appends.
+// Returns the largest distance between vertices with the same index, since refinement may append vertices.
 double largest_distance(const Points& a, const Points& b) {
   const Eigen::Index count = std::min(a.rows(), b.rows());
   return (a.topRows(count) - b.topRows(count)).rowwise().norm().maxCoeff();

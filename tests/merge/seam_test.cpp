@@ -32,7 +32,7 @@ struct Graft {
   bool closed = false;
 };
 
-// A mesh in two pieces, to be joined again.
+// Returns a mesh in two pieces, to be joined again.
 Graft cut_in_two(const std::string& name, const Mesh& mesh, const Eigen::RowVector3d& normal, double offset) {
   Graft graft{name, side_of_plane(mesh, normal, offset, false), side_of_plane(mesh, normal, offset, true), {}};
   graft.pairs = coinciding_loops(graft.target, graft.source);
@@ -42,7 +42,7 @@ Graft cut_in_two(const std::string& name, const Mesh& mesh, const Eigen::RowVect
   return graft;
 }
 
-// A ring of `around` points on the polygon with `corners` corners, both of the unit circle.
+// Returns point k of `around` points that divide a regular polygon inscribed in the unit circle evenly.
 Eigen::RowVector3d on_polygon(int k, int around, int corners, double z) {
   const double place = static_cast<double>(k) * corners / around;
   const auto corner = [&](double i) {
@@ -53,7 +53,7 @@ Eigen::RowVector3d on_polygon(int k, int around, int corners, double z) {
   return (1 - t) * corner(std::floor(place)) + t * corner(std::floor(place) + 1);
 }
 
-// A tube on the upper end of another one with other numbers of vertices around.
+// Returns a tube on the upper end of another one, with different numbers of vertices around.
 Graft tubes(int target_around, int source_around, bool triangles) {
   Graft graft{std::to_string(source_around) + " on " + std::to_string(target_around), {}, {}, {}, 0, false};
   graft.target = shapes::tube(target_around, 6, triangles);
@@ -156,7 +156,7 @@ TEST(Seam, MapsEveryVertex) {
       }
     }
     EXPECT_EQ(last, result.mesh.vertex_count() - 1);
-    EXPECT_LE(reached.size(), result.mesh.vertex_count());  // halving the ring adds some
+    EXPECT_LE(reached.size(), result.mesh.vertex_count());  // refining the ring adds vertices
   }
 }
 
@@ -173,7 +173,7 @@ TEST(Seam, VisitsAllVerticesOfBothSides) {
       for (const Index v : pair.source) EXPECT_TRUE(visited.contains(result.source.new_index[v]));
     }
     EXPECT_EQ(result.report.new_faces, result.new_faces.size());
-    // Every triangle of a strip has an edge of one loop: as many as both loops have edges, and vertices.
+    // Each strip triangle has exactly one edge of a loop, so there are as many as vertices on the loops.
     EXPECT_EQ(visited.size(), result.new_faces.size());
   }
 }
@@ -212,7 +212,7 @@ TEST(Seam, DoesNotDependOnTheOrderOfPairsTheStartsOrTheThreads) {
   }
 }
 
-// The pieces of a round tube make a round tube again: nothing is pulled in.
+// Checks that fairing does not narrow a tube at the seam.
 TEST(Seam, KeepsARoundTubeRound) {
   for (const int around : {12, 24, 96}) {
     const Graft graft = tubes(around, around, true);
@@ -223,7 +223,7 @@ TEST(Seam, KeepsARoundTubeRound) {
   }
 }
 
-// The angle between the normals of two triangles of a strip, or of one and its neighbour, at its largest.
+// Returns the largest angle between the normals of a strip triangle and of a face beside it.
 double largest_bend_deg(const SeamResult& result) {
   const std::set<Index> strip(result.new_faces.begin(), result.new_faces.end());
   const auto normal = [&](Index f) {
@@ -248,7 +248,7 @@ double largest_bend_deg(const SeamResult& result) {
   return std::acos(cosine) * 180 / std::numbers::pi;
 }
 
-// The row of the target that the strip begins with is ragged, and reaches past the source's loop.
+// The target's row at the strip is ragged and may reach past the source's loop.
 TEST(Seam, MendsARaggedLoopOfTheTarget) {
   constexpr int around = 48, below_top = 5;
   for (const bool past_the_source : {false, true}) {
@@ -268,7 +268,7 @@ TEST(Seam, MendsARaggedLoopOfTheTarget) {
   }
 }
 
-// Creases of the target end in the strip, without a fold, where the source brings none along.
+// Creases of the target end in the strip without a fold where the source has none.
 TEST(Seam, LetsCreasesEndWithoutAFold) {
   Graft graft = tubes(6, 48, true);
   graft.target = shapes::tube(48, 6, true);
@@ -281,7 +281,7 @@ TEST(Seam, LetsCreasesEndWithoutAFold) {
   }
   graft.source.positions.col(2).array() += top - graft.source.positions.col(2).minCoeff();
   EXPECT_LE(largest_bend_deg(make_seam(graft.target, graft.source, graft.pairs)), 75);
-  // A tube like the target's own brings them along: there they go on.
+  // If the source has the same creases, they continue through the strip.
   Graft alike = graft;
   for (Index v = 0; v < alike.source.vertex_count(); ++v) {
     alike.source.positions.row(v) = on_polygon(v % 48, 48, 4, alike.source.positions(v, 2));
@@ -313,13 +313,13 @@ TEST(Seam, HalvesACoarseRingAndNothingElse) {
   const SeamResult result = make_seam(graft.target, graft.source, graft.pairs, {.target_rings = 0});
   EXPECT_GT(result.mesh.vertex_count(), graft.target.vertex_count() + graft.source.vertex_count() - 17);
   EXPECT_LE(1 / result.report.edge_ratio, 2.2);
-  // Quads that do not touch the ring are quads still: five rows of target and all of the source.
+  // Quads that do not touch the ring stay quads: five rows of the target and all of the source.
   Index quads = 0;
   for (Index f = 0; f < result.mesh.face_count(); ++f) quads += result.mesh.faces[f].size() == 4;
   EXPECT_EQ(quads, 5 * 17 + 6 * 128);
 }
 
-// Two loops with one row of faces between them: halving keeps their rings apart.
+// With few rows of faces between two loops, refining keeps the loops' rings apart.
 TEST(Seam, HalvesRingsThatWouldMeet) {
   for (const bool triangles : {false, true}) {
     for (const int rows : {1, 2, 3}) {
@@ -339,7 +339,7 @@ TEST(Seam, HalvesRingsThatWouldMeet) {
       EXPECT_TRUE(both.report.manifold && both.report.oriented);
       EXPECT_EQ(both.report.euler_characteristic, 0);
       EXPECT_EQ(summarise_topology(both.mesh).boundary_loops, 2);
-      // One pair alone must not touch the target's other loop either.
+      // A single pair must leave the target's other loop alone.
       const SeamResult one = make_seam(target, source, std::span(pairs).first(1));
       EXPECT_EQ(summarise_topology(one.mesh).boundary_loops, 4);
       EXPECT_TRUE(one.report.manifold && one.report.oriented);
@@ -410,7 +410,7 @@ TEST(Seam, CarriesTheAttributesOfBoth) {
   }
   for (Index v = 0; v < result.source.new_index[0]; ++v) EXPECT_EQ(colour.values[3 * v], 0);
 
-  // Normals are unit and point outward, those of moved and of new vertices too.
+  // Normals have unit length and point outward, also at moved and new vertices.
   const Attribute& normal = attribute_of(mesh, Domain::vertex, "normal");
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const Eigen::Map<const Eigen::RowVector3d> n(normal.values.data() + 3 * v);
@@ -517,7 +517,7 @@ TEST(Seam, RefusesWhatItCannotJoin) {
   expect_refused(bad.target, bad.source, bad.pairs, {}, "merge.seam_vertex_not_finite");
 }
 
-// The loop of the target lies on one point, or the source's does: ugly, but it ends.
+// A loop whose vertices all lie at one point gives a poor seam, but a manifold and finite one.
 TEST(Seam, SurvivesLoopsWithoutLength) {
   for (const bool of_target : {false, true}) {
     Graft graft = tubes(12, 12, true);

@@ -73,7 +73,7 @@ void expect_sound(const CutResult& cut, const TopologySummary& before) {
   }
 }
 
-// Vertices beside a loop that a plane makes, at equal steps.
+// Returns vertices of the uncut mesh beside the first loop of a plane's cut, at equal steps.
 std::vector<Index> stations_beside(const CutResult& cut, std::size_t count) {
   std::vector<Index> stations;
   const std::vector<Index>& loop = cut.loops.front();
@@ -103,7 +103,7 @@ TEST(CutData, RandomPlanesAndLoopsThroughTheModels) {
         const auto stations = stations_beside(cut, 3 + k);
         if (stations.size() >= 3) expect_sound(cut_along_loop(mesh, stations), before);
       } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::input) << error.what();  // a plane that misses, a loop at the border
+        EXPECT_EQ(error.code(), ErrorCode::input) << error.what();  // missing plane, or loop at the border
       }
     }
     EXPECT_GT(cuts, 0) << path;  // some planes miss

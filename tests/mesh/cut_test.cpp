@@ -139,7 +139,7 @@ TEST(Cut, HalvesOfEveryFamilyAreSound) {
           both = cut_by_plane(test.mesh, point, direction, options);
         } catch (const Error& error) {
           EXPECT_EQ(error.code(), ErrorCode::input);
-          continue;  // a flat sheet in the plane's direction
+          continue;  // the plane is parallel to a flat sheet
         }
         const CutResult above =
             cut_by_plane(test.mesh, point, direction, {.keep = CutKeep::above, .snap = snap});
@@ -147,7 +147,7 @@ TEST(Cut, HalvesOfEveryFamilyAreSound) {
             cut_by_plane(test.mesh, point, direction, {.keep = CutKeep::below, .snap = snap});
         for (const CutResult& result : {both, above, below}) expect_sound(result, test.mesh);
 
-        // The halves are what `both` has side by side.
+        // `both` has the two halves side by side.
         EXPECT_EQ(both.mesh.face_count(), above.mesh.face_count() + below.mesh.face_count());
         EXPECT_EQ(both.loops.size(), above.loops.size() + below.loops.size());
         const double scale = area(both.mesh);
@@ -157,7 +157,7 @@ TEST(Cut, HalvesOfEveryFamilyAreSound) {
           EXPECT_NEAR(scale, area(test.mesh), is_far ? 1e-6 : 1e-11 * scale);
         }
 
-        // Cutting along circles and arcs: χ grows by the vertices minus the edges that are there twice.
+        // A cut adds to χ its doubled vertices minus its doubled edges, which is 0 for closed loops.
         const TopologySummary after = summarise_topology(both.mesh);
         if (before.closed) {
           EXPECT_EQ(after.euler_characteristic, before.euler_characteristic);
@@ -181,7 +181,7 @@ const Attribute& attribute(const Mesh& mesh, Domain domain, const char* name) {
   return *found;
 }
 
-// A linear function of position as vertex and as corner values, the corner values offset per chart.
+// Adds a linear function of position as vertex and as corner values; corner values have an offset per chart.
 Mesh with_linear_attributes(Mesh mesh, const Vector3d& gradient) {
   Attribute vertex{.name = "height"}, uv{.name = "uv", .domain = Domain::corner},
       group{.name = "group", .domain = Domain::face, .interpolation = Interpolation::nearest};
@@ -256,7 +256,7 @@ TEST(Cut, KeepsTheWholeSurfacesNormalsOnItsLoops) {
     EXPECT_NEAR(n.norm(), 1, 1e-12);
     EXPECT_GT(n.dot(cut.mesh.positions.row(v).normalized()), 0.999);
   }
-  // Both halves have the same places and normals along the cut.
+  // Both halves have the same positions and normals along the cut.
   ASSERT_EQ(cut.loops.size(), 2u);
   const auto rows = [&](const std::vector<Index>& loop) {
     std::set<std::array<double, 6>> all;
@@ -282,7 +282,7 @@ TEST(Cut, SnappingLeavesNoSlivers) {
     const Mesh mesh = mesh_of(family);
     double plain = 180, snapped = 180;
     for (const Vector3d& direction : directions(20)) {
-      if (direction.normalized().z() > 0.9) continue;  // along the sheet
+      if (direction.normalized().z() > 0.9) continue;  // the plane is parallel to the sheet
       const Vector3d point = centre(mesh) + 0.013 * size_of(mesh) * Vector3d(1, -0.7, 0.4);
       plain = std::min(plain, smallest_angle_deg(cut_by_plane(mesh, point, direction, {.snap = 0}).mesh));
       snapped = std::min(snapped, smallest_angle_deg(cut_by_plane(mesh, point, direction, {.snap = 0.2}).mesh));
@@ -300,12 +300,12 @@ TEST(Cut, GoesThroughVerticesThatLieOnIt) {
   EXPECT_EQ(cut.mesh.face_count(), sheet.face_count()) << "quads stay whole";
   EXPECT_EQ(cut.loops.size(), 2u);
   EXPECT_EQ(summarise_topology(cut.mesh).components, 2);
-  // Kept vertices in their order, then the cut's above, then below.
+  // Kept vertices come first, in their order; the cut's vertices above follow, then those below.
   for (Index v = sheet.vertex_count() - 5; v < cut.mesh.vertex_count(); ++v)
     EXPECT_EQ(cut.mesh.positions(v, 0), 3);
   EXPECT_EQ(cut.vertex.new_index[3], sheet.vertex_count() - 5);
 
-  // The plane through two opposite corners of an octahedron's equator.
+  // The plane passes through two opposite corners of an octahedron's equator.
   const Mesh octahedron = shapes::polygons(
       {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
       {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
@@ -330,18 +330,18 @@ TEST(Cut, APlaneThatOnlyTouchesCutsNothing) {
   EXPECT_EQ(id({0, 0, 1}, {0, 0, 1}), "mesh.plane_misses_mesh") << "in a face";
   EXPECT_EQ(id({1, 1, 1}, {1, 1, 1}), "mesh.plane_misses_mesh") << "in a corner";
   EXPECT_EQ(id({0, 0, 0}, {0, 0, 0}), "mesh.plane_normal_unusable");
-  // Two cubes, the plane between them.
+  // The plane lies between two cubes.
   Mesh other = cube;
   other.positions.col(2).array() += 3;
   const Mesh two = shapes::together({cube, other});
   EXPECT_THROW(cut_by_plane(two, {0, 0, 2}, {0, 0, 1}), Error);
-  // One touched, one cut.
+  // The plane touches one cube and cuts the other.
   const CutResult cut = cut_by_plane(two, {0.5, 0, 3}, {0.01, 0, 1}, {.snap = 0});
   EXPECT_EQ(cut.loops.size(), 2u);
 }
 
 TEST(Cut, FacesInThePlaneGoToOneSide) {
-  // A step: treads at z = 0 and 1, a riser between, cut at the height of the upper tread's edge and below.
+  // A step whose tread lies in the cutting plane z = 0, between a riser below and one above.
   const Mesh step = shapes::polygons(
       {{0, 0, -1}, {0, 1, -1}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 1}, {1, 1, 1}},
       {{0, 2, 3, 1}, {2, 4, 5, 3}, {4, 6, 7, 5}});
@@ -354,7 +354,7 @@ TEST(Cut, FacesInThePlaneGoToOneSide) {
 }
 
 TEST(Cut, SaddlesComeApartIntoSimpleLoops) {
-  // Four quadrants around a vertex, up and down in turn.
+  // The values have alternating signs in the four quadrants around a vertex.
   Mesh saddle = shapes::grid(8, 8, true);
   std::vector<double> values;
   for (const auto& p : saddle.positions.rowwise()) values.push_back((p(0) - 4) * (p(1) - 4));
@@ -423,7 +423,7 @@ TEST(Cut, GoesOnBesideWhatIsSetAside) {
   EXPECT_EQ(&clean.mesh(), &result.mesh) << "nothing is copied";
 }
 
-// The vertex nearest to a point.
+// Returns the vertex nearest to a point.
 Index nearest(const Mesh& mesh, const Vector3d& point) {
   Eigen::Index row = 0;
   (mesh.positions.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&row);
@@ -448,14 +448,14 @@ TEST(CutAlongLoop, IsStraightBetweenTheListedVertices) {
     const CutResult cut = cut_along_loop(sphere, stations, {.snap = snap});
     expect_sound(cut, sphere);
     ASSERT_EQ(cut.loops.size(), 2u);
-    double arcs = 0;  // great circles
+    double arcs = 0;  // length along great circles
     for (int k = 0; k < 3; ++k)
       arcs += std::acos(sphere.positions.row(stations[k]).dot(sphere.positions.row(stations[(k + 1) % 3])));
     EXPECT_NEAR(length_of(cut.mesh, cut.loops[0]), arcs, (snap > 0 ? 0.01 : 0.002) * arcs);
     EXPECT_NEAR(area(cut.mesh), area(sphere), (snap > 0 ? 1e-3 : 1e-12) * area(sphere));
     for (const Index v : stations) EXPECT_GE(cut.vertex.new_index[v], 0);
 
-    // Listed against the clock seen from above, so what lies at the left hand is the upper part.
+    // The stations run counter-clockwise as seen from above, so the upper part is on their left.
     const CutResult above = cut_along_loop(sphere, stations, {.keep = CutKeep::above, .snap = snap});
     const CutResult below = cut_along_loop(sphere, stations, {.keep = CutKeep::below, .snap = snap});
     expect_sound(above, sphere);

@@ -40,7 +40,7 @@ TEST(CheckMesh, FindsNothingInGoodTriangles) {
   }
 }
 
-// Repeated places of vertices without a face are no findings of their own, but such a vertex is one.
+// A vertex without faces is a finding; a repeated position of such vertices is no further one.
 TEST(CheckMesh, FindsNothingInCleanFamilies) {
   for (const test::TestMesh& family : test::mesh_families()) {
     SCOPED_TRACE(family.name);
@@ -69,7 +69,7 @@ TEST(CheckMesh, FindsWhatWasInjectedAndNothingElse) {
       EXPECT_EQ(finding->count, defective.count);
       EXPECT_EQ(finding->indices, defective.indices);
       for (const Finding& other : report.findings) {
-        // A face that comes twice crowds its edges, and its edges' ends.
+        // A duplicate face also makes its edges non-manifold or inconsistently wound.
         if (kind == "duplicate-face" &&
             (other.name == "non-manifold-edge" || other.name == "inconsistent-winding"))
           continue;
@@ -80,7 +80,7 @@ TEST(CheckMesh, FindsWhatWasInjectedAndNothingElse) {
 }
 
 TEST(CheckMesh, TellsSeamsFromTouchingParts) {
-  // A grid whose right half has vertices of its own, and parts that meet in a place alone.
+  // `seam` is a grid whose right half has vertices of its own; the parts of `point` share a single position.
   const Mesh seam =
       shapes::polygons({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}},
                        {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}});
@@ -144,11 +144,11 @@ TEST(CheckMesh, MeasuresAreaAgainstTheFaceAndThePrecision) {
     return shapes::polygons({{offset, 0, 0}, {offset + size, 0, 0}, {offset + size / 2, height, 0}},
                             {{0, 1, 2}});
   };
-  // Tiny models and thin CAD fans have area …
+  // Triangles of tiny models and of thin CAD fans have area.
   EXPECT_TRUE(check_mesh(sliver(1e-9, 1e-9, 0)).clean());
   EXPECT_TRUE(check_mesh(sliver(1, 1e-6, 0)).clean());
   EXPECT_TRUE(check_mesh(sliver(1e6, 1, 1e9)).clean());
-  // … a height that the coordinates cannot tell from zero is none.
+  // A triangle has no area if the coordinates cannot tell its height from zero.
   EXPECT_NE(check_mesh(sliver(1, 1e-14, 0)).find("zero-area-face"), nullptr);
   EXPECT_NE(check_mesh(sliver(1e-3, 1e-7, 1e9)).find("zero-area-face"), nullptr);
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-// Of one element between the two of an attribute.
+// Returns the values of one element at `t` between the two elements `a` and `b`.
 std::vector<double> between(Interpolation interpolation, const std::vector<double>& a,
                             const std::vector<double>& b, double t) {
   Attribute attribute{.name = "x", .components = static_cast<int>(a.size()), .values = a};

@@ -31,7 +31,7 @@ Attribute labels(const std::string& name, std::vector<double> values, std::vecto
           .labels = std::move(texts)};
 }
 
-// Values equal, with missing ones.
+// Expects equal values, and missing ones (NaN) where they are expected.
 void expect_values(const Attribute& attribute, const std::vector<double>& expected) {
   ASSERT_EQ(attribute.values.size(), expected.size()) << attribute.name;
   for (std::size_t k = 0; k < expected.size(); ++k) {
@@ -71,7 +71,7 @@ TEST(Join, KeepsBothInOrder) {
 
 TEST(Join, LeavesIndicesOutOfRangeOutOfRange) {
   Mesh first = triangle();
-  first.faces.push_back(std::vector<Index>{0, 1, 3});  // would be the second's first vertex
+  first.faces.push_back(std::vector<Index>{0, 1, 3});  // must not become the second mesh's first vertex
   Mesh second = triangle();
   second.faces.push_back(std::vector<Index>{0, 1, -2});
   const Mesh mesh = join(first, second).mesh;

@@ -32,7 +32,7 @@ Attribute normal_attribute(Domain domain, const std::vector<double>& values) {
 
 std::vector<double> flattened(const Points& points) { return {points.data(), points.data() + points.size()}; }
 
-// Corner normals: the face's own (hard) or the vertex's (smooth).
+// Returns corner normals: the face's own (hard) or the vertex's (smooth).
 std::vector<double> corner_normals(const Mesh& mesh, bool smooth) {
   const Points of_vertices = vertex_normals(mesh);
   std::vector<double> values;
@@ -119,7 +119,7 @@ TEST(UpdateNormals, TurnsEverythingWithARigidMotion) {
 
 TEST(UpdateNormals, KeepsTheBytesWhereNothingMoved) {
   Mesh mesh = shapes::grid(6, 1);
-  // Not unit, not even near the geometry: whatever the file had stays.
+  // The file's normals are neither unit nor near the geometry's, and must stay all the same.
   std::vector<double> values(3 * static_cast<std::size_t>(mesh.vertex_count()), 0.3);
   std::vector<double> corner_values(3 * static_cast<std::size_t>(mesh.faces.corner_count()), -0.7);
   mesh.attributes = {normal_attribute(Domain::vertex, values), normal_attribute(Domain::corner, corner_values)};
@@ -147,7 +147,7 @@ TEST(UpdateNormals, KeepsHardEdgesHardAndSmoothOnesSmooth) {
   for (const bool smooth : {false, true}) {
     mesh.positions = rest;
     mesh.attributes = {normal_attribute(Domain::corner, corner_normals(mesh, smooth))};
-    for (Index v = 0; v < mesh.vertex_count(); ++v) {  // a bend: every face turns differently
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {  // bends the mesh, so every face turns differently
       const double a = 0.2 * rest(v, 2), r = 5 + rest(v, 0);
       mesh.positions.row(v) << r * std::cos(a) - 5, rest(v, 1), r * std::sin(a);
     }
@@ -188,7 +188,7 @@ TEST(UpdateNormals, RecomputesNormalsOfFacesOnTheirSide) {
     for (const Index v : mesh.faces[f])
       normal += mesh.positions.row(v).transpose() - Eigen::Vector3d::Constant(0.5);
     normal.normalize();
-    if (f == 1) normal = -normal;  // a file that has one the wrong way round
+    if (f == 1) normal = -normal;  // one normal of the file is reversed
     mesh.attributes.back().values.insert(mesh.attributes.back().values.end(), normal.data(), normal.data() + 3);
   }
   const Points rest = mesh.positions;
@@ -208,7 +208,7 @@ TEST(UpdateNormals, RefusesRestPositionsOfAnotherMesh) {
   EXPECT_THROW(update_normals(mesh, Points::Zero(7, 3)), Error);
 }
 
-// Tangents along each face's first edge, in its plane, of a bitangent on either side.
+// Returns tangents along each face's first edge; the sign of the bitangent alternates between faces.
 Attribute face_tangents(const Mesh& mesh) {
   Attribute tangents{.name = "tangent", .domain = Domain::corner, .components = 4, .values = {}};
   for (Index f = 0; f < mesh.face_count(); ++f) {
@@ -226,7 +226,7 @@ TEST(UpdateTangents, TurnWithTheSurface) {
   mesh.attributes.push_back(face_tangents(mesh));
   const Points rest = mesh.positions;
   const std::vector<double> before = mesh.attributes[1].values;
-  // Perpendicular to the smooth normals, as exporters write them.
+  // Tangents become perpendicular to the smooth normals, as exporters write them.
   mesh.positions = transformed(rest, some_turn(), {1, 2, 3});
   update_normals(mesh, rest);
   const std::vector<double>& normals = mesh.attributes[0].values;
@@ -250,7 +250,7 @@ TEST(UpdateTangents, AreCarriedByAffineMaps) {
   linear << 1.5, 0.3, 0, -0.2, 0.7, 0.1, 0.4, 0, 1.1;
   mesh.positions = transformed(rest, linear, {0, 0, 1});
   update_normals(mesh, rest);
-  const std::vector<double> expected = face_tangents(mesh).values;  // edges stay edges
+  const std::vector<double> expected = face_tangents(mesh).values;  // tangents stay along the edges
   for (std::size_t i = 0; i < expected.size(); ++i)
     EXPECT_NEAR(mesh.attributes[1].values[i], expected[i], 1e-9);
 }

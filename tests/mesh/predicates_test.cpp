@@ -22,7 +22,7 @@ int exact_orient3d(const Points4& p) { return meshgraft::exact_orient3d(p[0], p[
 
 int sign_of(std::int64_t value) { return (value > 0) - (value < 0); }
 
-// Of points with integer coordinates below 2^19.
+// Returns the sign of orient3d, exactly, for points with integer coordinates below 2^19.
 int integer_orient3d(const Points4& p) {
   std::array<std::array<std::int64_t, 3>, 3> m;
   for (std::size_t i = 0; i < 3; ++i)
@@ -42,7 +42,7 @@ Points4 integers(Random& random, int most) {
   return p;
 }
 
-// The fourth point near the plane of the others, as near as rounding brings it.
+// Returns three random points and a fourth in their plane, up to rounding.
 Points4 nearly_coplanar(Random& random) {
   Points4 p;
   for (Point3& q : p)

@@ -185,7 +185,7 @@ TEST(SplitEdgesWithin, FollowsTheInterpolationRule) {
   const std::vector<double>& normal = fine.mesh.attributes[0].values;
   EXPECT_NEAR(normal[9], r, 1e-15);
   EXPECT_NEAR(normal[10], r, 1e-15);
-  EXPECT_EQ(normal[12], 1);  // between opposite directions: the first
+  EXPECT_EQ(normal[12], 1);  // the mean of opposite directions is the first
   EXPECT_EQ(fine.mesh.attributes[1].values, (std::vector<double>{5, 9, 2, 5, 5, 9}));
   EXPECT_EQ(fine.mesh.attributes[2].values, (std::vector<double>{0, 255, 10, 128, 5, 133}));
 }

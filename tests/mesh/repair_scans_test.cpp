@@ -1,4 +1,4 @@
-// Dirty scans as people bring them, repaired and then bent as a whole without any other tool.
+// Repairs dirty scans like those of users, and then bends the whole result, without any other tool.
 
 #include <string>
 #include <utility>

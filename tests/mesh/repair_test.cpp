@@ -26,7 +26,7 @@ bool same_bits(const Mesh& a, const Mesh& b) {
   return a.faces == b.faces && a.positions.rows() == b.positions.rows() && a.positions == b.positions;
 }
 
-// What a repair with all its steps leaves of findings.
+// Returns the names of a mesh's findings, except polygons, with their descriptions.
 std::string findings_left(const Mesh& mesh) {
   std::string names;
   for (const Finding& finding : check_mesh(mesh).findings)
@@ -139,7 +139,7 @@ TEST(Repair, TurnsNormalsWithTheirFaces) {
                              .interpolation = Interpolation::direction,
                              .components = 3,
                              .values = std::vector<double>(up.data(), up.data() + up.size())});
-  for (Index f = 0; f < mesh.face_count(); ++f) {  // as the faces are wound: inward
+  for (Index f = 0; f < mesh.face_count(); ++f) {  // normals by the winding of `inward`
     const auto face = mesh.faces[f];
     const Eigen::RowVector3d a = mesh.positions.row(face[0]);
     const Eigen::RowVector3d normal =
@@ -212,7 +212,8 @@ TEST(Repair, DoesNotDependOnThreads) {
   EXPECT_TRUE(same_bits(one, repair(mesh, {}, shapes::with_threads(4)).mesh));
 }
 
-// The smaller fan of a bow tie comes first and keeps the vertex; it goes as debris, its vertex lives on.
+// The smaller fan of a bow tie comes first and keeps the vertex. The fan is removed as debris; the vertex
+// stays.
 TEST(Repair, AVertexGoesWhereItsLastFanDoes) {
   const Mesh mesh = shapes::polygons(
       {{0, 0, 0}, {-1, 0, 0}, {-1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 2, 0}, {2, 0, 0}, {2, 2, 0}},
@@ -236,7 +237,7 @@ TEST(Repair, ListsVerticesThatItCannotKeep) {
   EXPECT_EQ(result.mesh.vertex_count(), 10);
 }
 
-// Triangles of a soup around one hub, where everything is near everything.
+// All triangles of the soup meet at one hub, so each is near all the others.
 TEST(Repair, WeldsAWheelOfThousandsOfTriangles) {
   constexpr int count = 6000;
   Mesh wheel;
@@ -257,7 +258,7 @@ TEST(Repair, WeldsAWheelOfThousandsOfTriangles) {
   EXPECT_EQ(findings_left(result.mesh), "");
 }
 
-// The pages of a book hang together in pairs, the straightest ones, however many there are.
+// The pages of a book are joined in pairs, the straightest ones, however many there are.
 TEST(Repair, PairsThePagesOfABook) {
   for (const int pages : {4, 30, 400}) {
     SCOPED_TRACE(pages);
@@ -279,7 +280,7 @@ TEST(Repair, PairsThePagesOfABook) {
   }
 }
 
-// Whatever faces there are, it ends, and leaves nothing that is refused or would have to be repaired.
+// Repair ends for any faces, and leaves no finding that is refused or has to be repaired.
 TEST(Repair, EndsForAnyFaces) {
   std::mt19937 random(5);
   const auto below = [&](unsigned n) { return static_cast<Index>(random() % n); };
@@ -305,7 +306,7 @@ TEST(Repair, EndsForAnyFaces) {
   }
 }
 
-// A flat grid of triangles, n×n cells of side 1/n, without the faces at some of its vertices.
+// Returns a flat grid of triangles, n×n cells of side 1/n, without the faces at the vertices in `holes`.
 Mesh grid_without(Index n, const std::set<std::array<Index, 2>>& holes) {
   Mesh mesh;
   mesh.positions.resize((n + 1) * (n + 1), 3);
@@ -340,7 +341,7 @@ double total_area(const Mesh& mesh) {
   return area;
 }
 
-// Filled as one loop, triangles would cross the faces at the common vertex.
+// If the holes were filled as one loop, triangles would cross the faces at the common vertex.
 TEST(RepairHoles, ThatTouchInAVertexAreClosedOneByOne) {
   using Vertices = std::set<std::array<Index, 2>>;
   const Vertices two{{4, 4}, {6, 6}}, three{{4, 4}, {6, 6}, {8, 8}};
@@ -359,7 +360,7 @@ TEST(RepairHoles, ThatTouchInAVertexAreClosedOneByOne) {
     }
 }
 
-// A harmonic function of linear values around a flat hole is that linear function.
+// A harmonic function with linear values around a flat hole is that linear function.
 TEST(RepairHoles, TakeLinearAttributesAsTheyRunAround) {
   std::set<std::array<Index, 2>> hole;
   for (Index j = 8; j <= 16; ++j)

@@ -54,7 +54,7 @@ Shape measure(const Mesh& mesh) {
   return {angles[angles.size() / 100], volume};
 }
 
-// At a middling resolution and at the default one: clean manifolds of the documented kind.
+// Checks each model at a medium resolution and at the default one.
 class SampleModel : public testing::TestWithParam<std::string> {};
 
 TEST_P(SampleModel, IsACleanManifoldOfTheDocumentedKind) {

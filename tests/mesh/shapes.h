@@ -28,7 +28,8 @@ inline Mesh cube() {
                   {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}});
 }
 
-/// Columns × rows quads over parameters; each direction may close on itself (`twist`: columns close reversed).
+/// A sheet of columns × rows quads over two parameters. Each direction may be closed; `twist` reverses closed
+/// columns.
 struct Sheet {
   int columns = 4, rows = 3;
   bool close_columns = false, close_rows = false, twist = false, triangles = false;
@@ -105,7 +106,7 @@ inline Mesh three_on_an_edge() {
                   {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}});
 }
 
-/// One mesh of several, in order.
+/// Returns one mesh of all parts, in order.
 inline Mesh together(std::initializer_list<Mesh> parts) {
   Mesh all;
   for (const Mesh& part : parts) {

@@ -1,4 +1,4 @@
-// Whatever faces a file may hold, the mesh layer ends and keeps its promises.
+// Checks that the mesh layer ends and keeps its guarantees for any faces that a file may hold.
 
 #include <algorithm>
 #include <cmath>

@@ -168,8 +168,8 @@ TEST(BoundaryLoops, OfAMoebiusStripIsOne) {
 }
 
 TEST(BoundaryLoops, CloseBeyondANonManifoldEdgeWhereTheyCan) {
-  // A grid with a fin on its edge 1–4: the outer boundary meets that edge at vertex 1, the fin's own chain does
-  // not close and is left out.
+  // A grid with a fin on its edge 1–4. The outer boundary meets that edge at vertex 1. The fin's own chain
+  // does not close and is left out.
   Mesh mesh = shapes::grid(2, 1);
   shapes::add_vertex(mesh, {1, 0.5, 1});
   mesh.faces.push_back(std::vector<Index>{1, 4, 6});

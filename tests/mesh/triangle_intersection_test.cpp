@@ -18,7 +18,7 @@ struct Pair {
   Triangle3 a, b;
 };
 
-// Of triangles with area whose corners are small integers, so that all ways to touch come often.
+// Returns pairs of triangles with area and small integer corners, so that all ways to touch occur often.
 std::vector<Pair> pairs_on_grids() {
   Random random(8);
   std::vector<Pair> pairs;
@@ -98,7 +98,7 @@ TEST(TrianglesIntersect, NeitherOrderNorWindingMatters) {
 }
 
 TEST(TrianglesIntersect, PartsOfATriangleIntersectWhatTheWholeDoes) {
-  // Split at the middle of an edge: together, the two closed halves are the whole.
+  // A triangle that is split at the middle of an edge is the union of its two closed halves.
   for (const auto& [a, b] : pairs_on_grids()) {
     Point3 middle;
     for (std::size_t k = 0; k < 3; ++k) middle[k] = (a[0][k] + a[1][k]) / 2;

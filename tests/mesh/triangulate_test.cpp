@@ -22,7 +22,7 @@ Eigen::Vector3d area_vector(const Points& p, std::span<const Index> face) {
   return sum;
 }
 
-// One polygon in a tilted plane far from the origin, from its plane coordinates.
+// Returns a polygon in a tilted plane far from the origin, given its plane coordinates.
 Mesh tilted(const std::vector<Eigen::Vector2d>& outline) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();

@@ -21,7 +21,7 @@ std::vector<Mesh> shapes_to_tear() {
           shapes::moebius_strip()};
 }
 
-/// Every face with vertices of its own, in random order.
+/// Returns a soup in which every face has vertices of its own, in random order.
 Mesh soup_of(const Mesh& mesh, unsigned seed) {
   std::vector<Index> place(static_cast<std::size_t>(mesh.faces.corner_count()));
   for (std::size_t c = 0; c < place.size(); ++c) place[c] = static_cast<Index>(c);
@@ -121,7 +121,7 @@ TEST(Weld, UnweldingPutsCopiesWhereTheirRepresentativeWent) {
     EXPECT_EQ(soup.positions.row(v), moved.positions.row(weld.of(v)));
 }
 
-// What differs across a seam still differs, and smooth normals stay smooth across it.
+// Values that differ across a seam still differ, and smooth normals stay smooth across it.
 TEST(Weld, CarriesVertexAttributesOverTheSeam) {
   const Mesh tube = shapes::tube(12, 5, true);
   Mesh soup = soup_of(tube, 4);

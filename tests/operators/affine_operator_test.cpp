@@ -12,7 +12,7 @@
 namespace meshgraft {
 namespace {
 
-/// Families at the unit scale that the operator is used at.
+/// Returns the families of about unit scale near the origin, for which the operator is made.
 std::vector<test::TestMesh> families() {
   std::vector<test::TestMesh> meshes;
   for (test::TestMesh& mesh : test::mesh_families()) {
@@ -72,7 +72,7 @@ TEST(Umbrella, CotangentWeightsOfARegularHexagonAreEven) {
 
 TEST(LocalMaps, ReproduceAffineMapsWithoutConstants) {
   Eigen::Matrix3d B;
-  B << 1.3, -0.4, 0.2, 0.7, -0.8, 0.1, 0.05, 0.6, 2.0;  // a shear, a reflection and scales in one
+  B << 1.3, -0.4, 0.2, 0.7, -0.8, 0.1, 0.05, 0.6, 2.0;  // combines a shear, a reflection and scales
   const Eigen::RowVector3d t(3, -2, 5);
   for (const auto& mesh : families()) {
     for (const auto& options : all_options()) {
@@ -83,7 +83,7 @@ TEST(LocalMaps, ReproduceAffineMapsWithoutConstants) {
       for (Index i = 0; i < mesh.size(); ++i) {
         if (op.rings()[i].empty()) continue;
         if (options.degenerate == DegenerateTreatment::ft05_noise && mesh.size() <= 12)
-          continue;  // too few to span
+          continue;  // too few vertices to span space
         EXPECT_LT((m.middleRows<3>(3 * i) - B.transpose()).norm(), 1e-7)
             << mesh.name << " " << name_of(options) << " vertex " << i;
       }
@@ -143,7 +143,7 @@ TEST(SmoothnessPairs, AreEdgesAndPairsOppositeAcrossThem) {
   const IndexLists faces_at = vertex_triangles(4, tetrahedron.triangles);
   const auto pairs =
       smoothness_pairs(tetrahedron.triangles, faces_at, vertex_rings(4, tetrahedron.triangles), all);
-  EXPECT_EQ(pairs.size(), 6u);  // opposite pairs are edges here
+  EXPECT_EQ(pairs.size(), 6u);  // pairs opposite across an edge are edges here
 
   const auto quad = test::two_triangles();
   const std::vector<std::uint8_t> four(4, 1);

@@ -39,7 +39,7 @@ TEST(Render, FitsTheShapeIntoThePictureWhereverItIs) {
   const Image here = render({&near, 1}, small_picture());
   const Shape far{&mesh, {}, {1e6, -1e6, 1e6}};
   const Image there = render({&far, 1}, small_picture());
-  // Light background in the corner, clay in the middle; the same far away.
+  // The corner is light background and the middle is clay. A mesh far from the origin looks the same.
   EXPECT_GT(pixel(here, 1, 1)[0], 215);
   EXPECT_LT(pixel(here, 48, 36)[2], 200);
   EXPECT_GT(pixel(here, 48, 36)[0], pixel(here, 48, 36)[2]);

@@ -13,7 +13,7 @@
 namespace meshgraft {
 namespace {
 
-// A bar whose end is turned; `more` are fields of the step.
+// Returns an edit that turns the end of a bar; `more` are further fields of each step.
 EditFile bent_bar(const std::string& more = "", int steps = 1) {
   const std::string step = R"({"kind": "deform", "mesh": "bar",
       "fixed": {"half_space": {"point": [0, 0, 0.6], "normal": [0, 0, -1]}},

@@ -14,7 +14,7 @@
 namespace meshgraft {
 namespace {
 
-// A version 2 file around the fields of one step.
+// Returns a version 2 file around the fields of one step.
 std::string file_with_step(const std::string& fields) {
   return R"({"format": "meshgraft-edit", "version": 2, "inputs": {"body": {"file": "body.ply"}},
              "selections": {"top": {"half_space": {"point": [0, 0, 1], "normal": [0, 0, 1]}}},
@@ -28,7 +28,7 @@ std::string handle(const std::string& fields) {
 
 const DeformStep& first_step(const EditFile& edit) { return std::get<DeformStep>(edit.steps.at(0).action); }
 
-// The message with which a text is refused.
+// Returns the message with which a text is refused.
 std::string refusal(const std::string& text) {
   try {
     parse_edit(text, "edit.json");
@@ -125,7 +125,7 @@ TEST(EditFile, ReadsVersionOneAsOneStep) {
 
 struct Refusal {
   std::string text;
-  std::string message;  // what the message must hold
+  std::string message;  // text that the message must contain
 };
 
 TEST(EditFile, NamesTheFieldThatIsWrong) {
@@ -303,7 +303,7 @@ TEST(EditFile, ReadsTheFormerNameOfASolverAndSaysSo) {
   EXPECT_NE(edit.notes[0].text().find("'multifrontal'"), std::string::npos) << edit.notes[0].text();
   EXPECT_EQ(parse_edit(merge, "edit.json").notes.size(), 1U);
 
-  // It is written by its name of today, which needs no note.
+  // The solver is written by its present name, which needs no note.
   const EditFile again = parse_edit(write_edit(edit), "edit.json");
   EXPECT_EQ(first_step(again).settings.deformer.backend, SolverBackend::multifrontal);
   EXPECT_TRUE(again.notes.empty());

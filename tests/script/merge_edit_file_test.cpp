@@ -13,7 +13,7 @@ EditFile accepted(const std::string& name) {
   return read_edit_file(std::filesystem::path(MESHGRAFT_EDIT_CORPUS) / "accepted" / name);
 }
 
-// A version 2 file whose only step grafts `arm` onto `body`.
+// Returns a version 2 file whose only step grafts `arm` onto `body`.
 std::string merge_with(const std::string& fields) {
   return R"({"format": "meshgraft-edit", "version": 2,
              "inputs": {"body": {"file": "body.ply"}, "arm": {"file": "arm.ply"}},

@@ -51,13 +51,14 @@ class MergeEdit : public testing::Test {
                 R"(, {"kind": "merge", "name": "graft", "target": "body", "source": "cap", "result": "whole")" +
                 (fields.empty() ? "" : ", " + fields) + "}" + more);
   }
-  // The source as the merge step sees it.
+  // Returns the source as the merge step sees it.
   Mesh cap() const {
     EditFile only_cuts = edit(cuts);
     only_cuts.output = "cap";
     return run_edit(only_cuts).mesh;
   }
-  // Largest distance of some vertices from the best similarity of where they were, × their size.
+  // Returns the largest distance of vertices from the best similarity of their former positions, × their
+  // size.
   static double distance_from_similarity(const Points& from, const Points& to,
                                          const std::vector<Index>& vertices) {
     Eigen::Matrix3Xd a(3, vertices.size()), b(3, vertices.size());
@@ -148,7 +149,7 @@ TEST_F(MergeEdit, KeepsAttributesAndMapsVertices) {
 }
 
 TEST_F(MergeEdit, AFeatureOfTheSourceFollowsOneSimilarity) {
-  // The top of the cap is a feature, by the field of a merge step.
+  // A field of the merge step makes the top of the cap a feature.
   const EditResult result = run_edit(merge(
       R"("shape": "ft05", "normal_angle_deg": 30, "features": [{"select": {"half_space": {"point": [0, 0, 0.7], "normal": [0, 0, 1]}}}], )" +
       by_loops));

@@ -16,7 +16,7 @@
 namespace meshgraft {
 namespace {
 
-// A folder that is gone after the test, with a bumpy sheet of 12 × 12 vertices in it.
+// Has a temporary folder with a bumpy sheet of 12 × 12 vertices in it.
 class RunEdit : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -46,7 +46,7 @@ class RunEdit : public ::testing::Test {
     return make_mesh(positions, triangles);
   }
 
-  // Two rows held at y = 0, two moved at the other end.
+  // Returns a step with two fixed rows at y = 0, and a handle of two rows at the other end.
   static std::string step(const std::string& more = "",
                           const std::string& pose = R"({"translate": [0, 0, 3]})") {
     return R"({"kind": "deform", "mesh": "sheet",
@@ -73,7 +73,8 @@ class RunEdit : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Every face with vertices of its own; vertex `origin[v]` of the mesh is at the place of v.
+/// Returns a soup in which every face has vertices of its own; v has the position of the mesh's vertex
+/// `origin[v]`.
 Mesh soup_of(const Mesh& mesh, std::vector<Index>& origin) {
   Mesh soup;
   origin = mesh.faces.corners();
@@ -136,7 +137,7 @@ TEST_F(RunEdit, LetsWhatItCutComeApart) {
       "handles": [{"name": "upper", "select": {"produced": {"step": "halves", "what": "above"}},
                    "pose": {"translate": [0, 4, 0]}}]})"));
   EXPECT_TRUE(result.report.steps[1].notes.empty());
-  const Index seam = side + side - 1;  // edges of the sheet that the plane y = 5.5 crosses, diagonals too
+  const Index seam = side + side - 1;  // edges of the sheet that cross the plane y = 5.5, with diagonals
   EXPECT_EQ(result.mesh.vertex_count(), side * side + 2 * seam);
   const auto moved = (result.mesh.positions - result.rest).rowwise().norm().eval();
   EXPECT_EQ((moved.array() > 3.9).count(), 6 * side + seam);
@@ -188,8 +189,9 @@ TEST_F(RunEdit, SolvesAProxyAndSaysSo) {
   EXPECT_EQ(note.id(), "script.proxy_solved");
   EXPECT_EQ(note.get<std::int64_t>("free"), exact.report.counts.free);
   EXPECT_NE(write_report(by_proxy.report).find("\"spacing\""), std::string::npos);
-  EXPECT_LT((by_proxy.mesh.positions - exact.mesh.positions).rowwise().norm().maxCoeff(), 0.6);  // of 3
-  // From the file, too, and with a proxy of all vertices it is the exact result.
+  // The handle moves by 3.
+  EXPECT_LT((by_proxy.mesh.positions - exact.mesh.positions).rowwise().norm().maxCoeff(), 0.6);
+  // The file can ask for a proxy, too. A proxy of all vertices gives the exact result.
   std::string with_all = step();
   with_all.insert(with_all.rfind('}'), R"(, "settings": {"proxy": 100000})");
   const EditResult all = run_edit(edit(with_all));
@@ -209,7 +211,7 @@ TEST_F(RunEdit, TakesAProxyWhereTheMemoryIsTooSmall) {
 }
 
 TEST_F(RunEdit, OnlyWhatIsFreeHasToFitTheMemory) {
-  // The handle takes the whole sheet but a strip.
+  // The handle is the whole sheet except a strip.
   const std::string most_of_it = R"({"kind": "deform", "mesh": "sheet",
       "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
       "handles": [{"name": "most", "select": {"half_space": {"point": [0, 3.5, 0], "normal": [0, 1, 0]}},
@@ -240,8 +242,8 @@ TEST_F(RunEdit, TargetsPerVertexDoWhatAHandleDoes) {
   EXPECT_LT((by_handle.mesh.positions - by_target.mesh.positions).cwiseAbs().maxCoeff(), 1e-10);
 }
 
-// A target where its vertex goes anyhow changes nothing, unless the handle's turn was cut to less than half a
-// circle.
+// A target at the position that its vertex takes anyway changes nothing, unless the handle's turn was cut to
+// less than half a circle.
 TEST_F(RunEdit, TurnsOfMoreThanHalfACircleSurviveTargetsPerVertex) {
   const std::string method = R"(, "settings": {"method": "rotation-aware"})";
   const std::string turn = R"({"rotate": {"axis": [0, 1, 0], "angle_deg": 270}})";
@@ -403,7 +405,7 @@ TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
 }
 
 TEST_F(RunEdit, ReportsWhereTheSurfaceWentThroughItself) {
-  // Nothing moves, then the far edge goes through the held one.
+  // The first step moves nothing; the second moves the far edge through the fixed one.
   const std::string still = step("", R"({"translate": [0, 0, 0]})");
   const std::string through = step("", R"({"translate": [0, -10, 0.25]})");
   const EditReport report = run_edit(edit(still + "," + through)).report;

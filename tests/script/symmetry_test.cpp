@@ -1,4 +1,4 @@
-// The field `symmetry` of deform steps.
+// Tests the field `symmetry` of deform steps.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -24,7 +24,7 @@
 namespace meshgraft {
 namespace {
 
-/// A mesh that is its own mirror image: vertex v lies behind the mirror of `partner[v]`.
+/// A mesh that is its own mirror image; vertex v is the mirror image of `partner[v]`.
 struct SymmetricMesh {
   std::string name;
   Mesh mesh;
@@ -32,7 +32,7 @@ struct SymmetricMesh {
   MirrorPlane plane;
 };
 
-/// One half of a mesh, and its mirror image, joined at x = 0.
+/// Returns one half of a mesh, joined with its mirror image at x = 0.
 SymmetricMesh doubled(const test::TestMesh& whole) {
   const double middle = 0.5 * (whole.positions.col(0).minCoeff() + whole.positions.col(0).maxCoeff());
   const Mesh half = cut_by_plane(make_mesh(whole.positions, whole.triangles), {middle, 0, 0}, {1, 0, 0},
@@ -65,7 +65,7 @@ SymmetricMesh doubled(const test::TestMesh& whole) {
   return symmetric;
 }
 
-/// The same turned and moved, with its plane.
+/// Returns the mesh, turned and moved together with its plane.
 SymmetricMesh turned(SymmetricMesh symmetric) {
   const Eigen::Affine3d map =
       Eigen::Translation3d(0.3, -2, 1) * Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized());
@@ -85,7 +85,7 @@ std::vector<SymmetricMesh> symmetric_families() {
   return families;
 }
 
-/// The vertex farthest along x in the mesh's own frame, and those near it.
+/// Returns the vertex farthest along the plane's normal, and those near it.
 std::vector<Index> tip(const SymmetricMesh& symmetric, double radius_rel) {
   const Points& positions = symmetric.mesh.positions;
   const Eigen::RowVector3d normal = symmetric.plane.normal.normalized().transpose();
@@ -141,7 +141,7 @@ Points edited(const SymmetricMesh& symmetric, const DeformStep& step) {
   return deformer.evaluate(deform.poses);
 }
 
-/// The largest distance between the result and its mirror image, × the largest displacement.
+/// Returns the largest distance between the result and its mirror image, × the largest displacement.
 double asymmetry(const SymmetricMesh& symmetric, const Points& positions) {
   const Eigen::Affine3d s = reflection(symmetric.plane, "plane");
   double largest = 0;
@@ -189,7 +189,7 @@ TEST(Symmetry, ItDoesNotMatterOnWhichSideTheHandleIs) {
   const HandleMotion motion{.translate = {0.2, 0.1, 0.3}, .axis = {1, 2, 0.5}, .angle_deg = 50};
   const HandleMotion behind{.translate = {-0.2, 0.1, 0.3}, .axis = {-1, 2, 0.5}, .angle_deg = -50};
   for (const SymmetricMesh& symmetric : symmetric_families()) {
-    if (symmetric.plane.point.norm() > 0) continue;  // its axes are not the mesh's
+    if (symmetric.plane.point.norm() > 0) continue;  // the motions are in unturned axes
     DeformStep step = step_of(symmetric, motion, DeformMethod::corotational);
     const Points here = edited(symmetric, step);
     step.handles[0].select = indices(images_of(symmetric, tip(symmetric, 0.12)));
@@ -211,7 +211,7 @@ TEST(Symmetry, TurnsGoRoundAsFarOnBothSides) {
       EXPECT_LT((poses[1].rotation->toRotationMatrix() - poses[1].transform.linear()).norm(), 1e-12);
       const Points result = edited(symmetric, step);
       EXPECT_LT(asymmetry(symmetric, result), rounding) << symmetric.name << ", " << angle_deg;
-      DeformStep short_way = step;  // by the matrix, which knows no turns
+      DeformStep short_way = step;  // given by a matrix, which cannot tell 270° from -90°
       short_way.handles[0].pose = {poses[0].transform.matrix()};
       if (angle_deg == 270) {
         EXPECT_GT((edited(symmetric, short_way) - result).norm(), 0.01);
@@ -340,7 +340,7 @@ TEST(Symmetry, RefusesWhatCannotBeMirrored) {
   EXPECT_EQ(symmetry_refusal(symmetric, aside).id(), "script.vertex_without_mirror_image");
 }
 
-/// The two sides of a scan have their vertices at other places.
+/// The vertices on the two sides of a scan are no mirror images of each other.
 TEST(Symmetry, AScanThatIsNearlySymmetricIsMatchedWithinATolerance) {
   const test::TestMesh grid = test::irregular_grid(40, 30);
   SymmetricMesh scan{"scan", make_mesh(grid.positions, grid.triangles), {}, {}};
@@ -359,7 +359,7 @@ TEST(Symmetry, AScanThatIsNearlySymmetricIsMatchedWithinATolerance) {
   const ResolvedDeform deform = resolved(scan, step);
   const std::vector<Index>& twin = deform.region.handles[1].vertices;
   EXPECT_GE(twin.size(), held.size() * 8 / 10);
-  // No holes: a vertex all of whose neighbours are held is held.
+  // The image has no holes: a vertex is held if all its neighbours are held.
   const SelectionContext context(scan.mesh);
   for (Index v = 0; v < scan.mesh.vertex_count(); ++v) {
     const auto ring = context.rings[v];

@@ -1,4 +1,4 @@
-// The server takes what its own page sends, and survives everything else.
+// Checks that the server takes what its own page sends, and survives everything else.
 #include "server/server.h"
 
 #include <fcntl.h>
@@ -37,7 +37,7 @@ using namespace std::chrono_literals;
 const PageFile page[] = {{"/index.html", "text/html", "<p>the page</p>"},
                          {"/assets/page.js", "text/javascript", "let x = 1;"}};
 
-/// Answers each message with itself, and tells what became of it.
+/// Counts the sessions that were made and are open, and keeps their channels.
 struct Sessions {
   std::mutex mutex;
   std::condition_variable changed;
@@ -72,7 +72,7 @@ class Echo : public PageSession {
   std::shared_ptr<Channel> channel_;
 };
 
-/// A server on a thread of its own.
+/// Runs a server on a thread of its own.
 class Running {
  public:
   explicit Running(ServerOptions options = {})
@@ -141,7 +141,7 @@ Answer ask(const Running& server, const Ask& what) {
   return {parser.get().result(), parser.get().body()};
 }
 
-/// What comes back for raw bytes, until the server closes.
+/// Sends raw bytes, and returns the answer until the server closes.
 std::string send_raw(const Running& server, const std::string& bytes) {
   asio::io_context io;
   tcp::socket socket = connect_to(io, server.port());
@@ -153,7 +153,7 @@ std::string send_raw(const Running& server, const std::string& bytes) {
   return answer;
 }
 
-/// A tab.
+/// A browser's tab: a WebSocket to the server.
 class Tab {
  public:
   Tab(const Running& server, const std::string& token, const std::string& origin)
@@ -167,7 +167,7 @@ class Tab {
 
   bool is_open() const { return !failed_; }
   void say(const std::string& text) { socket_.write(asio::buffer(text), failed_); }
-  /// The next message, empty where the connection ended.
+  /// Returns the next message, or an empty one where the connection ended.
   std::string hear() {
     beast::flat_buffer buffer;
     socket_.read(buffer, failed_);
@@ -181,7 +181,7 @@ class Tab {
   beast::error_code failed_;
 };
 
-/// What the server says to who asks for a session.
+/// Returns the status of the server's answer to a request for a session.
 http::status ask_for_session(const Running& server, const std::string& token, const std::string& origin) {
   return ask(server,
              {.target = "/session?token=" + token, .host = {}, .origin = origin, .body = {}, .upgrade = true})
@@ -319,7 +319,7 @@ TEST(Server, DropsSupersededMessages) {
   tab.say("hello");
   EXPECT_EQ(tab.hear(), "you said hello");
   const std::shared_ptr<Channel> channel = server.sessions.channels.front();
-  // The tab does not read: what cannot be sent at once waits, the newest in each slot.
+  // The tab does not read, so messages wait; each slot keeps only the newest.
   constexpr int frames = 200;
   for (int frame = 0; frame < frames; ++frame)
     channel->send_bytes(std::make_shared<ByteParts>(2, std::vector(1 << 19, static_cast<std::byte>(frame))),
@@ -402,7 +402,7 @@ TEST_F(Uploads, ThatAreTooLargeLeaveNothing) {
   EXPECT_EQ(ask(server, upload(server, "exact.ply", std::string(1 << 20, 'x'))).status, http::status::ok);
   EXPECT_EQ(ask(server, upload(server, "large.ply", std::string((1 << 20) + 1, 'x'))).status,
             http::status::payload_too_large);
-  // Two gigabytes that are only announced, and some that are not.
+  // One upload announces two gigabytes; another sends too much without announcing it.
   const std::string head = "POST /upload?name=x.ply&token=" + server.token() +
                            " HTTP/1.1\r\nHost: " + server.host() + "\r\nOrigin: http://" + server.host() +
                            "\r\n";
@@ -411,7 +411,7 @@ TEST_F(Uploads, ThatAreTooLargeLeaveNothing) {
   for (int i = 0; i < 20; ++i) chunks += "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
   EXPECT_NE(send_raw(server, chunks).find("413"), std::string::npos);
   EXPECT_EQ(kept(), 1u);
-  // One that breaks off.
+  // This upload breaks off before its announced length.
   send_raw(server, head + "Content-Length: 1000\r\n\r\nnot so much");
   EXPECT_EQ(kept(), 1u);
   EXPECT_EQ(ask(server, upload(server, "next.ply", "x")).status, http::status::ok);

@@ -20,7 +20,7 @@ CgalPoints converted(const Corners& t) {
   return {point(t[0]), point(t[1]), point(t[2])};
 }
 
-// Whether the corners of `b` from `first` on lie strictly on one side of the plane of `a`.
+// Returns whether the corners of `b` from `first` on lie strictly on one side of the plane of `a`.
 bool on_one_side(const CgalPoints& a, const CgalPoints& b, int first) {
   const CGAL::Orientation side = CGAL::orientation(a[0], a[1], a[2], b[static_cast<std::size_t>(first)]);
   if (side == CGAL::COPLANAR) return false;

@@ -39,7 +39,7 @@ Index add_vertex(Mesh& mesh, const Eigen::RowVector3d& point) {
   return mesh.vertex_count() - 1;
 }
 
-// Not std::uniform_int_distribution: libraries differ in it.
+// Avoids std::uniform_int_distribution, since its results differ between standard libraries.
 class RandomDamage {
  public:
   explicit RandomDamage(unsigned seed) : engine_(seed) {}
@@ -50,7 +50,7 @@ class RandomDamage {
   std::mt19937 engine_;
 };
 
-// `count` different faces far enough from each other to share no vertex.
+// Returns up to `count` faces whose two-ring neighbourhoods share no vertex.
 std::vector<Index> spread_faces(const Mesh& mesh, int count, unsigned seed) {
   RandomDamage random(seed);
   std::vector<char> used(mesh.vertex_count(), 0);
@@ -71,7 +71,7 @@ double box_diagonal(const Mesh& mesh) {
   return (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).norm();
 }
 
-// The face on the other side of the edge from `a` to `b`, -1 for none.
+// Returns the face on the other side of the edge from `a` to `b`, or -1.
 Index face_across(const std::vector<Face>& faces, Index f, Index a, Index b) {
   for (Index g = 0; g < static_cast<Index>(faces.size()); ++g) {
     if (g == f) continue;
@@ -81,7 +81,7 @@ Index face_across(const std::vector<Face>& faces, Index f, Index a, Index b) {
   return -1;
 }
 
-// The first face from the middle of the list on that has no vertex on the boundary, -1 for none.
+// Returns the first face without a boundary vertex, from the middle of the list on, or -1.
 Index inner_face(const Mesh& mesh) {
   std::vector<char> rim(mesh.vertex_count(), 0);
   for (const auto& loop : boundary_loops(mesh))
@@ -129,7 +129,7 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     mesh.faces.push_back(Face{face[0], face[0], face[0]});
     expect(Domain::face, {clean.face_count()});
   } else if (kind == "zero-area-face") {
-    // A part of its own, so that nothing else is wrong: a triangle flat to a line.
+    // The collinear triangle is a component of its own, so that there is no other defect.
     const Eigen::RowVector3d p = clean.positions.row(face[0]);
     const Eigen::RowVector3d way = clean.positions.row(face[1]) - p, apart(0, 0, 10 * box_diagonal(clean));
     const Index a = add_vertex(mesh, p + apart), b = add_vertex(mesh, p + apart + way);
@@ -140,7 +140,7 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     const Index alone = add_vertex(mesh, clean.positions.row(face[0]));
     expect(Domain::vertex, {alone});
   } else if (kind == "duplicate-vertex") {
-    // A face inside the surface is cut off along all its sides.
+    // Cuts off an inner face along all its edges.
     const Index inner = inner_face(clean);
     if (inner < 0) return result;
     std::vector<Index> named = faces[inner];
@@ -184,7 +184,7 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     if (!is_closed(clean)) return result;
     for (Face& some : faces) std::swap(some[1], some[2]);
     mesh = with_faces(mesh, faces);
-    // Isolated vertices may come first; the first one of each part is named.
+    // A component's finding names its first vertex; isolated vertices before it do not count.
     Index count = 0;
     const std::vector<Index> component = connected_components(clean, &count);
     std::vector<Index> firsts(static_cast<std::size_t>(count), -1);
@@ -268,7 +268,7 @@ Mesh with_turned_patches(const Mesh& mesh, int patches, int rings, unsigned seed
 
 namespace {
 
-// Replaces the edge from corner 0 to corner 1 of a triangle, and of the one across it, as told.
+// Calls `replace` for `count` triangles with a neighbour across the edge from corner 0 to corner 1.
 template <class Replace>
 Mesh at_edges(const Mesh& mesh, int count, unsigned seed, const Replace& replace) {
   Mesh result = with_faces(mesh, faces_of(mesh));
@@ -284,8 +284,8 @@ Mesh at_edges(const Mesh& mesh, int count, unsigned seed, const Replace& replace
 
 Mesh with_needles(const Mesh& mesh, int count, unsigned seed) {
   return at_edges(mesh, count, seed, [](Mesh& all, std::vector<Face>& faces, Index f, Index) {
-    // Face (a, b, c) becomes (a, b', c) and the needle (a, b, b') lies between it and the face beyond a–b; a
-    // second one, (b, c, b'), closes the side towards c.
+    // Face (a, b, c) becomes (a, b', c). The needle (a, b, b') lies between it and the face beyond a–b. A
+    // second needle, (b, c, b'), closes the gap along b–c.
     const Face face = faces[f];
     const Eigen::RowVector3d b = all.positions.row(face[1]);
     const Eigen::RowVector3d towards = (all.positions.row(face[0]) + all.positions.row(face[2])) / 2 - b;

@@ -6,11 +6,11 @@
 
 #include <meshgraft/mesh/mesh.h>
 
-/// Defects put into clean meshes, the same ones every time: for the tests of check_mesh and repair, and for
+/// Puts defects into clean meshes, the same ones in every run, for the tests of check_mesh and repair and for
 /// pictures.
 namespace meshgraft::test {
 
-/// A mesh with one kind of defect, and what the diagnostics name it.
+/// A mesh with one kind of defect, and the finding that the diagnostics must list.
 struct Defective {
   Mesh mesh;
   std::string finding;
@@ -19,26 +19,26 @@ struct Defective {
   std::vector<Index> indices;  ///< ascending
 };
 
-/// The names of all kinds that `inject` knows, as the diagnostics have them (but "polygon").
+/// Returns the names of all kinds of findings, as in the diagnostics but without "polygon".
 const std::vector<std::string>& defect_kinds();
 
-/// Puts one defect of a kind into a mesh of triangles, where the mesh has a place for it; else the mesh has no
-/// finding to expect (`count` = 0).
+/// Puts one defect of a kind into a mesh of triangles. If the mesh cannot have it, leaves the mesh clean, and
+/// `count` is 0.
 Defective inject(const Mesh& clean, const std::string& kind);
 
-// Damage of whole scans. `seed` decides where.
+// The following damage whole scans. `seed` decides where.
 Mesh as_soup(const Mesh& mesh);                              ///< each face with vertices of its own
-Mesh with_noise(Mesh mesh, double size_rel, unsigned seed);  ///< every vertex by up to that much of the box
-Mesh rounded(Mesh mesh, int digits);  ///< coordinates as decimal text with so many digits
-Mesh without_faces(const Mesh& mesh, int spots, int rings, unsigned seed);  ///< holes; rings 0: a face each
+Mesh with_noise(Mesh mesh, double size_rel, unsigned seed);  ///< moves coordinates by ≤ size_rel × box diagonal
+Mesh rounded(Mesh mesh, int digits);  ///< rounds coordinates to so many significant digits
+Mesh without_faces(const Mesh& mesh, int spots, int rings, unsigned seed);  ///< holes; rings 0: one face each
 Mesh with_turned_patches(const Mesh& mesh, int patches, int rings, unsigned seed);
-Mesh with_needles(const Mesh& mesh, int count, unsigned seed);  ///< an edge's end comes twice, 1e-13 apart
-Mesh with_caps(const Mesh& mesh, int count, unsigned seed);  ///< a face without area over the middle of an edge
-Mesh with_t_junctions(const Mesh& mesh, int count, unsigned seed);  ///< an edge split on one side alone
+Mesh with_needles(const Mesh& mesh, int count, unsigned seed);      ///< repeats a vertex, 1e-13 away
+Mesh with_caps(const Mesh& mesh, int count, unsigned seed);         ///< a face without area at an edge's middle
+Mesh with_t_junctions(const Mesh& mesh, int count, unsigned seed);  ///< splits an edge on one side only
 Mesh with_floating_bits(const Mesh& mesh, int count, unsigned seed);
-Mesh with_repeated_faces(const Mesh& mesh, int count, unsigned seed);  ///< every second one turned over
+Mesh with_repeated_faces(const Mesh& mesh, int count, unsigned seed);  ///< reverses every second copy
 Mesh with_fins(const Mesh& mesh, int count, unsigned seed);
-Mesh with_bow_ties(const Mesh& mesh, int count, unsigned seed);  ///< vertices near each other become one
+Mesh with_bow_ties(const Mesh& mesh, int count, unsigned seed);  ///< merges vertices near each other
 Mesh with_non_finite(Mesh mesh, int count, unsigned seed);
 Mesh with_bad_indices(const Mesh& mesh, int count, unsigned seed);
 Mesh with_isolated(const Mesh& mesh, int count, unsigned seed);
@@ -46,22 +46,22 @@ Mesh both(const Mesh& first, const Mesh& second);  ///< two meshes as one
 
 struct DirtyScan {
   std::string name;
-  std::string damage;  ///< for people
+  std::string damage;  ///< description for reports
   Mesh mesh;
 };
 
-/// Twenty scans as people bring them, some 2,000 to 9,000 faces each.
+/// Returns twenty scans with typical damage, of about 2,000 to 9,000 faces each.
 std::vector<DirtyScan> dirty_scans();
 
-/// What came of bending a whole mesh between two ends that are held.
+/// The outcome of bending a whole mesh between two held ends.
 struct Trial {
   bool works = false;
   std::string reason{};  ///< why not
 };
 
-/// Holds both ends of the longest side of the box, turns and moves one, and solves by the default method. It
-/// works if there is no error, the handles are met, all positions are finite, at most 0.5 % of the maps are
-/// inverted, and the surface is one edge-manifold consistently oriented part.
+/// Holds both ends of the longest side of the box, turns and moves one, and solves by the default method. The
+/// trial works if no error is thrown, the handles are met, all positions are finite, and at most 0.5 % of the
+/// maps are inverted. The surface must also be one edge-manifold, consistently oriented component.
 Trial try_deform(const Mesh& mesh);
 
 }  // namespace meshgraft::test

@@ -88,7 +88,7 @@ constexpr RowEdit edits[] = {RowEdit::stretch, RowEdit::bend, RowEdit::twist};
 
 struct Profiled {
   RowMesh rows;
-  std::vector<std::vector<double>> profiles;  // beside `edits`
+  std::vector<std::vector<double>> profiles;  // one per entry of `edits`
 };
 
 Profiled profile_of(RowMesh rows, const SolveRows& solve, const RowTurns& turns) {

@@ -18,7 +18,7 @@ enum class RowEdit {
   twist,    ///< about its length
 };
 
-/// How far it is bent and twisted; small enough for a linear method.
+/// Angles of bend and twist. The defaults are small enough for a linear method.
 struct RowTurns {
   double bend_deg = 20, twist_deg = 20;
 };
@@ -27,17 +27,17 @@ const char* to_string(RowEdit edit);
 
 std::vector<VertexConstraint> row_constraints(const RowMesh& rows, RowEdit edit, const RowTurns& turns = {});
 
-/// What an edit did to each row: its mean displacement along the length (stretch, relative to the length)
-/// or across it (bend, the same), or its turn about the length (twist, radians).
+/// Returns the effect of an edit on each row. For a stretch or a bend this is the mean displacement along or
+/// across the length, relative to the length. For a twist it is the turn about the length, radians.
 std::vector<double> row_profile(const RowMesh& rows, RowEdit edit, const Points& edited);
 
 /// Solves for the positions of a mesh under several sets of constraints on the same vertices.
 using SolveRows =
     std::function<std::vector<Points>(const TestMesh&, const std::vector<std::vector<VertexConstraint>>&)>;
 
-/// Largest difference of the profiles of a mesh with unlike halves (1 : ratio) and of even ones of the same
-/// shape, at the same places along the length, relative to the profile's amplitude. `cells_along` is that of
-/// the coarser half.
+/// The largest difference between the profiles of a mesh with halves of different resolution (1 : ratio) and of
+/// an even mesh of the same shape. Profiles are compared at the same positions along the length, relative to
+/// the profile's amplitude. `cells_along` is that of the coarser half.
 struct DensityDeviation {
   RowShape shape = RowShape::bar;
   RowEdit edit = RowEdit::stretch;
@@ -48,8 +48,8 @@ struct DensityDeviation {
 
 inline constexpr RowShape all_row_shapes[] = {RowShape::bar, RowShape::tube, RowShape::plane};
 
-/// Every edit of the shapes: halves 1:2 and 1:4, then even meshes of other resolutions, against an even one of
-/// 40 cells along the length.
+/// Returns the deviations of every edit of the shapes: halves 1:2 and 1:4, then even meshes of other
+/// resolutions. The reference is an even mesh of 40 cells along the length.
 std::vector<DensityDeviation> density_deviations(const SolveRows& solve,
                                                  std::span<const RowShape> shapes = all_row_shapes,
                                                  const RowTurns& turns = {});

@@ -29,7 +29,7 @@ Mesh plain(Mesh mesh) {
   return mesh;
 }
 
-// Faces of the part of a mesh around a vertex, with vertices of their own.
+// Returns the faces around a vertex, within some rings, with vertices of their own.
 Mesh patch_of(const Mesh& mesh, Index seed, int rings) {
   const auto patch = grow_rings(std::array{seed}, rings, vertex_rings(mesh.vertex_count(), mesh.faces));
   Mesh part;
@@ -110,7 +110,7 @@ std::vector<DirtyScan> dirty_scans() {
 
 namespace {
 
-// Vertices of faces in the first and the last tenth of the longest side of the box.
+// The vertices of faces in the first and the last tenth of the longest side of the box.
 struct Ends {
   std::vector<Index> foot, head;
 };

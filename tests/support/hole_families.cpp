@@ -21,7 +21,7 @@ using Eigen::RowVector3d;
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-using Outline = std::function<Vector2d(double)>;              // of 0 … 1, counter-clockwise
+using Outline = std::function<Vector2d(double)>;              // from 0 … 1, counter-clockwise
 using Surface = std::function<RowVector3d(const Vector2d&)>;  // over the plane of the outline
 
 RowVector3d turned(double x, double y, double z) {
@@ -70,7 +70,7 @@ HoleCase ragged(Index n) {
   return over(n, [&](double t) { return corners[std::lround(t * n) % n]; }, bumpy);
 }
 
-// Up a helix and down another one further in: the border of a winding ramp.
+// Returns the border of a winding ramp: up a helix and down a narrower one.
 HoleCase helix(Index n) {
   HoleCase hole;
   hole.points.resize(n, 3);
@@ -91,7 +91,7 @@ HoleCase helix(Index n) {
   return hole;
 }
 
-// What a ball cuts out of a model.
+// Returns the hole that a ball cuts into a model.
 HoleCase scan(Index edges) {
   static const Mesh model = make_sample("head", 220);
   const Triangulation triangulation = triangulate(model);
@@ -99,7 +99,7 @@ HoleCase scan(Index edges) {
   HoleCase best;
   const RowVector3d centre = model.positions.row(model.vertex_count() / 3);
   const double spacing = 2.2 / 220;
-  std::map<std::pair<Index, Index>, Index> corner_beyond;  // of the half-edges outside the ball
+  std::map<std::pair<Index, Index>, Index> corner_beyond;  // third corners by half-edge, outside the ball
   const double radius = spacing * edges / 9;
   std::vector<char> inside(model.vertex_count());
   for (Index v = 0; v < model.vertex_count(); ++v)

@@ -6,7 +6,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
-/// Loops of holes in surfaces of many shapes, the same ones every time.
+/// Makes loops of holes in surfaces of many shapes, the same ones in every run.
 namespace meshgraft::test {
 
 struct HoleCase {
@@ -18,26 +18,27 @@ struct HoleCase {
   std::string name() const;  ///< "star, 20 edges, faces around it known"
 };
 
-/// flat, star, sphere, saddle, cylinder, ragged, helix, scan.
+/// Returns flat, star, sphere, saddle, cylinder, ragged, helix, scan.
 const std::vector<std::string>& hole_family_names();
 
-/// A loop of `edges` edges; a scan's, cut out of a built-in model, has only about as many.
+/// Returns a loop of `edges` edges. That of a scan is cut out of a built-in model and has only about as many.
 HoleCase make_hole(const std::string& family, Index edges, bool with_beyond);
 
-/// All families with and without the faces around them, of 3 to `most_edges` edges: 212 up to 5,000 edges.
+/// Returns all families with and without the faces around them, of 3 to `most_edges` edges. With 5,000 edges
+/// these are 212 loops.
 std::vector<HoleCase> hole_cases(Index most_edges);
 
-/// What a triangulation of a loop costs.
+/// The cost of a triangulation of a loop.
 struct HoleCost {
-  double angle = 0;  ///< the largest between the normals of neighbours, radians
+  double angle = 0;  ///< largest angle between the normals of neighbours, radians
   double area = 0;
 };
 
-/// Measured independently of what makes triangulations. A triangle without area makes no angle.
+/// Measures the cost independently of the library's code. Triangles without area make no angle.
 HoleCost hole_cost(const HoleCase& hole, const std::vector<std::array<Index, 3>>& triangles);
 
-/// What is wrong with a triangulation (each edge of the loop once and along it, each other edge twice and both
-/// ways, n − 2 triangles), or nothing.
+/// Returns the first fault of a triangulation, or "". A valid one has n − 2 triangles, each edge of the loop
+/// once and along it, and each other edge once in either direction.
 std::string hole_faults(Index loop_size, const std::vector<std::array<Index, 3>>& triangles);
 
 }  // namespace meshgraft::test

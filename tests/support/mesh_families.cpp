@@ -49,10 +49,10 @@ struct Builder {
   }
 };
 
-/// Uniform in [-1, 1); mt19937 is specified bit for bit, the standard distributions are not.
+/// Returns a uniform number in [-1, 1). mt19937 is specified bit for bit, but standard distributions are not.
 double symmetric_random(std::mt19937& random) { return static_cast<double>(random()) / 2147483648.0 - 1.0; }
 
-/// One step of 1:4 subdivision; `place` moves the new vertices.
+/// Does one step of 1:4 subdivision. `place` moves the new vertices.
 void subdivide(Builder& mesh, const std::function<Vector3d(const Vector3d&)>& place) {
   std::map<std::pair<Index, Index>, Index> middle_of;
   const auto middle = [&](Index a, Index b) {
@@ -100,7 +100,7 @@ TestMesh make_sheet(std::string name, int cells_u, int cells_v, Relief relief, P
 
 using Cell = std::array<int, 3>;
 
-/// The surface of the unit cubes of a box of `size` cubes for which `solid` holds.
+/// Returns the surface of those unit cubes in a box of `size` cubes for which `solid` holds.
 Builder cube_surface(const Cell& size, const std::function<bool(const Cell&)>& solid) {
   Builder mesh;
   std::map<Cell, Index> index_of;
@@ -245,7 +245,7 @@ TestMesh plate_with_holes(int holes, int subdivisions) {
 
 TestMesh fan_pole(int around, int segments) {
   Builder mesh;
-  const double segment = 1000 * 2 * std::sin(pi / around);  // 1000 × a rim edge
+  const double segment = 1000 * 2 * std::sin(pi / around);  // 1000 × an edge of the circle
   const Index foot = mesh.add({0, 0, 0});
   for (int j = 0; j <= segments; ++j)
     for (int i = 0; i < around; ++i) {
@@ -385,7 +385,7 @@ Scene make_scene(TestMesh mesh, double foot_fraction, double head_fraction) {
   int axis = 0;
   (high - low).maxCoeff(&axis);
   const double length = high[axis] - low[axis];
-  // Of a tiny mesh only the two ends are held, so that something stays free.
+  // In a tiny mesh only the extreme vertices are ends, so that some vertices stay free.
   if (mesh.size() <= 12) foot_fraction = head_fraction = 0;
   Scene scene;
   for (Index v = 0; v < mesh.size(); ++v) {
@@ -421,7 +421,7 @@ Vector3d row_point(RowShape shape, double u, double s) {
   }
 }
 
-/// Where the rows lie and how many cells each has.
+/// Returns the positions of the rows and the number of cells in each.
 std::vector<Row> place_rows(RowShape shape, int cells_along, int ratio) {
   const double h = row_length / cells_along, held = row_length / 10;
   const double girth = shape == RowShape::plane ? row_girth / 2 : row_girth;

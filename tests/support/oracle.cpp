@@ -113,13 +113,13 @@ std::vector<Vector3d> Oracle::directions(const Pair& pair) const {
   const Vector3d d = (p_.row(pair.i) - p_.row(pair.j)).transpose();
   if (!problem_.apex) return {d};
   const Vector3d a = normal_.row(pair.i).transpose(), b = normal_.row(pair.j).transpose();
-  // Opposite normals have nothing between them; they agree on a line.
+  // Nearly opposite normals have no mean direction, so one of them is reversed.
   const Vector3d n = a.dot(b) < -0.6 ? Vector3d(a - b) : Vector3d(a + b);
   return {d, d.norm() * n.normalized()};
 }
 
-// The rule of `Density::aware`: rows of equal shape count as the area they stand for, once E_L and E_R are
-// taken as integrals over the surface. A factor common to all rows changes nothing.
+// Implements the rule of `Density::aware`. With E_L and E_R as integrals over the surface, each row is weighted
+// by the area that it represents. A factor common to all rows does not matter.
 double Oracle::row_scale(Index i) const {
   return std::sqrt(problem_.laplacian_weight) * (problem_.density == Density::ft05 ? 1.0 : 1.0 / mean_edge_[i]);
 }
@@ -196,7 +196,7 @@ void Oracle::build_jacobian() {
   for (Index i : free_) column[i] = unknowns++;
   for (Index i : apex_owner_) apex_column[i] = unknowns++;
 
-  // Every fit is linear in its stencil: its answers to the unit vectors are its coefficients.
+  // Every fit is linear in its stencil, so its results for the unit vectors are its coefficients.
   struct Term {
     Eigen::Index column;
     Vector3d h;  // M dx = Σ (h·d) dx_s
@@ -248,7 +248,7 @@ Points Oracle::best_apexes(const Points& x) const {
   const Eigen::SparseMatrix<double> j = jacobian_.rightCols(count);
   const Eigen::SparseMatrix<double> normal = j.transpose() * j;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal);
-  // The first pass solves; the others wash out the rounding of the normal equations.
+  // The first pass solves. The others remove the rounding errors of the normal equations.
   for (int pass = 0; pass < 4; ++pass) {
     const MatrixXd step = factor.solve(j.transpose() * residuals(x, apexes));
     for (Eigen::Index k = 0; k < count; ++k)
@@ -271,7 +271,7 @@ Points Oracle::dense_minimum() const {
   MatrixXd x, a;
   scatter(MatrixXd::Identity(unknowns, unknowns), x, a);
   const Eigen::ColPivHouseholderQR<MatrixXd> factor(rows(x, a, true));
-  // Displacements from rest, so that coordinates do not cost digits.
+  // Solves for displacements from rest, so that large coordinates do not cost digits.
   const Points start = with_known_positions(p_);
   const MatrixXd step = factor.solve(-residuals(start, apex_rest_));
   scatter(step, x, a);

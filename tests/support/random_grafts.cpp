@@ -28,7 +28,7 @@ namespace meshgraft::test {
 
 namespace {
 
-/// Numbers that are the same with every standard library.
+/// Random numbers that are the same with every standard library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -59,7 +59,7 @@ class Random {
 struct OpenModel {
   std::string text;
   Mesh mesh;
-  std::vector<std::vector<Index>> loops;  ///< that the cut made
+  std::vector<std::vector<Index>> loops;  ///< boundary loops that the cut made
 };
 
 Mesh random_model(Random& random, std::string& text) {
@@ -71,7 +71,7 @@ Mesh random_model(Random& random, std::string& text) {
   return make_sample(name, resolution);
 }
 
-/// A plane through a point between two vertices.
+/// Cuts by a random plane through a point between two vertices.
 CutResult cut_by_random_plane(const Mesh& mesh, const CutOptions& options, Random& random, std::string& text) {
   const Eigen::Vector3d a = mesh.positions.row(random.below(mesh.vertex_count())),
                         b = mesh.positions.row(random.below(mesh.vertex_count()));
@@ -81,7 +81,7 @@ CutResult cut_by_random_plane(const Mesh& mesh, const CutOptions& options, Rando
   return cut_by_plane(mesh, point, normal, options);
 }
 
-/// A loop round a vertex, some rings away from it.
+/// Cuts along a loop round a random vertex, some rings away from it.
 CutResult cut_along_random_loop(const Mesh& mesh, const CutOptions& options, Random& random,
                                 std::string& text) {
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
@@ -112,9 +112,9 @@ CutResult cut_along_random_loop(const Mesh& mesh, const CutOptions& options, Ran
 
 bool is_long_enough(const std::vector<Index>& loop) { return loop.size() >= 5; }
 
-/// One side of a random cut of a random model.
+/// Returns one side of a random cut of a random model.
 OpenModel random_open_model(Random& random) {
-  while (true) {  // until a cut is not refused: planes miss, loops cross themselves
+  while (true) {  // until a cut succeeds: planes may miss the mesh, and loops may cross themselves
     OpenModel model;
     const Mesh whole = random_model(random, model.text);
     const CutOptions options{.keep = random.chance(0.5) ? CutKeep::above : CutKeep::below};
@@ -131,7 +131,7 @@ OpenModel random_open_model(Random& random) {
   }
 }
 
-/// The component of one loop, and its loops.
+/// Returns the connected component of one loop, with all loops on it.
 OpenModel connected_part(const OpenModel& model, const std::vector<Index>& loop) {
   const std::vector<Index> component = connected_components(model.mesh);
   const Index kept = component[loop.front()];
@@ -190,7 +190,8 @@ LoopFrame frame_of(const Points& points) {
   return frame;
 }
 
-/// As a person would pose it: the loops' middles and axes nearly on one another, the turn about them anyhow.
+/// Returns a pose as a user would choose it. Centres and axes of the loops nearly agree; the turn about the
+/// axis is arbitrary.
 Eigen::Affine3d pose_by_hand(const LoopFrame& source, const LoopFrame& target, Random& random) {
   const Eigen::Matrix3d onto =
       Eigen::AngleAxisd(random.uniform(-0.25, 0.25), random.direction()).toRotationMatrix() *
@@ -206,7 +207,7 @@ Eigen::Affine3d random_similarity(Random& random) {
   return Eigen::Translation3d(20 * scale * random.direction()) * (scale * random.rotation());
 }
 
-/// A patch of the source away from its loops; none where it is too small for one.
+/// Returns some vertices of the source away from its loops, or none if fewer than five remain.
 std::optional<MergeFeature> random_feature(const OpenModel& source, Random& random) {
   constexpr int free_rings = 4;
   const IndexLists rings = vertex_rings(source.mesh.vertex_count(), source.mesh.faces);
@@ -301,7 +302,7 @@ namespace {
 
 constexpr int fit_samples = 120;
 
-/// Points at equal lengths along a loop, and the tips of their normals, a radius long.
+/// Returns points at equal lengths along a loop, each followed by the tip of its normal, one loop radius long.
 Points evenly(const Mesh& mesh, const Points& normals, std::vector<Index> loop, bool backwards) {
   if (backwards) std::reverse(loop.begin(), loop.end());
   const Points points = points_of(mesh, loop);
@@ -327,7 +328,7 @@ Points evenly(const Mesh& mesh, const Points& normals, std::vector<Index> loop, 
 }  // namespace
 
 bool LoopFit::is_ambiguous() const {
-  // What tessellation and the angles between normals leave over, and what a few hundredths of a radius are.
+  // Differences of a few hundredths of a radius may come from the tessellation and the angles between normals.
   constexpr double hardly = 0.03;
   return rival - best < hardly;
 }
@@ -381,7 +382,7 @@ void check_topology(const RandomGraft& graft, const MergeResult& result, std::ve
     faults.emplace_back("the report's topology is not the mesh's");
 }
 
-/// Vertices of the target go at the loops alone, and the others keep their bits where the band is not.
+/// Checks that target vertices are removed only near the loops, and that none outside the band moves by a bit.
 void check_target(const RandomGraft& graft, const MergeResult& result, std::vector<std::string>& faults) {
   std::vector<Index> loops;
   for (const MergePair& pair : graft.pairs)
@@ -406,7 +407,7 @@ void check_target(const RandomGraft& graft, const MergeResult& result, std::vect
 
 namespace {
 
-/// Triangles whose height is lost in the rounding of their places.
+/// Counts triangles whose height is lost in the rounding of their positions.
 Index degenerate_triangles(const Mesh& mesh) {
   constexpr double rounding = 1e-14;
   const Triangles triangles = triangulate(mesh).triangles;
@@ -420,7 +421,7 @@ Index degenerate_triangles(const Mesh& mesh) {
   return count;
 }
 
-/// Each vertex of an input becomes one of the result at most, and no two the same.
+/// Checks that every input vertex becomes at most one vertex of the result, and no two become the same.
 void check_maps(const RandomGraft& graft, const MergeResult& result, std::vector<std::string>& faults) {
   std::vector<int> uses(static_cast<std::size_t>(result.mesh.vertex_count()), 0);
   for (const IndexMap* map : {&result.target, &result.source}) {

@@ -10,49 +10,49 @@
 
 namespace meshgraft::test {
 
-/// A graft of one built-in model on another, both cut at random, by random options.
+/// A graft of one built-in model on another, both cut at random, with random options.
 struct RandomGraft {
-  std::string text;  ///< what it is made of, for people
+  std::string text;  ///< description of models, cuts and options
   Mesh target, source;
   std::vector<MergePair> pairs;
   MergeOptions options;
 };
 
-/// The same number always gives the same graft.
+/// Returns the same graft for the same seed.
 RandomGraft make_random_graft(std::uint64_t seed);
 
-/// What became of a graft: a result, or the reason why there is none.
+/// The outcome of a graft: a result or a refusal.
 struct Attempt {
   std::optional<MergeResult> result;
   std::optional<Error> refusal;
 };
 
-/// Merges.
+/// Merges and returns the result, or the error that the merge throws.
 Attempt attempt(const RandomGraft& graft);
 
-/// Does what a refusal's remedy says, as a person would: gives the pair the start that it names. False where
-/// it names none.
+/// Follows a refusal's remedy: gives the pair the start that the refusal names. Returns false if it names none.
 bool follow_remedy(RandomGraft& graft, const Error& refusal);
 
-/// How well two loops with their normals lie on one another after the best similarity, × their radius (root
-/// mean square): at the best of all starts, at the best one a twelfth of a turn or more away from it, and at
-/// the worst. Found by trying them, without what the library finds starts by.
+/// Root mean square distance of two loops with their normals after the best similarity, × their radius. `best`
+/// and `worst` are over all starts; `rival` is the best at least a twelfth of a turn away from `best`. All
+/// starts are tried, independently of how the library finds starts.
 struct LoopFit {
   double best = 0, rival = 0, worst = 0;
 
-  /// Whether the best start is hardly better than a different one.
+  /// Returns whether the best start is hardly better than `rival`.
   bool is_ambiguous() const;
 };
 
 LoopFit fit_of_loops(const RandomGraft& graft, std::size_t pair);
 
-/// What a result's topology, coordinates, faces and index maps violate, a sentence each; none for a valid one.
+/// Returns the faults in a result's topology, coordinates, faces and index maps, one text each. A valid result
+/// has none.
 std::vector<std::string> faults_of(const RandomGraft& graft, const MergeResult& result);
 
-/// Pairs of triangles of a result that intersect.
+/// Counts of intersecting pairs of triangles in a result.
 struct Intersections {
-  Index new_ones = 0;  ///< beyond those of the target and of the source
-  Index of_seam = 0;   ///< with a triangle of the seam in them
+  Index new_ones = 0;  ///< pairs beyond those of target and source
+  Index of_seam = 0;   ///< pairs with a triangle of the seam
 };
 
 Intersections intersections_of(const RandomGraft& graft, const MergeResult& result);

@@ -72,7 +72,7 @@ Eigen::Affine3d head_move(const Scene& scene) {
 
 Points image(const Points& points, const Eigen::Affine3d& map) {
   Points result(points.rows(), 3);
-  // In extended precision, so that the expectation adds no rounding of its own.
+  // Uses extended precision, so that the expected positions add no rounding of their own.
   const Eigen::Matrix<long double, 3, 3> linear = map.linear().cast<long double>();
   const Eigen::Matrix<long double, 3, 1> shift = map.translation().cast<long double>();
   for (Eigen::Index i = 0; i < points.rows(); ++i)

@@ -12,36 +12,36 @@
 
 namespace meshgraft::test {
 
-/// A handle with both position and transform.
+/// Returns a handle that constrains positions and transforms.
 Handle make_handle(std::string name, std::vector<Index> vertices);
 
-/// The whole mesh is the region; both ends are handles, foot first.
+/// Returns a region of the whole mesh whose handles are the foot and the head, in this order.
 Region two_handles(const Scene& scene);
 
-/// The whole mesh is the region; the foot is fixed, the head is the one handle.
+/// Returns a region of the whole mesh whose foot is fixed and whose only handle is the head.
 Region held_foot(const Scene& scene);
 
 HandlePose pose_of(const Eigen::Affine3d& map);
 
-/// `linear` about the middle of the mesh's box, and a shift by a part of its diagonal.
+/// Returns `linear` about the middle of the mesh's box, with a shift by a fraction of its diagonal.
 Eigen::Affine3d about_middle(const TestMesh& mesh, const Eigen::Matrix3d& linear);
 
-/// Linear maps without anything in common: shear, unequal scales, reflection, turn.
+/// Returns linear maps of different kinds: shear, unequal scales, reflection, turn.
 std::vector<std::pair<std::string, Eigen::Matrix3d>> linear_maps();
 
-/// The head's move in edits that no affine map makes: turned by 63°, scaled, shifted.
+/// Returns the head's move in edits that are not affine: a turn by 63°, a scale and a shift.
 Eigen::Affine3d head_move(const Scene& scene);
 
 Points image(const Points& points, const Eigen::Affine3d& map);
 
-/// Largest distance of a vertex from where it should be.
+/// Returns the largest distance between corresponding vertices.
 double largest_distance(const Points& a, const Points& b);
 
-/// What rounding the coordinates themselves may cost: 8 units in the last place of the largest.
+/// Returns 8 units in the last place of the largest coordinate, a bound for errors by rounding coordinates.
 double eight_ulp(const Points& points);
 
-/// The affine map that takes some vertices from `rest` to `moved` best, and by how much it fails to, relative
-/// to the moved positions.
+/// The affine map that best takes some vertices from `rest` to `moved`. `misfit` is the norm of its error
+/// relative to that of the moved positions.
 struct AffineFit {
   Eigen::Affine3d map;
   double misfit = 0;

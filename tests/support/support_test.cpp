@@ -1,4 +1,4 @@
-// The generated meshes are what their names say, and the reference agrees with itself.
+// Checks that generated meshes are as their names say, and that the reference is consistent.
 #include <map>
 #include <set>
 

@@ -13,12 +13,12 @@ inline std::string describe(const OperatorOptions& options) {
          std::string(to_string(options.density));
 }
 
-/// The linear method, whose laws hold in every pose.
+/// Returns options of the linear method, whose laws hold in every pose.
 inline DeformerOptions linear_method(const OperatorOptions& options = {}) {
   return {.method = DeformMethod::ft05, .operators = options};
 }
 
-/// Every combination of weights and densities under the given treatments.
+/// Returns every combination of weights and densities with the given treatments.
 inline std::vector<OperatorOptions> operator_variants(std::vector<DegenerateTreatment> treatments = {
                                                           DegenerateTreatment::apex,
                                                           DegenerateTreatment::ft05_noise}) {

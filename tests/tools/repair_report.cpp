@@ -1,4 +1,5 @@
-// The table of dirty scans in docs/repair.md, as Markdown; with a folder, also the scans before and after.
+// Prints the table of dirty scans in docs/repair.md as Markdown. Given a folder, also writes the scans before
+// and after.
 
 #include <cstdio>
 #include <filesystem>

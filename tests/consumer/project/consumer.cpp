@@ -32,7 +32,8 @@ int main() {
   up.transform.translate(Eigen::Vector3d(0, 0, 3));
   const meshgraft::Points edited = deformer.evaluate({&up, 1});
 
-  // Needs all that the library links: the exact predicates, too, where it has them.
+  // This call needs everything that the library links, including the exact predicates where they are built
+  // in.
   const meshgraft::Quality quality =
       meshgraft::measure_quality(rest, edited, triangles, deformer.free_vertices());
 
