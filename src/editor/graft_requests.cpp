@@ -44,6 +44,13 @@ Json loop_json(const Points& points, const std::vector<Index>& loop) {
   return {{"vertices", loop.size()}, {"length", length}, {"centre", {centre.x(), centre.y(), centre.z()}}};
 }
 
+// Returns the resolution of a sample for a picture of `pixels` pixels: edges of about two pixels. A default
+// resolution takes several times as long and looks the same (all thumbnails 2.2 instead of 5.3 s).
+int resolution_for_picture(std::string_view name, int pixels) {
+  const auto info = std::ranges::find(sample_list(), name, &SampleInfo::name);
+  return info == sample_list().end() ? 0 : std::min(pixels / 2, info->default_resolution);
+}
+
 }  // namespace
 
 // Returns the object that the field `mesh` names; without the field, the model.
@@ -195,8 +202,8 @@ Json Worker::thumbnail(const json::Value& message, const Context&) {
       return std::shared_ptr<const Mesh>(scene, &scene->mesh);
     };
   } else if (fields.has("sample")) {
-    task.mesh = [name = fields.required("sample").name()](const Context& context) {
-      return std::make_shared<const Mesh>(make_sample(name, 0, context));
+    task.mesh = [name = fields.required("sample").name(), size = task.size](const Context& context) {
+      return std::make_shared<const Mesh>(make_sample(name, resolution_for_picture(name, size), context));
     };
   } else {
     const std::filesystem::path file = mesh_file(fields);
