@@ -2,7 +2,7 @@
 import { cpus, loadavg } from "node:os";
 import type { Page } from "playwright-core";
 import { gripOf } from "../tests/e2e/grips";
-import { run, Stage } from "../tests/e2e/harness";
+import { EditorHarness, run } from "../tests/e2e/harness";
 import { recordPictures, recordStretches, type Picture, type Records } from "./probe";
 
 const size = { width: 1280, height: 800 };
@@ -70,11 +70,11 @@ function spread(values: readonly number[]): string {
   return `${digits(quantile(values, 0.5))} (${digits(quantile(values, 0.95))})`;
 }
 
-async function openMeasured(resolution: number): Promise<{ stage: Stage; row: string[] }> {
-  const stage = await Stage.open({ size, before: (page) => page.addInitScript(recordStretches) });
-  const model = stage.folder.file("octopus.ply");
+async function openMeasured(resolution: number): Promise<{ harness: EditorHarness; row: string[] }> {
+  const harness = await EditorHarness.open({ size, before: (page) => page.addInitScript(recordStretches) });
+  const model = harness.folder.file("octopus.ply");
   run("sample", "octopus", "--resolution", `${resolution}`, "-o", model);
-  const { page } = stage.person;
+  const { page } = harness.user;
   await page.evaluate(recordPictures);
   const begin = await page.evaluate(() => performance.now());
   const opened = await page.evaluate(async (path) => {
@@ -88,7 +88,7 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
       throw new Error(editor.messages.value.map(({ told }) => told.problem).join("; "));
     return first;
   }, model);
-  await stage.person.settle();
+  await harness.user.settle();
   await page.waitForTimeout(3000);
   const longest = await page.evaluate((begin) => {
     const since = window.records.longTasks.filter((task) => task.begin >= begin);
@@ -107,7 +107,7 @@ async function openMeasured(resolution: number): Promise<{ stage: Stage; row: st
     longest === 0 ? "< 50" : longest.toFixed(0),
     (heap / 2 ** 20).toFixed(0),
   ];
-  return { stage, row };
+  return { harness, row };
 }
 
 /** Returns the number of bytes, with those in arrays. */
@@ -145,9 +145,9 @@ async function makeHandle(page: Page, method: string, reach: number): Promise<nu
   return page.evaluate(() => window.meshgraft.editor.state.value?.counts?.free ?? 0);
 }
 
-async function dragTip(stage: Stage, seconds: number): Promise<Records> {
-  const { page } = stage.person;
-  const [x, y] = await gripOf(stage.person, "ball");
+async function dragTip(harness: EditorHarness, seconds: number): Promise<Records> {
+  const { page } = harness.user;
+  const [x, y] = await gripOf(harness.user, "ball");
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + 5, y + 5);
@@ -167,11 +167,11 @@ async function dragTip(stage: Stage, seconds: number): Promise<Records> {
   return records;
 }
 
-async function measureDrags(stage: Stage, triangles: string): Promise<string[][]> {
+async function measureDrags(harness: EditorHarness, triangles: string): Promise<string[][]> {
   const rows: string[][] = [];
   for (const [method, label, reach] of methods) {
-    const moving = await makeHandle(stage.person.page, method, reach);
-    const records = await dragTip(stage, 10);
+    const moving = await makeHandle(harness.user.page, method, reach);
+    const records = await dragTip(harness, 10);
     const shares = firstOfEach(records.pictures).flatMap((picture) => sharesOf(picture, records) ?? []);
     const column = (name: keyof Shares) => spread(shares.map((one) => one[name]));
     const own = spread(shares.map(({ engine, page }) => engine + page));
@@ -206,10 +206,10 @@ const opened: string[][] = [];
 const dragged: string[][] = [];
 for (const [triangles, resolution] of [...sizes, ["2,000,000", 885] as const]) {
   if (wanted !== undefined && wanted !== triangles.replaceAll(",", "")) continue;
-  const { stage, row } = await openMeasured(resolution);
+  const { harness, row } = await openMeasured(resolution);
   opened.push(row);
-  if (drags && triangles !== "2,000,000") dragged.push(...(await measureDrags(stage, triangles)));
-  await stage.close();
+  if (drags && triangles !== "2,000,000") dragged.push(...(await measureDrags(harness, triangles)));
+  await harness.close();
 }
 const load = (loadavg()[0] ?? 0).toFixed(1);
 process.stdout.write(`${cpus().length} cores, SwiftShader (no GPU), page of ${size.width} × ${size.height}; load average ${load}.\n\n`);

@@ -1,27 +1,27 @@
 import { mkdirSync } from "node:fs";
 import { afterEach, expect, test } from "vitest";
-import { run, Stage, type Person } from "./harness";
+import { EditorHarness, run, type User } from "./harness";
 
-let stage: Stage | undefined;
+let harness: EditorHarness | undefined;
 afterEach(async () => {
-  await stage?.close();
-  stage = undefined;
+  await harness?.close();
+  harness = undefined;
 });
 
 /** Presses tab until an element of this name has the focus. */
-async function tabTo(person: Person, name: RegExp): Promise<void> {
+async function tabTo(user: User, name: RegExp): Promise<void> {
   for (let i = 0; i < 80; ++i) {
-    const label = await person.page.evaluate(
+    const label = await user.page.evaluate(
       () => document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? "",
     );
     if (name.test(label)) return;
-    await person.page.keyboard.press("Tab");
+    await user.page.keyboard.press("Tab");
   }
   throw new Error(`tab does not come to ${name}`);
 }
 
-async function grafted(person: Person): Promise<void> {
-  await person.page.waitForFunction(
+async function grafted(user: User): Promise<void> {
+  await user.page.waitForFunction(
     () => {
       const { editor } = window.meshgraft;
       const { report } = editor.graft;
@@ -39,70 +39,70 @@ async function grafted(person: Person): Promise<void> {
 }
 
 test("a part of a folder is grafted and accepted by keys, and swapped, in the dark theme", async () => {
-  stage = await Stage.open({ dark: true, models: { "bust.ply": ["bust", "--resolution", "40"] } });
-  const { person, folder } = stage;
-  const { page } = person;
+  harness = await EditorHarness.open({ dark: true, models: { "bust.ply": ["bust", "--resolution", "40"] } });
+  const { user, folder } = harness;
+  const { page } = user;
   page.setDefaultTimeout(20_000);
   mkdirSync(folder.file("parts"));
   for (const name of ["head", "cylinder", "knot"])
     run("sample", name, "--resolution", "40", "-o", folder.file(`parts/${name}.ply`));
   await page.reload(); // the new page sees the new folder
-  await person.opened();
-  await tabTo(person, /^Deform$/);
-  await person.press("ArrowRight");
+  await user.opened();
+  await tabTo(user, /^Deform$/);
+  await user.press("ArrowRight");
   await page.waitForFunction(() => window.meshgraft.editor.graft.mode.value === "graft");
 
-  await tabTo(person, /^Where parts come from$/);
-  await person.press("ArrowDown");
-  await tabTo(person, /parts$/);
-  await person.press("Enter");
+  await tabTo(user, /^Where parts come from$/);
+  await user.press("ArrowDown");
+  await tabTo(user, /parts$/);
+  await user.press("Enter");
   await page.getByRole("button", { name: "Add knot" }).waitFor();
   await page.waitForFunction(
     () => document.querySelectorAll('[aria-label="parts"] img.thumbnail').length === 3,
   );
-  await person.screenshot("graft-folder-dark");
-  await tabTo(person, /^Add head$/);
-  await person.press("Enter");
-  await grafted(person);
-  await person.screenshot("graft-dark");
+  await user.screenshot("graft-folder-dark");
+  await tabTo(user, /^Add head$/);
+  await user.press("Enter");
+  await grafted(user);
+  await user.screenshot("graft-dark");
   const step = () => page.evaluate(() => window.meshgraft.editor.graft.kept.value);
   expect(await step()).toMatchObject({ source: "head", target: "bust" });
 
   await page.getByText("More of the graft").click();
-  await person.click("Swap the two");
+  await user.click("Swap the two");
   await page.waitForFunction(() => window.meshgraft.editor.graft.kept.value?.source === "bust");
-  await grafted(person);
+  await grafted(user);
   expect(await step()).toMatchObject({ source: "bust", target: "head" });
-  await person.screenshot("graft-swapped-dark");
-  await person.press("Control+z");
-  await grafted(person);
+  await user.screenshot("graft-swapped-dark");
+  await user.press("Control+z");
+  await grafted(user);
   expect(await step()).toMatchObject({ source: "head", target: "bust" });
-  await person.press("Control+Enter");
+  await user.press("Control+Enter");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
-  await person.settle();
-  expect(person.complaints).toEqual([]);
+  await user.settle();
+  expect(user.complaints).toEqual([]);
 }, 180_000);
 
 test("what stays of a part grows, shrinks and is inverted on the part", async () => {
-  stage = await Stage.open({
+  harness = await EditorHarness.open({
     models: { "bust.ply": ["bust", "--resolution", "40"], "head.ply": ["head", "--resolution", "40"] },
   });
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   page.setDefaultTimeout(20_000);
-  await person.click("Graft head");
-  await grafted(person);
+  await user.click("Graft head");
+  await grafted(user);
   await page.getByText("Keep", { exact: true }).click();
-  await grafted(person);
-  await person.click("Paint what stays");
-  await person.rests();
+  await grafted(user);
+  await user.click("Paint what stays");
+  await user.rests();
   const face = await page.evaluate(() => {
     const { viewport, graftView, editor } = window.meshgraft;
     const { x, y } = viewport.project(graftView.centreOf(editor.graft.source.value?.mesh ?? -1));
     return [x, y] as const;
   });
-  await person.stroke([face, [face[0] + 25, face[1]]]);
-  await grafted(person);
+  await user.stroke([face, [face[0] + 25, face[1]]]);
+  await grafted(user);
   const state = () =>
     page.evaluate(() => {
       const { state } = window.meshgraft.editor;
@@ -116,39 +116,39 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   const painted = await state();
   expect(painted.on).toBe("head");
   expect(painted.fixed).toBeGreaterThan(3);
-  await person.press("+");
-  await person.rests();
-  await grafted(person);
+  await user.press("+");
+  await user.rests();
+  await grafted(user);
   const wider = await state();
   expect(wider.on).toBe("head");
   expect(wider.fixed).toBeGreaterThan(painted.fixed);
-  await person.screenshot("graft-fixed-grown");
-  await person.press("-");
-  await person.rests();
-  await grafted(person);
+  await user.screenshot("graft-fixed-grown");
+  await user.press("-");
+  await user.rests();
+  await grafted(user);
   expect((await state()).fixed).toBeLessThan(wider.fixed);
   const all = await page.evaluate(() => window.meshgraft.editor.graft.source.value?.vertices ?? 0);
   const before = (await state()).fixed;
-  await person.press("i");
+  await user.press("i");
   await page.waitForFunction(
     (count) => window.meshgraft.editor.state.value?.selected === count,
     all - before,
   );
   expect((await state()).fixed).toBe(all - before);
-  for (let i = 0; i < 4; ++i) await person.press("Control+z");
-  expect(person.complaints).toEqual([]);
+  for (let i = 0; i < 4; ++i) await user.press("Control+z");
+  expect(user.complaints).toEqual([]);
 }, 180_000);
 
 test("an earlier graft and an earlier cut are changed from the steps panel, and the later steps follow", async () => {
-  stage = await Stage.open({
+  harness = await EditorHarness.open({
     models: { "bust.ply": ["bust", "--resolution", "30"], "head.ply": ["head", "--resolution", "30"] },
   });
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   page.setDefaultTimeout(20_000);
-  await person.click("Graft head");
-  await grafted(person);
-  await person.press("Control+Enter");
+  await user.click("Graft head");
+  await grafted(user);
+  await user.press("Control+Enter");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
   await page.evaluate(async () => {
     const plane = { point: [0.02, 0, 0], normal: [1, 0, 0] } as const;
@@ -158,7 +158,7 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
       keep: "above",
     });
   });
-  await person.settle();
+  await user.settle();
   await page.getByRole("tab", { name: "Deform" }).click();
   if ((await page.getByRole("list", { name: "Steps" }).count()) === 0) await page.getByText("Steps", { exact: true }).click();
   const steps = page.getByRole("list", { name: "Steps" });
@@ -175,26 +175,26 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
     const field = steps.getByRole("textbox", { name: label, exact: true });
     await field.fill(text);
     await field.press("Enter");
-    await person.settle();
+    await user.settle();
   };
 
   await steps.getByText("2. Cut").click();
-  await person.screenshot("steps-cut");
+  await user.screenshot("steps-cut");
   expect(await leftmost()).toBeCloseTo(0.02, 4);
   await typed("Point X", "-0.1");
   expect(await leftmost()).toBeCloseTo(-0.1, 4);
   await steps.getByText("Both", { exact: true }).click();
-  await person.settle();
+  await user.settle();
   expect((await fields(1))["keep"]).toBe("both");
   expect(await leftmost()).toBeLessThan(-0.11);
-  await person.press("Control+z");
-  await person.settle();
+  await user.press("Control+z");
+  await user.settle();
   expect(await leftmost()).toBeCloseTo(-0.1, 4);
   await typed("Point X", "50"); // nothing is above: the step is impossible
   await page.getByRole("alert").or(page.getByRole("status")).getByText(/./).first().waitFor();
   expect(await leftmost()).toBeCloseTo(-0.1, 4);
   expect(((await fields(1))["plane"] as { point: number[] }).point[0]).toBe(-0.1);
-  await person.screenshot("steps-refused");
+  await user.screenshot("steps-refused");
 
   await steps.getByText("1. Graft").click();
   await typed("Normal angle", "20");
@@ -202,8 +202,8 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
   const changed = await fields(0);
   expect(changed["normal_angle_deg"]).toBe(20);
   expect(JSON.stringify(changed["pairs"] ?? changed["matches"])).toMatch(/\d+,\d+/);
-  await person.screenshot("steps-graft");
+  await user.screenshot("steps-graft");
   await steps.getByText("Bends", { exact: true }).click();
-  await person.settle();
+  await user.settle();
   expect((await fields(0))["shape"]).toBe("ft05");
 }, 180_000);

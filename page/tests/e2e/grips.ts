@@ -1,35 +1,35 @@
 // Finds the gizmo's parts on the page, and reads the document and the model.
 import { expect } from "vitest";
 import type { Pose } from "../../src/protocol";
-import { positionsOf, run, type Person, type Point, type Stage } from "./harness";
+import { positionsOf, run, type EditorHarness, type Point, type User } from "./harness";
 
 /** Opens a built-in model, and discards what an earlier test left on it. */
-export async function openFresh(stage: Stage, sample: string, resolution?: number): Promise<void> {
-  await stage.openSample(sample, resolution);
-  await stage.person.page.evaluate(async () => {
+export async function openFresh(harness: EditorHarness, sample: string, resolution?: number): Promise<void> {
+  await harness.openSample(sample, resolution);
+  await harness.user.page.evaluate(async () => {
     const { editor } = window.meshgraft;
     if (editor.offer.value === null) return;
     await editor.ask({ do: "discard" });
     editor.offer.value = null;
   });
-  await stage.person.settle();
+  await harness.user.settle();
 }
 
 /** Returns the rest positions of a built-in model. */
-export function sampled(stage: Stage, name: string): Float64Array {
-  const file = stage.folder.file(`${name}.obj`);
+export function sampled(harness: EditorHarness, name: string): Float64Array {
+  const file = harness.folder.file(`${name}.obj`);
   run("sample", name, "-o", file);
   return positionsOf(file);
 }
 
 /** Returns a screen point where a part of the gizmo can be dragged: "knob", "ring-z", "arrow-x" … */
-export async function gripOf(person: Person, part: string): Promise<Point> {
+export async function gripOf(user: User, part: string): Promise<Point> {
   const selector = `.gizmo:not([display]) > [data-part="${part}"]:not([display])`;
-  await person.page.evaluate(
+  await user.page.evaluate(
     () => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))),
   );
-  await person.page.waitForSelector(selector, { state: "attached" });
-  return person.page.evaluate((id) => {
+  await user.page.waitForSelector(selector, { state: "attached" });
+  return user.page.evaluate((id) => {
     const line = document.querySelector<SVGPathElement>(`[data-part="${id}"] .line`);
     const map = line?.getScreenCTM();
     if (line === null || map === null || map === undefined) throw new Error(`no ${id}`);
@@ -50,9 +50,9 @@ export async function gripOf(person: Person, part: string): Promise<Point> {
   }, part);
 }
 
-async function aimOnce(person: Person, vertex: number): Promise<Point | undefined> {
-  const [x, y] = await person.screenOf(vertex);
-  return person.page.evaluate(
+async function aimOnce(user: User, vertex: number): Promise<Point | undefined> {
+  const [x, y] = await user.screenOf(vertex);
+  return user.page.evaluate(
     ([x, y]) => {
       const { viewport } = window.meshgraft;
       const isOn = (dx: number, dy: number) => viewport.pick(x + dx, y + dy) !== undefined;
@@ -69,31 +69,31 @@ async function aimOnce(person: Person, vertex: number): Promise<Point | undefine
 }
 
 /** Returns a screen point near a vertex, with the model all around it, where a user would aim. */
-export async function aimAt(person: Person, vertex: number): Promise<Point> {
+export async function aimAt(user: User, vertex: number): Promise<Point> {
   let at: Point | undefined;
-  const aims = async () => (at = await aimOnce(person, vertex)) !== undefined; // a worker builds the tree for picking
+  const aims = async () => (at = await aimOnce(user, vertex)) !== undefined; // a worker builds the tree for picking
   await expect.poll(aims, { timeout: 5000, message: `vertex ${vertex} is not seen` }).toBe(true);
   if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
   return at;
 }
 
-export function poseOf(person: Person, handle = "handle 1"): Promise<Pose | undefined> {
-  return person.page.evaluate(
+export function poseOf(user: User, handle = "handle 1"): Promise<Pose | undefined> {
+  return user.page.evaluate(
     (name) => window.meshgraft.editor.state.value?.handles.find((known) => known.name === name)?.pose,
     handle,
   );
 }
 
 /** Returns the vertices of a handle, as the engine reports them. */
-export function verticesOf(person: Person, handle = "handle 1"): Promise<number[]> {
-  return person.page.evaluate(
+export function verticesOf(user: User, handle = "handle 1"): Promise<number[]> {
+  return user.page.evaluate(
     (name) => [...(window.meshgraft.viewport.main?.handles.get(name) ?? [])],
     handle,
   );
 }
 
-export function selectedIn(person: Person): Promise<number[]> {
-  return person.page.evaluate(() => {
+export function selectedIn(user: User): Promise<number[]> {
+  return user.page.evaluate(() => {
     const found: number[] = [];
     window.meshgraft.viewport.main?.selection.forEach((is, v) => is !== 0 && found.push(v));
     return found;
@@ -133,13 +133,13 @@ export function sizeOf(positions: Float64Array, vertices: readonly number[]): nu
 }
 
 /** Exports the mesh by the dialog, and returns the path of the file. */
-export async function exported(stage: Stage, name: string, extension = ".ply"): Promise<string> {
-  const { page } = stage.person;
-  await stage.person.press("Control+e");
+export async function exported(harness: EditorHarness, name: string, extension = ".ply"): Promise<string> {
+  const { page } = harness.user;
+  await harness.user.press("Control+e");
   await page.getByLabel("Format").selectOption(extension);
   await page.getByRole("dialog").getByRole("textbox").fill(name);
   await page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
   await page.getByText("Exported", { exact: true }).waitFor({ timeout: 20_000 });
-  await stage.person.click("Close the message");
-  return stage.folder.file(`${name}${extension}`);
+  await harness.user.click("Close the message");
+  return harness.folder.file(`${name}${extension}`);
 }

@@ -111,8 +111,8 @@ export class Engine {
 
 export type Point = readonly [number, number];
 
-/** A page and its user. */
-export class Person {
+/** The user of a page, who acts by pointer and keys, and sees its errors. */
+export class User {
   /** Counts clicks, strokes and keys, to compare the effort of tasks. */
   actions = 0;
   readonly complaints: string[] = [];
@@ -246,7 +246,7 @@ export class Person {
   }
 }
 
-export interface StageOptions {
+export interface HarnessOptions {
   /** By file name: the arguments of `meshgraft sample`. */
   files?: Readonly<Record<string, readonly string[]>>;
   /** Further files for the command line. */
@@ -260,15 +260,15 @@ export interface StageOptions {
 }
 
 /** An engine, a browser and a page for one test; `close` ends all. */
-export class Stage {
+export class EditorHarness {
   private constructor(
     readonly folder: Folder,
     readonly browser: Browser,
     public engine: Engine,
-    readonly person: Person,
+    readonly user: User,
   ) {}
 
-  static async open(options: StageOptions = {}): Promise<Stage> {
+  static async open(options: HarnessOptions = {}): Promise<EditorHarness> {
     const folder = new Folder();
     for (const [file, sample] of Object.entries({ ...options.files, ...options.models }))
       run("sample", ...sample, "-o", folder.file(file));
@@ -283,17 +283,17 @@ export class Stage {
       colorScheme: options.dark === true ? "dark" : "light",
     });
     const page = await context.newPage();
-    const person = new Person(page);
+    const user = new User(page);
     await options.before?.(page);
     await page.goto(engine.url);
-    await person.ready();
-    if (models.length > 0) await person.opened();
-    return new Stage(folder, browser, engine, person);
+    await user.ready();
+    if (models.length > 0) await user.opened();
+    return new EditorHarness(folder, browser, engine, user);
   }
 
   /** Opens a built-in model by a request, without the start screen. */
   async openSample(sample: string, resolution?: number): Promise<void> {
-    await this.person.page.evaluate(
+    await this.user.page.evaluate(
       async ([sample, resolution]) => {
         await window.meshgraft.editor.ask({
           do: "open",
@@ -303,22 +303,22 @@ export class Stage {
       },
       [sample, resolution] as const,
     );
-    await this.person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
-    await this.person.settle();
+    await this.user.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+    await this.user.settle();
   }
 
   /** Opens another tab of the same engine. */
-  async tab(): Promise<Person> {
-    const person = new Person(await this.person.page.context().newPage());
-    await person.page.goto(this.engine.url);
-    await person.ready();
-    return person;
+  async tab(): Promise<User> {
+    const user = new User(await this.user.page.context().newPage());
+    await user.page.goto(this.engine.url);
+    await user.ready();
+    return user;
   }
 
   /** Saves the mesh and returns its positions: those of the model if there was no edit. */
   async savedPositions(): Promise<Float64Array> {
     const file = this.folder.file("saved.obj");
-    await this.person.page.evaluate(async (mesh) => {
+    await this.user.page.evaluate(async (mesh) => {
       await window.meshgraft.editor.ask({ do: "save", mesh, overwrite: true });
     }, file);
     return positionsOf(file);

@@ -1,12 +1,12 @@
 import { writeFileSync } from "node:fs";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { positionsOf, Stage } from "./harness";
+import { EditorHarness, positionsOf } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open();
+  harness = await EditorHarness.open();
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 
 /** Returns the OBJ text of a hilly sheet of n × n squares, two triangles each. */
 function sheet(n: number): string {
@@ -23,14 +23,14 @@ function sheet(n: number): string {
 
 test("a mesh that comes in parts is whole", async () => {
   const n = 420; // more than 8 MiB, so the mesh comes in parts
-  const { folder, person } = stage;
+  const { folder, user } = harness;
   const file = folder.file("sheet.obj");
   writeFileSync(file, sheet(n));
   const positions = positionsOf(file);
 
-  await person.page.evaluate((path) => window.meshgraft.editor.ask({ do: "open", path }), file);
-  await person.page.waitForFunction(() => window.meshgraft.viewport.main?.object.parent != null);
-  const shown = await person.page.evaluate(async () => {
+  await user.page.evaluate((path) => window.meshgraft.editor.ask({ do: "open", path }), file);
+  await user.page.waitForFunction(() => window.meshgraft.viewport.main?.object.parent != null);
+  const shown = await user.page.evaluate(async () => {
     const { viewport } = window.meshgraft;
     const surface = viewport.main;
     if (surface === undefined) throw new Error("nothing is shown");
@@ -48,5 +48,5 @@ test("a mesh that comes in parts is whole", async () => {
     return v === first + ([0, 1, n + 2, 0, n + 2, n + 1][i % 6] as number);
   });
   expect(isRight).toBe(true);
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 });

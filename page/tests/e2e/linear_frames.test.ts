@@ -1,14 +1,14 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { Stage } from "./harness";
+import { EditorHarness } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open();
+  harness = await EditorHarness.open();
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 
 test("the vertex shader puts vertices where the engine's exact linear frame has them", async () => {
-  const { page } = stage.person;
+  const { page } = harness.user;
   await page.evaluate(() => window.meshgraft.editor.ask({ do: "open", sample: "octopus", resolution: 60 }));
   await page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
   const poses = await page.evaluate(async () => {

@@ -1,11 +1,11 @@
 import { copyFileSync, writeFileSync } from "node:fs";
 import { afterEach, expect, test } from "vitest";
-import { Stage } from "./harness";
+import { EditorHarness } from "./harness";
 
-let stage: Stage | undefined;
+let harness: EditorHarness | undefined;
 afterEach(async () => {
-  await stage?.close();
-  stage = undefined;
+  await harness?.close();
+  harness = undefined;
 });
 
 const defective = `v 0 0 0
@@ -20,20 +20,20 @@ f 1 2 6
 `;
 
 test("a dropped file keeps its name, and its defects are told until that is dismissed", async () => {
-  stage = await Stage.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
-  const { person, folder } = stage;
-  const { page } = person;
+  harness = await EditorHarness.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
+  const { user, folder } = harness;
+  const { page } = user;
   const name = () => page.evaluate(() => window.meshgraft.editor.state.value?.name ?? "");
   writeFileSync(folder.file("Bär 熊 (2).obj"), defective);
-  await person.drop([folder.file("Bär 熊 (2).obj")]);
-  await person.opened();
+  await user.drop([folder.file("Bär 熊 (2).obj")]);
+  await user.opened();
   expect(await name()).toBe("Bär 熊 (2).obj");
   const told = page.getByRole("log", { name: "Messages" }).getByRole("status");
   await told.waitFor();
   const words = await told.innerText();
   expect(words).toContain("more than two faces");
   expect(words).toContain("meshgraft repair 'Bär 熊 (2).obj'");
-  await person.screenshot("opening-defects");
+  await user.screenshot("opening-defects");
   await told.getByRole("button", { name: /dismiss|close/i }).first().click();
   await told.waitFor({ state: "detached" });
 
@@ -41,9 +41,9 @@ test("a dropped file keeps its name, and its defects are told until that is dism
   await page.evaluate(async (path) => {
     await window.meshgraft.editor.open({ do: "open", path });
   }, folder.file("büste.ply"));
-  await person.settle();
+  await user.settle();
   expect(await name()).toBe("büste.ply");
   expect(await told.count()).toBe(0);
   expect(await page.evaluate(() => window.meshgraft.editor.state.value?.up)).toBe("y");
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 }, 120_000);

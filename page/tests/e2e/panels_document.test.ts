@@ -1,15 +1,15 @@
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
-import { Stage } from "./harness";
+import { EditorHarness } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open();
-  stage.person.page.setDefaultTimeout(15_000);
+  harness = await EditorHarness.open();
+  harness.user.page.setDefaultTimeout(15_000);
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 beforeEach(async () => {
-  await stage.openSample("bar", 8);
-  await stage.person.page.evaluate(async () => {
+  await harness.openSample("bar", 8);
+  await harness.user.page.evaluate(async () => {
     const { editor } = window.meshgraft;
     if (editor.offer.value !== null) await editor.ask({ do: "discard" }); // removes what the previous test left
     editor.offer.value = null;
@@ -19,32 +19,32 @@ beforeEach(async () => {
 });
 
 function state() {
-  return stage.person.page.evaluate(() => window.meshgraft.editor.state.value);
+  return harness.user.page.evaluate(() => window.meshgraft.editor.state.value);
 }
 async function select(z: number): Promise<void> {
-  await stage.person.page.evaluate(async (z) => {
+  await harness.user.page.evaluate(async (z) => {
     await window.meshgraft.editor.ask({ do: "select", how: "set", what: { half_space: { point: [0, 0, z], normal: [0, 0, 1] } } });
   }, z);
 }
 async function makeHandle(above = 3): Promise<void> {
   await select(above);
-  await stage.person.click("Make handle");
-  await stage.person.page.getByLabel("Move X").waitFor();
-  await stage.person.settle();
+  await harness.user.click("Make handle");
+  await harness.user.page.getByLabel("Move X").waitFor();
+  await harness.user.settle();
 }
 async function section(title: string): Promise<void> {
-  const button = stage.person.page.locator(".side").getByRole("button", { name: new RegExp(`^${title}`) }).first();
+  const button = harness.user.page.locator(".side").getByRole("button", { name: new RegExp(`^${title}`) }).first();
   if ((await button.getAttribute("aria-expanded")) === "false") await button.click();
 }
 async function type(label: string, text: string): Promise<void> {
-  const field = stage.person.page.getByRole("textbox", { name: label, exact: true }).first();
+  const field = harness.user.page.getByRole("textbox", { name: label, exact: true }).first();
   await field.fill(text);
   await field.press("Enter");
-  await stage.person.settle();
+  await harness.user.settle();
 }
 
 test("a handle is posed by numbers with units, renamed, put back and removed", async () => {
-  const { person } = stage;
+  const { user } = harness;
   await makeHandle();
   await type("Move X", "5 cm");
   await type("Turn angle", "2 turns");
@@ -54,135 +54,135 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   });
   await type("Move Y", "nonsense");
   expect((await state())?.handles[0]?.pose.translate).toEqual([50, 0, 0]);
-  await person.screenshot("panels-pose");
+  await user.screenshot("panels-pose");
   for (const [text, says] of [["0", "more than 0"], ["-2", "more than 0"], ["nothing", "a factor: 1.5, 150 %"]] as const) {
     await type("Scale", text);
-    const field = person.page.getByRole("textbox", { name: "Scale", exact: true });
+    const field = user.page.getByRole("textbox", { name: "Scale", exact: true });
     expect(await field.getAttribute("aria-invalid")).toBe("true");
     expect(await field.evaluate((one) => one === document.activeElement)).toBe(true);
-    await person.page.getByRole("alert").getByText(says, { exact: true }).waitFor();
+    await user.page.getByRole("alert").getByText(says, { exact: true }).waitFor();
   }
-  await person.screenshot("panels-out-of-range");
-  await person.press("Tab"); // leaves the field and keeps the old number
-  expect(await person.page.getByRole("textbox", { name: "Scale", exact: true }).inputValue()).toBe("1.5");
+  await user.screenshot("panels-out-of-range");
+  await user.press("Tab"); // leaves the field and keeps the old number
+  expect(await user.page.getByRole("textbox", { name: "Scale", exact: true }).inputValue()).toBe("1.5");
   expect((await state())?.handles[0]?.pose.scale).toEqual([1.5, 1.5, 1.5]);
 
-  await person.click(/^More for handle/);
-  await person.page.getByRole("menuitem", { name: "Rename" }).click();
-  await person.page.getByLabel(/^New name of/).fill("end");
-  await person.press("Enter");
-  await person.page.getByRole("button", { name: /^end/ }).waitFor();
-  await person.click("Put back");
-  await person.settle();
+  await user.click(/^More for handle/);
+  await user.page.getByRole("menuitem", { name: "Rename" }).click();
+  await user.page.getByLabel(/^New name of/).fill("end");
+  await user.press("Enter");
+  await user.page.getByRole("button", { name: /^end/ }).waitFor();
+  await user.click("Put back");
+  await user.settle();
   expect((await state())?.handles[0]?.pose).toEqual({});
-  await person.click("More for end");
-  await person.page.getByRole("menuitem", { name: "Remove" }).click();
-  await person.page.getByText("Paint over the part that you want to move.").first().waitFor();
+  await user.click("More for end");
+  await user.page.getByRole("menuitem", { name: "Remove" }).click();
+  await user.page.getByText("Paint over the part that you want to move.").first().waitFor();
   expect((await state())?.handles).toEqual([]);
 });
 
 test("changes are undone and done again, and named", async () => {
-  const { person } = stage;
+  const { user } = harness;
   await makeHandle();
   await type("Move X", "1");
-  const { page } = person;
+  const { page } = user;
   const undo = page.getByRole("button", { name: "Undo" });
   expect(await undo.getAttribute("data-tip")).toBe("Takes back: move");
-  await person.click("Undo");
-  await person.settle();
+  await user.click("Undo");
+  await user.settle();
   expect((await state())?.handles[0]?.pose).toEqual({});
   expect(await page.getByRole("button", { name: "Redo" }).getAttribute("data-tip")).toBe("Does again: move");
-  await person.press("Control+Shift+z");
-  await person.settle();
+  await user.press("Control+Shift+z");
+  await user.settle();
   expect((await state())?.handles[0]?.pose).toEqual({ translate: [1, 0, 0] });
-  await person.press("Control+z");
-  await person.press("Control+z");
-  await person.settle();
+  await user.press("Control+z");
+  await user.press("Control+z");
+  await user.settle();
   expect((await state())?.handles).toEqual([]);
   expect(await undo.getAttribute("aria-disabled")).toBe("true");
 });
 
 test("methods switch, and show what applies to them", async () => {
-  const { person } = stage;
+  const { user } = harness;
   await makeHandle();
   await type("Reach", "2.5");
   await type("Turn angle", "90");
   const frames = async (label: string) => {
-    await person.page.getByText(label, { exact: true }).click();
-    await person.page.waitForFunction((label) => {
+    await user.page.getByText(label, { exact: true }).click();
+    await user.page.waitForFunction((label) => {
       const names: Record<string, string> = { Linear: "ft05", Natural: "corotational", "Smooth turns": "rotation-aware" };
       return (window.meshgraft.editor.state.value?.settings as { method?: string }).method === names[label];
     }, label);
-    await person.settle();
-    return stage.savedPositions();
+    await user.settle();
+    return harness.savedPositions();
   };
   const linear = await frames("Linear");
-  expect(await person.page.getByLabel("Stiffness").count()).toBe(0);
+  expect(await user.page.getByLabel("Stiffness").count()).toBe(0);
   const natural = await frames("Natural");
-  expect(await person.page.getByLabel("Stiffness").count()).toBeGreaterThan(0);
+  expect(await user.page.getByLabel("Stiffness").count()).toBeGreaterThan(0);
   await frames("Smooth turns");
-  expect(await person.page.getByLabel("Smoothing").count()).toBe(0);
+  expect(await user.page.getByLabel("Smoothing").count()).toBe(0);
   let difference = 0;
   linear.forEach((x, i) => (difference = Math.max(difference, Math.abs(x - (natural[i] ?? 0)))));
   expect(difference).toBeGreaterThan(0.01);
 });
 
 test("groups are saved, selected, coloured, used and removed", async () => {
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   await section("Groups");
   await select(1.5);
   const selected = await page.evaluate(() => window.meshgraft.editor.selected.value);
   await page.getByLabel("Name of the new group").fill("lid");
-  await person.press("Enter");
+  await user.press("Enter");
   await page.getByRole("button", { name: "lid", exact: true }).waitFor();
-  await person.press("Alt+a");
+  await user.press("Alt+a");
   await page.waitForFunction(() => window.meshgraft.editor.selected.value === 0);
   await page.getByRole("button", { name: "lid", exact: true }).click();
   await page.waitForFunction((count) => window.meshgraft.editor.selected.value === count, selected);
   await page.getByLabel("Colour of lid").fill("#123456");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.groups[0]?.colour === "#123456");
-  await person.screenshot("panels-groups");
-  await person.click("More for lid");
+  await user.screenshot("panels-groups");
+  await user.click("More for lid");
   await page.getByRole("menuitem", { name: "Make fixed" }).click();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.undo === "fixed");
-  await person.click("More for lid");
+  await user.click("More for lid");
   await page.getByRole("menuitem", { name: "Remove" }).click();
   await page.getByRole("alert").getByText(/in use/).waitFor();
-  await person.click("Close the message");
-  await person.press("Control+z");
-  await person.click("More for lid");
+  await user.click("Close the message");
+  await user.press("Control+z");
+  await user.click("More for lid");
   await page.getByRole("menuitem", { name: "Remove" }).click();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.groups.length === 0);
 });
 
 test("steps are accepted, changed later, renamed and removed", async () => {
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   await makeHandle();
   await type("Move X", "1");
-  const one = await stage.savedPositions();
-  await person.click("Accept");
+  const one = await harness.savedPositions();
+  await user.click("Accept");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.steps.length === 2);
   await section("Steps");
   await page.getByRole("button", { name: /^1\. Deform/ }).click();
   await type("Move X", "2");
-  const two = await stage.savedPositions();
+  const two = await harness.savedPositions();
   const most = (positions: Float64Array) => positions.reduce((a, x, i) => (i % 3 === 0 ? Math.max(a, x) : a), -Infinity);
   expect(most(two) - most(one)).toBeCloseTo(1, 4);
-  await person.screenshot("panels-steps");
-  await person.click("More for 1. Deform");
+  await user.screenshot("panels-steps");
+  await user.click("More for 1. Deform");
   await page.getByRole("menuitem", { name: "Rename" }).click();
   await page.getByLabel(/^New name of/).fill("lean");
-  await person.press("Enter");
-  await person.click("More for lean");
+  await user.press("Enter");
+  await user.click("More for lean");
   await page.getByRole("menuitem", { name: "Remove" }).click();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.steps.length === 1);
 });
 
 test("symmetric editing has its plane", async () => {
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   await section("Symmetry");
   await page.getByRole("switch", { name: "Symmetric editing" }).check();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry !== null);
@@ -191,26 +191,26 @@ test("symmetric editing has its plane", async () => {
   await makeHandle();
   await page.getByText(/^Twins: handle 1/).waitFor();
   await type("Move X", "1");
-  await person.screenshot("panels-symmetry");
-  const positions = await stage.savedPositions();
+  await user.screenshot("panels-symmetry");
+  const positions = await harness.savedPositions();
   let low = -Infinity;
   for (let i = 0; i < positions.length; i += 3) if ((positions[i + 2] ?? 0) < 0.9) low = Math.max(low, positions[i] ?? 0);
   expect(low).toBeGreaterThan(1);
   await page.getByRole("switch", { name: "Symmetric editing" }).uncheck();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry === null);
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 });
 
 test("the heat map's legend is the open model's, and no message covers it", async () => {
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   await page.evaluate(() => (window.meshgraft.editor.view.heatMap.value = "detail"));
   const legend = page.locator(".view-legend");
   await legend.getByText(/^Detail/).waitFor();
   const before = await page.evaluate(() => window.meshgraft.viewport.legend.value?.max);
   await page.evaluate(() => window.meshgraft.editor.note("Something happened.", "", "This stays."));
   await page.getByText("Something happened.").waitFor();
-  await person.screenshot("panels-legend");
+  await user.screenshot("panels-legend");
   const [told, shown] = [await page.locator(".toast").boundingBox(), await legend.boundingBox()];
   expect((told?.y ?? 0) + (told?.height ?? 0)).toBeLessThanOrEqual(shown?.y ?? 0);
   // The legend changes in the same turn as the model.
@@ -224,7 +224,7 @@ test("the heat map's legend is the open model's, and no message covers it", asyn
     };
     Object.assign(window, { seen });
   });
-  await stage.openSample("octopus", 20);
+  await harness.openSample("octopus", 20);
   await legend.getByText(/^Detail/).waitFor();
   const fits = await page.evaluate(() => (window as unknown as { seen: boolean[] }).seen);
   expect(fits.length).toBeGreaterThan(0);
@@ -234,22 +234,22 @@ test("the heat map's legend is the open model's, and no message covers it", asyn
 });
 
 test("undo and redo of the making of handles leave one active", async () => {
-  const { person } = stage;
-  const active = () => person.page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value);
+  const { user } = harness;
+  const active = () => user.page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value);
   const step = async (keys: string, handles: number) => {
-    await person.press(keys);
-    await person.page.waitForFunction(
+    await user.press(keys);
+    await user.page.waitForFunction(
       (count) => window.meshgraft.editor.isIdle() && window.meshgraft.editor.state.value?.handles.length === count,
       handles,
     );
   };
   await makeHandle(3);
   const [first] = [await active()];
-  await person.page.evaluate(() =>
+  await user.page.evaluate(() =>
     window.meshgraft.editor.ask({ do: "paint-handle", vertices: [0], name: "other" }).then(() => (window.meshgraft.editor.tools.activeHandle.value = "other")),
   );
   expect(await active()).toBe("other");
-  for (let i = 0; i < 3 && (await state())?.handles.length === 2; ++i) await person.press("Control+z").then(() => person.settle());
+  for (let i = 0; i < 3 && (await state())?.handles.length === 2; ++i) await user.press("Control+z").then(() => user.settle());
   expect(await active()).toBe(first);
   await step("Control+Shift+z", 2);
   expect(await active()).toBe("other");

@@ -1,18 +1,18 @@
 import { existsSync, readFileSync, truncateSync, writeFileSync } from "node:fs";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { hashOf, positionsOf, run, Stage } from "./harness";
+import { EditorHarness, hashOf, positionsOf, run } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open();
-  stage.person.page.setDefaultTimeout(15_000);
+  harness = await EditorHarness.open();
+  harness.user.page.setDefaultTimeout(15_000);
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 
 const upper = { half_space: { point: [0, 0, 1.5], normal: [0, 0, 1] } };
 
 async function moveTop(by: number): Promise<void> {
-  await stage.person.page.evaluate(
+  await harness.user.page.evaluate(
     async ([select, by]) => {
       const { editor } = window.meshgraft;
       const has = editor.state.value?.handles.some(({ name }) => name === "top");
@@ -21,97 +21,97 @@ async function moveTop(by: number): Promise<void> {
     },
     [upper, by] as const,
   );
-  await stage.person.settle();
+  await harness.user.settle();
 }
 
 test("an upload is refused before it is sent, cancelled, and opened", async () => {
-  const { person, folder } = stage;
-  const chooser = person.page.getByLabel("A model of this computer");
+  const { user, folder } = harness;
+  const chooser = user.page.getByLabel("A model of this computer");
 
   const big = folder.file("big.ply");
   writeFileSync(big, "ply\n");
   truncateSync(big, 2 ** 31);
   let sent = 0;
-  await person.page.route("**/upload?*", (route) => {
+  await user.page.route("**/upload?*", (route) => {
     ++sent;
     void route.continue();
   });
   await chooser.setInputFiles(big);
-  await person.page.getByRole("alert").getByText(/are not sent through the browser/).waitFor();
+  await user.page.getByRole("alert").getByText(/are not sent through the browser/).waitFor();
   expect(sent).toBe(0);
-  await person.screenshot("panels-upload-refused");
-  await person.click("Close the message");
-  await person.page.unroute("**/upload?*");
+  await user.screenshot("panels-upload-refused");
+  await user.click("Close the message");
+  await user.page.unroute("**/upload?*");
 
   const model = folder.file("model.obj");
   run("sample", "bar", "--resolution", "8", "-o", model);
-  await person.page.route("**/upload?*", () => undefined); // simulates an engine that reads slowly
+  await user.page.route("**/upload?*", () => undefined); // simulates an engine that reads slowly
   await chooser.setInputFiles(model);
-  await person.click("Cancel");
-  await person.page.getByText("model.obj").waitFor({ state: "hidden" });
-  await person.page.unroute("**/upload?*");
-  expect(await person.page.evaluate(() => window.meshgraft.editor.isOpen.value)).toBe(false);
+  await user.click("Cancel");
+  await user.page.getByText("model.obj").waitFor({ state: "hidden" });
+  await user.page.unroute("**/upload?*");
+  expect(await user.page.evaluate(() => window.meshgraft.editor.isOpen.value)).toBe(false);
 
   await chooser.setInputFiles(model);
-  await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
-  await person.settle(); // the mesh comes before the state
-  expect(await person.page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(positionsOf(model).length / 3);
+  await user.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+  await user.settle(); // the mesh comes before the state
+  expect(await user.page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(positionsOf(model).length / 3);
 });
 
 test("what is damaged is refused with its problem, and the page goes on", async () => {
-  const { person, folder } = stage;
+  const { user, folder } = harness;
   const broken = folder.file("broken.ply");
   writeFileSync(broken, "ply\nformat ascii 1.0\nelement vertex 3\nend_header\n");
-  await person.press("Control+o");
-  await person.page.getByRole("button", { name: /broken\.ply/ }).click();
-  await person.page.getByRole("alert").waitFor();
-  await person.press("Escape");
-  await person.click("Close the message");
+  await user.press("Control+o");
+  await user.page.getByRole("button", { name: /broken\.ply/ }).click();
+  await user.page.getByRole("alert").waitFor();
+  await user.press("Escape");
+  await user.click("Close the message");
 });
 
 test("saving asks where, then not again, and before it replaces", async () => {
-  const { person, folder } = stage;
-  await stage.openSample("bar", 8);
+  const { user, folder } = harness;
+  await harness.openSample("bar", 8);
   await moveTop(0.5);
-  await person.page.waitForFunction((title) => document.title === title, "● bar – meshgraft");
-  await person.press("Control+s");
-  await person.page.getByRole("dialog").getByRole("textbox").fill("my edit");
-  await person.press("Enter");
-  await person.page.getByText("Saved", { exact: true }).waitFor();
-  await person.screenshot("panels-saved");
+  await user.page.waitForFunction((title) => document.title === title, "● bar – meshgraft");
+  await user.press("Control+s");
+  await user.page.getByRole("dialog").getByRole("textbox").fill("my edit");
+  await user.press("Enter");
+  await user.page.getByText("Saved", { exact: true }).waitFor();
+  await user.screenshot("panels-saved");
   const file = folder.file("my edit.json");
   expect(JSON.parse(readFileSync(file, "utf8")).steps[0].handles[0].pose).toEqual({ translate: [0.5, 0, 0] });
-  await person.page.waitForFunction((title) => document.title === title, "bar – meshgraft");
-  await person.click("Close the message");
+  await user.page.waitForFunction((title) => document.title === title, "bar – meshgraft");
+  await user.click("Close the message");
 
   await moveTop(0.75);
-  await person.press("Control+s");
-  await person.page.getByText("Saved", { exact: true }).waitFor();
+  await user.press("Control+s");
+  await user.page.getByText("Saved", { exact: true }).waitFor();
   expect(JSON.parse(readFileSync(file, "utf8")).steps[0].handles[0].pose).toEqual({ translate: [0.75, 0, 0] });
-  await person.click("Close the message");
+  await user.click("Close the message");
 
   const other = folder.file("other.json");
   writeFileSync(other, '{"format": "meshgraft-edit", "keep": "me"}');
   const before = hashOf(other);
-  await person.press("Control+Shift+s");
-  await person.page.getByRole("dialog").getByRole("textbox").fill("other");
-  await person.page.getByRole("dialog").getByText("other.json").waitFor();
-  await person.press("Enter");
-  await person.page.getByText(/is there already/).waitFor();
-  await person.screenshot("panels-replace");
-  await person.click("Keep it");
+  await user.press("Control+Shift+s");
+  await user.page.getByRole("dialog").getByRole("textbox").fill("other");
+  await user.page.getByRole("dialog").getByText("other.json").waitFor();
+  await user.press("Enter");
+  await user.page.getByText(/is there already/).waitFor();
+  await user.screenshot("panels-replace");
+  await user.click("Keep it");
   expect(hashOf(other)).toBe(before);
-  await person.page.getByRole("dialog").getByRole("button", { name: "Save", exact: true }).click();
-  await person.click("Replace");
-  await person.page.getByText("Saved", { exact: true }).waitFor();
+  await user.page.getByRole("dialog").getByRole("button", { name: "Save", exact: true }).click();
+  await user.click("Replace");
+  await user.page.getByText("Saved", { exact: true }).waitFor();
   expect(JSON.parse(readFileSync(other, "utf8")).steps[0].handles[0].name).toBe("top");
-  await person.click("Close the message");
+  await user.click("Close the message");
 });
 
 test("what is not saved is asked about before another model is opened", async () => {
-  const { person, folder } = stage;
-  const { page } = person;
-  await stage.openSample("bar", 8);
+  const { user, folder } = harness;
+  const { page } = user;
+  await harness.openSample("bar", 8);
   await page.evaluate(async () => {
     const { editor } = window.meshgraft;
     if (editor.offer.value !== null) await editor.ask({ do: "discard" });
@@ -124,41 +124,41 @@ test("what is not saved is asked about before another model is opened", async ()
     await page.getByRole("dialog").getByRole("button", { name: /^torus/ }).click();
     await page.getByText("Open torus?").waitFor();
   };
-  await person.press("Control+o");
+  await user.press("Control+o");
   await openTorus();
-  await person.screenshot("panels-leave");
-  await person.click("Cancel");
+  await user.screenshot("panels-leave");
+  await user.click("Cancel");
   await page.getByText("Open torus?").waitFor({ state: "hidden" });
   expect(await name()).toBe("bar");
   await openTorus();
-  await person.click("Save…");
+  await user.click("Save…");
   await page.getByRole("dialog").getByRole("textbox").fill("before torus");
-  await person.press("Enter");
+  await user.press("Enter");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.name === "torus");
   expect(JSON.parse(readFileSync(folder.file("before torus.json"), "utf8")).steps[0].handles[0].name).toBe("top");
   expect(await page.getByRole("dialog").count()).toBe(0);
 
-  await stage.openSample("bar", 8);
+  await harness.openSample("bar", 8);
   await moveTop(0.25);
-  await person.press("Control+o");
+  await user.press("Control+o");
   await openTorus();
-  await person.click("Open without saving");
+  await user.click("Open without saving");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.name === "torus");
-  await stage.openSample("bar", 8);
+  await harness.openSample("bar", 8);
   expect(await page.evaluate(() => window.meshgraft.editor.offer.value?.changes)).toBeGreaterThan(0);
-  await person.click("Restore");
+  await user.click("Restore");
   await page.waitForFunction(() => (window.meshgraft.editor.state.value?.handles.length ?? 0) > 0);
   await moveTop(0.75); // the next test begins with this pose
 });
 
 test("the mesh is exported as it is shown, also as a morph target", async () => {
-  const { person, folder } = stage;
-  await person.press("Control+e");
-  await person.page.getByLabel("Format").selectOption(".obj");
-  await person.page.getByRole("dialog").getByRole("textbox").fill("bent");
-  await person.screenshot("panels-export");
-  await person.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
-  await person.page.getByText("Exported", { exact: true }).waitFor();
+  const { user, folder } = harness;
+  await user.press("Control+e");
+  await user.page.getByLabel("Format").selectOption(".obj");
+  await user.page.getByRole("dialog").getByRole("textbox").fill("bent");
+  await user.screenshot("panels-export");
+  await user.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
+  await user.page.getByText("Exported", { exact: true }).waitFor();
   const bent = positionsOf(folder.file("bent.obj"));
   const rest = folder.file("rest.obj");
   run("sample", "bar", "--resolution", "8", "-o", rest);
@@ -171,16 +171,16 @@ test("the mesh is exported as it is shown, also as a morph target", async () => 
       expect(shift(v)).toBeCloseTo(0.75, 5);
     }
   expect(held).toBeGreaterThan(8);
-  await person.click("Close the message");
+  await user.click("Close the message");
 
-  await person.press("Control+e");
-  await person.page.getByLabel("Format").selectOption(".glb");
-  await person.page.getByRole("switch", { name: "As a morph target" }).check();
-  await person.page.getByLabel("Name of the target").fill("lean");
-  await person.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
-  await person.page.getByText("Exported", { exact: true }).waitFor();
+  await user.press("Control+e");
+  await user.page.getByLabel("Format").selectOption(".glb");
+  await user.page.getByRole("switch", { name: "As a morph target" }).check();
+  await user.page.getByLabel("Name of the target").fill("lean");
+  await user.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
+  await user.page.getByText("Exported", { exact: true }).waitFor();
   const glb = folder.file("bar_deformed.glb");
   expect(existsSync(glb)).toBe(true);
   expect(readFileSync(glb, "latin1")).toContain('"lean"');
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 });

@@ -1,17 +1,17 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { Stage } from "./harness";
+import { EditorHarness } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open();
+  harness = await EditorHarness.open();
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 
 /** Returns whether the focus is in the view cube. */
-const isOnCube = () => stage.person.page.evaluate(() => document.activeElement?.closest(".view-cube") !== null);
+const isOnCube = () => harness.user.page.evaluate(() => document.activeElement?.closest(".view-cube") !== null);
 
 test("tab visits no view cube while nothing is shown", async () => {
-  const { page } = stage.person;
+  const { page } = harness.user;
   for (let i = 0; i < 40; ++i) {
     await page.keyboard.press("Tab");
     expect(await isOnCube()).toBe(false);
@@ -20,19 +20,19 @@ test("tab visits no view cube while nothing is shown", async () => {
 });
 
 test("opens a sample from a fresh page", async () => {
-  const { person } = stage;
-  await person.click(/octopus/i);
-  await person.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
-  await person.settle();
-  const state = await person.page.evaluate(() => window.meshgraft.editor.state.value);
+  const { user } = harness;
+  await user.click(/octopus/i);
+  await user.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+  await user.settle();
+  const state = await user.page.evaluate(() => window.meshgraft.editor.state.value);
   expect(state?.model.vertices).toBeGreaterThan(1000);
-  await person.screenshot("start-octopus");
-  expect(person.complaints).toEqual([]);
+  await user.screenshot("start-octopus");
+  expect(user.complaints).toEqual([]);
 });
 
 test("tells which models have unsaved work, and restores it", async () => {
-  const { person } = stage;
-  const { page } = person;
+  const { user } = harness;
+  const { page } = user;
   expect(await page.locator(".view-cube").isVisible()).toBe(true);
   await page.evaluate(() => window.meshgraft.editor.ask({ do: "region" }).then(() => undefined));
   await page.evaluate(() => window.meshgraft.editor.ask({ do: "paint-handle", vertices: [0], name: "tip" }).then(() => undefined));
@@ -41,9 +41,9 @@ test("tells which models have unsaved work, and restores it", async () => {
   await page.reload();
   await page.waitForFunction(() => window.meshgraft?.editor.welcome.value !== null);
   await page.getByRole("button", { name: /octopus.*has unsaved work to restore/ }).waitFor();
-  await person.screenshot("start-unsaved");
+  await user.screenshot("start-unsaved");
   expect(await page.getByText("has unsaved work to restore").count()).toBe(1);
-  await person.click(/octopus/i);
-  await person.click("Restore");
+  await user.click(/octopus/i);
+  await user.click("Restore");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.handles[0]?.name === "tip");
 });

@@ -1,13 +1,13 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { aimAt, distance, exported, farthest, gripOf, positionOf, verticesOf } from "./grips";
-import { positionsOf, Stage } from "./harness";
+import { EditorHarness, positionsOf } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open({ models: { "ring.obj": ["torus", "--resolution", "60"] } });
-  stage.person.page.setDefaultTimeout(20_000);
+  harness = await EditorHarness.open({ models: { "ring.obj": ["torus", "--resolution", "60"] } });
+  harness.user.page.setDefaultTimeout(20_000);
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 
 /** A grid of cubes over positions, to find the nearest one. */
 class Cubes {
@@ -60,8 +60,8 @@ function asymmetry(positions: Float64Array): number {
 }
 
 test("what is done on one side of the plane happens on the other, to a millionth", async () => {
-  const { person, folder } = stage;
-  const { page } = person;
+  const { user, folder } = harness;
+  const { page } = user;
   const rest = positionsOf(folder.file("ring.obj"));
   expect(asymmetry(rest)).toBeLessThan(1e-6);
 
@@ -79,31 +79,31 @@ test("what is done on one side of the plane happens on the other, to a millionth
   await page.waitForFunction(
     () => Math.abs(window.meshgraft.editor.state.value?.symmetry?.plane.normal[1] ?? 0) === 1,
   );
-  await person.settle();
+  await user.settle();
 
-  await person.rests();
-  await person.screenshot("symmetry-plane");
+  await user.rests();
+  await user.screenshot("symmetry-plane");
 
-  await person.press("Numpad7"); // from above: both sides are seen
-  await person.rests();
-  const at = await aimAt(person, farthest(rest, [0.4, 1, 0.3]));
-  await person.press("h");
-  await person.stroke([at, [at[0] + 14, at[1] + 4]]);
+  await user.press("Numpad7"); // from above: both sides are seen
+  await user.rests();
+  const at = await aimAt(user, farthest(rest, [0.4, 1, 0.3]));
+  await user.press("h");
+  await user.stroke([at, [at[0] + 14, at[1] + 4]]);
   await page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
-  await person.settle();
+  await user.settle();
   await page.getByText(/^Twins: handle 1/).waitFor();
   const name = await page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value ?? "");
-  const held = await verticesOf(person, name);
+  const held = await verticesOf(user, name);
   expect(held.every((v) => (rest[3 * v + 1] as number) > 0)).toBe(true);
 
-  const ball = await gripOf(person, "ball");
-  await person.stroke([ball, [ball[0] + 40, ball[1] - 60]]);
-  await person.settle();
-  for (const key of ["r", "x", "4", "0", "Enter"]) await person.press(key);
-  await person.settle();
-  await person.screenshot("symmetry-moved");
+  const ball = await gripOf(user, "ball");
+  await user.stroke([ball, [ball[0] + 40, ball[1] - 60]]);
+  await user.settle();
+  for (const key of ["r", "x", "4", "0", "Enter"]) await user.press(key);
+  await user.settle();
+  await user.screenshot("symmetry-moved");
 
-  const file = await exported(stage, "both sides", ".obj");
+  const file = await exported(harness, "both sides", ".obj");
   const bent = positionsOf(file);
   const diagonal = diagonalOf(bent);
   const moved = Array.from(
@@ -114,13 +114,13 @@ test("what is done on one side of the plane happens on the other, to a millionth
   expect(far(1)).toBeGreaterThan(0.05);
   expect(far(-1)).toBeCloseTo(far(1), 6);
   expect(asymmetry(bent)).toBeLessThan(1e-6);
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 }, 120_000);
 
 test("a refusal names the tolerance that would do, and takes it by a click", async () => {
-  const { person } = stage;
-  const { page } = person;
-  await stage.openSample("octopus", 30);
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("octopus", 30);
   const tolerance = page.locator(".section").filter({ hasText: "Symmetric editing" }).getByRole("textbox", { name: "Tolerance" });
   await tolerance.fill("1e-6"); // the field is there while symmetry is off, too
   await tolerance.press("Enter");
@@ -133,7 +133,7 @@ test("a refusal names the tolerance that would do, and takes it by a click", asy
   );
   const told = page.getByRole("alert").filter({ hasText: "a mirror image" });
   await told.waitFor();
-  await person.screenshot("symmetry-refused");
+  await user.screenshot("symmetry-refused");
   expect(await told.textContent()).not.toContain("tolerance_rel");
   await told.getByRole("button", { name: /^Use 0\.\d+$/ }).click();
   await page.waitForFunction(() => window.meshgraft.editor.isIdle());

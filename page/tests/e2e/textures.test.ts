@@ -1,13 +1,13 @@
 import { writeFileSync } from "node:fs";
 import { deflateSync } from "node:zlib";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { Stage, type Point } from "./harness";
+import { EditorHarness, type Point } from "./harness";
 
-let stage: Stage;
+let harness: EditorHarness;
 beforeAll(async () => {
-  stage = await Stage.open({ size: { width: 1000, height: 700 } });
+  harness = await EditorHarness.open({ size: { width: 1000, height: 700 } });
 });
-afterAll(() => stage.close());
+afterAll(() => harness.close());
 
 type Colour = readonly [number, number, number];
 const red: Colour = [220, 30, 30];
@@ -72,7 +72,7 @@ function plate(material: string): string {
 const vertexAt = (i: number, j: number) => j * (count + 1) + i;
 
 async function colourAt([x, y]: Point): Promise<Colour> {
-  const { page } = stage.person;
+  const { page } = harness.user;
   const shot = (await page.screenshot()).toString("base64");
   return page.evaluate(
     async ([shot, x, y]) => {
@@ -89,14 +89,14 @@ async function colourAt([x, y]: Point): Promise<Colour> {
 
 /** Returns the colour of the picture that is nearest to the colour shown at a vertex. */
 async function shownAt(i: number, j: number): Promise<Colour | undefined> {
-  const shown = await colourAt(await stage.person.screenOf(vertexAt(i, j)));
+  const shown = await colourAt(await harness.user.screenOf(vertexAt(i, j)));
   const unlike = (colour: Colour) => Math.hypot(...colour.map((part, k) => part - (shown[k] as number)));
   const nearest = [red, green, blue, yellow].sort((a, b) => unlike(a) - unlike(b))[0] as Colour;
   return unlike(nearest) < 90 ? nearest : undefined; // light changes the colour
 }
 
 async function open(file: string): Promise<void> {
-  const { page } = stage.person;
+  const { page } = harness.user;
   await page.evaluate(async (path) => {
     const { editor } = window.meshgraft;
     await editor.ask({ do: "open", path });
@@ -105,9 +105,9 @@ async function open(file: string): Promise<void> {
     editor.view.ambientOcclusion.value = false;
     editor.view.grid.value = false;
   }, file);
-  await stage.person.settle();
+  await harness.user.settle();
   await page.keyboard.press("Numpad1");
-  await stage.person.rests();
+  await harness.user.rests();
 }
 
 async function expectPictures(): Promise<void> {
@@ -120,31 +120,31 @@ async function expectPictures(): Promise<void> {
 }
 
 test("a model is shown with its picture, also when it is bent and after", async () => {
-  const { folder, person } = stage;
+  const { folder, user } = harness;
   writeFileSync(folder.file("squares.png"), picture([red, green, blue, yellow]));
   writeFileSync(folder.file("plate.mtl"), "newmtl squares\nKd 1 1 1\nmap_Kd squares.png\n");
   writeFileSync(folder.file("plate.obj"), plate("squares"));
   await open(folder.file("plate.obj"));
-  await person.screenshot("texture");
+  await user.screenshot("texture");
   await expectPictures();
 
-  const moved = await person.page.evaluate(async (vertices) => {
+  const moved = await user.page.evaluate(async (vertices) => {
     const { editor } = window.meshgraft;
     await editor.ask({ do: "paint-handle", vertices, reach: 0.5, name: "top" });
     await editor.pose({ top: { translate: [0.1, 0.15, 0] } });
     return true;
   }, Array.from({ length: count + 1 }, (_, i) => vertexAt(i, count)));
   expect(moved).toBe(true);
-  await person.settle();
-  await person.rests();
-  await person.screenshot("texture-bent");
+  await user.settle();
+  await user.rests();
+  await user.screenshot("texture-bent");
   await expectPictures();
 
-  await person.page.evaluate(() => window.meshgraft.editor.ask({ do: "accept" }));
-  await person.settle();
-  await person.rests();
+  await user.page.evaluate(() => window.meshgraft.editor.ask({ do: "accept" }));
+  await user.settle();
+  await user.rests();
   await expectPictures();
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 });
 
 /** Returns the same plate as a scanner's PLY file. */
@@ -162,37 +162,37 @@ function plateOfScan(): string {
 }
 
 test("a scan's PLY is shown with its picture, also as a part", async () => {
-  const { folder, person } = stage;
+  const { folder, user } = harness;
   writeFileSync(folder.file("squares.png"), picture([red, green, blue, yellow]));
   writeFileSync(folder.file("scan.ply"), plateOfScan());
   await open(folder.file("scan.ply"));
-  await person.screenshot("texture-ply");
+  await user.screenshot("texture-ply");
   await expectPictures();
 
-  await person.page.evaluate(async (path) => {
+  await user.page.evaluate(async (path) => {
     const { editor } = window.meshgraft;
     await editor.ask({ do: "part", what: "add", path });
     editor.graft.mode.value = "graft";
   }, folder.file("scan.ply"));
-  await person.page.waitForFunction(() => window.meshgraft.viewport.parts.shown().some(({ surface }) => !surface.mesh.visible));
-  await person.rests();
-  const drawn = await person.page.evaluate(() => {
+  await user.page.waitForFunction(() => window.meshgraft.viewport.parts.shown().some(({ surface }) => !surface.mesh.visible));
+  await user.rests();
+  const drawn = await user.page.evaluate(() => {
     const { editor, viewport } = window.meshgraft;
     const shown = viewport.parts.shown().map(({ surface }) => surface.mesh.visible);
     return { shown, complaints: editor.messages.value.map(({ told }) => told.problem) };
   });
-  await person.screenshot("texture-part");
+  await user.screenshot("texture-part");
   expect(drawn).toEqual({ shown: [false], complaints: [] }); // its wedges are drawn instead
-  expect(person.complaints).toEqual([]);
+  expect(user.complaints).toEqual([]);
 });
 
 test("a model whose picture is not there has checks", async () => {
-  const { folder } = stage;
+  const { folder } = harness;
   writeFileSync(folder.file("bare.obj"), plate("nothing"));
   await open(folder.file("bare.obj"));
-  await stage.person.screenshot("texture-checks");
+  await harness.user.screenshot("texture-checks");
   const shades = new Set<string>();
   for (let i = 1; i < count; ++i) shades.add(String(await shownAt(i, 5)));
   expect([...shades]).toEqual(["undefined"]);
-  expect(stage.person.complaints).toEqual([]);
+  expect(harness.user.complaints).toEqual([]);
 });
