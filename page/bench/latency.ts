@@ -2,7 +2,7 @@
 import { cpus, loadavg } from "node:os";
 import type { Page } from "playwright-core";
 import { gripOf } from "../tests/e2e/grips";
-import { EditorHarness, run } from "../tests/e2e/harness";
+import { closeBrowser, EditorHarness, run } from "../tests/e2e/harness";
 import { recordPictures, recordStretches, type Picture, type Records } from "./probe";
 
 const size = { width: 1280, height: 800 };
@@ -210,6 +210,7 @@ for (const [triangles, resolution] of [...sizes, ["2,000,000", 885] as const]) {
   opened.push(row);
   if (drags && triangles !== "2,000,000") dragged.push(...(await measureDrags(harness, triangles)));
   await harness.close();
+  await closeBrowser();
 }
 const load = (loadavg()[0] ?? 0).toFixed(1);
 process.stdout.write(`${cpus().length} cores, SwiftShader (no GPU), page of ${size.width} × ${size.height}; load average ${load}.\n\n`);

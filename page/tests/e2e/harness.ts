@@ -1,11 +1,11 @@
 // Starts the program and its page in Chromium, and acts like a user.
 import { execFileSync, spawn, type ChildProcess } from "node:child_process";
 import { createHash } from "node:crypto";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
-import { chromium, type Browser, type Page } from "playwright-core";
+import { basename, dirname, join, resolve } from "node:path";
+import { chromium, type Browser, type BrowserContext, type Page } from "playwright-core";
 import type { Editor } from "../../src/app/editor";
 import type { GraftView } from "../../src/view/graft/graft_view";
 import type { Viewport } from "../../src/view/viewport";
@@ -47,6 +47,39 @@ export class Folder {
   remove(): void {
     rmSync(this.path, { recursive: true, force: true });
   }
+}
+
+// The samples that this process has made: the folder of each, by its arguments and its file's name.
+const madeSamples = new Map<string, Folder>();
+process.once("exit", () => {
+  for (const folder of madeSamples.values()) folder.remove();
+});
+
+/** Puts the file of a sample there; makes it only once, because large samples take seconds. */
+function putSample(words: readonly string[], file: string): void {
+  const name = basename(file);
+  const key = [...words, name].join(" ");
+  let made = madeSamples.get(key);
+  if (made === undefined) {
+    made = new Folder();
+    run("sample", ...words, "-o", made.file(name));
+    madeSamples.set(key, made);
+  }
+  cpSync(made.path, dirname(file), { recursive: true });
+}
+
+// One browser for all tests of a process, because it takes a second to start; each has a context of its own.
+let browser: Promise<Browser> | undefined;
+
+function sharedBrowser(): Promise<Browser> {
+  browser ??= chromium.launch({ executablePath: browserPath, args: browserArguments });
+  return browser;
+}
+
+/** Closes the browser of this process, which ends with it otherwise. */
+export async function closeBrowser(): Promise<void> {
+  await (await browser)?.close();
+  browser = undefined;
 }
 
 export function hashOf(file: string): string {
@@ -259,11 +292,11 @@ export interface HarnessOptions {
   dark?: boolean;
 }
 
-/** An engine, a browser and a page for one test; `close` ends all. */
+/** An engine, a page and its user for one test; `close` ends all. */
 export class EditorHarness {
   private constructor(
     readonly folder: Folder,
-    readonly browser: Browser,
+    private readonly context: BrowserContext,
     public engine: Engine,
     readonly user: User,
   ) {}
@@ -271,14 +304,13 @@ export class EditorHarness {
   static async open(options: HarnessOptions = {}): Promise<EditorHarness> {
     const folder = new Folder();
     for (const [file, sample] of Object.entries({ ...options.files, ...options.models }))
-      run("sample", ...sample, "-o", folder.file(file));
+      putSample(sample, folder.file(file));
     const models = Object.keys(options.models ?? {}).map((file) => folder.file(file));
     const engine = await Engine.start(
       ["--folder", folder.path, ...(options.words ?? []), ...models],
       options,
     );
-    const browser = await chromium.launch({ executablePath: browserPath, args: browserArguments });
-    const context = await browser.newContext({
+    const context = await (await sharedBrowser()).newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
       colorScheme: options.dark === true ? "dark" : "light",
     });
@@ -288,7 +320,7 @@ export class EditorHarness {
     await page.goto(engine.url);
     await user.ready();
     if (models.length > 0) await user.opened();
-    return new EditorHarness(folder, browser, engine, user);
+    return new EditorHarness(folder, context, engine, user);
   }
 
   /** Opens a built-in model by a request, without the start screen. */
@@ -325,7 +357,7 @@ export class EditorHarness {
   }
 
   async close(): Promise<void> {
-    await this.browser.close();
+    await this.context.close();
     await this.engine.stop();
     this.folder.remove();
   }
