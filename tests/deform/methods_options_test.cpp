@@ -1,0 +1,77 @@
+// Settings under which the methods agree, and settings that are refused.
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/deformer.h>
+
+#include "rotating_methods.h"
+#include "support/mesh_families.h"
+#include "support/scene_edits.h"
+#include "support/variants.h"
+
+namespace meshgraft::test {
+namespace {
+
+using Eigen::Affine3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+TEST(Methods, WithNothingTurnedAndNoStiffnessRotationAwareIsLinear) {
+  for (const TestMesh& mesh : mesh_families()) {
+    SCOPED_TRACE(mesh.name);
+    const Scene scene = make_scene(mesh);
+    const std::vector shift{
+        pose_of(Affine3d(Eigen::Translation3d(0.1 * mesh.box_diagonal() * Vector3d(1, 2, 3))))};
+    const Points aware =
+        make_deformer(scene, held_foot(scene), options_of(DeformMethod::rotation_aware, 0)).evaluate(shift);
+    EXPECT_TRUE(same_bytes(aware, make_deformer(scene, held_foot(scene), linear_method()).evaluate(shift)));
+  }
+}
+
+TEST(Methods, NoStepsIsRotationAware) {
+  for (const TestMesh& mesh : mesh_families()) {
+    SCOPED_TRACE(mesh.name);
+    const Scene scene = make_scene(mesh);
+    DeformerOptions still;
+    still.iterations = 0;
+    EXPECT_TRUE(
+        same_bytes(edit_head(scene, still), edit_head(scene, options_of(DeformMethod::rotation_aware))));
+  }
+}
+
+TEST(Methods, ReflectionsAndFlatteningsFallBackToLinear) {
+  const Scene scene = make_scene(tube(14, 30));
+  Matrix3d flat = Matrix3d::Identity();
+  flat(2, 2) = 0;
+  Matrix3d mirror = Matrix3d::Identity();
+  mirror(0, 0) = -1;
+  for (const Matrix3d& linear : {flat, mirror}) {
+    const std::vector poses{pose_of(about_middle(scene.mesh, linear))};
+    const Points expected = make_deformer(scene, held_foot(scene), linear_method()).evaluate(poses);
+    for (const DeformMethod method : rotating_methods) {
+      EvaluationReport report;
+      const Points result =
+          make_deformer(scene, held_foot(scene), options_of(method, 0)).evaluate(poses, {}, &report);
+      EXPECT_TRUE(report.fell_back_to_linear);
+      EXPECT_TRUE(same_bytes(result, expected));
+      const Points stiff = make_deformer(scene, held_foot(scene), options_of(method)).evaluate(poses);
+      EXPECT_TRUE(stiff.allFinite());
+    }
+  }
+}
+
+TEST(Methods, ParametersOutOfRangeAreRefused) {
+  const Scene scene = make_scene(bumpy_sphere(2));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const DeformerOptions& options :
+       {DeformerOptions{.stiffness = -1}, DeformerOptions{.stiffness = nan}, DeformerOptions{.iterations = -1},
+        DeformerOptions{.iterations = 1'000'000}, DeformerOptions{.smoothing_length_rel = nan},
+        DeformerOptions{.smoothing_length_rel = -0.1}})
+    EXPECT_THROW(make_deformer(scene, held_foot(scene), options), Error);
+}
+
+}  // namespace
+}  // namespace meshgraft::test
