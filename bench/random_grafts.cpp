@@ -21,6 +21,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "../cli/blas_kernels.h"
+#include "support/graft_faults.h"
 #include "support/random_grafts.h"
 
 namespace meshgraft::bench {

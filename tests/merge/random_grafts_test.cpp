@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "support/graft_faults.h"
 #include "support/random_grafts.h"
 
 namespace meshgraft {
