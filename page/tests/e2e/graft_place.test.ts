@@ -1,0 +1,168 @@
+import { afterEach, expect, test } from "vitest";
+import { close, grafted, graftOf, open, saved, watertight } from "./grafting";
+import type { Point, User } from "./harness";
+
+afterEach(close);
+
+/** Returns the rectangle around a mesh on the page: left, top, right, bottom. */
+function boxOnPage(user: User, mesh: "model" | "part"): Promise<[number, number, number, number]> {
+  return user.page.evaluate((which) => {
+    const { editor, viewport, graftView } = window.meshgraft;
+    const object = which === "model" ? editor.graft.model.value : editor.graft.parts.value[0];
+    const count = viewport.surfaceOf(object?.mesh ?? -1)?.vertexCount ?? 0;
+    const box: [number, number, number, number] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (let v = 0; v < count; ++v) {
+      const { x, y } = viewport.project(graftView.positionOf(object?.mesh ?? -1, v)!);
+      box[0] = Math.min(box[0], x);
+      box[1] = Math.min(box[1], y);
+      box[2] = Math.max(box[2], x);
+      box[3] = Math.max(box[3], y);
+    }
+    return box;
+  }, mesh);
+}
+
+test("puts a part to the right of the model, from wherever that is seen", async () => {
+  const { harness, user } = await open();
+  await harness.openSample("bust", 20);
+  await user.page.getByRole("tab", { name: "Graft" }).click();
+  for (const [yaw, pitch] of [[0, 0], [2, 0.3], [2.2, -0.6]] as const) {
+    await user.page.evaluate(
+      async ([yaw, pitch]) => {
+        const { editor, viewport } = window.meshgraft;
+        viewport.navigation.orbit(yaw, pitch);
+        await editor.graft.addPart({ sample: "head", resolution: 20 }, false);
+      },
+      [yaw, pitch] as const,
+    );
+    await user.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
+    await user.rests();
+    const [part, model] = [await boxOnPage(user, "part"), await boxOnPage(user, "model")];
+    expect(part[0]).toBeGreaterThan(model[2] + 5);
+    await user.screenshot(`graft-beside-${Math.round(10 * yaw)}`);
+    await user.press("Control+z");
+    await user.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
+  }
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("drops a part from the library onto the surface", async () => {
+  const { harness, user } = await open();
+  await harness.openSample("torus", 40);
+  await user.page.getByRole("tab", { name: "Graft" }).click();
+  await user.rests(); // the camera still frames the model
+  const thumbnail = await user.page.getByRole("button", { name: "Add cylinder" }).boundingBox();
+  if (thumbnail === null) throw new Error("the library is not shown");
+  await user.page.mouse.move(thumbnail.x + 30, thumbnail.y + 30);
+  await user.page.mouse.down();
+  const status = user.page.getByRole("contentinfo", { name: "Status" });
+  await status.getByText("Add a part from the library").waitFor();
+  const cameraMatrix = () => user.page.evaluate(() => window.meshgraft.viewport.camera.matrixWorld.toArray());
+  const shownBeside = () =>
+    user.page.evaluate(() => window.meshgraft.viewport.parts.shown().map(({ surface }) => surface.id));
+  const seen = await cameraMatrix();
+  await user.page.mouse.move(500, 420, { steps: 5 });
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
+  await status.getByText("Point where the part is to grow").waitFor();
+  await user.rests();
+  expect(await shownBeside()).toEqual([]); // the part is shown only at the pointer
+  await user.screenshot("drop-loaded");
+  await user.page.keyboard.press("Escape");
+  await user.page.mouse.up();
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
+  expect(await cameraMatrix()).toEqual(seen);
+  expect(await user.page.getByText(/was let go beside the surface/).count()).toBe(0);
+
+  const offSurface: Point = await user.page.evaluate(() => {
+    const { canvas } = window.meshgraft.viewport;
+    const { left, bottom } = canvas.getBoundingClientRect();
+    return [left + 30, bottom - 120] as const;
+  });
+  await user.stroke([[thumbnail.x + 30, thumbnail.y + 30], [500, 420], offSurface]);
+  await user.page.getByText("Cylinder was let go beside the surface, so nothing is added").waitFor();
+  await user.screenshot("drop-missed");
+  expect(await user.page.evaluate(() => window.meshgraft.editor.graft.parts.value.length)).toBe(0);
+  expect(await graftOf(user)).toBeNull();
+  expect(await cameraMatrix()).toEqual(seen);
+  await user.press("Escape");
+  await user.page.evaluate(async () => {
+    await window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false);
+  });
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
+  await user.rests();
+  const row = await user.page.getByRole("button", { name: "Graft head" }).boundingBox();
+  if (row === null) throw new Error("the part is not listed");
+  const point = await user.page.evaluate(() => {
+    const { viewport } = window.meshgraft;
+    const surface = viewport.main!;
+    let best: readonly [number, number] = [0, 0];
+    let nearest = Infinity;
+    for (let v = 0; v < surface.vertexCount; v += 3) {
+      const position = surface.positionOf(v);
+      const far = position.distanceTo(viewport.camera.position);
+      if (far >= nearest) continue;
+      nearest = far;
+      const { x, y } = viewport.project(position);
+      best = [x, y];
+    }
+    return best;
+  });
+  await user.page.mouse.move(row.x + 20, row.y + 12);
+  await user.page.mouse.down();
+  await user.page.mouse.move(point[0] + 60, point[1] - 20, { steps: 6 });
+  await user.page.mouse.move(...point, { steps: 6 });
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.dragged.value?.at != null);
+  await user.page.keyboard.press("r");
+  await user.page.mouse.wheel(0, 100);
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.transform.value !== null);
+  await user.rests();
+  await user.screenshot("drop-dragged");
+  expect(await shownBeside()).toEqual([]);
+  const before = await cameraMatrix();
+  await user.page.mouse.up();
+  const report = await grafted(user);
+  expect(report?.error).toBeUndefined();
+  expect(await shownBeside()).toEqual([]);
+  expect(await cameraMatrix()).toEqual(before);
+  await status.getByText("Grafted; Accept keeps it").waitFor();
+  const counts = await user.page.evaluate(() => {
+    const frame = window.meshgraft.editor.graft.preview.value;
+    return { shown: frame?.indices("triangles")?.length ?? 0, model: window.meshgraft.editor.state.value?.model.faces };
+  });
+  expect(counts.shown / 3).not.toBe(counts.model);
+  await status.getByText(`${String(counts.shown / 3).replace(/\B(?=(\d{3})+$)/g, "\u202f")} faces`).waitFor();
+  expect(await graftOf(user)).toMatchObject({ source: "head", at: { spin_deg: 22.5 } });
+  await user.rests();
+  await user.screenshot("drop-done");
+  await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await user.settle();
+  expect(await saved(harness)).toMatchObject({ ...watertight, euler_characteristic: 0 });
+  expect(user.complaints).toEqual([]);
+}, 240_000);
+
+test("a dropped part that reaches out of the view comes into it", async () => {
+  const { harness, user } = await open();
+  const { page } = user;
+  await harness.openSample("torus", 40);
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await page.evaluate(() => window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }, false));
+  await page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 1);
+  await user.rests();
+  const highest = () =>
+    page.evaluate(() => {
+      const { viewport, editor } = window.meshgraft;
+      const positions = editor.graft.preview.value?.floats("positions") ?? viewport.main?.rest ?? new Float32Array();
+      const at = Array.from({ length: positions.length / 3 }, (_, v) => positions[3 * v + 2]!);
+      const top = viewport.camera.position.clone().fromArray(positions, 3 * at.indexOf(Math.max(...at)));
+      return viewport.project(top).y - viewport.canvas.getBoundingClientRect().top;
+    });
+  await page.mouse.move(480, 400);
+  for (let i = 0; i < 12 && (await highest()) > 40; ++i) await page.mouse.wheel(0, -240).then(() => user.rests());
+  await page.evaluate(() => window.meshgraft.editor.graft.set({ source: "head", at: { point: [0, 1, 0.8] } }));
+  const report = await grafted(user);
+  expect(report?.error).toBeUndefined();
+  await user.rests();
+  await user.screenshot("drop-framed");
+  expect(await highest()).toBeGreaterThan(0);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
