@@ -51,7 +51,7 @@ TEST_F(ControlGroups, VersionOneHasAControllerOfItsOwn) {
   EXPECT_EQ(limit("4:memory:/"), 9223372036854771712u);
 }
 
-TEST_F(ControlGroups, WhatSaysNothingLimitsNothing) {
+TEST_F(ControlGroups, FilesWithoutALimitSetNone) {
   EXPECT_EQ(limit(""), none);
   EXPECT_EQ(limit("no colons"), none);
   EXPECT_EQ(control_group_limit(folder_ / "absent", folder_), none);

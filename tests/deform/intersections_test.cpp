@@ -266,7 +266,7 @@ TEST(Intersections, ManyFacesMayMeetInAnEdge) {
   EXPECT_EQ(found_new(book, closed, leaves), (Pairs{{0, 2}}));
 }
 
-TEST(Intersections, TrianglesWithoutAreaOrPlaceTakeNoPart) {
+TEST(Intersections, DegenerateAndNonFiniteTrianglesAreIgnored) {
   const TestMesh apart = two_spheres(2, 2.5), moved = two_spheres(2, 1.2);
   const Pairs pairs = found(moved.positions, moved.triangles);
   // Appends faces that repeat corners, as points or needles, to the spheres' triangles.

@@ -181,7 +181,7 @@ TEST(Laws, HalfAConstraintOutsideTheRegionFreesNothing) {
   for (Index v : scene.head) EXPECT_EQ(result.row(v), scene.mesh.positions.row(v));
 }
 
-TEST(Laws, PartsWithoutAFreeVertexNeedNoConstraints) {
+TEST(Laws, ComponentsWithoutAFreeVertexNeedNoConstraints) {
   const Scene scene = make_scene(bumpy_sphere(2));
   TestMesh both = scene.mesh;
   const Index n = both.size();

@@ -40,7 +40,7 @@ struct LocalEdit {
   }
 };
 
-TEST(Laws, WhatLiesBeyondReachHasNoSay) {
+TEST(Laws, VerticesBeyondReachDoNotMatter) {
   for (const OperatorOptions& options : operator_variants()) {
     SCOPED_TRACE(describe(options));
     const LocalEdit edit;
@@ -78,7 +78,7 @@ TEST(Laws, VerticesOutsideTheRegionKeepTheirBits) {
   EXPECT_EQ(moved, static_cast<Index>(edit.region.vertices.size()));
 }
 
-TEST(Laws, UnrelatedPartsHaveNoSay) {
+TEST(Laws, OtherComponentsDoNotMatter) {
   const Scene scene = make_scene(irregular_grid(18, 12));
   const Index n = scene.mesh.size();
   // Adds a second component that is larger, coarser and far to the side.

@@ -110,7 +110,7 @@ TEST(Methods, HandlesAndVertexConstraintsAreTheSameEdit) {
 }
 
 /// A second component does not influence the first, however it is constrained.
-TEST(Methods, UnrelatedPartsHaveNoSay) {
+TEST(Methods, OtherComponentsDoNotMatter) {
   const Scene scene = make_scene(tube(10, 16));
   const Index n = scene.mesh.size();
   const TestMesh other =

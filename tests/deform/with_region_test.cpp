@@ -269,7 +269,7 @@ TEST_P(WithRegionByMethod, FeaturesStay) {
   }
 }
 
-TEST(WithRegion, IsMadeAnewWhereSomethingElseIsNeeded) {
+TEST(WithRegion, SharesNothingWithRegionsThatDifferTooMuch) {
   const Scene scene = make_scene(bumpy_sphere(3));
   const Region region = held_foot(scene);
   Region fewer_fixed = region;

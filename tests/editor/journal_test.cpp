@@ -103,7 +103,7 @@ TEST(Journal, EndsWhereItIsDamaged) {
   }
 }
 
-TEST(Journal, GoesOnBehindWhatWasTorn) {
+TEST(Journal, AppendsAfterATornLine) {
   const Recorded recorded = record();
   const TemporaryFolder folder;
   const fs::path file =
@@ -132,7 +132,7 @@ TEST(Journal, KeepsWhatIsPutAside) {
   EXPECT_EQ(editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"))->changes, 1u);
 }
 
-TEST(Journal, GoesWhereAllIsSaved) {
+TEST(Journal, IsRemovedWhenAllIsSaved) {
   const Recorded recorded = record();
   const TemporaryFolder folder;
   {

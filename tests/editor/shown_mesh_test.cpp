@@ -64,7 +64,7 @@ TEST(Editor, DragsAndEndsWhereItWasDraggedLast) {
   EXPECT_EQ(page.exact(pose_top(page)["pose"]), shown);
 }
 
-TEST(Editor, GoesOnOnTheAcceptedMesh) {
+TEST(Editor, EditsTheAcceptedMeshFurther) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});
   Page page(editor.url());

@@ -14,7 +14,7 @@
 namespace meshgraft::test {
 namespace {
 
-TEST(Gltf, ReadsWhatThereIs) {
+TEST(Gltf, ReadsTheVerticesAndFacesOfEveryFile) {
   const TemporaryFolder folder;
   for (const GltfCase& c : gltf_cases()) {
     const Mesh mesh = folder.mesh("a.glb", c.builder.glb());
@@ -75,7 +75,7 @@ TEST(Gltf, NodesPlaceTheirMeshes) {
   }
 }
 
-TEST(Gltf, ASkinsNodeHasNoSay) {
+TEST(Gltf, TheNodeOfASkinnedMeshIsIgnored) {
   const TemporaryFolder folder;
   EXPECT_LE(folder.mesh("a.glb", skinned().glb()).positions.maxCoeff(), 1);
 }

@@ -119,7 +119,7 @@ TEST(Obj, NamesMaterialsThatAreNotDefined) {
   EXPECT_EQ(no_file.notes[0].get<std::string>("reason"), "Is a directory");
 }
 
-TEST(Obj, FacesWithoutAMaterialTakeNobodysName) {
+TEST(Obj, FacesWithoutAMaterialGetANameOfTheirOwn) {
   const TemporaryFolder folder;
   const Mesh bare = folder.mesh("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   folder.file("part.mtl", "newmtl default\n");

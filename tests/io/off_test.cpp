@@ -124,7 +124,7 @@ TEST(Off, TheColoursOfFacesKeepTheirSpelling) {
       << written;
 }
 
-TEST(Off, WhatAFileCarriesBecomesAttributes) {
+TEST(Off, DataOfVerticesAndFacesBecomesAttributes) {
   const TemporaryFolder folder;
   const Mesh mesh = folder.mesh("in.off", rich_off);
   ASSERT_EQ(mesh.vertex_count(), 5);
@@ -208,7 +208,7 @@ TEST(Off, DarkBytesStayBytesOfTheirValue) {
   EXPECT_NEAR(again.attributes[0].values[0], 1 / 255.0, 1e-7);
 }
 
-TEST(Off, WhatHasNoPlaceIsNamed) {
+TEST(Off, AttributesThatOffCannotHoldAreNamed) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh(
       "in.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\ng body\nusemtl skin\nf 1/1 2/1 3/1\n");

@@ -93,7 +93,7 @@ TEST(Stl, CornersAtOnePlaceAreOneVertex) {
   }
 }
 
-TEST(Stl, ANanIsNobodysNeighbour) {
+TEST(Stl, VerticesAtNanAreNotMerged) {
   const TemporaryFolder folder;
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   const Mesh mesh = folder.mesh("in.stl", binary({Facet{0, 0, 0, nan, 0, 0, nan, 0, 0, 1, 0, 0}}));
@@ -195,7 +195,7 @@ TEST(Stl, SeveralSolidsAreObjects) {
   EXPECT_TRUE(folder.mesh("one.stl", one).attributes.empty());
 }
 
-TEST(Stl, AnythingElseIsComposedAsBinary) {
+TEST(Stl, MeshesOfOtherFormatsAreWrittenAsBinary) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh("in.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.1 9 9\ng a\nf 1 2 3 4\nf 1 2\n");
   const WriteResult result = write_mesh(mesh, folder / "out.stl");

@@ -200,7 +200,7 @@ TEST(Cut, ValuesAreChecked) {
 }
 
 // Refused faces and vertices do not stop a step that does not reach them.
-TEST(Cut, GoesOnBesideWhatIsSetAside) {
+TEST(Cut, CutsTheSoundFacesOfADefectiveMesh) {
   Mesh mesh = shapes::torus(24, 16, true);  // in the plane z = 0
   mesh.attributes = {{.name = "group", .domain = Domain::face, .values = std::vector<double>(768, 1)}};
   Index highest = 0;

@@ -214,7 +214,7 @@ TEST(Repair, DoesNotDependOnThreads) {
 
 // The smaller fan of a bow tie comes first and keeps the vertex. The fan is removed as debris; the vertex
 // stays.
-TEST(Repair, AVertexGoesWhereItsLastFanDoes) {
+TEST(Repair, KeepsAVertexWhileOneOfItsFansRemains) {
   const Mesh mesh = shapes::polygons(
       {{0, 0, 0}, {-1, 0, 0}, {-1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 2, 0}, {2, 0, 0}, {2, 2, 0}},
       {{0, 1, 2}, {0, 3, 4}, {0, 4, 5}, {3, 6, 4}, {4, 6, 7}, {4, 7, 5}});

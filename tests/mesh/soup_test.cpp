@@ -60,7 +60,7 @@ TEST(Soup, TopologyStaysWithinTheMesh) {
   }
 }
 
-TEST(Soup, EverythingElseEnds) {
+TEST(Soup, OtherAlgorithmsTerminate) {
   for (unsigned seed = 0; seed < 3000; ++seed) {
     SCOPED_TRACE(seed);
     Mesh mesh = soup(seed, seed % 2);

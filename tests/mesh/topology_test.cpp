@@ -50,7 +50,7 @@ std::vector<Expected> surfaces() {
   };
 }
 
-TEST(Connectivity, IsWhatItsPartsAre) {
+TEST(Connectivity, AgreesWithRingsComponentsAndLoops) {
   for (const Expected& expected : surfaces()) {
     SCOPED_TRACE(expected.name);
     const Connectivity all = connectivity(expected.mesh);

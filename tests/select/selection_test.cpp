@@ -54,7 +54,7 @@ class OnGrid : public testing::Test {
   }
 };
 
-TEST_F(OnGrid, All) {
+TEST_F(OnGrid, AllSelectsEveryVertex) {
   EXPECT_EQ(select(Selection::All{}), where([](int, int) { return true; }));
 }
 
