@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <future>
 #include <map>
 #include <thread>
@@ -89,7 +90,12 @@ void in_arena(const Context& context, const Work& work) {
   arena_of(worker_threads(context)).execute(work);
 }
 
-// Runs `work` for each number as a task of its own, in the thread's arena, and waits for all of them.
+// Ends tasks that a failure of another task has left without their results. It reaches no caller: the group
+// of the task that failed throws that task's exception.
+struct TasksLeftOut : std::exception {};
+
+// Runs `work` for each number as a task of its own, in the thread's arena, and waits for all of them. Throws
+// TasksLeftOut if TBB has cancelled the group because a task of an enclosing group failed.
 void run_all(const std::vector<int>& numbers, const std::function<void(int)>& work) {
   if (numbers.empty()) return;
   ForkJoin events;
@@ -101,7 +107,7 @@ void run_all(const std::vector<int>& numbers, const std::function<void(int)>& wo
       work(number);
       signal(events.join);
     });
-  group.wait();
+  if (group.wait() == tbb::task_group_status::canceled) throw TasksLeftOut();
 }
 
 }  // namespace

@@ -183,6 +183,31 @@ TEST(TaskForest, PassesOnAnExceptionAndStopsWhenAsked) {
   }
 }
 
+// A failure cancels tasks that are still to come, also those whose results a task above them waits for.
+TEST(TaskForest, VisitsNoNodeWithoutItsChildrenAfterAnException) {
+  for (const std::vector<int>& parent : forests()) {
+    if (parent.empty() || parent.size() > 10'000) continue;
+    const TaskForest forest(parent, std::vector<double>(parent.size(), 1.0));
+    std::vector<std::vector<int>> children(parent.size());
+    for (std::size_t node = 0; node < parent.size(); ++node)
+      if (parent[node] >= 0) children[parent[node]].push_back(static_cast<int>(node));
+    for (std::size_t time = 0; time < 300; ++time) {
+      const auto failing = static_cast<int>(time * parent.size() / 300);
+      std::vector<std::atomic<int>> visited(parent.size());
+      std::atomic<int> too_early = 0;
+      EXPECT_THROW(forest.visit_up(
+                       [&](int node) {
+                         for (const int child : children[node]) too_early += visited[child] == 0 ? 1 : 0;
+                         if (node == failing) throw std::out_of_range("here");
+                         visited[node] = 1;
+                       },
+                       with_threads(2)),
+                   std::out_of_range);
+      EXPECT_EQ(too_early, 0);
+    }
+  }
+}
+
 TEST(ShareOut, CoversEverythingOnce) {
   for (const int count : {0, 1, 2, 3, 1000})
     for (const int threads : {0, 1, 2, 4}) {
