@@ -63,7 +63,7 @@ void map_buffers([[maybe_unused]] int threads) {
   const int missing = threads - users().buffers;
   if (missing <= 0 || blas_memory_alloc == nullptr) return;
   constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // includes room for alignment
-  const std::size_t bytes = static_cast<std::size_t>(missing) * buffer_bytes;
+  const std::size_t bytes = missing * buffer_bytes;
   if (!platform::can_reserve_address_space(bytes))
     throw Error(facts::linalg::NoRoomForBuffers{.megabytes = bytes >> 20});
   std::vector<void*> buffers;

@@ -11,10 +11,9 @@ namespace {
 /// the matching.
 class HopcroftKarp {
  public:
-  explicit HopcroftKarp(const BipartiteGraph& graph)
-      : graph_(graph), layer_(static_cast<std::size_t>(graph.left_count())) {
+  explicit HopcroftKarp(const BipartiteGraph& graph) : graph_(graph), layer_(graph.left_count()) {
     matching_.of_left.assign(layer_.size(), -1);
-    matching_.of_right.assign(static_cast<std::size_t>(graph.right_count), -1);
+    matching_.of_right.assign(graph.right_count, -1);
   }
 
   Matching run() {

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
+
+#include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 

@@ -32,7 +32,7 @@ constexpr double one = 1, minus_one = -1, zero = 0;
 template <class Tile>
 void for_each_tile(int count, const Context& context, const Tile& tile) {
   parallel_blocks(
-      static_cast<std::size_t>(count),
+      count,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) tile(static_cast<int>(t));
       },
@@ -54,7 +54,7 @@ void update_lower(const double* a, int lda, int rows, int columns, int depth, do
   for (int j = 0; j < tiles_of(columns); ++j)
     for (int i = j; i < tiles_of(rows); ++i) tiles.push_back({i * tile_size, j * tile_size});
   for_each_tile(static_cast<int>(tiles.size()), context, [&](int t) {
-    const auto [row, column] = tiles[static_cast<std::size_t>(t)];
+    const auto [row, column] = tiles[t];
     const int n = std::min(tile_size, columns - column);
     int m = std::min(tile_size, rows - row), below = row;
     double* corner = c + row + static_cast<std::int64_t>(column) * ldc;

@@ -80,8 +80,8 @@ int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::
 
 Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) {
   constexpr std::int64_t most_in_a_leaf = 500, fewest_groups_in_a_leaf = 8;
-  const auto count = static_cast<std::size_t>(lower.rows());
-  Flags has_unknowns(static_cast<std::size_t>(graph.neighbours->size()), 0);
+  const std::size_t count = lower.rows();
+  Flags has_unknowns(graph.neighbours->size(), 0);
   for (const Index group : graph.group)
     if (group >= 0) has_unknowns[group] = 1;
   const std::int64_t groups = std::count(has_unknowns.begin(), has_unknowns.end(), 1);
@@ -90,7 +90,7 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
   const std::vector<int> part = parts_of_unknowns(graph, levels, context);
 
   // Collects the entries that cross the cuts of each level.
-  std::vector<std::vector<Crossing>> crossings(static_cast<std::size_t>(levels));
+  std::vector<std::vector<Crossing>> crossings(levels);
   for (int column = 0; column < static_cast<int>(count); ++column) {
     for (NormalMatrix::InnerIterator entry(lower, column); entry; ++entry) {
       const auto row = static_cast<int>(entry.row());
@@ -112,7 +112,7 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
   }
 
   Dissection dissection;
-  std::vector<std::vector<int>> set(static_cast<std::size_t>(levels) + 1);
+  std::vector<std::vector<int>> set(levels + 1);
   for (int level = 0; level <= levels; ++level) set[level].resize(std::size_t{1} << level);
   const int root = number_sets(0, 0, set, dissection.parent);
   dissection.parent[root] = root + 1;  // set of the unknowns without a group
@@ -128,9 +128,9 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
 }
 
 Dissection one_leaf(std::int64_t unknowns) {
-  Dissection dissection{{-1}, {std::vector<int>(static_cast<std::size_t>(unknowns))}, {}};
+  Dissection dissection{{-1}, {std::vector<int>(unknowns)}, {}};
   std::iota(dissection.unknowns[0].begin(), dissection.unknowns[0].end(), 0);
-  dissection.set_of.assign(static_cast<std::size_t>(unknowns), 0);
+  dissection.set_of.assign(unknowns, 0);
   return dissection;
 }
 

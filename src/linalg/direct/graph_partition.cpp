@@ -41,23 +41,23 @@ BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context
     std::vector<idx_t> number, weights, offsets{0}, neighbours, part;
   };
   const auto input = std::make_shared<Input>();
-  input->number.assign(static_cast<std::size_t>(rings.size()), -1);
+  input->number.assign(rings.size(), -1);
   idx_t vertices = 0;
   for (Index group = 0; group < rings.size(); ++group)
     if (!rings[group].empty()) input->number[group] = vertices++;
   for (const Index group : graph.group)
     if (group >= 0 && input->number[group] < 0) input->number[group] = vertices++;
-  input->weights.assign(static_cast<std::size_t>(vertices), 0);
+  input->weights.assign(vertices, 0);
   for (const Index group : graph.group)
     if (group >= 0) ++input->weights[input->number[group]];
-  std::vector<Index> group_of(static_cast<std::size_t>(vertices));
+  std::vector<Index> group_of(vertices);
   for (Index group = 0; group < rings.size(); ++group)
     if (input->number[group] >= 0) group_of[input->number[group]] = group;
   for (const Index group : group_of) {
     for (const Index other : rings[group]) input->neighbours.push_back(input->number[other]);
     input->offsets.push_back(static_cast<idx_t>(input->neighbours.size()));
   }
-  input->part.assign(static_cast<std::size_t>(vertices), 0);
+  input->part.assign(vertices, 0);
   if (levels > 0)  // METIS rejects a partition into one part
     run_abandonable(
         [input, vertices, levels]() mutable {
@@ -71,7 +71,7 @@ BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context
           if (status != METIS_OK) std::fill(input->part.begin(), input->part.end(), 0);
         },
         context);
-  BisectionTree cuts{levels, std::vector<int>(static_cast<std::size_t>(rings.size()), 0)};
+  BisectionTree cuts{levels, std::vector<int>(rings.size(), 0)};
   for (Index group = 0; group < rings.size(); ++group)
     if (input->number[group] >= 0) cuts.part[group] = static_cast<int>(input->part[input->number[group]]);
   return cuts;
@@ -83,7 +83,7 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
     std::vector<idx_t> offsets, neighbours, order, inverse_permutation;
   };
   const auto input = std::make_shared<Input>();
-  const auto count = static_cast<std::size_t>(lower.cols());
+  const std::size_t count = lower.cols();
   const auto for_each_edge = [&](const auto& body) {
     for (Eigen::Index column = 0; column < lower.cols(); ++column)
       for (NormalMatrix::InnerIterator it(lower, column); it; ++it)
@@ -95,7 +95,7 @@ std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Contex
     ++input->offsets[b + 1];
   });
   std::partial_sum(input->offsets.begin(), input->offsets.end(), input->offsets.begin());
-  input->neighbours.resize(static_cast<std::size_t>(input->offsets.back()));
+  input->neighbours.resize(input->offsets.back());
   std::vector<idx_t> next(input->offsets.begin(), input->offsets.end() - 1);
   for_each_edge([&](idx_t a, idx_t b) {
     input->neighbours[next[a]++] = b;

@@ -69,7 +69,7 @@ class UpdateStore {
       }
       total_ += size;
       peak_ = std::max(peak_, total_);
-      return {std::unique_ptr<double[]>(new double[static_cast<std::size_t>(size)]), size};
+      return {std::unique_ptr<double[]>(new double[size]), size};
     }
     Block block{std::move(fitting->second), fitting->first};
     free_.erase(fitting);
@@ -150,7 +150,7 @@ void MultifrontalFactor::add_updates(int node, int from, int to, const std::vect
     const Front g = front(child);
     const double* update = elimination.updates[child].values.get();
     const int below = g.below();
-    rows.resize(static_cast<std::size_t>(below));
+    rows.resize(below);
     for (int r = 0; r < below; ++r) rows[r] = row_at[g.positions[g.columns + r]];
     const auto begin = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), from) - rows.begin()),
                end = static_cast<int>(std::lower_bound(rows.begin(), rows.end(), to) - rows.begin());
@@ -188,7 +188,7 @@ void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& con
   Elimination elimination{
       .entries = permute(lower, inverse_permutation_, true, context), .store = {}, .updates = {}};
   elimination.updates.resize(parent_.size());
-  values_.reset(new double[static_cast<std::size_t>(panel_begin_.back())]);
+  values_.reset(new double[panel_begin_.back()]);
   const auto unknowns = static_cast<double>(pattern_.order.size());
   std::atomic<std::int64_t> eliminated = 0;
   tbb::enumerable_thread_specific<std::vector<int>> row_maps(
@@ -247,7 +247,7 @@ void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) 
         }
         for (const int child : children_[node]) {
           const Front g = front(child);
-          std::vector<int> rows(static_cast<std::size_t>(g.below()));
+          std::vector<int> rows(g.below());
           for (int r = 0, k = 0; r < g.below(); ++r) {
             while (f.positions[k] < g.positions[g.columns + r]) ++k;
             rows[r] = k;

@@ -48,9 +48,9 @@ LowerEntries permute(const NormalMatrix& lower, std::span<const int> inverse_per
         },
         context);
   };
-  for_each_entry([&](int low, int, double) { ++entries.begin[static_cast<std::size_t>(low) + 1]; });
+  for_each_entry([&](int low, int, double) { ++entries.begin[low + 1]; });
   for (int p = 0; p < count; ++p) entries.begin[p + 1] += entries.begin[p];
-  entries.row.resize(static_cast<std::size_t>(lower.nonZeros()));
+  entries.row.resize(lower.nonZeros());
   if (with_values) entries.value.resize(entries.row.size());
   std::vector<std::int64_t> next(entries.begin.begin(), entries.begin.end() - 1);
   for_each_entry([&](int low, int high, double value) {
@@ -66,7 +66,7 @@ namespace {
 /// Returns for each unknown of a leaf the unknowns of separators with a smaller number that it is coupled
 /// with. These are missing from the leaf's own columns of the lower triangle.
 std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower, const Dissection& dissection) {
-  std::vector<std::vector<int>> couplings(static_cast<std::size_t>(lower.cols()));
+  std::vector<std::vector<int>> couplings(lower.cols());
   for (int set = 0; set < dissection.sets(); ++set) {
     if (dissection.is_leaf(set)) continue;
     for (const int column : dissection.unknowns[set])
@@ -100,10 +100,10 @@ void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
   for (const int unknown : around) local[unknown] = -1;
   for (const int unknown : leaf) local[unknown] = -1;
   if (rows.empty()) return;  // CAMD rejects an empty graph
-  begin.resize(static_cast<std::size_t>(count) + 1, begin.back());
-  constraints.assign(static_cast<std::size_t>(own), 0);
-  constraints.resize(static_cast<std::size_t>(count), 1);
-  std::vector<int> order(static_cast<std::size_t>(count));
+  begin.resize(count + 1, begin.back());
+  constraints.assign(own, 0);
+  constraints.resize(count, 1);
+  std::vector<int> order(count);
   const int status =
       camd_order(count, begin.data(), rows.data(), order.data(), nullptr, nullptr, constraints.data());
   if (status == CAMD_OUT_OF_MEMORY) throw std::bad_alloc();
@@ -122,10 +122,10 @@ struct Supernode {
   int parent_position() const { return rows[columns]; }
 };
 
-/// A set of positions that is cleared in constant time.
-class PlaceSet {
+/// A set of positions, each with a stamp of when it was added, so that clearing takes constant time.
+class StampedSet {
  public:
-  explicit PlaceSet(std::size_t count) : stamp_(count, 0) {}
+  explicit StampedSet(std::size_t count) : stamp_(count, 0) {}
   void clear() {
     positions_.clear();
     ++now_;
@@ -144,9 +144,10 @@ class PlaceSet {
 
 /// Returns the fundamental supernodes of the positions first … last−1, eliminated one by one. A position
 /// joins the preceding supernode if it is that supernode's parent and adds no new row.
-std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, PlaceSet& seen) {
+std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries,
+                                            StampedSet& seen) {
   std::vector<Supernode> nodes;
-  std::vector<std::vector<int>> children(static_cast<std::size_t>(last - first));
+  std::vector<std::vector<int>> children(last - first);
   for (int position = first; position < last; ++position) {
     const bool follows =
         !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_position() == position;
@@ -281,7 +282,7 @@ SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const
 
 SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissection& dissection,
                                          const Context& context) {
-  const auto count = static_cast<std::size_t>(lower.cols());
+  const std::size_t count = lower.cols();
   std::vector<std::vector<int>> ordered = dissection.unknowns;
   {
     const std::vector<std::vector<int>> couplings = couplings_to_separators(lower, dissection);
@@ -319,12 +320,12 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissec
     if (dissection.parent[set] >= 0) children[dissection.parent[set]].push_back(set);
     work.push_back(1 + static_cast<double>(ordered[set].size()));
   }
-  tbb::enumerable_thread_specific<PlaceSet> seen_sets([&] { return PlaceSet(count); });
+  tbb::enumerable_thread_specific<StampedSet> seen_sets([&] { return StampedSet(count); });
   TaskForest(dissection.parent, work)
       .visit_up(
           [&](int set) {
             const int first = first_of_set[set], last = first_of_set[set + 1];
-            PlaceSet& seen = seen_sets.local();
+            StampedSet& seen = seen_sets.local();
             std::vector<Supernode>& own = nodes[set];
             if (dissection.is_leaf(set)) {
               own = merge(eliminate_one_by_one(first, last, entries, seen));
@@ -369,7 +370,7 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const std::v
   for (int& at : in_tree_order) at = order[at];
   for (std::size_t p = 0; p < order.size(); ++p) inverse_permutation[in_tree_order[p]] = static_cast<int>(p);
   const LowerEntries entries = permute(lower, inverse_permutation, false, context);
-  PlaceSet seen(order.size());
+  StampedSet seen(order.size());
   const std::vector<Supernode> nodes =
       merge(eliminate_one_by_one(0, static_cast<int>(order.size()), entries, seen));
   std::vector<const Supernode*> all;

@@ -15,7 +15,7 @@ namespace {
 /// node with very many neighbours makes it far too large.
 class Ball {
  public:
-  explicit Ball(Index count) : in_ball_of_(static_cast<std::size_t>(count), -1) {}
+  explicit Ball(Index count) : in_ball_of_(count, -1) {}
 
   bool grow(Index middle, int radius, const IndexLists& neighbours, const std::vector<Index>& taken) {
     constexpr std::size_t most = 200;
@@ -87,7 +87,7 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
   const Index count = neighbours.size();
   Aggregates result;
   std::vector<Index>& of_node = result.of_node;
-  of_node.assign(static_cast<std::size_t>(count), -1);
+  of_node.assign(count, -1);
   context.throw_if_stopped();
 
   Ball ball(count);
@@ -129,7 +129,7 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
 }
 
 Blending blend(const IndexLists& neighbours, const Aggregates& aggregates, int passes, const Context& context) {
-  const auto count = static_cast<std::size_t>(neighbours.size());
+  const std::size_t count = neighbours.size();
   std::vector<Membership> members(count), averaged(count);
   for (std::size_t node = 0; node < count; ++node)
     if (aggregates.of_node[node] >= 0) {

@@ -129,7 +129,7 @@ MESHGRAFT_WIDEST_REGISTERS void sweep_rows_backward(const Rows N, Index begin, I
 void set_zero(FourColumns& x, Eigen::Index rows, const Context& context) {
   x.resize(rows, columns);
   parallel_blocks(
-      static_cast<std::size_t>(rows),
+      rows,
       [&](std::size_t begin, std::size_t end) {
         std::fill(x.data() + begin * columns, x.data() + end * columns, 0.0);
       },
@@ -150,9 +150,9 @@ class BlockMatrixOf final : public BlockMatrix {
     const std::vector<int>& row = order_.nodes.row;
     blocks_.assign(order_.before_by_block.values.size() * block_size, 0.0);
     entries_.assign(order_.before_by_entry.values.size(), 0.0);
-    diagonal_.assign(static_cast<std::size_t>(order_.nodes.count) * block_size, 0.0);
+    diagonal_.assign(order_.nodes.count * block_size, 0.0);
     parallel_blocks(
-        static_cast<std::size_t>(lower.cols()),
+        lower.cols(),
         [&](std::size_t begin, std::size_t end) {
           for (auto column = static_cast<Eigen::Index>(begin); column < static_cast<Eigen::Index>(end);
                ++column) {
@@ -201,7 +201,7 @@ class BlockMatrixOf final : public BlockMatrix {
 
   const double* diagonal_block(Index node) const override { return &diagonal_[node * block_size]; }
   const double* blocks_before(Index node) const override {
-    return blocks_.data() + static_cast<std::size_t>(order_.before_by_block.offsets[node]) * block_size;
+    return blocks_.data() + order_.before_by_block.offsets[node] * block_size;
   }
   const double* entries_before(Index node) const override {
     return entries_.data() + order_.before_by_entry.offsets[node];
@@ -221,7 +221,7 @@ class BlockMatrixOf final : public BlockMatrix {
     const std::vector<Index>& begin = order_.strips.begin;
     const Index count = (order_.strips.size() + 1 - parity) / 2;
     parallel_blocks(
-        static_cast<std::size_t>(count),
+        count,
         [&](std::size_t first, std::size_t last) {
           for (std::size_t k = first; k < last; ++k) body(begin[2 * k + parity], begin[2 * k + parity + 1]);
         },
@@ -271,7 +271,7 @@ class BlockMatrixOf final : public BlockMatrix {
       const auto list = lists[node];
       const auto at = std::lower_bound(list.begin(), list.end(), other);
       if (at == list.end() || *at != other) return none;
-      return static_cast<std::size_t>(lists.offsets[node] + (at - list.begin()));
+      return lists.offsets[node] + (at - list.begin());
     }
 
     BlockMatrixOf& matrix_;

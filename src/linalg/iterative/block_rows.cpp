@@ -15,8 +15,7 @@ namespace {
 /// Positions assigned to some nodes. All are cleared at once in constant time.
 class NodePositions {
  public:
-  explicit NodePositions(Index count)
-      : set_in_(static_cast<std::size_t>(count), 0), position_(set_in_.size(), 0) {}
+  explicit NodePositions(Index count) : set_in_(count, 0), position_(set_in_.size(), 0) {}
   void clear() { ++round_; }
   std::size_t find_or_set(Index node, std::size_t position) {
     if (std::exchange(set_in_[node], round_) != round_) position_[node] = position;
@@ -34,10 +33,10 @@ class NodePositions {
 template <class MakeScratch, class Fill>
 IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Context& context) {
   constexpr Index block_size = 2048;
-  const auto blocks = static_cast<std::size_t>((count + block_size - 1) / block_size);
+  const std::size_t blocks = (count + block_size - 1) / block_size;
   std::vector<std::vector<Index>> values(blocks);
   IndexLists lists;
-  lists.offsets.assign(static_cast<std::size_t>(count) + 1, 0);
+  lists.offsets.assign(count + 1, 0);
   tbb::enumerable_thread_specific<decltype(make_scratch())> scratch(make_scratch);
   parallel_blocks(
       blocks,
@@ -54,7 +53,7 @@ IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Co
       },
       context, 1);
   std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
-  lists.values.reserve(static_cast<std::size_t>(lists.offsets.back()));
+  lists.values.reserve(lists.offsets.back());
   for (auto& block : values) {
     lists.values.insert(lists.values.end(), block.begin(), block.end());
     block = {};
@@ -93,13 +92,13 @@ BlockRows gather(Index unknowns, const OrderingGraph& graph) {
   const auto group_of = [&](Index u) { return graph.group.empty() ? u : graph.group[u]; };
   Index groups = 0;
   for (Index u = 0; u < unknowns; ++u) groups = std::max(groups, group_of(u) + 1);
-  std::vector<std::uint8_t> members(static_cast<std::size_t>(groups), 0);
+  std::vector<std::uint8_t> members(groups, 0);
   BlockRows nodes;
   for (Index u = 0; u < unknowns; ++u)
     if (const Index group = group_of(u); group >= 0 && ++members[group] > 1) nodes.width = 2;
 
-  std::vector<int> open(static_cast<std::size_t>(groups), -1);  // per group: next row of its last node
-  nodes.row.resize(static_cast<std::size_t>(unknowns));
+  std::vector<int> open(groups, -1);  // per group: next row of its last node
+  nodes.row.resize(unknowns);
   for (Index u = 0; u < unknowns; ++u) {
     const Index group = group_of(u);
     if (group >= 0 && open[group] >= 0 && open[group] % nodes.width != 0) {
@@ -115,8 +114,8 @@ BlockRows gather(Index unknowns, const OrderingGraph& graph) {
 
 /// Returns the couplings given by the matrix's entries. Two nodes may be coupled twice.
 IndexLists matrix_couplings(const NormalMatrix& lower, const BlockRows& nodes, const Context& context) {
-  std::vector<std::vector<int>> unknowns(static_cast<std::size_t>(nodes.width));
-  for (auto& of_row : unknowns) of_row.assign(static_cast<std::size_t>(nodes.count), -1);
+  std::vector<std::vector<int>> unknowns(nodes.width);
+  for (auto& of_row : unknowns) of_row.assign(nodes.count, -1);
   for (std::size_t u = 0; u < nodes.row.size(); ++u)
     unknowns[nodes.row[u] % nodes.width][nodes.row[u] / nodes.width] = static_cast<int>(u);
   const IndexLists half = make_lists(
@@ -150,8 +149,8 @@ struct Layers {
 
 Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings) {
   Layers layers;
-  layers.order.reserve(static_cast<std::size_t>(couplings.size()));
-  Flags seen(static_cast<std::size_t>(couplings.size()), 0);
+  layers.order.reserve(couplings.size());
+  Flags seen(couplings.size(), 0);
   for (const Index start : starts) {
     if (std::exchange(seen[start], 1)) continue;
     layers.order.push_back(start);
@@ -168,7 +167,7 @@ Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings
 
 /// Makes layers from a peripheral node of each connected component, so that they are many and small.
 Layers long_layers(const IndexLists& couplings) {
-  std::vector<Index> starts(static_cast<std::size_t>(couplings.size()));
+  std::vector<Index> starts(couplings.size());
   std::iota(starts.begin(), starts.end(), 0);
   const Layers first = layers_from(starts, couplings);
   return layers_from({first.order.rbegin(), first.order.rend()}, couplings);
@@ -197,7 +196,7 @@ SweepColouring make_strips(const Layers& layers) {
 }
 
 void renumber(BlockRows& nodes, const std::vector<Index>& number, const OrderingGraph& graph) {
-  const auto rows = static_cast<std::size_t>(nodes.count) * static_cast<std::size_t>(nodes.width);
+  const auto rows = static_cast<std::size_t>(nodes.count) * nodes.width;
   Flags shared(nodes.shared.size());
   for (std::size_t k = 0; k < number.size(); ++k) shared[number[k]] = nodes.shared[k];
   nodes.shared = std::move(shared);
@@ -210,7 +209,7 @@ void renumber(BlockRows& nodes, const std::vector<Index>& number, const Ordering
   nodes.positions = Points::Zero(static_cast<Eigen::Index>(rows), 3);
   if (graph.positions.rows() == 0) return;
   for (std::size_t row = 0; row < rows; ++row) {
-    const std::size_t first = row - row % static_cast<std::size_t>(nodes.width);
+    const std::size_t first = row - row % nodes.width;
     const int unknown = nodes.unknown[nodes.unknown[row] < 0 ? first : row];
     nodes.positions.row(static_cast<Eigen::Index>(row)) = graph.positions.row(unknown);
   }
@@ -253,15 +252,15 @@ IndexLists nodes_of(const IndexLists& couplings, Wanted wanted, const Context& c
 /// Returns for each node those of the same group or of neighbouring groups in the graph.
 IndexLists graph_neighbours(const BlockRows& nodes, const OrderingGraph& graph, const Context& context) {
   const Index groups = graph.neighbours->size();
-  std::vector<Index> group(static_cast<std::size_t>(nodes.count), -1);
+  std::vector<Index> group(nodes.count, -1);
   IndexLists members;
-  members.offsets.assign(static_cast<std::size_t>(groups) + 1, 0);
+  members.offsets.assign(groups + 1, 0);
   for (Index node = 0; node < nodes.count; ++node) {
     group[node] = graph.group[nodes.unknown[static_cast<std::size_t>(node) * nodes.width]];
     if (group[node] >= 0) ++members.offsets[group[node] + 1];
   }
   std::partial_sum(members.offsets.begin(), members.offsets.end(), members.offsets.begin());
-  members.values.resize(static_cast<std::size_t>(members.offsets.back()));
+  members.values.resize(members.offsets.back());
   std::vector<Index> end(members.offsets.begin(), members.offsets.end() - 1);
   for (Index node = 0; node < nodes.count; ++node)
     if (group[node] >= 0) members.values[end[group[node]]++] = node;
@@ -281,7 +280,7 @@ IndexLists graph_neighbours(const BlockRows& nodes, const OrderingGraph& graph, 
 /// Otherwise all its neighbours would count as close to each other.
 void share_hubs(const IndexLists& coupled, BlockRows& nodes) {
   constexpr std::size_t few = 64, times_the_mean = 8;
-  const std::size_t mean = coupled.values.size() / static_cast<std::size_t>(std::max<Index>(1, nodes.count));
+  const std::size_t mean = coupled.values.size() / std::max<Index>(1, nodes.count);
   for (Index node = 0; node < nodes.count; ++node)
     if (coupled[node].size() > few + times_the_mean * mean) nodes.shared[node] = 1;
 }
@@ -300,7 +299,7 @@ NodeOrder order_nodes(const NormalMatrix& lower, const OrderingGraph& graph, con
   for (std::size_t k = 0; k < layers.order.size(); ++k) number[layers.order[k]] = static_cast<Index>(k);
   renumber(nodes, number, graph);
 
-  Flags odd(static_cast<std::size_t>(nodes.count), 0);
+  Flags odd(nodes.count, 0);
   for (Index strip = 1; strip < result.strips.size(); strip += 2)
     std::fill(odd.begin() + result.strips.begin[strip], odd.begin() + result.strips.begin[strip + 1],
               std::uint8_t{1});

@@ -32,7 +32,7 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
   choose_bases(aggregates);
   add_shared_unknowns();
 
-  members_.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
+  members_.offsets.assign(count_ + 1, 0);
   for (const Index a : blending_.aggregates.values) ++members_.offsets[a + 1];
   std::partial_sum(members_.offsets.begin(), members_.offsets.end(), members_.offsets.begin());
   members_.values.resize(blending_.weight.size());
@@ -50,13 +50,13 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
 void CoarseSpace::choose_bases(const Aggregates& aggregates) {
   constexpr double flat = 1e-10;  // axes with a smaller squared extent, relative to the largest, are flat
   const BlockRows& nodes = order_.nodes;
-  const auto count = static_cast<std::size_t>(aggregates.count);
+  const std::size_t count = aggregates.count;
   std::vector<double> rows(count, 0.0);
   std::vector<Eigen::Vector3d> centre(count, Eigen::Vector3d::Zero());
   std::vector<Eigen::Matrix3d> moments(count, Eigen::Matrix3d::Zero());
   const auto for_each_row = [&](auto body) {
     for (std::size_t row = 0; row < nodes.unknown.size(); ++row) {
-      const Index a = aggregates.of_node[row / static_cast<std::size_t>(nodes.width)];
+      const Index a = aggregates.of_node[row / nodes.width];
       if (a >= 0 && nodes.unknown[row] >= 0)
         body(a, Eigen::Vector3d(nodes.positions.row(static_cast<Eigen::Index>(row)).transpose()));
     }
@@ -84,7 +84,7 @@ void CoarseSpace::choose_bases(const Aggregates& aggregates) {
 
 void CoarseSpace::add_shared_unknowns() {
   const BlockRows& nodes = order_.nodes;
-  column_.assign(static_cast<std::size_t>(nodes.count), 0);
+  column_.assign(nodes.count, 0);
   if (std::find(nodes.shared.begin(), nodes.shared.end(), 1) == nodes.shared.end()) return;
   Blending with_shared;
   Index shared = 0;
@@ -102,7 +102,7 @@ void CoarseSpace::add_shared_unknowns() {
   }
   blending_ = std::move(with_shared);
   count_ = first_shared_ + (shared + 3) / 4;
-  basis_.resize(static_cast<std::size_t>(count_), Basis::Identity());
+  basis_.resize(count_, Basis::Identity());
 }
 
 /// Adds the contribution of rows of L + ½D to the blocks (a, b), a ≥ b, of Pᵀ N P = C + Cᵀ, where
@@ -112,7 +112,7 @@ void CoarseSpace::add_rows(const BlockMatrix& matrix, Index begin, Index end, Bl
   using Rows = Eigen::Matrix<double, width, 4>;
   using MatrixBlock = Eigen::Matrix<double, width, width, Eigen::RowMajor>;
   const BlockRows& nodes = order_.nodes;
-  std::vector<Index> reached, position(static_cast<std::size_t>(count_), -1);
+  std::vector<Index> reached, position(count_, -1);
   std::vector<Rows> product;  // one entry per aggregate reached: row i of L + ½D times (p − p_i, 1) w
   // The functions of a node's rows, about a nearby origin to avoid cancellation.
   const auto functions = [&](Index node, const Eigen::RowVector3d& origin) {
@@ -190,13 +190,13 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
   constexpr Index most_parts = 64;
   const Index nodes = order_.nodes.count,
               part_size = std::max<Index>(2048, (nodes + most_parts - 1) / most_parts);
-  const auto parts = static_cast<std::size_t>((nodes + part_size - 1) / part_size);
+  const std::size_t parts = (nodes + part_size - 1) / part_size;
   std::vector<BlockLists> sums(parts);
   parallel_blocks(
       parts,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t part = begin; part < end; ++part) {
-          sums[part].resize(static_cast<std::size_t>(count_));
+          sums[part].resize(count_);
           const Index first = static_cast<Index>(part) * part_size, last = std::min(nodes, first + part_size);
           if (order_.nodes.width == 1)
             add_rows<1>(matrix, first, last, sums[part]);
@@ -206,8 +206,8 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
       },
       context, 1);
 
-  BlockLists rows(static_cast<std::size_t>(count_));
-  std::vector<std::int64_t> entries(static_cast<std::size_t>(count_), 0);  // per column of blocks
+  BlockLists rows(count_);
+  std::vector<std::int64_t> entries(count_, 0);  // per column of blocks
   for (Index a = 0; a < count_; ++a) {
     std::vector<BlockEntry>& row = rows[a];
     for (BlockLists& of_part : sums) {
@@ -252,7 +252,7 @@ Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index
   const BlockRows& nodes = order_.nodes;
   Eigen::MatrixXd restricted(unknowns(), columns);
   parallel_blocks(
-      static_cast<std::size_t>(count_),
+      count_,
       [&](std::size_t begin, std::size_t end) {
         for (auto a = static_cast<Index>(begin); a < static_cast<Index>(end); ++a) {
           Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
@@ -279,12 +279,12 @@ Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index
 void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Context& context) const {
   const BlockRows& nodes = order_.nodes;
   const Eigen::Index columns = y.cols();
-  std::vector<Eigen::Matrix4d> functions(static_cast<std::size_t>(count_), Eigen::Matrix4d::Zero());
+  std::vector<Eigen::Matrix4d> functions(count_, Eigen::Matrix4d::Zero());
   for (Index a = 0; a < count_; ++a)
     functions[a].leftCols(columns) = basis_[a] * y.middleRows<4>(4 * Eigen::Index{a});
   x.resize(static_cast<Eigen::Index>(nodes.unknown.size()), 4);
   parallel_blocks(
-      static_cast<std::size_t>(nodes.count),
+      nodes.count,
       [&](std::size_t begin, std::size_t end) {
         for (auto node = static_cast<Index>(begin); node < static_cast<Index>(end); ++node) {
           Eigen::Matrix4d blended = Eigen::Matrix4d::Zero();
@@ -306,7 +306,7 @@ void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Contex
 
 OrderingGraph CoarseSpace::ordering_graph(const IndexLists& coarse_neighbours) const {
   OrderingGraph graph;
-  graph.group.resize(static_cast<std::size_t>(unknowns()), -1);
+  graph.group.resize(unknowns(), -1);
   for (Index u = 0; u < 4 * first_shared_; ++u) graph.group[u] = u / 4;
   graph.neighbours = &coarse_neighbours;
   return graph;
@@ -323,7 +323,7 @@ IndexLists CoarseSpace::coarse_neighbours() const {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   IndexLists lists;
-  lists.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
+  lists.offsets.assign(count_ + 1, 0);
   for (const auto& [a, b] : pairs) {
     ++lists.offsets[a + 1];
     lists.values.push_back(b);

@@ -24,7 +24,7 @@ using FourNumbers = Eigen::Array<double, 1, 4>;
 /// Computes Σ x y per column, in parts of fixed size so that rounding does not depend on the threads.
 FourNumbers dot(const FourColumns& x, const FourColumns& y, const Context& context) {
   constexpr Eigen::Index part_size = 8192;
-  const auto parts = static_cast<std::size_t>((x.rows() + part_size - 1) / part_size);
+  const std::size_t parts = (x.rows() + part_size - 1) / part_size;
   std::vector<FourNumbers> sums(parts);
   parallel_blocks(
       parts,
@@ -48,7 +48,7 @@ FourNumbers dot(const FourColumns& x, const FourColumns& y, const Context& conte
 void combine(const FourNumbers& y_scale, FourColumns& y, const FourNumbers& x_scale, const FourColumns& x,
              const Context& context) {
   parallel_blocks(
-      static_cast<std::size_t>(y.rows()),
+      y.rows(),
       [&](std::size_t begin, std::size_t end) {
         for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row)
           y.row(row) = (y_scale * y.row(row).array() + x_scale * x.row(row).array()).matrix();
