@@ -16,23 +16,6 @@
 namespace meshgraft {
 namespace {
 
-IndexLists neighbours_of(Index groups, const std::vector<std::pair<Index, Index>>& edges) {
-  std::vector<std::vector<Index>> near(static_cast<std::size_t>(groups));
-  for (const auto& [a, b] : edges) {
-    if (a == b) continue;
-    near[a].push_back(b);
-    near[b].push_back(a);
-  }
-  IndexLists lists;
-  for (std::vector<Index>& list : near) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    lists.values.insert(lists.values.end(), list.begin(), list.end());
-    lists.offsets.push_back(static_cast<Index>(lists.values.size()));
-  }
-  return lists;
-}
-
 struct System {
   std::string name;
   NormalMatrix lower;
@@ -135,17 +118,12 @@ TEST(Dissection, CutsMeshesIntoManyLeavesBySmallSeparators) {
 TEST(Dissection, HasSeparatorsAsThickAsCouplingsAreLong) {
   constexpr Index width = 40, height = 25;
   for (const Index reach : {1, 2, 3}) {
-    std::vector<std::pair<Index, Index>> edges;
     std::vector<int> side;
-    std::vector<Index> group;
-    for (Index position = 0; position < width * height; ++position) {
-      if (position % width > 0) edges.emplace_back(position, position - 1);
-      if (position >= width) edges.emplace_back(position, position - width);
+    for (Index position = 0; position < width * height; ++position)
       side.push_back(position % width < width / 2 ? 0 : 1);
-      group.push_back(position);
-    }
-    const IndexLists neighbours = neighbours_of(width * height, edges);
-    OrderingGraph graph{group, &neighbours, std::make_shared<BisectionTree>(BisectionTree{1, side})};
+    const IndexLists neighbours = grid_neighbours(width, height);
+    OrderingGraph graph{numbers_below(width * height), &neighbours,
+                        std::make_shared<BisectionTree>(BisectionTree{1, side})};
     const Dissection dissection = dissect(lattice_matrix(width, height, reach), graph);
     ASSERT_EQ(dissection.sets(), 4) << "two sides, the separator, unknowns without a group";
     EXPECT_EQ(dissection.unknowns[2].size(), static_cast<std::size_t>(reach * height));

@@ -15,12 +15,6 @@
 namespace meshgraft {
 namespace {
 
-std::vector<int> numbers_below(Eigen::Index count) {
-  std::vector<int> numbers(static_cast<std::size_t>(count));
-  std::iota(numbers.begin(), numbers.end(), 0);
-  return numbers;
-}
-
 TEST(NestedDissectionOrder, HasEveryUnknownOnceAndIsTheSameEveryTime) {
   for (const NamedMatrix& family : matrix_families()) {
     const std::vector<int> order = nested_dissection_order(family.lower);
@@ -39,7 +33,7 @@ TEST(NestedDissectionOrder, FillsAGridLessThanTheOrderOfItsRows) {
   }
 }
 
-TEST(CutGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
+TEST(BisectGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
   for (const char* sample : {"bumpy_plane", "torus", "knot"}) {
     const Mesh mesh = make_sample(sample, 40);
     const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
@@ -62,7 +56,7 @@ TEST(CutGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
   }
 }
 
-TEST(CutGraph, LeavesAGraphWholeThatIsToHaveOnePart) {
+TEST(BisectGraph, LeavesAGraphWholeThatIsToHaveOnePart) {
   const Mesh mesh = make_sample("torus", 12);
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
   const BisectionTree cuts = bisect_graph({numbers_below(mesh.vertex_count()), &rings}, 0);

@@ -1,7 +1,7 @@
 // The backend `iterative` is as accurate as asked for, and its iterations do not grow with the problem.
 #include <cmath>
 #include <cstring>
-#include <numeric>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,8 @@
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/linalg/sparse.h>
 #include <meshgraft/samples/samples.h>
+
+#include "matrix_families.h"
 
 namespace meshgraft {
 namespace {
@@ -39,9 +41,9 @@ Plate make_plate(const Mesh& mesh, const std::function<bool(Index)>& held) {
       if (column[w] >= 0) entries.emplace_back(v, column[w], -1.0 / static_cast<double>(ring.size()));
   }
   const auto columns = static_cast<Eigen::Index>(plate.free.size());
-  SparseRows rows(mesh.vertex_count(), columns), none(1, columns);
+  SparseRows rows(mesh.vertex_count(), columns);
   rows.setFromTriplets(entries.begin(), entries.end());
-  plate.matrix = normal_equations(transpose(rows), rows, transpose(none), SparseRows(1, 1), none);
+  plate.matrix = gram_matrix(rows);
   plate.positions = mesh.positions(plate.free, Eigen::all);
   return plate;
 }
@@ -192,26 +194,19 @@ TEST(IterativeSolver, SolvesHubsAndWhatHasNoPositions) {
   // In a wheel all nodes are beside the hub, so the bi-Laplacian couples every node with every other.
   constexpr Index rim = 700;
   Plate plate;
-  std::vector<std::vector<Index>> rings(rim + 1);
-  for (Index v = 0; v < rim; ++v) {
-    rings[v] = {(v + rim - 1) % rim, (v + 1) % rim, rim};
-    rings[rim].push_back(v);
-  }
-  for (auto& ring : rings) {
-    std::sort(ring.begin(), ring.end());
-    plate.rings.values.insert(plate.rings.values.end(), ring.begin(), ring.end());
-    plate.rings.offsets.push_back(static_cast<Index>(plate.rings.values.size()));
-  }
+  std::vector<std::pair<Index, Index>> edges;
+  for (Index v = 0; v < rim; ++v) edges.insert(edges.end(), {{v, (v + 1) % rim}, {v, rim}});
+  plate.rings = neighbours_of(rim + 1, edges);
   std::vector<Eigen::Triplet<double>> entries;
   for (Index v = 0; v <= rim; ++v) {
     entries.emplace_back(v, v, 1.0 + 1e-3);
-    for (const Index w : rings[v]) entries.emplace_back(v, w, -1.0 / static_cast<double>(rings[v].size()));
+    const auto ring = plate.rings[v];
+    for (const Index w : ring) entries.emplace_back(v, w, -1.0 / static_cast<double>(ring.size()));
   }
-  SparseRows rows(rim + 1, rim + 1), none(1, rim + 1);
+  SparseRows rows(rim + 1, rim + 1);
   rows.setFromTriplets(entries.begin(), entries.end());
-  plate.matrix = normal_equations(transpose(rows), rows, transpose(none), SparseRows(1, 1), none);
-  plate.free.resize(rim + 1);
-  std::iota(plate.free.begin(), plate.free.end(), Index{0});
+  plate.matrix = gram_matrix(rows);
+  plate.free = numbers_below(rim + 1);
   const Eigen::MatrixXd rhs = loads(plate, 3);
   auto solver = make_solver(SolverBackend::iterative);
   solver->analyse(plate.matrix, {plate.free, &plate.rings});

@@ -1,53 +1,19 @@
 #include <meshgraft/linalg/linear_solver.h>
 
+#include <algorithm>
 #include <chrono>
-#include <cstring>
-#include <memory>
-#include <numeric>
 #include <random>
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/linalg/sparse.h>
-#include <meshgraft/mesh/topology.h>
-#include <meshgraft/samples/samples.h>
 
 #include "matrix_families.h"
 
 namespace meshgraft {
 namespace {
-
-/// Returns a 2D bi-Laplacian on a k×k grid plus a small multiple of the identity, which is positive definite.
-NormalMatrix grid_matrix(int k, double shift = 1e-3) {
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto at = [k](int x, int y) { return y * k + x; };
-  for (int y = 0; y < k; ++y) {
-    for (int x = 0; x < k; ++x) {
-      entries.emplace_back(at(x, y), at(x, y), 4.0);
-      if (x > 0) entries.emplace_back(at(x, y), at(x - 1, y), -1.0);
-      if (x + 1 < k) entries.emplace_back(at(x, y), at(x + 1, y), -1.0);
-      if (y > 0) entries.emplace_back(at(x, y), at(x, y - 1), -1.0);
-      if (y + 1 < k) entries.emplace_back(at(x, y), at(x, y + 1), -1.0);
-    }
-  }
-  SparseRows laplacian(k * k, k * k);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  SparseRows diagonal(k * k, k * k);
-  diagonal.setIdentity();
-  diagonal *= shift;
-  SparseRows identity(k * k, k * k);
-  identity.setIdentity();
-  return normal_equations(transpose(laplacian), laplacian, diagonal, identity, diagonal);
-}
-
-Eigen::MatrixXd dense(const NormalMatrix& lower) {
-  const Eigen::MatrixXd half = Eigen::MatrixXd(lower);
-  return Eigen::MatrixXd(half.selfadjointView<Eigen::Lower>());
-}
 
 class EveryBackend : public testing::TestWithParam<SolverBackend> {};
 
@@ -103,7 +69,7 @@ TEST_P(EveryBackend, SolvesFromSeveralThreadsToTheSameBytes) {
   std::thread other([&] { first = solver->solve(rhs); });
   second = solver->solve(rhs);
   other.join();
-  EXPECT_EQ(std::memcmp(first.data(), second.data(), sizeof(double) * first.size()), 0);
+  EXPECT_TRUE(same_bytes(first, second));
 }
 
 TEST_P(EveryBackend, StopsWhenAsked) {
@@ -120,27 +86,13 @@ TEST_P(EveryBackend, EstimatesTheConditionNumberFromBelow) {
   auto solver = make_solver(GetParam());
   solver->analyse(matrix);
   solver->factorise(matrix);
-  const Eigen::MatrixXd full = dense(matrix);
+  const Eigen::MatrixXd full = full_matrix(matrix);
   const double norm = full.cwiseAbs().colwise().sum().maxCoeff();
   const double exact = norm * full.inverse().cwiseAbs().colwise().sum().maxCoeff();
   EXPECT_NEAR(one_norm(matrix), norm, 1e-9 * norm);
   const double estimate = estimate_condition(norm, *solver);
   EXPECT_LE(estimate, exact * (1 + 1e-6));
   EXPECT_GE(estimate, exact / 10);
-}
-
-/// Returns the neighbours in a k×k grid.
-IndexLists grid_rings(int k) {
-  IndexLists rings;
-  for (int y = 0; y < k; ++y) {
-    for (int x = 0; x < k; ++x) {
-      for (const auto& [dx, dy] : {std::pair{0, -1}, {-1, 0}, {1, 0}, {0, 1}})
-        if (x + dx >= 0 && x + dx < k && y + dy >= 0 && y + dy < k)
-          rings.values.push_back((y + dy) * k + x + dx);
-      rings.offsets.push_back(static_cast<Index>(rings.values.size()));
-    }
-  }
-  return rings;
 }
 
 /// Returns a grid's matrix with one more unknown that is coupled with all others.
@@ -160,10 +112,10 @@ NormalMatrix with_shared_unknown(const NormalMatrix& grid) {
 
 TEST_P(EveryBackend, SolvesTheSameWithACouplingGraph) {
   constexpr int k = 110;  // large enough for nested dissection
-  const IndexLists rings = grid_rings(k);
+  const IndexLists rings = grid_neighbours(k, k);
   const NormalMatrix matrix = with_shared_unknown(grid_matrix(k));
-  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()), -1);
-  std::iota(group.begin(), group.end() - 1, Index{0});
+  std::vector<Index> group = numbers_below(matrix.rows());
+  group.back() = -1;
   auto with = make_solver(GetParam()), without = make_solver(GetParam());
   with->analyse(matrix, {group, &rings});
   without->analyse(matrix);
@@ -176,50 +128,10 @@ TEST_P(EveryBackend, SolvesTheSameWithACouplingGraph) {
   EXPECT_LT((with->solve(rhs, options) - without->solve(rhs, options)).norm(), 1e-6 * x.norm());
 }
 
-/// Returns a bi-Laplacian over rings, plus the identity.
-NormalMatrix bilaplacian(const IndexLists& rings) {
-  const Index n = rings.size();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index v = 0; v < n; ++v) {
-    entries.emplace_back(v, v, static_cast<double>(rings[v].size()));
-    for (const Index w : rings[v]) entries.emplace_back(v, w, -1.0);
-  }
-  SparseRows laplacian(n, n), identity(n, n);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  identity.setIdentity();
-  return normal_equations(transpose(laplacian), laplacian, identity, identity, identity);
-}
-
-TEST(NestedDissection, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
-  if (available_backends().front() != SolverBackend::multifrontal)
-    GTEST_SKIP() << "this build has no multifrontal solver";
-  for (const char* sample : {"bumpy_plane", "torus", "knot", "cylinder"}) {
-    const Mesh mesh = make_sample(sample, 140);
-    const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
-    const NormalMatrix matrix = bilaplacian(rings);
-    std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
-    std::iota(group.begin(), group.end(), Index{0});
-    const auto analysed = [&](const OrderingGraph& graph) {
-      auto solver = make_solver(SolverBackend::multifrontal);
-      solver->analyse(matrix, graph);
-      return solver->statistics();
-    };
-    SolverStatistics first, second;
-    std::thread other([&] { first = analysed({group, &rings}); });
-    second = analysed({group, &rings});
-    other.join();
-    const SolverStatistics minimum_degree = analysed({});
-    ASSERT_EQ(first.ordering, "dissection") << mesh.vertex_count();
-    EXPECT_EQ(minimum_degree.ordering, "amd");
-    EXPECT_EQ(first.factor_nonzeros, second.factor_nonzeros);
-    EXPECT_LT(first.factor_flops, minimum_degree.factor_flops) << sample;
-  }
-}
-
 TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
   // Each grid position has two unknowns, but a middle column has none, so the graph falls into two pieces.
   constexpr int k = 90;
-  const IndexLists rings = grid_rings(k);
+  const IndexLists rings = grid_neighbours(k, k);
   std::vector<Index> group;
   for (Index place = 0; place < k * k; ++place)
     if (place % k != k / 2) group.insert(group.end(), 2, place);
@@ -247,32 +159,11 @@ TEST(NestedDissection, TakesAGraphInPiecesAndGroupsOfSeveral) {
   }
 }
 
-TEST(NestedDissection, CutsAGraphOnceForSeveralSystems) {
-  if (available_backends().front() != SolverBackend::multifrontal)
-    GTEST_SKIP() << "this build has no multifrontal solver";
-  constexpr int k = 100;
-  const IndexLists rings = grid_rings(k);
-  const NormalMatrix matrix = grid_matrix(k);
-  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
-  std::iota(group.begin(), group.end(), Index{0});
-  const auto cuts = std::make_shared<BisectionTree>();
-  auto alone = make_solver(), first = make_solver(), second = make_solver();
-  alone->analyse(matrix, {group, &rings});
-  first->analyse(matrix, {group, &rings, cuts});
-  const BisectionTree filled = *cuts;
-  EXPECT_EQ(filled.part.size(), group.size());
-  second->analyse(matrix, {group, &rings, cuts});
-  EXPECT_EQ(cuts->part, filled.part);
-  for (const auto* solver : {&first, &second})
-    EXPECT_EQ((*solver)->statistics().factor_nonzeros, alone->statistics().factor_nonzeros);
-}
-
 TEST(NestedDissection, CanBeCancelledAtAnyTime) {
   constexpr int k = 110;
-  const IndexLists rings = grid_rings(k);
+  const IndexLists rings = grid_neighbours(k, k);
   const NormalMatrix matrix = grid_matrix(k);
-  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
-  std::iota(group.begin(), group.end(), Index{0});
+  const std::vector<Index> group = numbers_below(matrix.rows());
   for (const int milliseconds : {0, 1, 3, 10, 30, 100}) {
     std::stop_source stop;
     const Context context{.threads = 2, .progress = {}, .stop_token = stop.get_token()};
@@ -303,21 +194,11 @@ TEST(NestedDissection, SolvesWhateverTheGraphSays) {
     std::vector<Index> group;
     for (int u = 0; u < k * k; ++u)
       group.push_back(u % 97 == 0 ? -1 : static_cast<Index>(generator() % static_cast<unsigned>(groups)));
-    std::vector<std::vector<Index>> near(static_cast<std::size_t>(groups));
-    for (Index edge = 0; edge < groups; ++edge) {
-      const auto a = static_cast<Index>(generator() % static_cast<unsigned>(groups)),
-                 b = static_cast<Index>(generator() % static_cast<unsigned>(groups));
-      if (a == b) continue;
-      near[a].push_back(b);
-      near[b].push_back(a);
-    }
-    IndexLists neighbours;
-    for (std::vector<Index>& list : near) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-      neighbours.values.insert(neighbours.values.end(), list.begin(), list.end());
-      neighbours.offsets.push_back(static_cast<Index>(neighbours.values.size()));
-    }
+    std::vector<std::pair<Index, Index>> edges;
+    for (Index edge = 0; edge < groups; ++edge)
+      edges.emplace_back(generator() % static_cast<unsigned>(groups),
+                         generator() % static_cast<unsigned>(groups));
+    const IndexLists neighbours = neighbours_of(groups, edges);
     auto solver = make_solver();
     solver->analyse(matrix, {group, &neighbours});
     solver->factorise(matrix);
@@ -327,26 +208,22 @@ TEST(NestedDissection, SolvesWhateverTheGraphSays) {
 
 TEST_P(EveryBackend, GivesTheSameBytesForAnyNumberOfThreadsAndColumns) {
   constexpr int k = 110;
-  const IndexLists rings = grid_rings(k);
+  const IndexLists rings = grid_neighbours(k, k);
   const NormalMatrix matrix = grid_matrix(k);
-  std::vector<Index> group(static_cast<std::size_t>(matrix.rows()));
-  std::iota(group.begin(), group.end(), Index{0});
+  const std::vector<Index> group = numbers_below(matrix.rows());
   const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(k * k, 40);
-  const auto context = [](int threads) {
-    return Context{.threads = threads, .progress = {}, .stop_token = {}};
-  };
   const auto factor = [&](int threads) {
     auto solver = make_solver(GetParam());
-    solver->analyse(matrix, {group, &rings}, context(threads));
-    solver->factorise(matrix, context(threads));
+    solver->analyse(matrix, {group, &rings}, with_threads(threads));
+    solver->factorise(matrix, with_threads(threads));
     return solver;
   };
   const auto by_one = factor(1), by_two = factor(2);
   for (const int columns : {1, 2, 3, 5, 32, 40}) {
     if (columns > 5 && GetParam() == SolverBackend::iterative) continue;  // solves four at a time
-    const Eigen::MatrixXd one = by_one->solve(rhs.leftCols(columns), context(1)),
-                          two = by_two->solve(rhs.leftCols(columns), context(2));
-    EXPECT_EQ(std::memcmp(one.data(), two.data(), sizeof(double) * one.size()), 0) << columns;
+    const Eigen::MatrixXd one = by_one->solve(rhs.leftCols(columns), with_threads(1)),
+                          two = by_two->solve(rhs.leftCols(columns), with_threads(2));
+    EXPECT_TRUE(same_bytes(one, two)) << columns;
     const Eigen::MatrixXd residual = matrix.selfadjointView<Eigen::Lower>() * one - rhs.leftCols(columns);
     EXPECT_LT(residual.norm(), 1e-8 * rhs.norm()) << columns;  // iterations stop at a tolerance
   }
@@ -377,97 +254,6 @@ TEST(Backends, OneThatIsNotBuiltInIsRefusedByName) {
     EXPECT_NE(error.remedy().find("'auto'"), std::string::npos) << error.remedy();
     EXPECT_NE(error.remedy().find("MESHGRAFT_WITH_MULTIFRONTAL"), std::string::npos) << error.remedy();
   }
-}
-
-TEST(Multifrontal, OrdersByMinimumDegreeOrLargeMatricesByNestedDissection) {
-  if (available_backends().front() != SolverBackend::multifrontal) GTEST_SKIP();
-  struct Case {
-    Index width, height;
-    const char* ordering;
-  };
-  for (const auto& [width, height, ordering] :
-       {Case{0, 0, "amd"}, {1, 1, "amd"}, {9, 30, "amd"}, {25, 400, "amd"}, {10, 5000, "metis"}}) {
-    const NormalMatrix matrix = lattice_matrix(width, height);
-    auto solver = make_solver(SolverBackend::multifrontal);
-    solver->analyse(matrix);
-    solver->factorise(matrix);
-    EXPECT_EQ(solver->statistics().backend, "multifrontal");
-    EXPECT_EQ(solver->statistics().ordering, ordering) << width * height;
-    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(matrix.rows(), -1, 3),
-                          rhs = matrix.selfadjointView<Eigen::Lower>() * x;
-    EXPECT_LE((solver->solve(rhs) - x).norm(), 1e-9 * x.norm()) << width * height;
-  }
-}
-
-TEST(SparseProducts, AgreeWithEigenAndDoNotDependOnThreads) {
-  std::srand(7);
-  std::vector<Eigen::Triplet<double>> a_entries, b_entries;
-  for (int k = 0; k < 20000; ++k) {
-    a_entries.emplace_back(std::rand() % 1500, std::rand() % 900, std::rand() / double(RAND_MAX) - 0.5);
-    b_entries.emplace_back(std::rand() % 900, std::rand() % 1100, std::rand() / double(RAND_MAX) - 0.5);
-  }
-  SparseRows a(1500, 900), b(900, 1100);
-  a.setFromTriplets(a_entries.begin(), a_entries.end());
-  b.setFromTriplets(b_entries.begin(), b_entries.end());
-  const SparseRows one = multiply(a, b, Context{.threads = 1});
-  const SparseRows two = multiply(a, b, Context{.threads = 2});
-  const SparseRows eigen = a * b;
-  EXPECT_LT((one - eigen).norm(), 1e-12 * eigen.norm());
-  ASSERT_EQ(one.nonZeros(), two.nonZeros());
-  EXPECT_EQ(std::memcmp(one.valuePtr(), two.valuePtr(), sizeof(double) * one.nonZeros()), 0);
-  EXPECT_EQ(std::memcmp(one.innerIndexPtr(), two.innerIndexPtr(), sizeof(int) * one.nonZeros()), 0);
-
-  const SparseRows back = transpose(a, Context{.threads = 2}), eigens = a.transpose();
-  EXPECT_EQ((back - eigens).norm(), 0);
-  EXPECT_EQ(back.nonZeros(), eigens.nonZeros());
-  EXPECT_EQ((stack(a, a).bottomRows(1500) - a).norm(), 0);
-  EXPECT_LT((difference_of_products(a, b, a, b)).norm(), 1e-12 * eigen.norm());
-
-  for (int columns : {1, 3, 8}) {
-    const Columns x = Columns::Random(900, columns);
-    EXPECT_LT((multiply(a, x) - a * x).norm(), 1e-12 * x.norm());
-  }
-}
-
-/// Returns random rows, in runs of `together` rows with the same columns.
-SparseRows random_runs(int rows, int columns, int together, std::minstd_rand& generator) {
-  const auto random = [&] { return static_cast<double>(generator() % 2001) / 1000.0 - 1.0; };
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int row = 0; row < rows; row += together)
-    for (int k = 0; k < 6; ++k) {
-      const int column = static_cast<int>(generator() % static_cast<unsigned>(columns));
-      for (int r = row; r < std::min(rows, row + together); ++r) entries.emplace_back(r, column, random());
-    }
-  SparseRows matrix(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
-}
-
-TEST(SparseProducts, TakeRowsWithTheSameColumnsTogether) {
-  std::minstd_rand generator(11);
-  for (const int together : {1, 2, 3, 4, 5}) {
-    const SparseRows a = random_runs(200, 300, together, generator),
-                     b = random_runs(300, 150, together, generator);
-    EXPECT_LT((multiply(a, b) - SparseRows(a * b)).norm(), 1e-12) << together;
-    const SparseRows columnwise = transpose(a);  // has runs of columns
-    EXPECT_LT((multiply(columnwise, a) - SparseRows(columnwise * a)).norm(), 1e-12) << together;
-
-    const SparseRows K = multiply(transpose(random_runs(50, 300, together, generator)),
-                                  random_runs(50, 300, together, generator));
-    const SparseRows symmetric = K + transpose(K), A = random_runs(80, 150, together, generator);
-    const Eigen::MatrixXd expected = Eigen::MatrixXd(SparseRows(transpose(A) * A)) +
-                                     Eigen::MatrixXd(SparseRows(transpose(b) * symmetric * b));
-    const NormalMatrix lower = normal_equations(transpose(A), A, transpose(b), symmetric, b);
-    EXPECT_LT((Eigen::MatrixXd(lower) - Eigen::MatrixXd(expected.triangularView<Eigen::Lower>())).norm(),
-              1e-10);
-  }
-}
-
-TEST(SparseProducts, LowerTriangleIsThatOfTheFullSum) {
-  const NormalMatrix lower = grid_matrix(8);
-  const Eigen::MatrixXd half = Eigen::MatrixXd(lower);
-  EXPECT_EQ(half.triangularView<Eigen::StrictlyUpper>().toDenseMatrix().norm(), 0);
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense(lower)).eigenvalues()[0], 0);
 }
 
 }  // namespace

@@ -21,15 +21,6 @@ using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Row
 /// id linalg.operator_too_large when the product has 2³¹ or more non-zeros.
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context = {});
 
-/// Computes a₁·b₁ − a₂·b₂ in the same way.
-SparseRows difference_of_products(const SparseRows& a1, const SparseRows& b1, const SparseRows& a2,
-                                  const SparseRows& b2, const Context& context = {});
-
-/// Computes the lower triangle of AᵀA + Gᵀ K G for a symmetric K.
-NormalMatrix normal_equations(const SparseRows& A_transposed, const SparseRows& A,
-                              const SparseRows& G_transposed, const SparseRows& K, const SparseRows& G,
-                              const Context& context = {});
-
 /// Computes a·x for a block of columns, in parallel.
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
 

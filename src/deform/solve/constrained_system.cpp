@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/stopwatch.h"
+#include "linalg/sparse_products.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -208,7 +209,7 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
 
   G_ = multiply(H(), E_, context);
   if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
-  A_L_ = difference_of_products(op.L(), E_, op.delta(), G_, context);
+  A_L_ = difference_of_products({op.L(), E_}, {op.delta(), G_}, context);
 
   stiffness_rows_ = stiffness_rows(density, stiffness);
   A_L_ = stack(stack(A_L_, multiply(stiffness_rows_, E_, context)), anchor_rows(density));
@@ -220,7 +221,12 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
 /// Computes AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G. PᵀP couples only the maps of pairs and is small.
 NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
   if (E_.cols() == 0) return NormalMatrix(0, 0);
-  return normal_equations(A_L_transposed_, A_L_, G_transposed_, coupling(context), G_, context);
+  return normal_equations({.A = A_L_,
+                           .A_transposed = A_L_transposed_,
+                           .G = G_,
+                           .G_transposed = G_transposed_,
+                           .K = coupling(context)},
+                          context);
 }
 
 /// Returns the graph for the elimination order. Each unknown belongs to its vertex, except those of features,
