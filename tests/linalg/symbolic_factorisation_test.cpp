@@ -1,25 +1,24 @@
 #include "linalg/direct/symbolic_factorisation.h"
 
 #include <algorithm>
-#include <numeric>
-#include <random>
+#include <functional>
 
 #include <gtest/gtest.h>
 
-#include "linalg/direct/multifrontal.h"
 #include "matrix_families.h"
+#include "pattern_families.h"
 
 namespace meshgraft {
 namespace {
 
-using Flags = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
+using EntryFlags = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Flags the entries of the Cholesky factor for this order, by elimination of a dense matrix of flags.
-Flags symbolic_factor(const NormalMatrix& lower, const std::vector<int>& order) {
+/// EntryFlags the entries of the Cholesky factor for this order, by elimination of a dense matrix of flags.
+EntryFlags symbolic_factor(const NormalMatrix& lower, const std::vector<int>& order) {
   const auto count = static_cast<Eigen::Index>(order.size());
   std::vector<Eigen::Index> inverse_permutation(order.size());
   for (Eigen::Index p = 0; p < count; ++p) inverse_permutation[order[p]] = p;
-  Flags factor = Flags::Constant(count, count, false);
+  EntryFlags factor = EntryFlags::Constant(count, count, false);
   for (Eigen::Index column = 0; column < lower.cols(); ++column)
     for (NormalMatrix::InnerIterator it(lower, column); it; ++it) {
       const auto [low, high] = std::minmax(inverse_permutation[it.row()], inverse_permutation[column]);
@@ -33,32 +32,16 @@ Flags symbolic_factor(const NormalMatrix& lower, const std::vector<int>& order) 
   return factor;
 }
 
-Eigen::Index entries_of(const Flags& factor) { return factor.cast<Eigen::Index>().sum(); }
+Eigen::Index entries_of(const EntryFlags& factor) { return factor.cast<Eigen::Index>().sum(); }
 
-Flags stored_entries(const SupernodalPattern& pattern) {
+EntryFlags stored_entries(const SupernodalPattern& pattern) {
   const auto count = static_cast<Eigen::Index>(pattern.order.size());
-  Flags stored = Flags::Constant(count, count, false);
+  EntryFlags stored = EntryFlags::Constant(count, count, false);
   for (int node = 0; node < pattern.supernodes(); ++node)
     for (int column = pattern.first_position[node]; column < pattern.first_position[node + 1]; ++column)
       for (std::int64_t r = pattern.rows_begin[node]; r < pattern.rows_begin[node + 1]; ++r)
         if (pattern.rows[r] >= column) stored(pattern.rows[r], column) = true;
   return stored;
-}
-
-std::vector<std::vector<int>> orders_of(Eigen::Index unknowns) {
-  std::vector<int> natural(static_cast<std::size_t>(unknowns));
-  std::iota(natural.begin(), natural.end(), 0);
-  std::vector<int> backwards(natural.rbegin(), natural.rend()), random = natural;
-  std::shuffle(random.begin(), random.end(), std::minstd_rand(2));
-  return {natural, backwards, random};
-}
-
-/// Returns the patterns of a matrix by minimum degree and for several given orders.
-std::vector<SupernodalPattern> patterns_of(const NormalMatrix& lower) {
-  std::vector<SupernodalPattern> patterns{symbolic_factorisation(lower, one_leaf(lower.rows()), {})};
-  for (const std::vector<int>& order : orders_of(lower.rows()))
-    patterns.push_back(symbolic_factorisation(lower, order, {}));
-  return patterns;
 }
 
 TEST(Supernodes, HaveEveryUnknownOnceAndTheirRowsAscending) {
@@ -85,7 +68,7 @@ TEST(Supernodes, HaveEveryUnknownOnceAndTheirRowsAscending) {
 TEST(Supernodes, HaveAllEntriesOfTheFactor) {
   for (const NamedMatrix& family : matrix_families())
     for (const SupernodalPattern& pattern : patterns_of(family.lower)) {
-      const Flags factor = symbolic_factor(family.lower, pattern.order), stored = stored_entries(pattern);
+      const EntryFlags factor = symbolic_factor(family.lower, pattern.order), stored = stored_entries(pattern);
       EXPECT_TRUE((factor.array() <= stored.array()).all()) << family.name;
       EXPECT_EQ(pattern.factor_nonzeros(), static_cast<double>(entries_of(stored))) << family.name;
       const Eigen::MatrixXd by_columns = stored.cast<double>().colwise().sum();
@@ -97,7 +80,7 @@ TEST(Supernodes, HaveAllEntriesOfTheFactor) {
 TEST(Supernodes, HaveRowsBelowThatTheirParentsHave) {
   for (const NamedMatrix& family : matrix_families())
     for (const SupernodalPattern& pattern : patterns_of(family.lower)) {
-      const Flags stored = stored_entries(pattern);
+      const EntryFlags stored = stored_entries(pattern);
       for (int node = 0; node < pattern.supernodes(); ++node) {
         const std::int64_t below =
             pattern.rows_begin[node] + pattern.first_position[node + 1] - pattern.first_position[node];
@@ -140,26 +123,57 @@ TEST(Supernodes, StoreFewZerosInLargeOnes) {
 
 TEST(Supernodes, DoNotDependOnTheNumberOfThreads) {
   const NormalMatrix lower = lattice_matrix(40, 40, 2);
-  const auto context = [](int threads) {
-    return Context{.threads = threads, .progress = {}, .stop_token = {}};
+  const auto expect_same = [&](const auto& how) {
+    const SupernodalPattern one = symbolic_factorisation(lower, how, with_threads(1));
+    for (const int threads : {2, 3}) {
+      const SupernodalPattern several = symbolic_factorisation(lower, how, with_threads(threads));
+      EXPECT_EQ(one.order, several.order);
+      EXPECT_EQ(one.first_position, several.first_position);
+      EXPECT_EQ(one.rows, several.rows);
+    }
   };
-  for (const std::vector<int>& order : orders_of(lower.rows())) {
-    const SupernodalPattern one = symbolic_factorisation(lower, order, context(1)),
-                            two = symbolic_factorisation(lower, order, context(2));
-    EXPECT_EQ(one.order, two.order);
-    EXPECT_EQ(one.rows, two.rows);
-  }
+  for (const std::vector<int>& order : orders_of(lower.rows())) expect_same(order);
+  for (const Dissection& dissection : dissections_of(lower)) expect_same(dissection);
 }
 
-TEST(MultifrontalFactor, InvertsTheMatrixInWhateverOrder) {
+// A separator is one supernode, whatever its pattern.
+TEST(Supernodes, HaveEachSeparatorInOne) {
   for (const NamedMatrix& family : matrix_families())
-    for (const SupernodalPattern& pattern : patterns_of(family.lower)) {
-      MultifrontalFactor factor(pattern);
-      factor.factorise(family.lower, {});
+    for (const Dissection& dissection : dissections_of(family.lower)) {
+      const SupernodalPattern pattern = symbolic_factorisation(family.lower, dissection, {});
+      std::vector<std::vector<int>> nodes;
+      for (int node = 0; node < pattern.supernodes(); ++node) {
+        nodes.emplace_back(pattern.order.begin() + pattern.first_position[node],
+                           pattern.order.begin() + pattern.first_position[node + 1]);
+        std::sort(nodes.back().begin(), nodes.back().end());
+      }
+      for (int set = 0; set < dissection.sets(); ++set) {
+        if (dissection.is_leaf(set) || dissection.unknowns[set].empty()) continue;
+        EXPECT_EQ(std::count(nodes.begin(), nodes.end(), dissection.unknowns[set]), 1) << family.name;
+      }
+    }
+}
+
+TEST(LowerEntries, AreTheMatrixInTheGivenOrderForAnyNumberOfThreads) {
+  for (const NamedMatrix& family : matrix_families())
+    for (const std::vector<int>& inverse_permutation : orders_of(family.lower.rows())) {
       const Eigen::Index n = family.lower.rows();
-      const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n), inverse = factor.solve(identity, {});
-      EXPECT_LT((family.lower.selfadjointView<Eigen::Lower>() * inverse - identity).norm(), 1e-9)
-          << family.name;
+      const Eigen::MatrixXd full = full_matrix(family.lower);
+      for (const int threads : {1, 2, 3}) {
+        const LowerEntries entries = permute(family.lower, inverse_permutation, true, with_threads(threads));
+        ASSERT_EQ(entries.begin.size(), inverse_permutation.size() + 1) << family.name;
+        ASSERT_EQ(entries.begin.back(), family.lower.nonZeros()) << family.name;
+        Eigen::MatrixXd permuted = Eigen::MatrixXd::Zero(n, n);
+        for (Eigen::Index p = 0; p < n; ++p)
+          for (std::int64_t e = entries.begin[p]; e < entries.begin[p + 1]; ++e) {
+            EXPECT_GE(entries.row[e], p) << family.name;
+            permuted(entries.row[e], p) = permuted(p, entries.row[e]) = entries.value[e];
+          }
+        EXPECT_EQ(permuted(inverse_permutation, inverse_permutation), full) << family.name;
+        const LowerEntries pattern = permute(family.lower, inverse_permutation, false, with_threads(threads));
+        EXPECT_EQ(pattern.row, entries.row) << family.name;
+        EXPECT_TRUE(pattern.value.empty()) << family.name;
+      }
     }
 }
 
