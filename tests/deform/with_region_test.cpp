@@ -133,7 +133,11 @@ bool expect_as_fresh(const Scene& scene, const Deformer& deformer, const Region&
 }
 
 class WithRegionByMethod : public testing::TestWithParam<DeformMethod> {};
-INSTANTIATE_TEST_SUITE_P(All, WithRegionByMethod, testing::ValuesIn(methods));
+INSTANTIATE_TEST_SUITE_P(All, WithRegionByMethod, testing::ValuesIn(methods), [](const auto& method) {
+  std::string name(to_string(method.param));
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 TEST_P(WithRegionByMethod, IsAsFreshOnEveryFamily) {
   const DeformMethod method = GetParam();
