@@ -127,12 +127,12 @@ CutFacts gather(const CutResult& result) {
 }
 
 // The files that were written, and notes on the data that the mesh's format cannot hold.
-struct WrittenOutputs {
+struct WrittenCut {
   std::vector<std::string> files;
   std::vector<Note> notes;
 };
 
-void print_summary(const CutFacts& facts, const CutResult& result, const WrittenOutputs& written) {
+void print_summary(const CutFacts& facts, const CutResult& result, const WrittenCut& written) {
   fmt::print("{} vertices, {} faces in {} component{}\n", result.mesh.vertex_count(), result.mesh.face_count(),
              facts.components.size(), facts.components.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < facts.components.size(); ++k) {
@@ -157,7 +157,7 @@ void add_cut_asked_for(const CutAlong& along, Json& json) {
 }
 
 Json report_json(const CutArguments& arguments, const CutAlong& along, const CutFacts& facts,
-                 const CutResult& result, const WrittenOutputs& written) {
+                 const CutResult& result, const WrittenCut& written) {
   Json json = {{"format", "meshgraft-cut"},
                {"version", 1},
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
@@ -211,8 +211,8 @@ Mesh pulled_apart(const CutResult& result) {
 #endif
 
 // Computes everything before anything is written.
-WrittenOutputs write_outputs(const CutArguments& arguments, const SoundMesh& usable, CutResult& result,
-                             const Context& context) {
+WrittenCut write_outputs(const CutArguments& arguments, const SoundMesh& usable, CutResult& result,
+                         const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
@@ -225,7 +225,7 @@ WrittenOutputs write_outputs(const CutArguments& arguments, const SoundMesh& usa
   context.step("write");
   usable.put_back(result.vertex, result.mesh);
   const WriteResult written = write_mesh(result.mesh, arguments.output, {}, context);
-  WrittenOutputs outputs;
+  WrittenCut outputs;
   for (const std::filesystem::path& file : written.files) outputs.files.push_back(file.string());
   outputs.notes = written.notes;
   if (const std::optional<Note> note = usable.note()) outputs.notes.push_back(*note);
@@ -249,7 +249,7 @@ void run_cut(const CutArguments& arguments, const Context& context) {
   CutResult result = cut(usable, asked, arguments, context);
   usable.require_beyond(vertices_at_cut(result));
   const CutFacts facts = gather(result);
-  WrittenOutputs written = write_outputs(arguments, usable, result, context);
+  WrittenCut written = write_outputs(arguments, usable, result, context);
   if (!arguments.report.empty()) {
     written.files.push_back(arguments.report.string());
     write_file_atomically(arguments.report, dump(report_json(arguments, asked, facts, result, written)));

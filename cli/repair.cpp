@@ -63,13 +63,13 @@ RepairOptions repair_options_of(const RepairArguments& arguments) {
 }
 
 // The files that were written, and notes on the data that the mesh's format cannot hold.
-struct WrittenOutputs {
+struct WrittenRepair {
   std::vector<std::string> files;
   std::vector<Note> notes;
 };
 
 Json report_json(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
-                 const Diagnostics& left, const WrittenOutputs& written, bool with_maps) {
+                 const Diagnostics& left, const WrittenRepair& written, bool with_maps) {
   Json changes = Json::array();
   for (const RepairChange& change : result.changes)
     changes.push_back({{"name", change.name},
@@ -99,7 +99,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
 }
 
 void print_summary(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
-                   const Diagnostics& left, const WrittenOutputs& written) {
+                   const Diagnostics& left, const WrittenRepair& written) {
   fmt::print("{}: {} vertices, {} faces\n", arguments.mesh.string(), given.vertex_count(), given.face_count());
   for (const RepairChange& change : result.changes) fmt::print("  {}\n", sentence(change.note));
   if (!result.changed()) fmt::print("  nothing to repair\n");
@@ -126,7 +126,7 @@ Mesh drawable(const Mesh& mesh) {
 #endif
 
 void write_repair_outputs(const RepairArguments& arguments, [[maybe_unused]] const Mesh& given,
-                          const RepairResult& result, WrittenOutputs& written, const Context& context) {
+                          const RepairResult& result, WrittenRepair& written, const Context& context) {
 #ifdef MESHGRAFT_HAS_RENDER
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
@@ -170,7 +170,7 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
   if (result.mesh.face_count() == 0 && !arguments.dry_run)
     throw Error(facts::cli::NoFacesLeft{}, arguments.mesh.string());
   const Diagnostics left = check_mesh(result.mesh, context);
-  WrittenOutputs written;
+  WrittenRepair written;
   write_repair_outputs(arguments, given, result, written, context);
   const auto dump = [&](bool with_maps) {
     return report_json(arguments, given, result, left, written, with_maps)

@@ -87,17 +87,17 @@ std::string free_name(const Json& document, const Json& step, std::string name) 
   return name;
 }
 
-Json empty_step(const std::string& mesh) {
-  return {
-      {"kind", "deform"}, {"mesh", mesh}, {"region", {{"indices", Json::array()}}}, {"handles", Json::array()}};
-}
-
 std::string outcome_of(const Json& step) {
   if (step.contains("result")) return step["result"];
   return step.contains("target") ? step["target"] : step["mesh"];
 }
 
 }  // namespace
+
+Json empty_step(const std::string& mesh) {
+  return {
+      {"kind", "deform"}, {"mesh", mesh}, {"region", {{"indices", Json::array()}}}, {"handles", Json::array()}};
+}
 
 Json& step_of(Json& document) {
   Json& steps = document["steps"];

@@ -14,6 +14,9 @@ namespace meshgraft::editor {
 
 Json& step_of(Json& document);
 
+/// Returns a deform step of a mesh that does nothing yet.
+Json empty_step(const std::string& mesh);
+
 struct NewHandle {
   std::string name;   ///< empty: a free name is chosen
   std::string shape;  ///< in the form of an edit file

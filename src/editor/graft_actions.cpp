@@ -8,6 +8,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "document_actions.h"
 #include "editor/facts.h"
 #include "script/facts.h"
 #include "script/sha256.h"
@@ -17,11 +18,6 @@ namespace meshgraft::editor {
 namespace fs = std::filesystem;
 
 namespace {
-
-Json empty_step(const std::string& mesh) {
-  return {
-      {"kind", "deform"}, {"mesh", mesh}, {"region", {{"indices", Json::array()}}}, {"handles", Json::array()}};
-}
 
 bool is_taken(const EditFile& edit, const std::string& name) {
   return std::any_of(edit.inputs.begin(), edit.inputs.end(),

@@ -17,7 +17,7 @@ Json& step_at(Json& document, std::size_t index) {
   return steps[index];
 }
 
-void merge_fields(Json& into, const Json& changes) {
+void replace_fields(Json& into, const Json& changes) {
   for (const auto& [name, value] : changes.items())
     if (value.is_null())
       into.erase(name);
@@ -40,10 +40,10 @@ void change_step(Json& document, std::size_t index, const StepChange& change) {
   Json& step = step_at(document, index);
   Json fields = change.fields;
   if (fields.contains("settings") && fields["settings"].is_object()) {
-    merge_fields(step["settings"], fields["settings"]);
+    replace_fields(step["settings"], fields["settings"]);
     fields.erase("settings");
   }
-  merge_fields(step, fields);
+  replace_fields(step, fields);
   for (const auto& [name, pose] : change.poses.items()) {
     const auto is_meant = [&, wanted = name](const Json& handle) { return handle["name"] == wanted; };
     Json& handles = step["handles"];

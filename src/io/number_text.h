@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -8,6 +9,9 @@
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {
+
+/// The value of an attribute where a file has none.
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// The reason why a text is not a value of the requested type.
 enum class NumberFault { none, malformed, out_of_range };

@@ -7,13 +7,6 @@
 
 namespace meshgraft::io {
 
-namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-
-}  // namespace
-
 void require_text(std::string_view content, const std::string& name, std::string_view format) {
   const std::size_t zero = content.find('\0');
   if (zero == std::string_view::npos) return;

@@ -10,6 +10,12 @@
 
 namespace meshgraft::io {
 
+inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // of UTF-8
+
+/// Returns whether a character separates words within a line.
+inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+inline bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
 /// Throws Error(input) with the id io.not_text at the first zero byte, which no text has. `format` is the
 /// common name of the format.
 void require_text(std::string_view content, const std::string& name, std::string_view format);

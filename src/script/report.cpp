@@ -10,6 +10,7 @@
 #include "json_text.h"
 #include "report_json.h"
 #include "settings_json.h"
+#include "vector_json.h"
 
 namespace meshgraft {
 
@@ -93,13 +94,6 @@ template <class Report>
 void add_quality(Json& json, const Report& report) {
   json["max_displacement"] = report.max_displacement;
   json["quality"] = quality_json(report.quality);
-}
-
-template <class Derived>
-Json vector_json(const Eigen::MatrixBase<Derived>& vector) {
-  Json list = Json::array();
-  for (Eigen::Index i = 0; i < vector.size(); ++i) list.push_back(vector(i));
-  return list;
 }
 
 Json pair_json(const PairReport& pair) {

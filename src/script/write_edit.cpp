@@ -4,19 +4,13 @@
 
 #include "json_text.h"
 #include "settings_json.h"
+#include "vector_json.h"
 
 namespace meshgraft {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class Derived>
-Json vector_json(const Eigen::MatrixBase<Derived>& vector) {
-  Json list = Json::array();
-  for (Eigen::Index i = 0; i < vector.size(); ++i) list.push_back(vector(i));
-  return list;
-}
 
 template <class Derived>
 Json matrix_json(const Eigen::MatrixBase<Derived>& matrix) {

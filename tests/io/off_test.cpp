@@ -43,7 +43,7 @@ const std::string rich_off =
     "3 0 2 3 1 0 0 0.5\n"
     "3 2 4 3 1 0 0";
 
-std::vector<std::string> files() {
+std::vector<std::string> off_files() {
   return {plain,
           rich_off,
           "OFF 4 2 5\n" + off_square + "3 0 1 2\n3 0 2 3\n",
@@ -64,7 +64,7 @@ std::vector<std::string> files() {
 
 TEST(Off, WithoutAnEditAFileComesBackByteForByte) {
   const TemporaryFolder folder;
-  for (const std::string& file : files()) {
+  for (const std::string& file : off_files()) {
     for (const char* line_end : {"\n", "\r\n", "\r"}) {
       const std::string content = with_line_ends(file, line_end);
       SCOPED_TRACE(content);
@@ -75,7 +75,7 @@ TEST(Off, WithoutAnEditAFileComesBackByteForByte) {
 
 TEST(Off, AMovedVertexChangesItsOwnNumbersOnly) {
   const TemporaryFolder folder;
-  for (const std::string& file : files()) {
+  for (const std::string& file : off_files()) {
     SCOPED_TRACE(file);
     const Mesh before = folder.mesh("in.off", file);
     for (Index v = 0; v < before.vertex_count(); ++v) {
@@ -173,7 +173,7 @@ TEST(Off, ColoursOfThreeOrFourWholeNumbersAreBytes) {
 
 TEST(Off, AMeshWithoutAFileIsComposedAndReadsBack) {
   const TemporaryFolder folder;
-  for (const std::string& file : files()) {
+  for (const std::string& file : off_files()) {
     Mesh mesh = folder.mesh("in.off", file);
     mesh.source = nullptr;
     const Mesh again = folder.mesh("again.off", folder.written(mesh, "out.off"));

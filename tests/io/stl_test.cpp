@@ -64,7 +64,7 @@ const std::string ascii =
     "OUTER LOOP VERTEX 0 -0 0 VERTEX 1.0 1 0 \tVERTEX 0 +1 0 ENDLOOP ENDFACET\n"
     "ENDSOLID";
 
-std::vector<std::string> files() {
+std::vector<std::string> stl_files() {
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   return {binary(square),
           binary(square, "solid as many an ascii file"),
@@ -80,7 +80,7 @@ std::vector<std::string> files() {
 
 TEST(Stl, WithoutAnEditAFileComesBackByteForByte) {
   const TemporaryFolder folder;
-  for (const std::string& file : files())
+  for (const std::string& file : stl_files())
     EXPECT_EQ(folder.written(folder.mesh("in.stl", file), "out.stl"), file);
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t deepest_nesting = 200;
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_json_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 /// Refuses deep nesting. Comparing and patching values recurse, so a hostile file could exhaust the stack.
 void require_shallow(std::string_view text, const std::string& file) {
@@ -146,7 +146,7 @@ class JsonPatcher {
   }
 
   void skip_blanks() {
-    while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
+    while (at_ < text_.size() && is_json_blank(text_[at_])) ++at_;
   }
 
   void skip_string() {
@@ -170,7 +170,7 @@ class JsonPatcher {
     } while (at_ < text_.size() && (depth > 0 || !ends_scalar(text_[at_])));
   }
 
-  static bool ends_scalar(char c) { return is_blank(c) || c == ',' || c == '}' || c == ']'; }
+  static bool ends_scalar(char c) { return is_json_blank(c) || c == ',' || c == '}' || c == ']'; }
 
   void replace(std::size_t begin, const std::string& value) {
     copy_until(begin);

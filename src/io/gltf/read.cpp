@@ -26,7 +26,6 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 /// Extensions that change the triangles. A file that requires any other extension may still be edited.
 constexpr std::array<std::string_view, 5> geometry_extensions = {
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
@@ -301,10 +300,10 @@ class GltfReader {
       if (is_direction) attribute.interpolation = Interpolation::direction;
       attribute.type = channel.kind == GltfChannel::Kind::uv ? ScalarType::float64 : ScalarType::float32;
       attribute.components = static_cast<int>(components);
-      attribute.values.assign(corners * components, none);
+      attribute.values.assign(corners * components, no_value);
     } else if (static_cast<std::size_t>(attribute.components) < components) {
       const auto old_components = static_cast<std::size_t>(attribute.components);
-      std::vector<double> wide(corners * components, none);
+      std::vector<double> wide(corners * components, no_value);
       for (std::size_t c = 0; c < corners; ++c) {
         for (std::size_t k = 0; k < old_components; ++k)
           wide[c * components + k] = attribute.values[c * old_components + k];
@@ -323,7 +322,7 @@ class GltfReader {
   bool move_to_vertices(const Attribute& of_corners) {
     const auto components = static_cast<std::size_t>(of_corners.components);
     const std::vector<Index>& corners = mesh_.faces.corners();
-    std::vector<double> values(static_cast<std::size_t>(mesh_.vertex_count()) * components, none);
+    std::vector<double> values(static_cast<std::size_t>(mesh_.vertex_count()) * components, no_value);
     Flags seen(static_cast<std::size_t>(mesh_.vertex_count()), false);
     for (std::size_t c = 0; c < corners.size(); ++c) {
       if (corners[c] >= mesh_.vertex_count()) continue;
@@ -355,10 +354,10 @@ class GltfReader {
         const auto faces = static_cast<std::size_t>(part.corner_count / 3);
         const auto reference = primitive_of(instance, part).find("material");
         const double value =
-            reference ? static_cast<double>(reference->index(material.labels.size(), "materials")) : none;
+            reference ? static_cast<double>(reference->index(material.labels.size(), "materials")) : no_value;
         material.values.insert(material.values.end(), faces, value);
         object.values.insert(object.values.end(), faces,
-                             instance.node ? static_cast<double>(*instance.node) : none);
+                             instance.node ? static_cast<double>(*instance.node) : no_value);
         any_material = any_material || reference.has_value();
         any_node = any_node || instance.node.has_value();
       }

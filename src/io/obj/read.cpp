@@ -23,11 +23,7 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<const char*, 3> axes = {"x", "y", "z"};
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
 /// Parses a whole number, positive or negative.
 bool parse_index(std::string_view& text, std::int64_t& value) {
@@ -72,7 +68,7 @@ class FaceLabels {
   /// Stores the current label of a face. Faces before the first label have none.
   void push_face(Index face) {
     if (values_.empty() && std::isnan(current_)) return;
-    values_.resize(static_cast<std::size_t>(face), none);
+    values_.resize(static_cast<std::size_t>(face), no_value);
     values_.push_back(current_);
   }
 
@@ -91,7 +87,7 @@ class FaceLabels {
  private:
   std::string name_;
   bool named_;
-  double current_ = none;
+  double current_ = no_value;
   std::vector<double> values_;
   std::vector<std::string> labels_;
   std::unordered_map<std::string, double> numbers_;
@@ -170,8 +166,8 @@ class ObjReader {
     vertices_.insert(vertices_.end(), values.begin(), values.begin() + 3);
     // The forms "x y z w", "x y z r g b" and "x y z r g b a" are in use.
     if (count >= 6) {
-      colours_.resize(vertices_.size() / 3 * 4 - 4, none);
-      colours_.insert(colours_.end(), {values[3], values[4], values[5], count == 7 ? values[6] : none});
+      colours_.resize(vertices_.size() / 3 * 4 - 4, no_value);
+      colours_.insert(colours_.end(), {values[3], values[4], values[5], count == 7 ? values[6] : no_value});
       has_alpha_ = has_alpha_ || count == 7;
     }
   }
@@ -277,7 +273,7 @@ class ObjReader {
 
   void fill_colours(std::size_t count) {
     if (colours_.empty()) return;
-    colours_.resize(4 * count, none);
+    colours_.resize(4 * count, no_value);
     Attribute attribute;
     attribute.name = "colour";
     attribute.components = has_alpha_ ? 4 : 3;
@@ -300,7 +296,7 @@ class ObjReader {
     attribute.interpolation = interpolation;
     attribute.type = ScalarType::float32;
     attribute.components = components;
-    attribute.values.assign(corner_count_ * static_cast<std::size_t>(components), none);
+    attribute.values.assign(corner_count_ * static_cast<std::size_t>(components), no_value);
     for (std::size_t c = 0; c < corner_count_; ++c) {
       if (references[c] < 0) continue;
       const auto first = lines.begin() + static_cast<std::ptrdiff_t>(references[c]) * components;

@@ -11,15 +11,14 @@
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
+#include "io/word_cursor.h"
 #include "off.h"
 
 namespace meshgraft::io {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_index = std::numeric_limits<Index>::max();
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 /// The parts of the header's keyword.
 struct Keyword {
@@ -66,7 +65,7 @@ Keyword parse_keyword(std::string_view text) {
 class FaceColours {
  public:
   void push(Index face, const std::array<double, 4>& colour, std::size_t count, bool whole) {
-    colours_.resize(4 * static_cast<std::size_t>(face), none);
+    colours_.resize(4 * static_cast<std::size_t>(face), no_value);
     whole_.resize(static_cast<std::size_t>(face), true);
     colours_.insert(colours_.end(), colour.begin(), colour.end());
     whole_.push_back(whole);
@@ -94,7 +93,7 @@ class FaceColours {
           off_colour_divisor(attribute.type, whole_[f], *std::max_element(colour, colour + 3));
       for (int k = 0; k < attribute.components; ++k) attribute.values.push_back(colour[k] / divisor);
     }
-    attribute.values.resize(static_cast<std::size_t>(mesh.face_count()) * attribute.components, none);
+    attribute.values.resize(static_cast<std::size_t>(mesh.face_count()) * attribute.components, no_value);
     mesh.attributes.push_back(std::move(attribute));
   }
 
@@ -299,7 +298,7 @@ class OffReader {
 
   void read_colour(Index f) {
     std::array<double, 4> values;
-    values.fill(none);
+    values.fill(no_value);
     std::size_t size = 0;
     bool whole = true;
     for (std::string_view word = cursor_.next_on_line(); !word.empty(); word = cursor_.next_on_line()) {
@@ -312,7 +311,7 @@ class OffReader {
     if (size == 0) return;
     if (size == 2 || (size == 1 && !(whole && std::abs(values[0]) <= largest_index))) fail_colour(f);
     if (size == 1) {
-      indices_.resize(static_cast<std::size_t>(f), none);
+      indices_.resize(static_cast<std::size_t>(f), no_value);
       indices_.push_back(values[0]);
       return;
     }
@@ -326,7 +325,7 @@ class OffReader {
 
   void add_indices() {
     if (indices_.empty()) return;
-    indices_.resize(static_cast<std::size_t>(faces_), none);
+    indices_.resize(static_cast<std::size_t>(faces_), no_value);
     Attribute attribute;
     attribute.name = off_colour_index;
     attribute.domain = Domain::face;

@@ -8,13 +8,12 @@
 #include "document.h"
 #include "io/facts.h"
 #include "io/number_text.h"
+#include "io/word_cursor.h"
 #include "ply.h"
 
 namespace meshgraft::io {
 
 namespace {
-
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 struct TypeName {
   std::string_view name;
@@ -198,9 +197,6 @@ class HeaderParser {
   std::size_t line_begin_ = 0;
   PlyHeader header_;
 };
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
 }  // namespace
 

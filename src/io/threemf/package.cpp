@@ -72,7 +72,7 @@ class Archive {
   zip_t* archive_ = nullptr;
 };
 
-std::string lower_case(std::string_view text) {
+std::string ascii_lower_case(std::string_view text) {
   std::string lower(text);
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
@@ -124,7 +124,7 @@ std::vector<PackagePart> model_parts(std::string_view package, const std::string
     const zip_stat_t entry = stat_of(archive.get(), static_cast<zip_uint64_t>(i));
     const std::string location = entry.name;
     require_plausible(entry, location);
-    if (lower_case(location).ends_with(".model"))
+    if (ascii_lower_case(location).ends_with(".model"))
       parts.push_back({location, read_entry(archive.get(), entry, location)});
   }
   if (parts.empty()) throw Error(facts::threemf::NoModel{});

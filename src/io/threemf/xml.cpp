@@ -18,7 +18,7 @@ namespace meshgraft::io {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> axes = {"x", "y", "z"};
+constexpr std::array<std::string_view, 3> axis_attributes = {"x", "y", "z"};
 
 /// Collects the contents of a part while expat parses the text. Exceptions are rethrown after expat has
 /// returned, because they must not cross its C code.
@@ -98,7 +98,8 @@ class PartScanner {
   }
 
   void add_vertex(const XML_Char** attributes) {
-    for (std::size_t axis = 0; axis < 3; ++axis) coordinates_.push_back(coordinate(axes[axis], attributes));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      coordinates_.push_back(coordinate(axis_attributes[axis], attributes));
     ThreemfVertices& mesh = part_.meshes.back();
     mesh.tag_begin.push_back(static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())));
     mesh.tag_length.push_back(static_cast<std::size_t>(XML_GetCurrentByteCount(parser_.get())));
@@ -175,7 +176,7 @@ void append_tag(std::string& out, std::string_view tag, const Eigen::RowVector3d
   std::vector<Change> changes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
-    if (!same_value(from(a), to(a))) changes.push_back({value_in(tag, axes[axis]), to(a)});
+    if (!same_value(from(a), to(a))) changes.push_back({value_in(tag, axis_attributes[axis]), to(a)});
   }
   std::sort(changes.begin(), changes.end(),
             [](const Change& a, const Change& b) { return a.old.data() < b.old.data(); });

@@ -290,8 +290,9 @@ EdgePoint value_at(const EdgePoint& a, const EdgePoint& b, double t) {
 }
 
 // Splits a triangle with vertices on its sides into triangles, none of which has three corners on one side.
-using Side = std::vector<SplitCorner>;
-void split_triangle(std::array<SplitCorner, 3> corner, std::array<Side, 3> on, std::vector<SplitCorner>& out) {
+using SplitSide = std::vector<SplitCorner>;
+void split_triangle(std::array<SplitCorner, 3> corner, std::array<SplitSide, 3> on,
+                    std::vector<SplitCorner>& out) {
   for (int k = 0; k < 3 && on[0].empty(); ++k) {
     std::rotate(corner.begin(), corner.begin() + 1, corner.end());
     std::rotate(on.begin(), on.begin() + 1, on.end());
@@ -301,8 +302,9 @@ void split_triangle(std::array<SplitCorner, 3> corner, std::array<Side, 3> on, s
     return;
   }
   const auto middle = on[0].begin() + static_cast<std::ptrdiff_t>(on[0].size() / 2);
-  split_triangle({corner[0], *middle, corner[2]}, {Side(on[0].begin(), middle), Side(), on[2]}, out);
-  split_triangle({*middle, corner[1], corner[2]}, {Side(middle + 1, on[0].end()), on[1], Side()}, out);
+  split_triangle({corner[0], *middle, corner[2]}, {SplitSide(on[0].begin(), middle), SplitSide(), on[2]}, out);
+  split_triangle({*middle, corner[1], corner[2]}, {SplitSide(middle + 1, on[0].end()), on[1], SplitSide()},
+                 out);
 }
 
 }  // namespace
@@ -316,7 +318,7 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
   for (Index f = 0; f < faces.size(); ++f) {
     const Index first = faces.first_corner(f), n = static_cast<Index>(faces[f].size());
     std::vector<SplitCorner> corners;
-    std::vector<Side> on(static_cast<std::size_t>(n));
+    std::vector<SplitSide> on(static_cast<std::size_t>(n));
     bool whole = true;
     for (Index c = 0; c < n; ++c) {
       corners.push_back({faces[f][c], traced.corner[first + c]});
