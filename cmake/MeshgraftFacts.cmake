@@ -16,9 +16,10 @@ function(meshgraft_facts target namespace)
     OUTPUT ${out}/facts.cpp ${headers}
     COMMAND Python3::Interpreter ${meshgraft_facts_tool} types ${namespace} ${out} ${tables}
     DEPENDS ${meshgraft_facts_tool} ${tables} COMMENT "Making the records of facts of ${target}" VERBATIM)
-  add_custom_target(${target}_facts DEPENDS ${headers})
-  add_dependencies(${target} ${target}_facts)
+  add_custom_target(${target}_fact_headers DEPENDS ${headers})
+  add_dependencies(${target} ${target}_fact_headers)
   target_sources(${target} PRIVATE ${out}/facts.cpp)
+  set_source_files_properties(${out}/facts.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${out}>)
 endfunction()
 

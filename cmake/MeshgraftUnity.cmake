@@ -1,5 +1,6 @@
-# meshgraft_unity(target): with MESHGRAFT_UNITY, compiles the sources of a folder together, some eight at a time.
-# Most of the time to compile one of them is spent on the headers and templates that its neighbours need, too.
+# meshgraft_unity(target): with MESHGRAFT_UNITY, compiles the target's sources together, up to ten at a time, in equal
+# batches: those of its own folder first, then folder by folder. Most of the time to compile one of them is spent on the
+# headers and templates that its neighbours need, too.
 function(meshgraft_unity target)
   if(NOT MESHGRAFT_UNITY)
     return()
@@ -8,14 +9,21 @@ function(meshgraft_unity target)
   # These warn of what sources do to each other; the preset dev compiles them apart, with all warnings.
   target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-shadow)
   get_target_property(sources ${target} SOURCES)
+  get_target_property(own_folder ${target} SOURCE_DIR)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(TRANSFORM sources REPLACE "^${own_folder}/" "")
   list(SORT sources)
+  set(below ${sources})
+  list(FILTER sources EXCLUDE REGEX "/")
+  list(FILTER below INCLUDE REGEX "/")
+  list(APPEND sources ${below})
+  list(LENGTH sources count)
+  set(largest 10)
+  math(EXPR batches "(${count} + ${largest} - 1) / ${largest}")
+  set(index 0)
   foreach(source IN LISTS sources)
-    cmake_path(GET source PARENT_PATH folder)
-    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
-    string(MAKE_C_IDENTIFIER "${folder}" folder)
-    math(EXPR batch "(${${folder}_count} + 0) / 8")
-    math(EXPR ${folder}_count "${${folder}_count} + 1")
-    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${folder}_${batch}")
+    math(EXPR batch "${index} * ${batches} / ${count}")
+    math(EXPR index "${index} + 1")
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${batch}")
   endforeach()
 endfunction()

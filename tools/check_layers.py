@@ -4,41 +4,42 @@
     tools/check_layers.py [ROOT]          check
     tools/check_layers.py --draw [ROOT]   draw into docs/architecture.md what is checked
 
-Prints each violation as file:line and exits with 1 if there are any. The layers and what each may use stand
-in USES, the folders of a layer in ROOMS; docs/architecture.md explains them.
+Prints each violation as file:line and exits with 1 if there are any. The layers and what each may use are read from
+src/*/CMakeLists.txt (target_link_libraries), the folders of a layer stand in ROOMS; docs/architecture.md explains them.
 """
 
 import re
 import sys
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parent.parent
+LINKED = re.compile(r"target_link_libraries\(\s*meshgraft_layer_(\w+)([^)]*)\)")
+DECLARED = re.compile(r"^meshgraft_layer\((\w+)\)", re.MULTILINE)
+
+
+def read_uses(root):
+    """Returns the layers that each layer may use, as the build system links them."""
+    uses = {}
+    for path in sorted((root / "src").rglob("CMakeLists.txt")):
+        text = re.sub(r"#.*", "", path.read_text(encoding="utf-8"))
+        for layer in DECLARED.findall(text):
+            uses.setdefault(layer, set())
+        for layer, linked in LINKED.findall(text):
+            uses.setdefault(layer, set()).update(re.findall(r"\bmeshgraft_layer_(\w+)", linked))
+    uses.pop("facts", None)  # data, no folder
+    return uses
+
+
 # Layer: the layers that it may include, directly. What is not a layer here (tests, bench) may include all.
-USES = {
-    "core": set(),
-    "mesh": {"core"},
-    "select": {"core", "mesh"},
-    "io": {"core", "mesh"},
-    "linalg": {"core", "mesh"},
-    "samples": {"core", "mesh"},
-    "render": {"core", "mesh"},
-    "operators": {"core", "mesh", "linalg"},
-    "deform": {"core", "mesh", "linalg", "operators"},
-    "baselines": {"core", "mesh", "linalg", "operators", "deform"},
-    "merge": {"core", "mesh", "linalg", "operators", "deform"},
-    "script": {"core", "mesh", "select", "io", "linalg", "samples", "operators", "deform", "baselines", "merge"},
-    "server": {"core"},
-    "cli": {"core", "mesh", "select", "io", "linalg", "samples", "render", "operators", "deform", "baselines", "merge", "script"},
-}
-USES["python"] = USES["cli"]
-USES["editor"] = USES["cli"] | {"server"}
-USES["cli"] = USES["cli"] | {"editor"}
+USES = read_uses(ROOT)
+USES["cli"] = set(USES) - {"server"}
+USES["python"] = USES["cli"] - {"editor"}
 for used in USES.values():
     used.add("platform")  # src/core/platform, below all
 USES["platform"] = set()
 
 # What a layer is for, in the drawing.
 PURPOSE = {
-    "platform": "what the operating system gives (private)",
     "core": "Error, Fact, Context, parallel_blocks",
     "mesh": "Mesh, topology, diagnostics, repair, refinement, cuts",
     "select": "descriptions of vertex sets",
@@ -52,8 +53,9 @@ PURPOSE = {
     "merge": "correspondence, graft, seam",
     "script": "edit files, run as steps",
     "server": "HTTP and WebSockets (private)",
-    "editor": "sessions of the browser's page (private)",
     "cli": "the program",
+    "editor": "sessions of the browser's page (private)",
+    "platform": "what the operating system gives (private)",
 }
 
 # Folder of a layer: the folders of the same layer whose private headers it may include. "" is the layer's own folder.
@@ -182,7 +184,7 @@ def check(root):
     for source in sources(root):
         layer = layer_of(source)
         if layer not in USES:
-            problems.append(f"{source}: not in a known layer; add it to USES in tools/check_layers.py")
+            problems.append(f"{source}: not in a known layer; add one to src/CMakeLists.txt")
             continue
         problems += check_platform(root, source)
         for number, line in enumerate((root / source).read_text(encoding="utf-8").splitlines(), start=1):
@@ -231,7 +233,7 @@ def reduced(uses):
 def drawing():
     """The layers and the rooms as Mermaid's flowcharts."""
     lines = ["```mermaid", "flowchart TD"]
-    arrows = reduced({layer: used for layer, used in USES.items() if layer in PURPOSE})
+    arrows = reduced({layer: USES[layer] for layer in PURPOSE})
     lines += [f'  {layer}["<b>{layer}</b><br/>{PURPOSE[layer]}"]' for layer in arrows]
     lines += [f"  {layer} --> {' & '.join(used)}" for layer, used in arrows.items() if used]
     lines += ["```", "", "Folders of a layer:", "", "```mermaid", "flowchart LR"]
@@ -262,7 +264,7 @@ def check_drawing(root):
 def main(arguments):
     drawn = arguments[:1] == ["--draw"]
     arguments = arguments[drawn:]
-    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
+    root = Path(arguments[0]) if arguments else ROOT
     count = sum(1 for _ in sources(root.resolve()))
     if count == 0:
         print(f"check_layers: no sources below {root}")

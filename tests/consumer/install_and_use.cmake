@@ -30,17 +30,22 @@ run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/tests/consumer/project -B ${WORK_DIR}/cons
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/consumer)
 run(${WORK_DIR}/consumer/consumer)
+run(${WORK_DIR}/consumer/script_consumer)
 
 find_program(pkg_config pkg-config REQUIRED)
 file(GLOB_RECURSE description ${prefix}/meshgraft.pc)
 cmake_path(GET description PARENT_PATH pc_dir)
 cmake_path(GET pc_dir PARENT_PATH lib_dir)
 set(ENV{PKG_CONFIG_PATH} ${pc_dir})
-execute_process(COMMAND ${pkg_config} --cflags --libs meshgraft OUTPUT_VARIABLE flags
-                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${pkg_config} --modversion meshgraft OUTPUT_VARIABLE version
                 OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-separate_arguments(flags)
-run(${CXX} -std=c++20 -DPACKAGE_VERSION="${version}" ${SOURCE_DIR}/tests/consumer/project/consumer.cpp
-    ${flags} -Wl,-rpath,${lib_dir} -o ${WORK_DIR}/consumer/by_pkg_config)
-run(${WORK_DIR}/consumer/by_pkg_config)
+foreach(program_and_package "consumer;meshgraft" "script_consumer;meshgraft_script")
+  list(GET program_and_package 0 program)
+  list(GET program_and_package 1 package)
+  execute_process(COMMAND ${pkg_config} --cflags --libs ${package} OUTPUT_VARIABLE flags
+                  OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags)
+  run(${CXX} -std=c++20 -DPACKAGE_VERSION="${version}" ${SOURCE_DIR}/tests/consumer/project/${program}.cpp
+      ${flags} -Wl,-rpath,${lib_dir} -o ${WORK_DIR}/consumer/${program}_by_pkg_config)
+  run(${WORK_DIR}/consumer/${program}_by_pkg_config)
+endforeach()

@@ -126,6 +126,25 @@ class CheckLayers(unittest.TestCase):
                      "signal(event);"):
             self.assertEqual(self.violations({"src/io/file.cpp": line + "\n"}), [], line)
 
+    def test_a_layer_may_use_what_its_target_links(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            for layer, text in {
+                "core": "meshgraft_layer(core)\ntarget_link_libraries(meshgraft_layer_core PRIVATE fmt::fmt)\n",
+                "mesh": "meshgraft_layer(mesh)\ntarget_link_libraries(meshgraft_layer_mesh\n"
+                        "  PUBLIC meshgraft_layer_core  # not meshgraft_layer_io\n  PRIVATE $<LINK_ONLY:A::A>\n)\n"
+                        "if(B)\n  target_link_libraries(meshgraft_layer_mesh PUBLIC meshgraft_layer_linalg)\nendif()\n",
+            }.items():
+                path = root / "src" / layer / "CMakeLists.txt"
+                path.parent.mkdir(parents=True)
+                path.write_text(text, encoding="utf-8")
+            self.assertEqual(check_layers.read_uses(root), {"core": set(), "mesh": {"core", "linalg"}})
+
+    def test_every_folder_of_sources_is_a_layer(self):
+        folders = {path.name for path in (check_layers.ROOT / "src").iterdir() if path.is_dir()}
+        self.assertEqual(set(check_layers.USES), folders | {"platform", "cli", "python"})
+        self.assertEqual(set(check_layers.PURPOSE), set(check_layers.USES) - {"python"})
+
     def test_folder_that_is_no_layer(self):
         self.assert_one({"src/misc/a.cpp": ""}, "src/misc/a.cpp", "not in a known layer")
 
