@@ -178,7 +178,7 @@ Json match_json(const MatchSpec& match) {
   return Json::array({vertex_json(match.source), vertex_json(match.target)});
 }
 
-Json pair_json(const MergePairSpec& pair) {
+Json pair_spec_json(const MergePairSpec& pair) {
   Json json = {{"source_loop", selection_json(pair.source_loop)},
                {"target_loop", selection_json(pair.target_loop)}};
   write_list(json, "matches", pair.matches, match_json);
@@ -229,7 +229,7 @@ Json step_json(const EditStep& edit_step, const MergeStep& step) {
   if (!step.result.empty()) json["result"] = step.result;
   json["pose"] = pose_word(step.pose);
   json["shape"] = shape_word(step.shape);
-  write_list(json, "pairs", step.pairs, pair_json);
+  write_list(json, "pairs", step.pairs, pair_spec_json);
   write_list(json, "matches", step.matches, match_json);
   if (step.at) json["at"] = drop_json(*step.at);
   write_posing(json, step);
