@@ -37,6 +37,11 @@ bool link_face(std::span<const Index> face, Index first_corner, Index vertex_cou
   return false;
 }
 
+bool repeats_vertex(const Triangles& triangles, Index t) {
+  return triangles(t, 0) == triangles(t, 1) || triangles(t, 1) == triangles(t, 2) ||
+         triangles(t, 2) == triangles(t, 0);
+}
+
 }  // namespace
 
 EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
@@ -74,6 +79,39 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
     }
   }
   if (!ends.empty()) half_edges.offsets.push_back(static_cast<Index>(half_edges.values.size()));
+}
+
+std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles) {
+  struct Side {
+    Index head, face;
+    bool forward;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<TriangleEdge> edges;
+  edges.reserve(static_cast<std::size_t>(triangles.rows()) * 3 / 2 + 64);
+  std::vector<Side> sides;
+  // Each vertex contributes the edges to larger neighbours.
+  for (Index v = 0; v < vertex_triangles.size(); ++v) {
+    sides.clear();
+    for (const Index f : vertex_triangles[v]) {
+      if (repeats_vertex(triangles, f)) continue;
+      const int c = triangles(f, 0) == v ? 0 : triangles(f, 1) == v ? 1 : 2;
+      const Index next = triangles(f, (c + 1) % 3), previous = triangles(f, (c + 2) % 3);
+      if (next > v) sides.push_back({next, f, true});
+      if (previous > v) sides.push_back({previous, f, false});
+    }
+    std::sort(sides.begin(), sides.end());
+    for (const Side& side : sides) {
+      if (edges.empty() || edges.back().ends[0] != v || edges.back().ends[1] != side.head) {
+        edges.push_back({{v, side.head}});
+      }
+      TriangleEdge& edge = edges.back();
+      const Index faces_before = edge.forward + edge.backward;
+      if (faces_before < 2) edge.faces[faces_before] = side.face;
+      ++(side.forward ? edge.forward : edge.backward);
+    }
+  }
+  return edges;
 }
 
 }  // namespace meshgraft

@@ -7,9 +7,10 @@
 
 namespace meshgraft {
 
-/// The edges of a polygon mesh and the half-edges along them, for any input. Half-edge c starts at corner c
-/// and ends at corner next[c]. A corner that repeats the preceding one is skipped. A face with an index out
-/// of range, or with fewer than three corners left, is unusable: its corners have next = edge = -1.
+/// The edges of a polygon mesh and the half-edges along them, for any input that does not change meanwhile.
+/// Half-edge c starts at corner c and ends at corner next[c]. A corner that repeats the preceding one is
+/// skipped. A face with an index out of range, or with fewer than three corners left, is unusable: its corners
+/// have next = edge = -1.
 struct EdgeTable {
   EdgeTable(Index vertex_count, const Faces& faces);
 
@@ -23,5 +24,21 @@ struct EdgeTable {
   std::vector<std::array<Index, 2>> ends;  ///< per edge: smaller and larger vertex; edges ascend in them
   Index usable_faces = 0;                  ///< faces with links
 };
+
+/// An edge of a triangle mesh, without its half-edges.
+struct TriangleEdge {
+  std::array<Index, 2> ends{-1, -1};   ///< smaller and larger vertex
+  std::array<Index, 2> faces{-1, -1};  ///< its first two faces, ascending; -1: there is none
+  Index forward = 0, backward = 0;     ///< number of faces that run from ends[0] to ends[1], and of the others
+
+  bool joins_two_faces() const { return forward + backward == 2; }
+  /// Returns whether as many faces run one way as the other; false for a boundary edge.
+  bool is_balanced() const { return forward == backward; }
+};
+
+/// Lists the edges of a triangle mesh, ascending in their ends. A triangle that repeats a vertex has no edges.
+/// Where the lists of `vertex_triangles` exist anyway, this takes half the memory of an EdgeTable, and less
+/// time if neighbouring vertices have near numbers.
+std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles);
 
 }  // namespace meshgraft

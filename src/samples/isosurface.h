@@ -11,6 +11,8 @@
 namespace meshgraft::samples {
 
 /// A closed, oriented triangle surface. Half-edge 3·t + c runs from corner c of triangle t to the next one.
+/// Half-edges are linked to their twins, and not listed by edges as in an EdgeTable, because remeshing flips,
+/// splits and collapses edges.
 class Surface {
  public:
   Surface(std::vector<Vec3> points, std::vector<std::array<int, 3>> triangles);

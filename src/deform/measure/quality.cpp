@@ -17,6 +17,7 @@
 
 #include "core/percentile.h"
 #include "deform/setup/free_vertices.h"
+#include "mesh/edge_table.h"
 
 namespace meshgraft {
 
@@ -153,52 +154,6 @@ std::vector<FaceMeasure> measure_faces(const Pose& rest, const Pose& edited, con
   return measures;
 }
 
-// An edge and its first two faces.
-struct Edge {
-  Index tail = -1, head = -1;  // tail < head
-  std::array<Index, 2> faces{-1, -1};
-  Index forward = 0, backward = 0;  // number of faces that run from tail to head, and of the others
-  bool joins_two_faces() const { return forward + backward == 2; }
-};
-
-bool repeats_vertex(const Triangles& triangles, Index f) {
-  return triangles(f, 0) == triangles(f, 1) || triangles(f, 1) == triangles(f, 2) ||
-         triangles(f, 2) == triangles(f, 0);
-}
-
-// Lists the edges in order of their ends. Each vertex contributes the edges to larger neighbours.
-std::vector<Edge> list_edges(const Triangles& triangles, const IndexLists& faces_around) {
-  struct Side {
-    Index head, face;
-    bool forward;
-    auto operator<=>(const Side&) const = default;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(static_cast<std::size_t>(triangles.rows()) * 3 / 2 + 64);
-  std::vector<Side> sides;
-  for (Index v = 0; v < faces_around.size(); ++v) {
-    sides.clear();
-    for (const Index f : faces_around[v]) {
-      if (repeats_vertex(triangles, f)) continue;
-      const int c = triangles(f, 0) == v ? 0 : triangles(f, 1) == v ? 1 : 2;
-      const Index next = triangles(f, (c + 1) % 3), previous = triangles(f, (c + 2) % 3);
-      if (next > v) sides.push_back({next, f, true});
-      if (previous > v) sides.push_back({previous, f, false});
-    }
-    std::sort(sides.begin(), sides.end());
-    for (const Side& side : sides) {
-      if (edges.empty() || edges.back().tail != v || edges.back().head != side.head) {
-        edges.push_back({v, side.head});
-      }
-      Edge& edge = edges.back();
-      const Index faces_before = edge.forward + edge.backward;
-      if (faces_before < 2) edge.faces[static_cast<std::size_t>(faces_before)] = side.face;
-      ++(side.forward ? edge.forward : edge.backward);
-    }
-  }
-  return edges;
-}
-
 // Returns the signed angle (radians) by which the surface turns across an edge. If the faces are not
 // consistently oriented, the sign of one normal is reversed.
 double turn_across(const Vector3d& along, const Vector3d& first, const Vector3d& second, bool oriented) {
@@ -215,32 +170,33 @@ struct EdgeMeasure {
   bool rim = false;           // between held and free surface
 };
 
-double turn_change_deg(const Edge& edge, const FaceMeasure& first, const FaceMeasure& second,
+double turn_change_deg(const TriangleEdge& edge, const FaceMeasure& first, const FaceMeasure& second,
                        const Vector3d& rest_along, const Vector3d& edited_along) {
   const auto directed = [](const FaceMeasure& f) { return f.rest.has_normal() && f.edited.has_normal(); };
   if (!directed(first) || !directed(second)) return unknown;
-  const bool alike = edge.forward == 1;
+  const bool alike = edge.is_balanced();
   const double before = turn_across(rest_along, first.rest.normal, second.rest.normal, alike);
   const double after = turn_across(edited_along, first.edited.normal, second.edited.normal, alike);
   const double change = std::abs(after - before);
   return std::min(change, 2 * std::numbers::pi - change) * 180 / std::numbers::pi;
 }
 
-std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited, const std::vector<Edge>& edges,
+std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited,
+                                       const std::vector<TriangleEdge>& edges,
                                        const std::vector<FaceMeasure>& faces, const Flags& is_free,
                                        const Context& context) {
   std::vector<EdgeMeasure> measures(edges.size());
-  const auto measure_edge = [&](const Edge& edge) {
+  const auto measure_edge = [&](const TriangleEdge& edge) {
     EdgeMeasure measure;
-    const bool tail_free = is_free[edge.tail], head_free = is_free[edge.head];
-    measure.free = tail_free || head_free;
-    measure.rim = tail_free != head_free;
+    const auto [tail, head] = edge.ends;
+    measure.free = is_free[tail] || is_free[head];
+    measure.rim = is_free[tail] != is_free[head];
     const FaceMeasure& first = faces[edge.faces[0]];
     if (edge.joins_two_faces()) measure.rim |= first.free != faces[edge.faces[1]].free;
     if (!measure.free && !measure.rim) return measure;
 
-    const Vector3d rest_along = rest.between(edge.tail, edge.head);
-    const Vector3d edited_along = edited.between(edge.tail, edge.head);
+    const Vector3d rest_along = rest.between(tail, head);
+    const Vector3d edited_along = edited.between(tail, head);
     const double rest_length = rest_along.norm();
     const double stretch = edited_along.norm() / rest_length - 1;
     if (rest_length > rest.resolution && std::isfinite(stretch)) measure.stretch = stretch;
@@ -273,11 +229,11 @@ void report_areas(const std::vector<FaceMeasure>& faces, Quality& quality) {
 }
 
 // The volume is the sum of the cones over all faces, for any common apex (divergence theorem).
-void report_volume(const Pose& rest_pose, const std::vector<FaceMeasure>& faces, const std::vector<Edge>& edges,
-                   Quality& quality) {
+void report_volume(const Pose& rest_pose, const std::vector<FaceMeasure>& faces,
+                   const std::vector<TriangleEdge>& edges, Quality& quality) {
   const bool finite = std::all_of(faces.begin(), faces.end(), [](const auto& face) { return face.finite(); });
-  const bool closed = !edges.empty() && std::all_of(edges.begin(), edges.end(), [](const Edge& edge) {
-    return edge.forward == edge.backward;
+  const bool closed = !edges.empty() && std::all_of(edges.begin(), edges.end(), [](const TriangleEdge& edge) {
+    return edge.is_balanced();
   });
   if (!finite || !closed) return;
   double rest = 0, edited = 0, rest_area = 0;
@@ -367,7 +323,7 @@ Quality measure_quality(const Points& rest, const Points& edited, const Triangle
   const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
   const auto [rest_pose, edited_pose] = make_poses(rest, edited, faces_around);
   const std::vector<FaceMeasure> faces = measure_faces(rest_pose, edited_pose, triangles, is_free, context);
-  const std::vector<Edge> edges = list_edges(triangles, faces_around);
+  const std::vector<TriangleEdge> edges = list_edges(triangles, faces_around);
   const std::vector<EdgeMeasure> edge_measures =
       measure_edges(rest_pose, edited_pose, edges, faces, is_free, context);
 

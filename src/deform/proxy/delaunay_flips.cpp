@@ -44,6 +44,7 @@ class Flipper {
 
  private:
   /// The number of faces of an undirected edge, and the face that runs along it in each direction (-1: none).
+  /// They are in a hash table and not in an EdgeTable, because every flip takes an edge away and adds another.
   struct EdgeFaces {
     int count = 0;
     Index forward = -1, backward = -1;

@@ -4,13 +4,13 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/parallel.h>
 
 #include "deform/facts.h"
+#include "mesh/edge_table.h"
 
 namespace meshgraft {
 
@@ -39,13 +39,6 @@ void require_finite(const Points& points, const std::vector<Index>& vertices) {
   }
 }
 
-struct HalfEdge {
-  Index low, high;  ///< the ends of the edge
-  Index face;
-  bool ascending;  ///< whether its face runs from `low` to `high`
-  auto key() const { return std::pair(low, high); }
-};
-
 /// Returns whether any two faces run along an edge in the same direction.
 bool any_wound_against(Index vertex_count, const Triangles& triangles, const Context& context) {
   const IndexLists faces_at = vertex_triangles(vertex_count, triangles, context);
@@ -71,18 +64,7 @@ bool any_wound_against(Index vertex_count, const Triangles& triangles, const Con
 /// normals, which are sums over faces, would cancel. Each connected component keeps its first face. Where no
 /// consistent orientation exists (a Möbius strip), some edges remain inconsistent. A consistently oriented
 /// patch is not changed.
-void wind_alike(Triangles& triangles) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(static_cast<std::size_t>(3 * triangles.rows()));
-  for (Index t = 0; t < triangles.rows(); ++t) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const Index a = triangles(t, corner), b = triangles(t, (corner + 1) % 3);
-      edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tuple(a.low, a.high, a.face) < std::tuple(b.low, b.high, b.face);
-  });
+void wind_alike(Index vertex_count, Triangles& triangles) {
   struct Neighbour {
     Index face = -1;
     bool opposed = false;  ///< the orientations are inconsistent
@@ -90,17 +72,13 @@ void wind_alike(Triangles& triangles) {
   std::vector<std::array<Neighbour, 3>> neighbours(static_cast<std::size_t>(triangles.rows()));
   Flags filled(neighbours.size(), 0);
   bool any_opposed = false;
-  for (std::size_t first = 0; first < edges.size();) {
-    std::size_t last = first;
-    while (last < edges.size() && edges[last].key() == edges[first].key()) ++last;
-    if (last - first == 2) {
-      const HalfEdge &a = edges[first], &b = edges[first + 1];
-      const bool opposed = a.ascending == b.ascending;
-      any_opposed = any_opposed || opposed;
-      neighbours[a.face][filled[a.face]++] = {b.face, opposed};
-      neighbours[b.face][filled[b.face]++] = {a.face, opposed};
-    }
-    first = last;
+  for (const TriangleEdge& edge : list_edges(triangles, vertex_triangles(vertex_count, triangles))) {
+    if (!edge.joins_two_faces()) continue;
+    const bool opposed = !edge.is_balanced();
+    any_opposed = any_opposed || opposed;
+    const auto [a, b] = edge.faces;
+    neighbours[a][filled[a]++] = {b, opposed};
+    neighbours[b][filled[b]++] = {a, opposed};
   }
   if (!any_opposed) return;
   enum : std::uint8_t { unseen, kept, turned };
@@ -188,7 +166,7 @@ Patch make_patch(const Points& points, const Triangles& triangles, const IndexLi
       },
       context, 4096);
   patch.rewound = any_wound_against(patch.size(), patch.triangles, context);
-  if (patch.rewound) wind_alike(patch.triangles);
+  if (patch.rewound) wind_alike(patch.size(), patch.triangles);
   return patch;
 }
 

@@ -102,6 +102,8 @@ class Refinement {
     return {weights[0].first, weights[1].first, weights[1].second / (weights[0].second + weights[1].second)};
   }
 
+  // A half-edge. The sorted list is made anew in each sweep, and is looked up by ends of edges that may not
+  // exist yet; an EdgeTable would need the faces in another form.
   struct Corner {
     HoleChord edge;
     Index face, corner;  // the edge from the corner to the next one

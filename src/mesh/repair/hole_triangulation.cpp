@@ -123,7 +123,8 @@ std::vector<HoleTriangle> refine_triangles(const CoarseLoop& coarse, Index fine_
   return triangles;
 }
 
-// Finds the neighbours of triangles across their edges.
+// Finds the neighbours of triangles across their edges. Triangles of a hole have their corners in ascending
+// order, so they have no half-edges for an EdgeTable.
 class Neighbours {
  public:
   explicit Neighbours(const std::vector<HoleTriangle>& triangles) {
