@@ -86,8 +86,7 @@ Columns propagate_by_distance(const EditProblem& problem) {
   Columns sums = Columns::Zero(problem.size(), 12);
   std::vector<double> weights(problem.known.size(), 0.0);
   for (const std::vector<Index>& group : constrained_groups(problem)) {
-    const std::vector<double> distance =
-        edge_distance(group, problem.rest(), problem.rings, std::numeric_limits<double>::infinity());
+    const std::vector<double> distance = edge_distance(group, problem.rest(), problem.rings);
     const std::vector<Index> nearest = nearest_seeds(problem, group, distance);
     for (Index v = 0; v < problem.size(); ++v) {
       if (nearest[v] < 0) continue;

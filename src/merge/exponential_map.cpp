@@ -33,6 +33,8 @@ struct Frame {
   }
 };
 
+// Computes coordinates outward from the origin. This is not the walk of `shortest_distances`: the distance of a
+// vertex is the length of its coordinates, which are known when it is settled, and no sum along a path.
 class Spreading {
  public:
   Spreading(const Points& positions, const Points& normals, const IndexLists& rings, double reach)

@@ -19,7 +19,7 @@ constexpr std::uint8_t of_feature = 1, stays = 2;
 double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
                      double radii) {
   double farthest = 0;
-  for (const double distance : edge_distance(loop, points, rings, std::numeric_limits<double>::infinity()))
+  for (const double distance : edge_distance(loop, points, rings))
     if (std::isfinite(distance)) farthest = std::max(farthest, distance);
   return std::min(radii * loop_radius(points, loop), farthest / 2);
 }
@@ -59,7 +59,7 @@ std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
     for (const Index v : grow_rings(loop, reach.rings.value_or(fewest_rings), rings)) near[v] = 1;
     if (reach.rings) continue;
     const double length = reach.length ? *reach.length : default_reach(source, rings, loop, radii);
-    const std::vector<double> distance = edge_distance(loop, source, rings, length);
+    const std::vector<double> distance = edge_distance(loop, source, rings, {.limit = length});
     for (std::size_t v = 0; v < near.size(); ++v) near[v] |= static_cast<std::uint8_t>(distance[v] <= length);
   }
   std::vector<Index> far;

@@ -134,7 +134,7 @@ void refine_within_reach(Source& source, const Context& context) {
     Flags keeps_its_loop(longest.size(), false);
     for (const LoopPair& pair : source.pairs) {
       const double radius = loop_radius(points, pair.source);
-      const std::vector<double> distance = edge_distance(pair.source, points, rings, radius);
+      const std::vector<double> distance = edge_distance(pair.source, points, rings, {.limit = radius});
       for (std::size_t v = 0; v < longest.size(); ++v)
         if (distance[v] <= radius) longest[v] = std::min(longest[v], longest_rel * radius);
       for (const Index v : pair.source) keeps_its_loop[v] = pair.source.size() >= fewest_around;

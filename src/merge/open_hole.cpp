@@ -99,8 +99,8 @@ bool cuts_through(const Mesh& source, const FlatLoop& loop, const FitResult& fit
       corners.insert(corners.end(), t.begin(), t.end());
   const auto of_target = static_cast<Index>(corners.size() / 3);
   const double radius = loop.outline.width() / std::sqrt(std::numbers::pi);
-  const std::vector<double> away =
-      edge_distance(loop.vertices, source.positions, vertex_rings(source.vertex_count(), triangles), radius);
+  const std::vector<double> away = edge_distance(
+      loop.vertices, source.positions, vertex_rings(source.vertex_count(), triangles), {.limit = radius});
   std::vector<Index> free;
   for (const auto& t : triangles.rowwise()) {
     if (std::any_of(t.begin(), t.end(), [&](Index v) { return std::isfinite(away[v]); })) continue;

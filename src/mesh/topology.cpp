@@ -1,10 +1,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include <algorithm>
-#include <functional>
-#include <limits>
 #include <numeric>
-#include <queue>
 #include <string>
 #include <utility>
 
@@ -15,6 +12,7 @@
 #include "disjoint_sets.h"
 #include "edge_table.h"
 #include "fans.h"
+#include "shortest_distances.h"
 
 namespace meshgraft {
 
@@ -321,27 +319,17 @@ std::vector<Index> grow_rings(std::span<const Index> seeds, int rings, const Ind
 }
 
 std::vector<double> edge_distance(std::span<const Index> seeds, const Points& positions,
-                                  const IndexLists& vertex_rings, double limit) {
+                                  const IndexLists& vertex_rings, const EdgeDistanceOptions& options) {
   check_seeds(seeds, vertex_rings.size());
-  std::vector<double> distance(vertex_rings.size(), std::numeric_limits<double>::infinity());
-  using Entry = std::pair<double, Index>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-  for (const Index seed : seeds) {
-    if (distance[seed] == 0) continue;
-    distance[seed] = 0;
-    front.emplace(0.0, seed);
-  }
-  while (!front.empty()) {
-    const auto [reached, v] = front.top();
-    front.pop();
-    if (reached > distance[v]) continue;
+  std::vector<double> distance(vertex_rings.size(), unreached);
+  shortest_distances(seeds, distance, [&](Index v, double reached, const auto& offer) {
     for (const Index neighbour : vertex_rings[v]) {
       const double candidate = reached + (positions.row(neighbour) - positions.row(v)).norm();
-      if (candidate > limit || !(candidate < distance[neighbour])) continue;
-      distance[neighbour] = candidate;
-      front.emplace(candidate, neighbour);
+      if (candidate > options.limit) continue;
+      offer(neighbour, candidate);
     }
-  }
+    return true;
+  });
   return distance;
 }
 

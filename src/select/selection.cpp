@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <queue>
 #include <span>
 
 #include <Eigen/Geometry>
@@ -16,6 +14,7 @@
 
 #include "core/facts.h"
 #include "mesh/box_diagonal.h"
+#include "mesh/shortest_distances.h"
 #include "mesh/vertex_tree.h"
 #include "select/facts.h"
 
@@ -81,31 +80,24 @@ class PathFinder {
     for (const Index v : vertices) blocked_[v] = true;
   }
 
-  // Returns the vertices after `from` up to and including `to`; empty if there is no path. Dijkstra with
-  // early exit.
+  // Returns the vertices after `from` up to and including `to`; empty if there is no path.
   std::vector<Index> find(Index from, Index to) {
+    const Points& positions = context_.mesh.positions;
     std::vector<Index> touched = {from};
-    using Entry = std::pair<double, Index>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-    distance_[from] = 0;
-    front.emplace(0.0, from);
-    while (!front.empty() && front.top().second != to) {
-      const auto [reached, v] = front.top();
-      front.pop();
-      if (reached > distance_[v]) continue;
+    bool found = false;
+    shortest_distances(std::span(&from, 1), distance_, [&](Index v, double reached, const auto& offer) {
+      found = v == to;
+      if (found) return false;
       for (const Index w : context_.rings[v]) {
         if (blocked_[w] && w != to) continue;
-        const double candidate =
-            reached + (context_.mesh.positions.row(w) - context_.mesh.positions.row(v)).norm();
-        if (!(candidate < distance_[w])) continue;
-        if (distance_[w] == unreached) touched.push_back(w);
-        distance_[w] = candidate;
+        if (!offer(w, reached + (positions.row(w) - positions.row(v)).norm())) continue;
+        touched.push_back(w);
         previous_[w] = v;
-        front.emplace(candidate, w);
       }
-    }
+      return true;
+    });
     std::vector<Index> path;
-    if (!front.empty()) {
+    if (found) {
       for (Index v = to; v != from; v = previous_[v]) path.push_back(v);
       std::reverse(path.begin(), path.end());
     }
@@ -114,7 +106,6 @@ class PathFinder {
   }
 
  private:
-  static constexpr double unreached = std::numeric_limits<double>::infinity();
   const SelectionContext& context_;
   Flags blocked_;
   std::vector<double> distance_;
@@ -279,7 +270,7 @@ class Resolver {
   std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& location) const {
     require_not_negative(grow.length, location + ".grow_length.length");
     const std::vector<Index> of = child(grow.of, location + ".grow_length.of");
-    const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, grow.length);
+    const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, {.limit = grow.length});
     return vertices_where(count_, [&](Index v) { return std::isfinite(distance[v]); });
   }
 

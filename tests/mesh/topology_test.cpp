@@ -324,7 +324,7 @@ TEST(GrowRings, IsTheDistanceInEdges) {
 TEST(EdgeDistance, IsShortestAlongEdgesAndEndsAtTheLimit) {
   const Mesh grid = shapes::grid(6, 6);
   const IndexLists rings = vertex_rings(grid.vertex_count(), grid.faces);
-  const auto distance = edge_distance(std::vector<Index>{0, 48}, grid.positions, rings, 4);
+  const auto distance = edge_distance(std::vector<Index>{0, 48}, grid.positions, rings, {.limit = 4});
   for (Index v = 0; v < 49; ++v) {
     const int from_first = v / 7 + v % 7, from_last = 12 - from_first;
     const int nearest = std::min(from_first, from_last);

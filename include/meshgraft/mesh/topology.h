@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -78,9 +80,13 @@ TopologySummary summarise_topology(const Mesh& mesh);
 /// seed is out of range.
 std::vector<Index> grow_rings(std::span<const Index> seeds, int rings, const IndexLists& vertex_rings);
 
+struct EdgeDistanceOptions {
+  double limit = std::numeric_limits<double>::infinity();  ///< model units; the walk ends there
+};
+
 /// Returns each vertex's distance along edges (Dijkstra, model units) from the nearest seed, infinity beyond
-/// `limit`. Throws Error(input) if a seed is out of range.
+/// the limit. Throws Error(input) if a seed is out of range.
 std::vector<double> edge_distance(std::span<const Index> seeds, const Points& positions,
-                                  const IndexLists& vertex_rings, double limit);
+                                  const IndexLists& vertex_rings, const EdgeDistanceOptions& options = {});
 
 }  // namespace meshgraft

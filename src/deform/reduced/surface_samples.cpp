@@ -1,9 +1,6 @@
 #include "surface_samples.h"
 
-#include <functional>
-#include <limits>
-#include <queue>
-#include <tuple>
+#include "mesh/shortest_distances.h"
 
 namespace meshgraft {
 
@@ -15,41 +12,33 @@ class EdgeDistances {
   EdgeDistances(const Points& points, const IndexLists& rings)
       : points_(points),
         rings_(rings),
-        distance_(static_cast<std::size_t>(rings.size()), std::numeric_limits<double>::infinity()),
+        distance_(static_cast<std::size_t>(rings.size()), unreached),
         source_(distance_.size(), -1) {}
 
   void add_source(Index vertex, Index number) {
-    distance_[vertex] = 0;
+    new_sources_.push_back(vertex);
     source_[vertex] = number;
-    queue_.emplace(0.0, vertex);
   }
 
-  /// Visits only vertices whose distance decreases.
+  /// Visits only vertices whose distance the new sources decrease.
   void update() {
-    while (!queue_.empty()) {
-      const auto [distance, v] = queue_.top();
-      queue_.pop();
-      if (distance > distance_[v]) continue;
-      for (const Index w : rings_[v]) {
-        const double along = distance + (points_.row(v) - points_.row(w)).norm();
-        if (along >= distance_[w]) continue;
-        distance_[w] = along;
-        source_[w] = source_[v];
-        queue_.emplace(along, w);
-      }
-    }
+    shortest_distances(new_sources_, distance_, [&](Index v, double distance, const auto& offer) {
+      for (const Index w : rings_[v])
+        if (offer(w, distance + (points_.row(v) - points_.row(w)).norm())) source_[w] = source_[v];
+      return true;
+    });
+    new_sources_.clear();
   }
 
   double distance(Index vertex) const { return distance_[vertex]; }
   const std::vector<Index>& sources() const { return source_; }
 
  private:
-  using Entry = std::tuple<double, Index>;
   const Points& points_;
   const IndexLists& rings_;
   std::vector<double> distance_;
   std::vector<Index> source_;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  std::vector<Index> new_sources_;
 };
 
 }  // namespace
@@ -67,7 +56,7 @@ std::vector<Index> farthest_vertices(const Points& points, const IndexLists& rin
     for (Index v = 0; v < rings.size(); ++v)
       if (candidates[v] && (farthest < 0 || distances.distance(v) > distances.distance(farthest))) farthest = v;
     if (farthest < 0 || !(distances.distance(farthest) > 0)) break;
-    const bool reached = distances.distance(farthest) < std::numeric_limits<double>::infinity();
+    const bool reached = distances.distance(farthest) < unreached;
     if (reached && static_cast<Index>(chosen.size()) >= count) break;
     chosen.push_back(farthest);
     distances.add_source(farthest, 0);

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <queue>
 #include <unordered_map>
 #include <utility>
 
@@ -12,6 +10,7 @@
 
 #include "mesh/area_vector.h"
 #include "mesh/facts.h"
+#include "mesh/shortest_distances.h"
 
 namespace meshgraft {
 
@@ -61,45 +60,39 @@ bool SurfacePaths::face_has(Index half_edge, Index v) const {
 
 // Runs Dijkstra's algorithm from triangle to triangle, through the midpoints of their edges.
 SurfacePaths::Strip SurfacePaths::first_strip(Index from, Index to, const Context& context) const {
-  std::unordered_map<Index, double> reached;      // per face
+  SparseDistances distance;
   std::unordered_map<Index, Index> entered_over;  // per face: half-edge crossed into it, in the face before
-  using Entry = std::pair<double, Index>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-  for (Index c = corner_at_[from]; c >= 0; c = next_at_[c]) {
-    reached[face_[c]] = 0;
-    front.emplace(0.0, face_[c]);
-  }
+  std::vector<Index> around;                      // the faces at `from`
+  for (Index c = corner_at_[from]; c >= 0; c = next_at_[c]) around.push_back(face_[c]);
   const auto middle = [&](Index half_edge) -> Eigen::RowVector3d {
     return (positions_.row(vertex(half_edge)) + positions_.row(vertex(table_.next[half_edge]))) / 2;
   };
-  for (std::size_t steps = 0; !front.empty(); ++steps) {
-    if (steps % 4096 == 0) context.throw_if_stopped();
-    const auto [distance, face] = front.top();
-    front.pop();
-    if (distance > reached[face]) continue;
+  Index last = -1;  // the face at `to` that is reached first
+  std::size_t steps = 0;
+  shortest_distances(around, distance, [&](Index face, double reached, const auto& offer) {
+    if (steps++ % 4096 == 0) context.throw_if_stopped();
     const Index first = triangles_.first_corner(face);
     if (face_has(first, to)) {
-      Strip strip;
-      for (auto over = entered_over.find(face); over != entered_over.end();
-           over = entered_over.find(face_[over->second]))
-        strip.push_back(over->second);
-      std::reverse(strip.begin(), strip.end());
-      return strip;
+      last = face;
+      return false;
     }
     const auto entry = entered_over.find(face);
     const Eigen::RowVector3d here = entry == entered_over.end() ? positions_.row(from) : middle(entry->second);
     for (Index c = first; c < first + 3; ++c) {
       const Index other = twin(c);
-      if (other < 0) continue;
-      const double candidate = distance + (middle(c) - here).norm();
-      const auto [known, is_new] = reached.try_emplace(face_[other], candidate);
-      if (!is_new && !(candidate < known->second)) continue;
-      known->second = candidate;
-      entered_over[face_[other]] = c;
-      front.emplace(candidate, face_[other]);
+      if (other >= 0 && offer(face_[other], reached + (middle(c) - here).norm()))
+        entered_over[face_[other]] = c;
     }
-  }
-  throw Error(facts::mesh::NoPath{.from = from, .to = to});
+    return true;
+  });
+  if (last < 0) throw Error(facts::mesh::NoPath{.from = from, .to = to});
+
+  Strip strip;
+  for (auto over = entered_over.find(last); over != entered_over.end();
+       over = entered_over.find(face_[over->second]))
+    strip.push_back(over->second);
+  std::reverse(strip.begin(), strip.end());
+  return strip;
 }
 
 // Removes detours that return to an earlier triangle of the strip, and the triangles at its ends that lie
