@@ -152,18 +152,18 @@ bool Diagnostics::has_defects() const {
                      [](const Finding& finding) { return finding.name != "polygon"; });
 }
 
-void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const Index> reach,
-                    const std::string& name) {
-  Flags within(mesh.vertex_count(), reach.empty());
-  for (const Index v : reach) {
+void require_usable(const Diagnostics& report, const Mesh& mesh, const RequireUsableOptions& options) {
+  const bool whole_mesh = options.vertices.empty();
+  Flags within(mesh.vertex_count(), whole_mesh);
+  for (const Index v : options.vertices) {
     if (is_vertex_of(mesh, v)) within[v] = true;
   }
   const auto touches = [&](const Finding& finding, Index i) {
     if (finding.domain == Domain::vertex) return is_vertex_of(mesh, i) && within[i];
     if (i < 0 || i >= mesh.face_count()) return false;
     const auto corners = mesh.faces[i];
-    return reach.empty() || std::any_of(corners.begin(), corners.end(),
-                                        [&](Index v) { return is_vertex_of(mesh, v) && within[v]; });
+    return whole_mesh || std::any_of(corners.begin(), corners.end(),
+                                     [&](Index v) { return is_vertex_of(mesh, v) && within[v]; });
   };
   for (const Finding& finding : report.findings) {
     if (finding.severity != Severity::refused) continue;
@@ -174,8 +174,8 @@ void require_usable(const Diagnostics& report, const Mesh& mesh, std::span<const
     if (here.empty()) continue;
     const auto first = std::span(here).first(std::min<std::size_t>(here.size(), 5));
     if (finding.domain == Domain::vertex)
-      throw Error(facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = first}, name);
-    throw Error(facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = first}, name);
+      throw Error(facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = first}, options.name);
+    throw Error(facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = first}, options.name);
   }
 }
 

@@ -37,7 +37,7 @@ SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std
       corners.push_back(same(c));
     kept.add(mesh.faces[f], corners, f);
   }
-  if (kept.faces.size() == 0) require_usable(diagnostics, mesh, {}, name);
+  if (kept.faces.size() == 0) require_usable(diagnostics, mesh, {.name = name});
 
   Mesh& usable = usable_.emplace();
   usable.source = mesh.source;
@@ -64,19 +64,19 @@ std::optional<Note> SoundMesh::note() const {
   return facts::mesh::FacesLeftOut{.mesh = name_, .count = faces_.size()};
 }
 
-void SoundMesh::require_beyond(std::span<const Index> reach) const {
+void SoundMesh::require_beyond(std::span<const Index> reached) const {
   if (!usable_) return;
   Flags within(given_.vertex_count(), 0);
-  for (const Index v : reach)
+  for (const Index v : reached)
     if (is_vertex_of(given_, v)) within[v] = 1;  // a missing vertex is reported where it is used
-  // A finding may name only the face's one vertex beyond reach, so all corners of the face count.
+  // A finding may name only the face's one vertex that is not reached, so all corners of the face count.
   std::vector<Index> touched;
   for (const Index f : faces_) {
     const auto face = given_.faces[f];
     if (std::ranges::any_of(face, [&](Index v) { return is_vertex_of(given_, v) && within[v]; }))
       touched.insert(touched.end(), face.begin(), face.end());
   }
-  if (!touched.empty()) require_usable(diagnostics_, given_, touched, name_);
+  if (!touched.empty()) require_usable(diagnostics_, given_, {.vertices = touched, .name = name_});
 }
 
 Error SoundMesh::explained(const Error& error) const {

@@ -39,7 +39,8 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
   vertices = grow_rings(vertices, reach, selections.rings);
   // Vertices without a face have no equations.
   std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
-  if (!vertices.empty()) require_usable(scene.diagnostics, selections.mesh, vertices, scene.label);
+  if (!vertices.empty())
+    require_usable(scene.diagnostics, selections.mesh, {.vertices = vertices, .name = scene.label});
 }
 
 // Returns all constraints of a step per vertex: fixed vertices, handles, and constraints of single vertices.

@@ -29,8 +29,8 @@ class SoundMesh {
   /// Returns a note of the faces that were left out (mesh.faces_left_out); none if there are none.
   std::optional<Note> note() const;
 
-  /// Throws Error(input) if one of the faces that were left out has a vertex in `reach`.
-  void require_beyond(std::span<const Index> reach) const;
+  /// Throws Error(input) if one of the faces that were left out has a vertex in `reached`.
+  void require_beyond(std::span<const Index> reached) const;
 
   /// Returns the error of a step that worked on `mesh()`, with the note of the faces that were left out, if
   /// any. The error may concern a boundary that only this mesh has.
