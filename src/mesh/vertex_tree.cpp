@@ -28,7 +28,7 @@ struct PointSet {
 };
 
 // A straight segment, with parameters from 0 to 1.
-struct Way {
+struct Segment {
   Eigen::RowVector3d from, along;
   double per_length = along.isZero(0) ? 0 : 1 / along.squaredNorm();  // squared
 
@@ -70,22 +70,22 @@ struct VertexTree::Tree {
 
   // Descends to the leaves near the segment, with the segment clipped to each side. nanoflann searches only
   // around points, and a ball around a long segment contains far more vertices than lie near it.
-  void collect_near(const Search::Node* node, const Way& way, double begin, double end, double reach,
+  void collect_near(const Search::Node* node, const Segment& segment, double begin, double end, double radius,
                     std::vector<Index>& found) const {
     if (!(begin <= end)) return;
     if (node->child1 == nullptr) {
       for (auto i = node->node_type.lr.left; i < node->node_type.lr.right; ++i) {
         const Index v = points.vertices[search.vAcc[i]];
-        if (way.squared_distance(points.positions.row(v)) <= reach * reach) found.push_back(v);
+        if (segment.squared_distance(points.positions.row(v)) <= radius * radius) found.push_back(v);
       }
       return;
     }
     const auto& cut = node->node_type.sub;
     double low_begin = begin, low_end = end;
-    way.clip(cut.divfeat, cut.divlow + reach, true, low_begin, low_end);
-    collect_near(node->child1, way, low_begin, low_end, reach, found);
-    way.clip(cut.divfeat, cut.divhigh - reach, false, begin, end);
-    collect_near(node->child2, way, begin, end, reach, found);
+    segment.clip(cut.divfeat, cut.divlow + radius, true, low_begin, low_end);
+    collect_near(node->child1, segment, low_begin, low_end, radius, found);
+    segment.clip(cut.divfeat, cut.divhigh - radius, false, begin, end);
+    collect_near(node->child2, segment, begin, end, radius, found);
   }
 };
 
@@ -112,11 +112,11 @@ std::vector<Index> VertexTree::within(const Eigen::RowVector3d& point, double ra
 }
 
 std::vector<Index> VertexTree::near_segment(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
-                                            double reach) const {
+                                            double radius) const {
   std::vector<Index> found;
   // Rounding may place a vertex slightly beside a segment on which it lies.
   constexpr double rounding = 1e-14;
-  const double widened = reach + rounding * (a.cwiseAbs() + b.cwiseAbs()).maxCoeff();
+  const double widened = radius + rounding * (a.cwiseAbs() + b.cwiseAbs()).maxCoeff();
   if (tree_) tree_->collect_near(tree_->search.root_node, {a, b - a}, 0, 1, widened, found);
   std::sort(found.begin(), found.end());
   return found;

@@ -25,9 +25,10 @@ class VertexTree {
   /// Returns the vertices at most `radius` away, ascending.
   std::vector<Index> within(const Eigen::RowVector3d& point, double radius) const;
 
-  /// Returns the vertices, ascending, at most `reach` from the segment from `a` to `b`, and a few slightly
+  /// Returns the vertices, ascending, at most `radius` from the segment from `a` to `b`, and a few slightly
   /// farther ones. Few vertices are returned per edge even around the hub of a fan of edges.
-  std::vector<Index> near_segment(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b, double reach) const;
+  std::vector<Index> near_segment(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
+                                  double radius) const;
 
  private:
   struct Tree;

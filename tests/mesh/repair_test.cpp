@@ -151,7 +151,7 @@ TEST(Repair, TurnsNormalsWithTheirFaces) {
   for (Index f = 0; f < mesh.face_count(); ++f)
     inward.faces.push_back(std::vector<Index>{mesh.faces[f][0], mesh.faces[f][2], mesh.faces[f][1]});
   const RepairResult result = repair(inward);
-  ASSERT_TRUE(result.find("turned-part"));
+  ASSERT_TRUE(result.find("turned-component"));
   EXPECT_EQ(result.mesh.faces, mesh.faces);
   for (std::size_t k = 0; k < mesh.attributes[0].values.size(); ++k)
     EXPECT_EQ(result.mesh.attributes[0].values[k], -mesh.attributes[0].values[k]);

@@ -54,9 +54,9 @@ double fan_area(const Points& positions, const std::vector<Index>& loop) {
 // Splits a loop where holes touch. Copies of the vertex at which the holes touch had joined them into one
 // loop. Each result passes each vertex, or its copies, once. Loops are lists of half-edges along the
 // boundary.
-std::vector<std::vector<Index>> parted_at_copies(const RepairSurface& surface, const std::vector<Index>& loop) {
+std::vector<std::vector<Index>> split_at_copies(const RepairSurface& surface, const std::vector<Index>& loop) {
   const std::vector<Index>& corners = surface.faces().corners();
-  std::vector<std::vector<Index>> parts;
+  std::vector<std::vector<Index>> loops;
   std::vector<Index> rest;
   for (const Index half_edge : loop) {
     const auto origin_of = [&](Index c) { return surface.vertex_origin(corners[c]); };
@@ -64,13 +64,13 @@ std::vector<std::vector<Index>> parted_at_copies(const RepairSurface& surface, c
     const auto before =
         std::find_if(rest.begin(), rest.end(), [&](Index c) { return origin >= 0 && origin_of(c) == origin; });
     if (rest.end() - before > 2) {
-      parts.emplace_back(before, rest.end());
+      loops.emplace_back(before, rest.end());
       rest.erase(before, rest.end());
     }
     rest.push_back(half_edge);
   }
-  if (rest.size() > 2) parts.push_back(std::move(rest));
-  return parts;
+  if (rest.size() > 2) loops.push_back(std::move(rest));
+  return loops;
 }
 
 // Makes a hole from the half-edges along it.
@@ -110,9 +110,9 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
       unsound += most_edges && within_limit(loop);
       continue;
     }
-    std::vector<std::vector<Index>> parts = parted_at_copies(surface, loop);
-    if (!std::all_of(parts.begin(), parts.end(), within_limit)) parts = {loop};
-    if (within_limit(parts.front())) candidates.push_back(std::move(parts));
+    std::vector<std::vector<Index>> touching = split_at_copies(surface, loop);
+    if (!std::all_of(touching.begin(), touching.end(), within_limit)) touching = {loop};
+    if (within_limit(touching.front())) candidates.push_back(std::move(touching));
   }
   std::vector<TouchingHoles> holes;
   if (candidates.empty()) return holes;
@@ -126,11 +126,10 @@ std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optiona
     return most_edges ||
            fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
   };
-  for (const auto& parts : candidates) {
-    if (!std::all_of(parts.begin(), parts.end(), is_small)) continue;
-    TouchingHoles touching;
-    for (const std::vector<Index>& part : parts) touching.push_back(hole_along(surface, part));
-    holes.push_back(std::move(touching));
+  for (const auto& touching : candidates) {
+    if (!std::all_of(touching.begin(), touching.end(), is_small)) continue;
+    holes.emplace_back();
+    for (const std::vector<Index>& along : touching) holes.back().push_back(hole_along(surface, along));
   }
   return holes;
 }

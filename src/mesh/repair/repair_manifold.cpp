@@ -188,8 +188,8 @@ bool unify_winding(RepairSurface& surface) {
     turn[f] = std::binary_search(inward.components.begin(), inward.components.end(), inward.component[face[0]]);
     if (turn[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
-  surface.report("turned-part", Domain::face, std::move(given), static_cast<Index>(inward.components.size()),
-                 counted<facts::mesh::TurnedPart>);
+  surface.report("turned-component", Domain::face, std::move(given),
+                 static_cast<Index>(inward.components.size()), counted<facts::mesh::TurnedComponent>);
   turn_faces(surface, turn);
   return true;
 }

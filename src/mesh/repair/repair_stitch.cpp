@@ -23,7 +23,7 @@ namespace meshgraft {
 
 namespace {
 
-// Returns for each boundary vertex the smallest one at its position, either exactly or within reach.
+// Returns for each boundary vertex the smallest one at its position, either exactly or within the distance.
 std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<double> distance) {
   const double largest_share = distance ? 0.5 : 0.1;  // of the shortest edge
   const Points& positions = surface.positions();
@@ -31,24 +31,25 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
   const std::vector<Index> boundary = boundary_vertices(count, surface.edges());
   const std::vector<Index> exact = coincident_classes(positions, boundary);
   std::vector<Index> representative(count, -1), representatives;
-  std::vector<double> shortest = shortest_edges(surface), reach(count, std::numeric_limits<double>::infinity());
+  std::vector<double> shortest = shortest_edges(surface),
+                      largest(count, std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < boundary.size(); ++k) {
     representative[boundary[k]] = exact[k];
     if (exact[k] == boundary[k]) representatives.push_back(exact[k]);
-    reach[exact[k]] = std::min(reach[exact[k]], largest_share * shortest[boundary[k]]);
+    largest[exact[k]] = std::min(largest[exact[k]], largest_share * shortest[boundary[k]]);
   }
-  const double widest = weld_reach(surface, distance);
+  const double widest = weld_distance(surface, distance);
   if (!(widest > 0)) return representative;
 
   const VertexTree tree(positions, representatives);
-  std::vector<std::vector<Index>> near(representatives.size());  // smaller ones, within reach of both
+  std::vector<std::vector<Index>> near(representatives.size());  // smaller ones, near enough for both
   parallel_blocks(
       representatives.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const Index v = representatives[i];
-          for (const Index w : tree.within(positions.row(v), std::min(widest, reach[v]))) {
-            if (w < v && (positions.row(v) - positions.row(w)).norm() <= std::min(widest, reach[w]))
+          for (const Index w : tree.within(positions.row(v), std::min(widest, largest[v]))) {
+            if (w < v && (positions.row(v) - positions.row(w)).norm() <= std::min(widest, largest[w]))
               near[i].push_back(w);
           }
         }
@@ -63,7 +64,7 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
 
 }  // namespace
 
-double weld_reach(const RepairSurface& surface, std::optional<double> distance) {
+double weld_distance(const RepairSurface& surface, std::optional<double> distance) {
   constexpr double default_rel = 1e-6;
   return distance ? *distance : default_rel * box_diagonal_of_faces(surface.mesh());
 }
@@ -245,14 +246,14 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
       if (at_end || !place_on(positions, a, b, positions.row(first_vertex_there), 0, widest)) continue;
       for (const Index v : boundary.vertices_at(first_vertex_there)) {
         if (std::find(face.begin(), face.end(), v) != face.end()) continue;
-        const double reach = std::min(widest, 0.1 * shortest[v]);
-        const auto t = place_on(positions, a, b, positions.row(v), reach, reach);
+        const double radius = std::min(widest, 0.1 * shortest[v]);
+        const auto t = place_on(positions, a, b, positions.row(v), radius, radius);
         // A boundary edge must run along this one too, so that surfaces touching in a point stay unchanged.
         const bool runs_along = t && std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](Index w) {
                                   const Eigen::RowVector3d point = positions.row(w);
-                                  return (point - positions.row(a)).norm() <= reach ||
-                                         (point - positions.row(b)).norm() <= reach ||
-                                         place_on(positions, a, b, point, reach, reach);
+                                  return (point - positions.row(a)).norm() <= radius ||
+                                         (point - positions.row(b)).norm() <= radius ||
+                                         place_on(positions, a, b, point, radius, radius);
                                 });
         if (runs_along) torn.on[c].push_back({*t, v});
       }
@@ -310,7 +311,7 @@ void split_triangle(std::array<SplitCorner, 3> corner, std::array<SplitSide, 3> 
 }  // namespace
 
 bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
-  const TornEdges torn = find_torn_edges(surface, weld_reach(surface, distance));
+  const TornEdges torn = find_torn_edges(surface, weld_distance(surface, distance));
   if (torn.vertices.empty()) return false;
   const Faces& faces = surface.faces();
   const RepairFaces& traced = surface.traced();

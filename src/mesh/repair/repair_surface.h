@@ -126,6 +126,6 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options);
 std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges);
 
 /// Returns how far apart merged vertices may be: `distance`, or by default 1e-6 of the box diagonal.
-double weld_reach(const RepairSurface& surface, std::optional<double> distance);
+double weld_distance(const RepairSurface& surface, std::optional<double> distance);
 
 }  // namespace meshgraft
