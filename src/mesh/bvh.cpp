@@ -51,7 +51,7 @@ Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
   constexpr int shared_levels = 7;
   const auto split_nodes = [&](Node first, Node count, const auto& work) {
     parallel_blocks(
-        static_cast<std::size_t>(count),
+        count,
         [&](std::size_t begin, std::size_t end) {
           for (std::size_t k = begin; k < end; ++k) work(first + static_cast<Node>(k));
         },
@@ -66,15 +66,15 @@ Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
   });
 
   parallel_blocks(
-      static_cast<std::size_t>(first_leaf()),
+      first_leaf(),
       [&](std::size_t begin, std::size_t end) {
         for (Node leaf = first_leaf() + static_cast<Node>(begin); leaf < first_leaf() + static_cast<Node>(end);
              ++leaf) {
           const Range range = positions(leaf);
           for (auto k = static_cast<std::size_t>(range.begin); k < static_cast<std::size_t>(range.end); ++k) {
             items_[k] = entries[k].item;
-            item_boxes_[k] = boxes[static_cast<std::size_t>(items_[k])];
-            node_boxes_[static_cast<std::size_t>(leaf)].include(item_boxes_[k]);
+            item_boxes_[k] = boxes[items_[k]];
+            node_boxes_[leaf].include(item_boxes_[k]);
           }
         }
       },
@@ -89,7 +89,7 @@ Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
 void Bvh::split(std::vector<Entry>& entries, Node node) const {
   const Range range = positions(node);
   BoundingBox centres;
-  for (Index k = range.begin; k < range.end; ++k) centres.include(entries[static_cast<std::size_t>(k)].centre);
+  for (Index k = range.begin; k < range.end; ++k) centres.include(entries[k].centre);
   std::size_t axis = 0;
   const auto extent = [&](std::size_t k) { return centres.high[k] / 2 - centres.low[k] / 2; };
   for (std::size_t k = 1; k < 3; ++k)

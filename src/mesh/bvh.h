@@ -53,14 +53,14 @@ class Bvh {
   explicit Bvh(const std::vector<BoundingBox>& boxes, const Context& context = {});
 
   Index size() const { return static_cast<Index>(items_.size()); }
-  Index item(Index position) const { return items_[static_cast<std::size_t>(position)]; }
-  const BoundingBox& item_box(Index position) const { return item_boxes_[static_cast<std::size_t>(position)]; }
+  Index item(Index position) const { return items_[position]; }
+  const BoundingBox& item_box(Index position) const { return item_boxes_[position]; }
 
   static constexpr Node root = 1;
   Node first_leaf() const { return Node{1} << depth_; }
   Node node_count() const { return 2 * first_leaf(); }  ///< including the unused node 0
   bool is_leaf(Node node) const { return node >= first_leaf(); }
-  const BoundingBox& box(Node node) const { return node_boxes_[static_cast<std::size_t>(node)]; }
+  const BoundingBox& box(Node node) const { return node_boxes_[node]; }
   /// Returns the positions of the items below a node.
   Range positions(Node node) const;
 

@@ -14,8 +14,8 @@ void append(const Attribute& attribute, const EdgePoint& element, std::vector<do
     out.insert(out.end(), count, std::numeric_limits<double>::quiet_NaN());
     return;
   }
-  const double* a = attribute.values.data() + static_cast<std::size_t>(element.from) * count;
-  const double* b = attribute.values.data() + static_cast<std::size_t>(element.to) * count;
+  const double* a = attribute.values.data() + element.from * count;
+  const double* b = attribute.values.data() + element.to * count;
   if (element.t == 0 || element.from == element.to) {
     out.insert(out.end(), a, a + count);
     return;
@@ -53,7 +53,7 @@ double representable(double value, ScalarType type) {
 Attribute interpolate_attribute(const Attribute& attribute, std::span<const EdgePoint> elements) {
   Attribute result = attribute;
   result.values.clear();
-  result.values.reserve(elements.size() * static_cast<std::size_t>(attribute.components));
+  result.values.reserve(elements.size() * attribute.components);
   for (const EdgePoint& element : elements) append(attribute, element, result.values);
   return result;
 }

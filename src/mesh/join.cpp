@@ -19,17 +19,16 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 std::size_t element_count(const Mesh& mesh, Domain domain) {
   switch (domain) {
-    case Domain::vertex: return static_cast<std::size_t>(mesh.vertex_count());
-    case Domain::face: return static_cast<std::size_t>(mesh.face_count());
+    case Domain::vertex: return mesh.vertex_count();
+    case Domain::face: return mesh.face_count();
     case Domain::corner: break;
   }
-  return static_cast<std::size_t>(mesh.faces.corner_count());
+  return mesh.faces.corner_count();
 }
 
 bool is_usable(const Mesh& mesh, const Attribute& attribute) {
   return attribute.components > 0 &&
-         attribute.values.size() ==
-             element_count(mesh, attribute.domain) * static_cast<std::size_t>(attribute.components);
+         attribute.values.size() == element_count(mesh, attribute.domain) * attribute.components;
 }
 
 // Converts an attribute from one value per vertex to one value per corner.
@@ -40,7 +39,7 @@ Attribute per_corner(const Mesh& mesh, const Attribute& attribute) {
   const auto components = static_cast<std::ptrdiff_t>(attribute.components);
   for (const Index v : mesh.faces.corners()) {
     if (v < 0 || v >= mesh.vertex_count()) {
-      result.values.insert(result.values.end(), static_cast<std::size_t>(components), none);
+      result.values.insert(result.values.end(), components, none);
     } else {
       const auto first = attribute.values.begin() + v * components;
       result.values.insert(result.values.end(), first, first + components);
@@ -165,8 +164,7 @@ ScalarType common_type(ScalarType a, ScalarType b) {
 Attribute missing_like(const Attribute& attribute, std::size_t elements) {
   const double white = is_floating(attribute.type) ? 1 : 255;
   Attribute result = attribute;
-  result.values.assign(elements * static_cast<std::size_t>(attribute.components),
-                       attribute.name == "colour" ? white : none);
+  result.values.assign(elements * attribute.components, attribute.name == "colour" ? white : none);
   return result;
 }
 
@@ -191,8 +189,8 @@ class Joiner {
     const Index n = first_.vertex_count(), m = second_.vertex_count();
     result_.mesh.positions.resize(n + m, 3);
     result_.mesh.positions << first_.positions, second_.positions;
-    result_.first.new_index.resize(static_cast<std::size_t>(n));
-    result_.second.new_index.resize(static_cast<std::size_t>(m));
+    result_.first.new_index.resize(n);
+    result_.second.new_index.resize(m);
     std::iota(result_.first.new_index.begin(), result_.first.new_index.end(), 0);
     std::iota(result_.second.new_index.begin(), result_.second.new_index.end(), n);
   }

@@ -58,7 +58,7 @@ Eigen::Vector3d perpendicular(const Eigen::Vector3d& vector, const double* norma
 }
 
 const double* normal_at(const Mesh& mesh, Index corner) {
-  const Index vertex = mesh.faces.corners()[static_cast<std::size_t>(corner)];
+  const Index vertex = mesh.faces.corners()[corner];
   for (const auto& [domain, row] : {std::pair{Domain::corner, corner}, std::pair{Domain::vertex, vertex}}) {
     const Attribute* normals = mesh.find_attribute(domain, "normal");
     if (normals == nullptr || normals->components != 3) continue;
@@ -80,7 +80,7 @@ class TangentUpdate {
     const Flags near = near_moved_vertices();
     for (Index f = 0; f < mesh_.face_count(); ++f) {
       const std::span<const Index> face = mesh_.faces[f];
-      if (!near[static_cast<std::size_t>(f)]) continue;
+      if (!near[f]) continue;
       const FaceMap map = face_map(face, rest_, mesh_.positions);
       for (std::size_t k = 0; k < face.size(); ++k) {
         const Index corner = mesh_.faces.first_corner(f) + static_cast<Index>(k);
@@ -89,12 +89,12 @@ class TangentUpdate {
         if (!tangent.allFinite()) continue;
         Sum& sum = sums[Key{face[k], {at[0], at[1], at[2], at[3]}}];
         sum.direction += map.area * (map.linear * tangent);
-        sum.is_moved = sum.is_moved || moved_[static_cast<std::size_t>(f)];
+        sum.is_moved = sum.is_moved || moved_[f];
       }
     }
     for (Index f = 0; f < mesh_.face_count(); ++f) {
       const std::span<const Index> face = mesh_.faces[f];
-      if (!near[static_cast<std::size_t>(f)]) continue;
+      if (!near[f]) continue;
       for (std::size_t k = 0; k < face.size(); ++k) {
         const Index corner = mesh_.faces.first_corner(f) + static_cast<Index>(k);
         const std::size_t row = 4 * static_cast<std::size_t>(of_corners ? corner : face[k]);
@@ -104,8 +104,7 @@ class TangentUpdate {
         const Eigen::Vector3d carried = perpendicular(sum->second.direction, normal_at(mesh_, corner));
         const double length = carried.stableNorm();
         if (!(length > 0) || !std::isfinite(length)) continue;
-        for (int axis = 0; axis < 3; ++axis)
-          tangents.values[row + static_cast<std::size_t>(axis)] = carried[axis] / length;
+        for (int axis = 0; axis < 3; ++axis) tangents.values[row + axis] = carried[axis] / length;
       }
     }
   }
@@ -119,15 +118,13 @@ class TangentUpdate {
 
   /// Flags the faces that share a vertex with a moved face, because they all affect the tangents that change.
   Flags near_moved_vertices() const {
-    Flags touched(static_cast<std::size_t>(mesh_.vertex_count()), false);
+    Flags touched(mesh_.vertex_count(), false);
     for (Index f = 0; f < mesh_.face_count(); ++f)
-      if (moved_[static_cast<std::size_t>(f)])
-        for (const Index v : mesh_.faces[f]) touched[static_cast<std::size_t>(v)] = true;
-    Flags near(static_cast<std::size_t>(mesh_.face_count()), false);
+      if (moved_[f])
+        for (const Index v : mesh_.faces[f]) touched[v] = true;
+    Flags near(mesh_.face_count(), false);
     for (Index f = 0; f < mesh_.face_count(); ++f)
-      near[static_cast<std::size_t>(f)] =
-          in_range(mesh_, f) &&
-          std::ranges::any_of(mesh_.faces[f], [&](Index v) { return touched[static_cast<std::size_t>(v)]; });
+      near[f] = in_range(mesh_, f) && std::ranges::any_of(mesh_.faces[f], [&](Index v) { return touched[v]; });
     return near;
   }
 

@@ -27,8 +27,7 @@ Attribute on_corners(const Mesh& mesh, const Attribute& attribute) {
   result.values.assign(corners.size() * count, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t c = 0; c < corners.size(); ++c)
     if (is_vertex(corners[c], mesh.vertex_count()))
-      std::copy_n(attribute.values.data() + static_cast<std::size_t>(corners[c]) * count, count,
-                  result.values.data() + c * count);
+      std::copy_n(attribute.values.data() + corners[c] * count, count, result.values.data() + c * count);
   return result;
 }
 
@@ -37,15 +36,14 @@ void take_from_corners(const Faces& faces, const Attribute& from, Index vertex_c
   const std::vector<Index>& corners = faces.corners();
   for (std::size_t c = 0; c < corners.size(); ++c)
     if (is_vertex(corners[c], vertex_count))
-      std::copy_n(from.values.data() + c * count, count,
-                  to.values.data() + static_cast<std::size_t>(corners[c]) * count);
+      std::copy_n(from.values.data() + c * count, count, to.values.data() + corners[c] * count);
 }
 
 }  // namespace
 
 Weld coincident_boundary(const Mesh& mesh, const Context& context) {
   context.step("weld", 0);
-  std::vector<Index> all(static_cast<std::size_t>(mesh.vertex_count()));
+  std::vector<Index> all(mesh.vertex_count());
   std::iota(all.begin(), all.end(), 0);
   if (coincident_classes(mesh.positions, all) == all) return {};
   context.step("weld", 0.5);
@@ -58,7 +56,7 @@ Weld weld_at(const Mesh& mesh, std::span<const Index> vertices) {
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     if (classes[k] == vertices[k]) continue;
     if (weld.empty()) {
-      weld.representative.resize(static_cast<std::size_t>(mesh.vertex_count()));
+      weld.representative.resize(mesh.vertex_count());
       std::iota(weld.representative.begin(), weld.representative.end(), 0);
     }
     weld.representative[vertices[k]] = classes[k];

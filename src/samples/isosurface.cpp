@@ -11,12 +11,6 @@
 
 namespace meshgraft::samples {
 
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 Surface::Surface(std::vector<Vec3> points_in, std::vector<std::array<int, 3>> triangles_in)
     : points(std::move(points_in)), triangles(std::move(triangles_in)) {
   outgoing.assign(points.size(), -1);
@@ -25,24 +19,24 @@ Surface::Surface(std::vector<Vec3> points_in, std::vector<std::array<int, 3>> tr
   // Groups half-edges by their smaller vertex; within a small group, a linear search finds the partners.
   std::vector<int> offsets(points.size() + 1, 0);
   const int half_edges = static_cast<int>(twin.size());
-  for (int h = 0; h < half_edges; ++h) ++offsets[at(std::min(from(h), to(h))) + 1];
+  for (int h = 0; h < half_edges; ++h) ++offsets[std::min(from(h), to(h)) + 1];
   for (std::size_t v = 0; v < points.size(); ++v) offsets[v + 1] += offsets[v];
   std::vector<int> grouped(twin.size()), cursor(offsets.begin(), offsets.end() - 1);
   for (int h = 0; h < half_edges; ++h) {
-    grouped[at(cursor[at(std::min(from(h), to(h)))]++)] = h;
-    outgoing[at(from(h))] = h;
+    grouped[cursor[std::min(from(h), to(h))]++] = h;
+    outgoing[from(h)] = h;
   }
   for (std::size_t v = 0; v < points.size(); ++v)
     for (int i = offsets[v]; i < offsets[v + 1]; ++i)
       for (int j = i + 1; j < offsets[v + 1]; ++j) {
-        const int g = grouped[at(i)], h = grouped[at(j)];
-        if (twin[at(g)] < 0 && from(g) == to(h) && to(g) == from(h)) link(g, h);
+        const int g = grouped[i], h = grouped[j];
+        if (twin[g] < 0 && from(g) == to(h) && to(g) == from(h)) link(g, h);
       }
 }
 
 void Surface::link(int g, int h) {
-  twin[at(g)] = h;
-  twin[at(h)] = g;
+  twin[g] = h;
+  twin[h] = g;
 }
 
 int Surface::valence(int vertex) const {
@@ -58,30 +52,30 @@ bool Surface::adjacent(int a, int b) const {
 }
 
 void Surface::flip(int h) {
-  const int g = twin[at(h)];
+  const int g = twin[h];
   const int t = h / 3, u = g / 3;
   const int a = from(h), b = to(h), c = from(previous(h)), d = from(previous(g));
-  const int bc = twin[at(next(h))], ca = twin[at(previous(h))];
-  const int ad = twin[at(next(g))], db = twin[at(previous(g))];
-  triangles[at(t)] = {a, d, c};
-  triangles[at(u)] = {b, c, d};
+  const int bc = twin[next(h)], ca = twin[previous(h)];
+  const int ad = twin[next(g)], db = twin[previous(g)];
+  triangles[t] = {a, d, c};
+  triangles[u] = {b, c, d};
   link(3 * t, ad);
   link(3 * t + 1, 3 * u + 1);
   link(3 * t + 2, ca);
   link(3 * u, bc);
   link(3 * u + 2, db);
-  outgoing[at(a)] = 3 * t;
-  outgoing[at(d)] = 3 * t + 1;
-  outgoing[at(b)] = 3 * u;
-  outgoing[at(c)] = 3 * u + 1;
+  outgoing[a] = 3 * t;
+  outgoing[d] = 3 * t + 1;
+  outgoing[b] = 3 * u;
+  outgoing[c] = 3 * u + 1;
 }
 
 int Surface::split(int h, const Vec3& point) {
-  const int g = twin[at(h)];
+  const int g = twin[h];
   const int t = h / 3, u = g / 3;
   const int a = from(h), b = to(h), c = from(previous(h)), d = from(previous(g));
-  const int bc = twin[at(next(h))], ca = twin[at(previous(h))];
-  const int ad = twin[at(next(g))], db = twin[at(previous(g))];
+  const int bc = twin[next(h)], ca = twin[previous(h)];
+  const int ad = twin[next(g)], db = twin[previous(g)];
   const int m = static_cast<int>(points.size());
   const int t2 = static_cast<int>(triangles.size()), u2 = t2 + 1;
   points.push_back(point);
@@ -89,10 +83,10 @@ int Surface::split(int h, const Vec3& point) {
   on_cut.push_back(0);
   triangles.resize(triangles.size() + 2);
   twin.resize(twin.size() + 6);
-  triangles[at(t)] = {a, m, c};
-  triangles[at(t2)] = {m, b, c};
-  triangles[at(u)] = {b, m, d};
-  triangles[at(u2)] = {m, a, d};
+  triangles[t] = {a, m, c};
+  triangles[t2] = {m, b, c};
+  triangles[u] = {b, m, d};
+  triangles[u2] = {m, a, d};
   link(3 * t, 3 * u2);
   link(3 * t + 1, 3 * t2 + 2);
   link(3 * t + 2, ca);
@@ -101,17 +95,17 @@ int Surface::split(int h, const Vec3& point) {
   link(3 * u + 1, 3 * u2 + 2);
   link(3 * u + 2, db);
   link(3 * u2 + 1, ad);
-  outgoing[at(a)] = 3 * t;
-  outgoing[at(b)] = 3 * u;
-  outgoing[at(m)] = 3 * t2;
-  outgoing[at(c)] = 3 * t + 2;
-  outgoing[at(d)] = 3 * u + 2;
+  outgoing[a] = 3 * t;
+  outgoing[b] = 3 * u;
+  outgoing[m] = 3 * t2;
+  outgoing[c] = 3 * t + 2;
+  outgoing[d] = 3 * u + 2;
   return m;
 }
 
 bool Surface::may_collapse(int h) const {
   const int a = from(h), b = to(h);
-  const int c = from(previous(h)), d = from(previous(twin[at(h)]));
+  const int c = from(previous(h)), d = from(previous(twin[h]));
   // A collapse must leave each triangle its neighbours: tetrahedra and valence-3 vertices cannot shrink.
   if (valence(c) <= 3 || valence(d) <= 3 || valence(a) + valence(b) < 8) return false;
   int common = 0;
@@ -123,22 +117,22 @@ bool Surface::may_collapse(int h) const {
 }
 
 void Surface::collapse(int h) {
-  const int g = twin[at(h)];
+  const int g = twin[h];
   const int a = from(h), b = to(h), c = from(previous(h)), d = from(previous(g));
   std::vector<int> star;
   for_each_outgoing(a, [&](int k) { star.push_back(k); });
-  for (const int k : star) triangles[at(k / 3)][at(k % 3)] = b;
-  const int bc = twin[at(next(h))], ca = twin[at(previous(h))];
-  const int ad = twin[at(next(g))], db = twin[at(previous(g))];
-  triangles[at(h / 3)] = {-1, -1, -1};
-  triangles[at(g / 3)] = {-1, -1, -1};
+  for (const int k : star) triangles[k / 3][k % 3] = b;
+  const int bc = twin[next(h)], ca = twin[previous(h)];
+  const int ad = twin[next(g)], db = twin[previous(g)];
+  triangles[h / 3] = {-1, -1, -1};
+  triangles[g / 3] = {-1, -1, -1};
   link(bc, ca);
   link(ad, db);
-  outgoing[at(a)] = -1;
+  outgoing[a] = -1;
   // ca left a and now leaves b; bc leaves c, and ad leaves d.
-  outgoing[at(b)] = ca;
-  outgoing[at(c)] = bc;
-  outgoing[at(d)] = ad;
+  outgoing[b] = ca;
+  outgoing[c] = bc;
+  outgoing[d] = ad;
 }
 
 namespace {
@@ -191,7 +185,7 @@ class LatticeBlock {
   static std::size_t slot(const Eigen::Vector3i& local) {
     constexpr int n = SparseField::block_cells + 1;
     const int odd = local.x() & 1;
-    return at(((odd * n + local.z() / 2) * n + local.y() / 2) * n + local.x() / 2);
+    return ((odd * n + local.z() / 2) * n + local.y() / 2) * n + local.x() / 2;
   }
 
   // Emits the surface in a positively oriented tetrahedron, with its normal towards the outside.
@@ -206,9 +200,9 @@ class LatticeBlock {
     bool mirrored = false;
     for (int i = 0; i < front; ++i)
       for (int j = i; j < 4; ++j)
-        if ((values_[slot(v[at(j)])] < 0.0) == front_inside) {
+        if ((values_[slot(v[j])] < 0.0) == front_inside) {
           if (i != j) {
-            std::swap(v[at(i)], v[at(j)]);
+            std::swap(v[i], v[j]);
             mirrored = !mirrored;
           }
           break;
@@ -226,8 +220,8 @@ class LatticeBlock {
             bool mirrored, std::vector<CutTriangle>& out) const {
     CutTriangle triangle;
     for (int c = 0; c < 3; ++c) {
-      const auto& edge = edges[at(mirrored ? 2 - c : c)];
-      Eigen::Vector3i a = v[at(edge[0])], b = v[at(edge[1])];
+      const auto& edge = edges[mirrored ? 2 - c : c];
+      Eigen::Vector3i a = v[edge[0]], b = v[edge[1]];
       const Eigen::Vector3i step = b - a;
       // Starts at the end first in (z, y, x) order, so that both users of an edge agree to the bit.
       if (std::array{step.z(), step.y(), step.x()} < std::array{0, 0, 0}) std::swap(a, b);
@@ -283,7 +277,7 @@ Surface polygonise(const SparseField& field, const Context& context) {
       for (std::size_t c = 0; c < 3; ++c) {
         corners[c] =
             static_cast<int>(std::lower_bound(keys.begin(), keys.end(), triangle.key[c]) - keys.begin());
-        points[at(corners[c])] = triangle.point[c];
+        points[corners[c]] = triangle.point[c];
       }
       triangles.push_back(corners);
     }
@@ -302,12 +296,12 @@ class Remesher {
   void split_long_edges() {
     const double limit2 = std::pow(4.0 / 3.0 * length_, 2);
     for (int h = 0; h < static_cast<int>(s_.twin.size()); ++h) {
-      if (!s_.alive(h) || h > s_.twin[at(h)]) continue;
+      if (!s_.alive(h) || h > s_.twin[h]) continue;
       const int a = s_.from(h), b = s_.to(h);
-      if ((s_.points[at(a)] - s_.points[at(b)]).squaredNorm() <= limit2) continue;
-      const char on_cut = s_.on_cut[at(a)] && s_.on_cut[at(b)];
-      const int m = s_.split(h, 0.5 * (s_.points[at(a)] + s_.points[at(b)]));
-      s_.on_cut[at(m)] = on_cut;
+      if ((s_.points[a] - s_.points[b]).squaredNorm() <= limit2) continue;
+      const char on_cut = s_.on_cut[a] && s_.on_cut[b];
+      const int m = s_.split(h, 0.5 * (s_.points[a] + s_.points[b]));
+      s_.on_cut[m] = on_cut;
     }
   }
 
@@ -316,7 +310,7 @@ class Remesher {
     for (int h = 0; h < static_cast<int>(s_.twin.size()); ++h) {
       if (h % 4096 == 0) context_.throw_if_stopped();
       if (!s_.alive(h)) continue;
-      const Vec3 edge = s_.points[at(s_.to(h))] - s_.points[at(s_.from(h))];
+      const Vec3 edge = s_.points[s_.to(h)] - s_.points[s_.from(h)];
       if (edge.squaredNorm() < limit2 && worth_collapsing(h)) s_.collapse(h);
     }
   }
@@ -324,12 +318,12 @@ class Remesher {
   // Flips edges towards valence 6, unless that folds the surface.
   void flip_edges() {
     for (int h = 0; h < static_cast<int>(s_.twin.size()); ++h) {
-      if (!s_.alive(h) || h > s_.twin[at(h)]) continue;
-      const int g = s_.twin[at(h)];
+      if (!s_.alive(h) || h > s_.twin[h]) continue;
+      const int g = s_.twin[h];
       const int a = s_.from(h), b = s_.to(h), c = s_.from(Surface::previous(h)),
                 d = s_.from(Surface::previous(g));
-      if (s_.on_cut[at(a)] && s_.on_cut[at(b)]) continue;
-      if (s_.on_cut[at(c)] && s_.on_cut[at(d)]) continue;
+      if (s_.on_cut[a] && s_.on_cut[b]) continue;
+      if (s_.on_cut[c] && s_.on_cut[d]) continue;
       const int va = s_.valence(a), vb = s_.valence(b), vc = s_.valence(c), vd = s_.valence(d);
       const auto off = [](int valence) { return (valence - 6) * (valence - 6); };
       const int gain =
@@ -360,13 +354,13 @@ class Remesher {
   }
 
  private:
-  const Vec3& point(int v) const { return s_.points[at(v)]; }
+  const Vec3& point(int v) const { return s_.points[v]; }
 
   bool worth_collapsing(int h) const {
     const int a = s_.from(h), b = s_.to(h);
-    if (s_.on_cut[at(a)] && !s_.on_cut[at(b)]) return false;
+    if (s_.on_cut[a] && !s_.on_cut[b]) return false;
     if (!s_.may_collapse(h)) return false;
-    const int c = s_.from(Surface::previous(h)), d = s_.from(Surface::previous(s_.twin[at(h)]));
+    const int c = s_.from(Surface::previous(h)), d = s_.from(Surface::previous(s_.twin[h]));
     const double longest2 = std::pow(4.0 / 3.0 * length_, 2);
     bool good = true;
     s_.for_each_outgoing(a, [&](int g) {
@@ -374,7 +368,7 @@ class Remesher {
       if (v == b) return;
       if ((point(v) - point(b)).squaredNorm() > longest2) good = false;
       // Forbids a chord between two vertices of the cut.
-      if (s_.on_cut[at(v)] && s_.on_cut[at(b)] && !s_.on_cut[at(a)] && v != c && v != d) good = false;
+      if (s_.on_cut[v] && s_.on_cut[b] && !s_.on_cut[a] && v != c && v != d) good = false;
       const int w = s_.from(Surface::previous(g));
       if (w == b) return;
       const Vec3 before = triangle_normal(point(a), point(v), point(w));
@@ -388,10 +382,10 @@ class Remesher {
   Vec3 relaxed(int v) const {
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
     double weight = 0.0;
-    const bool curve = s_.on_cut[at(v)] != 0;
+    const bool curve = s_.on_cut[v] != 0;
     s_.for_each_outgoing(v, [&](int h) {
       const int a = s_.to(h), b = s_.from(Surface::previous(h));
-      if (curve && !s_.on_cut[at(a)]) return;
+      if (curve && !s_.on_cut[a]) return;
       if (curve) {
         sum += point(a);
         weight += 1.0;
@@ -456,7 +450,7 @@ void mark_cut(Surface& surface, double height, const RemeshOptions& options) {
     bool whole = false;
     surface.for_each_outgoing(static_cast<int>(v), [&](int h) {
       const int a = surface.to(h), b = surface.from(Surface::previous(h));
-      whole = whole || (surface.on_cut[at(a)] && surface.on_cut[at(b)]);
+      whole = whole || (surface.on_cut[a] && surface.on_cut[b]);
     });
     if (whole) continue;
     points[v].z() = height;
@@ -465,12 +459,12 @@ void mark_cut(Surface& surface, double height, const RemeshOptions& options) {
   for (int h = 0; h < static_cast<int>(surface.twin.size()); ++h) {
     if (!surface.alive(h)) continue;
     const int a = surface.from(h), b = surface.to(h);
-    if (surface.on_cut[at(a)] || surface.on_cut[at(b)]) continue;
-    const double za = points[at(a)].z() - height, zb = points[at(b)].z() - height;
+    if (surface.on_cut[a] || surface.on_cut[b]) continue;
+    const double za = points[a].z() - height, zb = points[b].z() - height;
     if ((za < 0.0) == (zb < 0.0)) continue;
-    Vec3 crossing = points[at(a)] + za / (za - zb) * (points[at(b)] - points[at(a)]);
+    Vec3 crossing = points[a] + za / (za - zb) * (points[b] - points[a]);
     crossing.z() = height;
-    surface.on_cut[at(surface.split(h, crossing))] = 1;
+    surface.on_cut[surface.split(h, crossing)] = 1;
   }
 }
 

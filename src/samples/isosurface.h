@@ -25,15 +25,15 @@ class Surface {
 
   static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
-  int from(int h) const { return triangles[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)]; }
+  int from(int h) const { return triangles[h / 3][h % 3]; }
   int to(int h) const { return from(next(h)); }
-  bool alive(int h) const { return triangles[static_cast<std::size_t>(h / 3)][0] >= 0; }
+  bool alive(int h) const { return triangles[h / 3][0] >= 0; }
   /// Returns the next half-edge that leaves the same vertex.
-  int around(int h) const { return twin[static_cast<std::size_t>(previous(h))]; }
+  int around(int h) const { return twin[previous(h)]; }
 
   template <typename Visit>
   void for_each_outgoing(int vertex, Visit visit) const {
-    const int first = outgoing[static_cast<std::size_t>(vertex)];
+    const int first = outgoing[vertex];
     int h = first;
     do {
       visit(h);

@@ -22,9 +22,7 @@ Eigen::Matrix3d turned(double angle_deg, const Vec3& axis) {
 // Returns a Catmull-Rom curve through the knots, including their radii.
 std::vector<Knot> smooth_chain(const std::vector<Knot>& knots, int pieces = 5) {
   std::vector<Knot> out;
-  const auto knot = [&](int i) {
-    return knots[static_cast<std::size_t>(std::clamp(i, 0, static_cast<int>(knots.size()) - 1))];
-  };
+  const auto knot = [&](int i) { return knots[std::clamp(i, 0, static_cast<int>(knots.size()) - 1)]; };
   const auto spline = [](double t, auto a, auto b, auto c, auto d) {
     return (0.5 * ((2.0 * b) + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * (t * t) +
                    (3.0 * b - a - 3.0 * c + d) * (t * t * t)));
@@ -86,10 +84,8 @@ void octopus_arm(Sculpture& sculpture, int arm) {
   // The paler underside, slightly raised from the arm.
   std::vector<Knot> belly;
   for (int i = 3; i <= pieces; ++i) {
-    const double r = knots[static_cast<std::size_t>(i)].radius;
-    belly.push_back(
-        {frames[static_cast<std::size_t>(i)].point + 0.30 * r * frames[static_cast<std::size_t>(i)].under,
-         0.74 * r});
+    const double r = knots[i].radius;
+    belly.push_back({frames[i].point + 0.30 * r * frames[i].under, 0.74 * r});
   }
   sculpture.chain(belly, {.colour = pale, .blend = 0.03});
 
@@ -99,10 +95,9 @@ void octopus_arm(Sculpture& sculpture, int arm) {
     const int i = static_cast<int>(along * pieces);
     const double r = radius(along), cup = 0.40 * r;
     const double lean = (k % 2 == 0 ? 1.0 : -1.0) * radians(36.0);
-    const Frame& frame = frames[static_cast<std::size_t>(i)];
+    const Frame& frame = frames[i];
     const double rest = along * pieces - i;
-    const Vec3 centre =
-        frame.point + rest * (frames[static_cast<std::size_t>(std::min(i + 1, pieces))].point - frame.point);
+    const Vec3 centre = frame.point + rest * (frames[std::min(i + 1, pieces)].point - frame.point);
     const Vec3 out = std::cos(lean) * frame.under + std::sin(lean) * frame.side;
     const Vec3 seat = centre + 1.03 * r * out;
     sculpture.ellipsoid(seat + 0.25 * cup * out, Vec3::Constant(0.62 * cup),

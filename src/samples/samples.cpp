@@ -99,9 +99,7 @@ Flags kept_triangles(const Surface& surface, const SculptedModel& model) {
   }
   std::vector<int> by_size(sizes.size());
   std::iota(by_size.begin(), by_size.end(), 0);
-  std::stable_sort(by_size.begin(), by_size.end(), [&](int a, int b) {
-    return sizes[static_cast<std::size_t>(a)] > sizes[static_cast<std::size_t>(b)];
-  });
+  std::stable_sort(by_size.begin(), by_size.end(), [&](int a, int b) { return sizes[a] > sizes[b]; });
   by_size.resize(std::min(by_size.size(), static_cast<std::size_t>(model.parts)));
   for (std::size_t t = 0; t < triangles.size(); ++t)
     keep[t] = keep[t] && std::find(by_size.begin(), by_size.end(), part[t]) != by_size.end();
@@ -115,7 +113,7 @@ Mesh to_mesh(const Surface& surface, const Flags& keep) {
     if (!keep[t]) continue;
     ++faces;
     for (const int v : surface.triangles[t])
-      if (number[static_cast<std::size_t>(v)] < 0) number[static_cast<std::size_t>(v)] = vertices++;
+      if (number[v] < 0) number[v] = vertices++;
   }
   Mesh mesh;
   mesh.positions.resize(vertices, 3);
@@ -125,7 +123,7 @@ Mesh to_mesh(const Surface& surface, const Flags& keep) {
   for (std::size_t t = 0; t < keep.size(); ++t) {
     if (!keep[t]) continue;
     Index face[3];
-    for (std::size_t c = 0; c < 3; ++c) face[c] = number[static_cast<std::size_t>(surface.triangles[t][c])];
+    for (std::size_t c = 0; c < 3; ++c) face[c] = number[surface.triangles[t][c]];
     mesh.faces.push_back(face);
   }
   return mesh;
@@ -139,7 +137,7 @@ void add_colours(Mesh& mesh, const SparseField& field, const Context& context) {
   colour.source_names = {"red", "green", "blue"};
   colour.values.resize(3 * static_cast<std::size_t>(mesh.vertex_count()));
   parallel_blocks(
-      static_cast<std::size_t>(mesh.vertex_count()),
+      mesh.vertex_count(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
           const Vec3 c = field.colour(mesh.positions.row(static_cast<Eigen::Index>(v)).transpose());

@@ -225,8 +225,7 @@ SparseField::SparseField(const Sculpture& sculpture, double cell, const Context&
               const Vec3 centre = origin_ + block_side * (position.cast<double>() + Vec3::Constant(0.5 * half));
               const double d = sculpture.distance(centre, level[n].active);
               if (std::abs(d) > lipschitz * radius + 2.0 * sculpture.relief_amplitude()) continue;
-              found[n][static_cast<std::size_t>(child)] =
-                  Block{position, sculpture.prune(centre, radius, level[n].active)};
+              found[n][child] = Block{position, sculpture.prune(centre, radius, level[n].active)};
             }
         },
         context, 16);
@@ -252,9 +251,9 @@ std::span<const int> SparseField::active_at(const Vec3& x) const {
   for (int half = blocks_per_side_ / 2; half > 0 && node >= 0; half /= 2) {
     const int child =
         (position.x() & half ? 1 : 0) | (position.y() & half ? 2 : 0) | (position.z() & half ? 4 : 0);
-    node = children_[static_cast<std::size_t>(node)][static_cast<std::size_t>(child)];
+    node = children_[node][child];
   }
-  return node < 0 ? everything_ : blocks_[static_cast<std::size_t>(node)].active;
+  return node < 0 ? everything_ : blocks_[node].active;
 }
 
 double SparseField::distance_and_gradient(const Vec3& x, Vec3& gradient) const {

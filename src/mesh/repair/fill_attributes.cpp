@@ -27,17 +27,17 @@ struct Fills {
   std::vector<Index> around_row;  // per vertex of the mesh: index in `around`, or -1
 
   Fills(const Mesh& mesh, std::span<const std::uint8_t> is_new)
-      : row(static_cast<std::size_t>(mesh.vertex_count()), -1), around_row(row) {
+      : row(mesh.vertex_count(), -1), around_row(row) {
     Flags has_old_face(row.size(), 0);
     for (Index f = 0; f < mesh.face_count(); ++f)
-      if (!is_new[static_cast<std::size_t>(f)])
-        for (const Index v : mesh.faces[f]) has_old_face[static_cast<std::size_t>(v)] = 1;
+      if (!is_new[f])
+        for (const Index v : mesh.faces[f]) has_old_face[v] = 1;
     for (Index f = 0; f < mesh.face_count(); ++f) {
-      if (!is_new[static_cast<std::size_t>(f)] || mesh.faces[f].size() != 3) continue;
+      if (!is_new[f] || mesh.faces[f].size() != 3) continue;
       corners.push_back(mesh.faces.first_corner(f));
       for (const Index v : mesh.faces[f]) {
-        const bool outer = has_old_face[static_cast<std::size_t>(v)];
-        Index& number = (outer ? around_row : row)[static_cast<std::size_t>(v)];
+        const bool outer = has_old_face[v];
+        Index& number = (outer ? around_row : row)[v];
         if (number >= 0) continue;
         number = static_cast<Index>((outer ? around : inner).size());
         (outer ? around : inner).push_back(v);
@@ -60,13 +60,13 @@ class HarmonicFills {
         const double weight =
             clamped_cotangent(point(mesh.faces.corners()[first + (k + 2) % 3]), point(a), point(b));
         for (const auto& [v, w] : {std::pair{a, b}, std::pair{b, a}}) {
-          const Index row = fills.row[static_cast<std::size_t>(v)];
+          const Index row = fills.row[v];
           if (row < 0) continue;
           own.emplace_back(row, row, weight);
-          if (const Index other = fills.row[static_cast<std::size_t>(w)]; other >= 0)
+          if (const Index other = fills.row[w]; other >= 0)
             own.emplace_back(row, other, -weight);
           else
-            across.emplace_back(row, fills.around_row[static_cast<std::size_t>(w)], weight);
+            across.emplace_back(row, fills.around_row[w], weight);
         }
       }
     to_around_.setFromTriplets(across.begin(), across.end());
@@ -90,8 +90,7 @@ void write_value(Attribute& attribute, Index element, Eigen::VectorXd value) {
     value.stableNormalize();
   }
   for (Eigen::Index k = 0; k < value.size(); ++k)
-    attribute.values[static_cast<std::size_t>(element * value.size() + k)] =
-        representable(value[k], attribute.type);
+    attribute.values[element * value.size() + k] = representable(value[k], attribute.type);
 }
 
 }  // namespace
@@ -118,7 +117,7 @@ void interpolate_in_fills(Mesh& mesh, std::span<const std::uint8_t> is_new, cons
         around.row(static_cast<Eigen::Index>(k)) = values.row(fills.around[k]);
     const auto for_each_corner = [&](const auto& body) {
       for (const Index first : fills.corners)
-        for (Index c = first; c < first + 3; ++c) body(c, static_cast<std::size_t>(corners[c]));
+        for (Index c = first; c < first + 3; ++c) body(c, corners[c]);
     };
     if (attribute.domain == Domain::corner)
       for_each_corner([&](Index c, std::size_t v) {

@@ -134,7 +134,7 @@ class Search {
     for (auto& list : neighbours) std::sort(list.begin(), list.end());
     std::vector<double> least(n_, infinity);
     parallel_blocks(
-        static_cast<std::size_t>(n_),
+        n_,
         [&](std::size_t begin, std::size_t end) {
           std::vector<Index> apexes;
           for (std::size_t k = begin; k < end; ++k) {

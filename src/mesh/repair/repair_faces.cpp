@@ -56,8 +56,8 @@ std::vector<Corners> simple_faces(std::span<const Index> face, std::span<const E
     if (before != open.face.end()) {
       const auto k = before - open.face.begin();
       Corners closed{{before, open.face.end()}, {open.values.begin() + k, open.values.end()}};
-      open.face.resize(static_cast<std::size_t>(k));
-      open.values.resize(static_cast<std::size_t>(k));
+      open.face.resize(k);
+      open.values.resize(k);
       if (closed.face.size() > 2) simple.push_back(std::move(closed));
     }
     open.face.push_back(face[c]);
@@ -83,8 +83,7 @@ bool clean_corners(RepairSurface& surface) {
       mended.keep(traced, f);
       continue;
     }
-    const auto values =
-        std::span(traced.corner).subspan(static_cast<std::size_t>(faces.first_corner(f)), faces[f].size());
+    const auto values = std::span(traced.corner).subspan(faces.first_corner(f), faces[f].size());
     for (const Corners& simple : simple_faces(faces[f], values))
       mended.add(simple.face, simple.values, traced.origin[f], traced.is_new[f], traced.is_turned[f]);
   }

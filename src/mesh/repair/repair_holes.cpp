@@ -142,12 +142,12 @@ class Surroundings {
     const std::vector<Index>& corners = surface.faces().corners();
     const auto is_vertex = [&](Index v) { return is_vertex_of(surface.mesh(), v); };
     for (const Index v : corners)
-      if (is_vertex(v)) ++first_[static_cast<std::size_t>(v) + 1];
+      if (is_vertex(v)) ++first_[v + 1];
     for (std::size_t v = 0; v + 1 < first_.size(); ++v) first_[v + 1] += first_[v];
     corners_.resize(first_.back());
     std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
     for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
-      if (is_vertex(corners[c])) corners_[next[static_cast<std::size_t>(corners[c])]++] = c;
+      if (is_vertex(corners[c])) corners_[next[corners[c]]++] = c;
   }
 
   // Returns the faces that have one of the vertices, ascending.
@@ -178,8 +178,7 @@ class Surroundings {
 
  private:
   std::span<const Index> corners_at(Index v) const {
-    const auto k = static_cast<std::size_t>(v);
-    return std::span(corners_).subspan(first_[k], first_[k + 1] - first_[k]);
+    return std::span(corners_).subspan(first_[v], first_[v + 1] - first_[v]);
   }
 
   const RepairSurface& surface_;

@@ -262,7 +262,7 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
   };
   if (!corners.empty()) surface.face_of(0);  // builds the table before several threads read it
   parallel_blocks(
-      static_cast<std::size_t>(table.edge_count()),
+      table.edge_count(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e)
           if (table.half_edges[static_cast<Index>(e)].size() == 1)
@@ -319,7 +319,7 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
   for (Index f = 0; f < faces.size(); ++f) {
     const Index first = faces.first_corner(f), n = static_cast<Index>(faces[f].size());
     std::vector<SplitCorner> corners;
-    std::vector<SplitSide> on(static_cast<std::size_t>(n));
+    std::vector<SplitSide> on(n);
     bool whole = true;
     for (Index c = 0; c < n; ++c) {
       corners.push_back({faces[f][c], traced.corner[first + c]});
