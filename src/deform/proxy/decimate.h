@@ -15,9 +15,10 @@ struct Decimated {
 };
 
 /// Collapses edges (meshoptimizer) until about `target` evenly spread vertices are left. `locked` flags
-/// vertices that stay. More vertices are left where the topology forbids collapses. `normals` are the
-/// surface's unit normals. Vertices without a face are left out. `target` must be less than the number of
-/// vertices.
+/// vertices that no collapse removes. More vertices are left where the topology forbids collapses. `normals`
+/// are the surface's unit normals. Vertices without a face are left out. So are those of pockets, whose faces
+/// lie back to back after the collapses, even where they are locked. `target` must be less than the number
+/// of vertices.
 Decimated decimate(const Points& points, const Triangles& triangles, const Points& normals,
                    std::span<const std::uint8_t> locked, Index target);
 

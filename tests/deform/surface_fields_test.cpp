@@ -1,0 +1,178 @@
+#include "deform/solve/surface_fields.h"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "mesh/shapes.h"
+#include "support/mesh_families.h"
+
+namespace meshgraft {
+namespace {
+
+/// A family whose foot and head have given values.
+struct FieldScene {
+  test::TestMesh mesh;
+  IndexLists rings;
+  Flags given;
+
+  explicit FieldScene(test::TestMesh family) {
+    const test::Scene scene = test::make_scene(std::move(family));
+    mesh = scene.mesh;
+    rings = vertex_rings(mesh.size(), mesh.triangles);
+    given.assign(static_cast<std::size_t>(mesh.size()), 0);
+    for (const Index v : scene.foot) given[v] = 1;
+    for (const Index v : scene.head) given[v] = 1;
+  }
+  std::shared_ptr<const BendingMatrix> bending() const {
+    return std::make_shared<BendingMatrix>(mesh.positions, mesh.triangles, rings, Context());
+  }
+  SurfaceFields fields(double smoothing_length_rel = 0.1, const Context& context = {}) const {
+    return {mesh.positions,
+            mesh.triangles,
+            rings,
+            std::make_shared<BisectionTree>(),
+            given,
+            bending(),
+            smoothing_length_rel,
+            SolverBackend::automatic,
+            context};
+  }
+  Columns values(Eigen::Index columns) const {
+    std::mt19937 random(23);
+    return Columns::NullaryExpr(mesh.size(), columns,
+                                [&] { return static_cast<double>(random()) / 2147483648.0 - 1; });
+  }
+};
+
+std::vector<FieldScene> field_scenes() {
+  std::vector<FieldScene> scenes;
+  for (const test::TestMesh& mesh : test::small_families()) scenes.emplace_back(mesh);
+  return scenes;
+}
+
+TEST(SurfaceFields, SpreadKeepsGivenValuesToTheBit) {
+  for (const FieldScene& scene : field_scenes()) {
+    const Columns values = scene.values(3), spread = scene.fields().spread(values);
+    for (Index v = 0; v < scene.mesh.size(); ++v)
+      if (scene.given[v]) {
+        EXPECT_EQ(spread.row(v), values.row(v)) << scene.mesh.name;
+      }
+  }
+}
+
+TEST(SurfaceFields, SpreadOfAConstantIsExactlyConstant) {
+  for (const FieldScene& scene : field_scenes()) {
+    Columns values = scene.values(2);
+    for (Index v = 0; v < scene.mesh.size(); ++v)
+      if (scene.given[v]) values.row(v) << 0.1, -7;
+    const Columns spread = scene.fields().spread(values);
+    for (Index v = 0; v < scene.mesh.size(); ++v)
+      if (!scene.rings[v].empty()) {
+        EXPECT_EQ(spread.row(v), Eigen::RowVector2d(0.1, -7)) << scene.mesh.name;
+      }
+  }
+}
+
+TEST(SurfaceFields, SpreadIsLinear) {
+  for (const FieldScene& scene : field_scenes()) {
+    const SurfaceFields fields = scene.fields();
+    const Columns values = scene.values(2);
+    const Columns both = fields.spread(values.col(0) - 3 * values.col(1));
+    const Columns each = fields.spread(values);
+    EXPECT_LT((both - (each.col(0) - 3 * each.col(1))).cwiseAbs().maxCoeff(),
+              1e-7 * (1 + each.cwiseAbs().maxCoeff()))
+        << scene.mesh.name;
+  }
+}
+
+TEST(SurfaceFields, SpreadHasTheLeastBending) {
+  for (const FieldScene& scene : field_scenes()) {
+    const Columns spread = scene.fields().spread(scene.values(1));
+    const SparseRows B = scene.bending()->matrix;
+    const auto energy = [&](const Columns& f) { return f.cwiseProduct(multiply(B, f)).sum(); };
+    const double least = energy(spread);
+    std::mt19937 random(29);
+    for (int k = 0; k < 10; ++k)
+      for (const double size : {1e-3, 1.0}) {
+        Columns rival = spread;
+        for (Index v = 0; v < scene.mesh.size(); ++v)
+          if (!scene.given[v]) rival(v, 0) += size * (static_cast<double>(random()) / 2147483648.0 - 1);
+        EXPECT_LE(least, energy(rival) * (1 + 1e-9)) << scene.mesh.name;
+      }
+  }
+}
+
+TEST(SurfaceFields, SmoothIsZeroWhereGivenAndMinimisesItsEnergy) {
+  for (const FieldScene& scene : field_scenes()) {
+    const SurfaceFields fields = scene.fields(1e-9);  // so short that nothing is smoothed
+    const Columns values = scene.values(2), start = Columns::Zero(scene.mesh.size(), 2);
+    const Columns faithful = fields.smooth(values, start), smooth = scene.fields(0.3).smooth(values, start);
+    for (Index v = 0; v < scene.mesh.size(); ++v) {
+      if (scene.rings[v].empty()) continue;
+      if (scene.given[v]) {
+        EXPECT_TRUE(faithful.row(v).isZero(0) && smooth.row(v).isZero(0)) << scene.mesh.name;
+      } else {
+        EXPECT_LT((faithful.row(v) - values.row(v)).norm(), 1e-6) << scene.mesh.name;
+      }
+    }
+    const SparseRows B = scene.bending()->matrix;
+    EXPECT_LT(smooth.cwiseProduct(multiply(B, smooth)).sum(),
+              faithful.cwiseProduct(multiply(B, faithful)).sum())
+        << scene.mesh.name;
+  }
+}
+
+TEST(SurfaceFields, DoNotDependOnPoseAndUnit) {
+  for (const FieldScene& scene : field_scenes()) {
+    Eigen::Affine3d map(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, -2, 0.5).normalized()));
+    map.pretranslate(Eigen::Vector3d(3, -1, 2));
+    map.linear() *= 100;
+    FieldScene other = scene;
+    other.mesh = test::transformed(scene.mesh, map, " posed");
+    const Columns values = scene.values(2), start = Columns::Zero(scene.mesh.size(), 2);
+    const Columns one = scene.fields().spread(values), two = other.fields().spread(values);
+    EXPECT_LT((one - two).norm(), 1e-6 * (1 + one.norm())) << scene.mesh.name;
+    const Columns smooth = scene.fields().smooth(values, start), also = other.fields().smooth(values, start);
+    EXPECT_LT((smooth - also).norm(), 1e-6 * (1 + smooth.norm())) << scene.mesh.name;
+  }
+}
+
+TEST(SurfaceFields, TheNumberOfThreadsDoesNotMatter) {
+  for (const FieldScene& scene : field_scenes()) {
+    const Columns values = scene.values(3), start = Columns::Zero(scene.mesh.size(), 3);
+    const Context one = shapes::with_threads(1);
+    const SurfaceFields alone = scene.fields(0.1, one);
+    for (const int threads : {2, 3}) {
+      const Context several = shapes::with_threads(threads);
+      const SurfaceFields shared = scene.fields(0.1, several);
+      EXPECT_EQ(alone.spread(values, one), shared.spread(values, several)) << scene.mesh.name;
+      EXPECT_EQ(alone.smooth(values, start, one), shared.smooth(values, start, several)) << scene.mesh.name;
+    }
+  }
+}
+
+TEST(SurfaceFields, ComponentsWithoutGivenValuesKeepTheirs) {
+  const test::TestMesh one = test::bumpy_sphere(1);
+  const Index n = one.size();
+  FieldScene scene(one);
+  scene.mesh.positions.resize(2 * n, 3);
+  scene.mesh.positions << one.positions, one.positions.array() + 4;
+  scene.mesh.triangles.resize(2 * one.triangles.rows(), 3);
+  scene.mesh.triangles << one.triangles, one.triangles.array() + n;
+  scene.rings = vertex_rings(2 * n, scene.mesh.triangles);
+  scene.given.resize(static_cast<std::size_t>(2 * n), 0);
+  const SurfaceFields fields = scene.fields();
+  EXPECT_EQ(fields.component()[0], 0);
+  EXPECT_EQ(fields.component()[n], 1);
+  EXPECT_EQ(fields.component_holds(), (Flags{1, 0}));
+  const Columns values = scene.values(2), spread = fields.spread(values);
+  EXPECT_EQ(spread.bottomRows(n), values.bottomRows(n));
+  EXPECT_NE(spread.topRows(n), values.topRows(n));
+}
+
+}  // namespace
+}  // namespace meshgraft
