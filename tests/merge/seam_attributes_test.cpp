@@ -1,131 +1,143 @@
-#include <meshgraft/merge/seam.h>
+#include "merge/seam_attributes.h"
 
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+#include <limits>
 
 #include <gtest/gtest.h>
 
-#include "merge/seam_grafts.h"
+#include <meshgraft/mesh/normals.h>
 
-namespace meshgraft::test {
+#include "merge/seam_scenes.h"
+
+namespace meshgraft {
 namespace {
 
-const Attribute& attribute_of(const Mesh& mesh, Domain domain, const std::string& name) {
-  const Attribute* found = mesh.find_attribute(domain, name);
-  if (!found) throw std::runtime_error("no attribute " + name);
-  return *found;
-}
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-std::string label_of(const Attribute& attribute, Index face) {
-  return attribute.labels.at(static_cast<std::size_t>(attribute.values.at(face)));
-}
-
-TEST(Seam, CarriesTheAttributesOfBoth) {
-  Graft graft = tubes(17, 68, false);
-  for (Mesh* mesh : {&graft.target, &graft.source}) {
-    const bool is_target = mesh == &graft.target;
-    Attribute colour{.name = "colour", .components = 3},
-        uv{.name = "uv", .domain = Domain::corner, .components = 2},
-        normal{.name = "normal", .interpolation = Interpolation::direction, .components = 3},
-        material{.name = "material",
-                 .domain = Domain::face,
-                 .interpolation = Interpolation::nearest,
-                 .type = ScalarType::int32,
-                 .labels = {"skin"}};
-    for (Index v = 0; v < mesh->vertex_count(); ++v) {
-      const Eigen::RowVector3d p = mesh->positions.row(v);
-      colour.values.insert(colour.values.end(), {is_target ? 0.0 : 1.0, p.y(), p.z()});
-      const Eigen::RowVector3d radial = Eigen::RowVector3d(p.x(), p.y(), 0).normalized();
-      normal.values.insert(normal.values.end(), radial.begin(), radial.end());
+/// Takes a scene's strip off: returns its triangles and leaves the faces of target and source.
+std::vector<std::array<Index, 3>> take_strip(test::SeamScene& scene) {
+  std::vector<std::array<Index, 3>> strip;
+  Faces kept;
+  for (Index f = 0; f < scene.mesh.face_count(); ++f) {
+    const auto face = scene.mesh.faces[f];
+    if (f < scene.strip_begin()) {
+      kept.push_back(face);
+    } else {
+      strip.push_back({face[0], face[1], face[2]});
     }
-    for (Index f = 0; f < mesh->face_count(); ++f) {
-      material.values.push_back(0);
-      for (const Index v : mesh->faces[f]) {
-        uv.values.insert(uv.values.end(), {mesh->positions(v, 2), is_target ? 0.0 : 1.0});
+  }
+  scene.mesh.faces = kept;
+  return strip;
+}
+
+std::string group_of(const Mesh& mesh, Index face) {
+  const Attribute& groups = *mesh.find_attribute(Domain::face, "group");
+  return groups.labels.at(static_cast<std::size_t>(groups.values.at(face)));
+}
+
+TEST(SeamAttributes, EveryFaceBelongsToItsSide) {
+  for (test::SeamScene scene : test::seam_scenes(0)) {
+    const auto strip = take_strip(scene);
+    Attribute groups{.name = "group", .domain = Domain::face, .labels = {"lid"}};
+    groups.values.assign(static_cast<std::size_t>(scene.mesh.face_count()), missing);
+    groups.values[1] = 0;
+    for (const bool grouped : {false, true}) {
+      Mesh mesh = scene.mesh;
+      if (grouped) mesh.attributes.push_back(groups);
+      label_sides(mesh, scene.layout);
+      add_strip(mesh, strip, std::vector<Index>(strip.size(), 0));
+      ASSERT_EQ(mesh.face_count(), scene.strip_begin() + static_cast<Index>(strip.size()));
+      for (Index f = 0; f < mesh.face_count(); ++f) {
+        const SeamSide side = scene.layout.side_of_face(f);
+        const std::string expected = side == SeamSide::strip    ? "seam"
+                                     : grouped && f == 1        ? "lid"
+                                     : side == SeamSide::target ? "target"
+                                                                : "source";
+        EXPECT_EQ(group_of(mesh, f), expected) << scene.name;
       }
     }
-    mesh->attributes = {colour, normal, uv, material};
   }
-  const SeamResult result = make_seam(graft.target, graft.source, graft.pairs);
-  const Mesh& mesh = result.mesh;
-  for (const Attribute& attribute : mesh.attributes) {
-    const Index elements = attribute.domain == Domain::vertex ? mesh.vertex_count()
-                           : attribute.domain == Domain::face ? mesh.face_count()
-                                                              : mesh.faces.corner_count();
-    ASSERT_EQ(attribute.values.size(), static_cast<std::size_t>(elements * attribute.components))
-        << attribute.name;
-  }
-  const Attribute& colour = attribute_of(mesh, Domain::vertex, "colour");
-  for (Index v = 0; v < graft.source.vertex_count(); ++v) {
-    EXPECT_EQ(colour.values[3 * result.source.new_index[v]], 1);
-    EXPECT_EQ(colour.values[3 * result.source.new_index[v] + 1], graft.source.positions(v, 1));
-  }
-  for (Index v = 0; v < result.source.new_index[0]; ++v) EXPECT_EQ(colour.values[3 * v], 0);
+}
 
-  // Normals have unit length and point outward, also at moved and new vertices.
-  const Attribute& normal = attribute_of(mesh, Domain::vertex, "normal");
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    const Eigen::Map<const Eigen::RowVector3d> n(normal.values.data() + 3 * v);
-    EXPECT_NEAR(n.norm(), 1, 1e-12);
-    EXPECT_GT(n.dot(Eigen::RowVector3d(mesh.positions(v, 0), mesh.positions(v, 1), 0).normalized()), 0.9);
+TEST(SeamAttributes, TheStripTakesFaceValuesOfItsNeighboursAndNoCornerValues) {
+  for (test::SeamScene scene : test::seam_scenes(0)) {
+    const auto strip = take_strip(scene);
+    Mesh& mesh = scene.mesh;
+    Attribute material{.name = "material", .domain = Domain::face, .interpolation = Interpolation::nearest},
+        uv{.name = "uv", .domain = Domain::corner, .components = 2};
+    for (Index f = 0; f < mesh.face_count(); ++f) material.values.push_back(f % 5);
+    for (Index c = 0; c < 2 * mesh.faces.corner_count(); ++c) uv.values.push_back(c);
+    mesh.attributes = {material, uv};
+    label_sides(mesh, scene.layout);
+    std::vector<Index> neighbour;
+    for (std::size_t k = 0; k < strip.size(); ++k)
+      neighbour.push_back(static_cast<Index>(3 * k) % scene.layout.target_faces);
+    add_strip(mesh, strip, neighbour);
+    const Attribute &materials = *mesh.find_attribute(Domain::face, "material"),
+                    &uvs = *mesh.find_attribute(Domain::corner, "uv");
+    ASSERT_EQ(static_cast<Index>(materials.values.size()), mesh.face_count()) << scene.name;
+    ASSERT_EQ(static_cast<Index>(uvs.values.size()), 2 * mesh.faces.corner_count()) << scene.name;
+    for (std::size_t k = 0; k < strip.size(); ++k)
+      EXPECT_EQ(materials.values[material.values.size() + k], neighbour[k] % 5);
+    for (std::size_t c = 0; c < uvs.values.size(); ++c) {
+      if (c < uv.values.size()) {
+        EXPECT_EQ(uvs.values[c], uv.values[c]);
+      }
+      if (c >= uv.values.size()) {
+        EXPECT_TRUE(std::isnan(uvs.values[c]));
+      }
+    }
   }
+}
 
-  const Attribute& group = attribute_of(mesh, Domain::face, "group");
-  const Attribute& material = attribute_of(mesh, Domain::face, "material");
-  const Attribute& uv = attribute_of(mesh, Domain::corner, "uv");
-  const Index first_new = result.new_faces.front();
-  for (Index f = 0; f < mesh.face_count(); ++f) {
-    const bool is_source = std::all_of(mesh.faces[f].begin(), mesh.faces[f].end(),
-                                       [&](Index v) { return v >= result.source.new_index[0]; });
-    const std::string expected = f >= first_new ? "seam" : is_source ? "source" : "target";
-    EXPECT_EQ(label_of(group, f), expected);
-    EXPECT_EQ(label_of(material, f), is_source ? "skin_2" : "skin");
-    for (std::size_t c = 0; c < mesh.faces[f].size(); ++c) {
-      const double* values = uv.values.data() + 2 * (mesh.faces.first_corner(f) + static_cast<Index>(c));
-      if (f >= first_new) {
-        EXPECT_TRUE(std::isnan(values[0]) && std::isnan(values[1]));
+Attribute normal_attribute(Domain domain, const Points& values) {
+  Attribute normals{
+      .name = "normal", .domain = domain, .interpolation = Interpolation::direction, .components = 3};
+  normals.values.assign(values.data(), values.data() + values.size());
+  return normals;
+}
+
+TEST(SeamAttributes, NormalsAreRenewedOnTheStripAndKeptWhereNothingMoved) {
+  for (test::SeamScene scene : test::seam_scenes(0.2)) {
+    SCOPED_TRACE(scene.name);
+    const Points given = vertex_normals(scene.mesh).rowwise().reverse();  // not those of the surface
+    scene.mesh.attributes = {normal_attribute(Domain::vertex, given)};
+    renew_normals(scene.mesh, scene.layout, scene.mesh.positions);
+    const Points fresh = vertex_normals(scene.mesh);
+    const Attribute& normals = *scene.mesh.find_attribute(Domain::vertex, "normal");
+    for (Index v = 0; v < scene.mesh.vertex_count(); ++v) {
+      const Eigen::Map<const Eigen::RowVector3d> normal(normals.values.data() + 3 * v);
+      if (scene.is_on_strip(v)) {
+        EXPECT_LT((normal - fresh.row(v)).norm(), 1e-12);
       } else {
-        EXPECT_EQ(values[1], is_source ? 1 : 0);
+        EXPECT_EQ(Eigen::RowVector3d(normal), given.row(v));
       }
     }
   }
-  EXPECT_EQ(result.notes.size(), 1);
 }
 
-TEST(Seam, KeepsGroupsAndCornerNormals) {
-  Graft graft = tubes(24, 24, false);
-  Attribute group{.name = "group",
-                  .domain = Domain::face,
-                  .interpolation = Interpolation::nearest,
-                  .type = ScalarType::int32,
-                  .labels = {"pipe", "collar"}};
-  Attribute normal{
-      .name = "normal", .domain = Domain::corner, .interpolation = Interpolation::direction, .components = 3};
-  for (Index f = 0; f < graft.target.face_count(); ++f) {
-    group.values.push_back(f < 30 ? 0 : 1);
-    for (const Index v : graft.target.faces[f]) {
-      normal.values.insert(normal.values.end(),
-                           {graft.target.positions(v, 0), graft.target.positions(v, 1), 0});
+TEST(SeamAttributes, NormalsOfTheStripsFacesAreItsOwn) {
+  for (test::SeamScene scene : test::seam_scenes(0.2)) {
+    scene.mesh.attributes = {
+        normal_attribute(Domain::face, Points::Constant(scene.mesh.face_count(), 3, missing))};
+    renew_normals(scene.mesh, scene.layout, scene.mesh.positions);
+    const Attribute& normals = *scene.mesh.find_attribute(Domain::face, "normal");
+    for (Index f = scene.strip_begin(); f < scene.mesh.face_count(); ++f) {
+      const Eigen::Map<const Eigen::RowVector3d> normal(normals.values.data() + 3 * f);
+      const auto face = scene.mesh.faces[f];
+      EXPECT_NEAR(normal.norm(), 1, 1e-12) << scene.name;
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(normal.dot(scene.mesh.positions.row(face[c]) - scene.mesh.positions.row(face[(c + 1) % 3])),
+                    0, 1e-12);
     }
   }
-  graft.target.attributes = {group, normal};
-  const SeamResult result = make_seam(graft.target, graft.source, graft.pairs);
-  const Attribute& groups = attribute_of(result.mesh, Domain::face, "group");
-  EXPECT_EQ(label_of(groups, 0), "pipe");
-  EXPECT_EQ(label_of(groups, 31), "collar");
-  EXPECT_EQ(label_of(groups, result.new_faces.front() - 1), "source");
-  EXPECT_EQ(label_of(groups, result.new_faces.front()), "seam");
-  const Attribute& normals = attribute_of(result.mesh, Domain::corner, "normal");
-  for (const Index f : result.new_faces) {
-    for (Index c = 0; c < 3; ++c) {
-      const std::ptrdiff_t corner = result.mesh.faces.first_corner(f) + c;
-      const Eigen::Map<const Eigen::RowVector3d> n(normals.values.data() + 3 * corner);
-      EXPECT_GT(n.head<2>().dot(result.mesh.positions.row(result.mesh.faces[f][c]).head<2>()), 0.9);
-    }
-  }
+}
+
+TEST(SeamAttributes, MeshesWithoutNormalsGetNone) {
+  test::SeamScene scene = test::seam_scenes(0.2)[0];
+  renew_normals(scene.mesh, scene.layout, scene.smooth);
+  EXPECT_TRUE(scene.mesh.attributes.empty());
 }
 
 }  // namespace
-}  // namespace meshgraft::test
+}  // namespace meshgraft
