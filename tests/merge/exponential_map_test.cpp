@@ -1,5 +1,6 @@
 #include "merge/exponential_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -62,6 +63,25 @@ TEST(ExponentialMap, MayStartWithinATriangle) {
   const PlanePoints uv = chart.map(10);
   for (Index w = 0; w < chart.mesh.size(); ++w)
     EXPECT_NEAR(uv.row(w).norm(), (chart.mesh.positions.row(w) - chart.origin.point).norm(), 1e-12);
+}
+
+TEST(ExponentialMap, KeepsTheDistancesOfItsSeedsAndOfTheNearestNeighbour) {
+  for (const test::TestMesh& mesh : {test::bumpy_sphere(2), test::irregular_grid(22, 16), test::torus(14, 30)})
+    for (Index v = 0; v < mesh.size(); v += 17) {
+      ChartCase chart(mesh);
+      chart.start_at(v);
+      const auto distance = [&](Index w) { return (mesh.positions.row(w) - chart.origin.point).norm(); };
+      const auto ring = chart.rings[v];
+      const Index nearest = *std::min_element(ring.begin(), ring.end(),
+                                              [&](Index a, Index b) { return distance(a) < distance(b); });
+      const PlanePoints around_vertex = chart.map(1);
+      EXPECT_NEAR(around_vertex.row(nearest).norm(), distance(nearest), 1e-12) << mesh.name;
+      chart.origin.seeds = {v, nearest};
+      chart.origin.point += 0.3 * (mesh.positions.row(nearest) - chart.origin.point);
+      const PlanePoints around_point = chart.map(1);
+      for (const Index seed : chart.origin.seeds)
+        EXPECT_NEAR(around_point.row(seed).norm(), distance(seed), 1e-12) << mesh.name;
+    }
 }
 
 TEST(ExponentialMap, UnrollsACylinderTheBetterTheFinerItIs) {
