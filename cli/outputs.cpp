@@ -33,7 +33,7 @@ bool same_file(const fs::path& a, const fs::path& b) {
 fs::path folder_of(const fs::path& output) { return output.has_parent_path() ? output.parent_path() : "."; }
 
 void require_access(const std::error_code& error, const fs::path& output) {
-  if (error) throw io::file_error(output, "written", error);
+  if (error) throw io::file_error(output, facts::io::Action::write, error);
 }
 
 // Whether `output` is the material library beside an OBJ or the buffer beside a .gltf.

@@ -11,9 +11,10 @@ export async function tables() {
   return files.filter((file) => basename(file) === "facts.json").sort().map((file) => sources + file);
 }
 
-/** Returns the rows of a table, each with its id. */
+/** Returns the rows of a table, each with its id. A field that is of a list of words has the list as its kind. */
 export async function rowsOf(table) {
   const layer = basename(dirname(table));
-  const rows = JSON.parse(await readFile(table, "utf8"));
-  return Object.entries(rows).map(([name, row]) => ({ ...row, id: `${layer}.${name}` }));
+  const { words = {}, ...rows } = JSON.parse(await readFile(table, "utf8"));
+  const kindsOf = (fields) => Object.fromEntries(Object.entries(fields).map(([name, kind]) => [name, words[kind] ?? kind]));
+  return Object.entries(rows).map(([name, { fields = {}, ...row }]) => ({ ...row, fields: kindsOf(fields), id: `${layer}.${name}` }));
 }

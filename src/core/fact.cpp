@@ -1,6 +1,8 @@
 #include <meshgraft/core/fact.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 
 #include <fmt/args.h>
@@ -19,6 +21,12 @@ constexpr bool is_list<std::vector<T>> = true;
 struct Count {
   std::int64_t value;
 };
+
+/// Returns the text of a word in the library's sentences.
+std::string_view text_of_word(const FieldType& field, std::string_view word) {
+  const auto found = std::ranges::find(field.words, word, &FieldWord::name);
+  return found == field.words.end() ? word : found->text;
+}
 
 }  // namespace
 
@@ -57,13 +65,16 @@ std::string Fact::remedy() const { return fill_in(type_->remedy, *this); }
 std::string fill_in(std::string_view text, const Fact& fact) {
   fmt::dynamic_format_arg_store<fmt::format_context> values;
   for (std::size_t f = 0; f < fact.values().size(); ++f) {
-    const std::string name(fact.type().fields[f].name);
+    const FieldType& field = fact.type().fields[f];
+    const std::string name(field.name);
     std::visit(
         [&]<class T>(const T& value) {
           if constexpr (is_list<T>)
             values.push_back(fmt::arg(name.c_str(), fmt::format("{}", fmt::join(value, ", "))));
           else if constexpr (std::is_same_v<T, std::int64_t>)
             values.push_back(fmt::arg(name.c_str(), Count{value}));
+          else if constexpr (std::is_same_v<T, std::string>)
+            values.push_back(fmt::arg(name.c_str(), std::string(text_of_word(field, value))));
           else
             values.push_back(fmt::arg(name.c_str(), value));
         },

@@ -39,6 +39,13 @@ struct Text {
   std::string value;
 };
 
+/// A word of a closed list, which the enumeration E stands for.
+template <class E>
+struct Word {
+  Word(E word) : value(word) {}
+  E value;
+};
+
 /// A list of integers, numbers or texts.
 template <class Element>
 struct List {

@@ -149,7 +149,7 @@ std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> 
   const Points& rest = d.system->rest();
   if (poses.size() != d.handles.size())
     throw Error(facts::core::SizeMismatch{
-        .what = "poses", .given = poses.size(), .of = "handles", .needed = d.handles.size()});
+        .what = facts::core::Rows::poses, .given = poses.size(), .needed = d.handles.size()});
   std::vector<VertexConstraint> constraints;
   constraints.reserve(d.constrained.size());
   for (std::size_t h = 0; h < poses.size(); ++h) {
@@ -164,7 +164,7 @@ void Deformer::evaluate(std::span<const HandlePose> poses, Points& positions_out
   const Eigen::Index vertices = impl_->system->rest().rows();
   if (positions_out.rows() != vertices)
     throw Error(facts::core::SizeMismatch{
-        .what = "rows of positions", .given = positions_out.rows(), .of = "vertices", .needed = vertices});
+        .what = facts::core::Rows::positions, .given = positions_out.rows(), .needed = vertices});
   const std::vector<VertexConstraint> posed = constraints(poses);
   impl_->constrained.require_matching(posed);
   impl_->evaluate(posed, positions_out, report, nullptr, context);
@@ -209,10 +209,11 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
   const ConstrainedSystem& system = *impl_->system;
   if (static_cast<Eigen::Index>(field.size()) != system.rest().rows())
     throw Error(facts::core::SizeMismatch{
-        .what = "maps", .given = field.size(), .of = "vertices", .needed = system.rest().rows()});
+        .what = facts::core::Rows::maps, .given = field.size(), .needed = system.rest().rows()});
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!field[v].allFinite())
-      throw Error(facts::core::NotFinite{.what = "the map"}, fmt::format("field, vertex {}", v));
+      throw Error(facts::core::NotFinite{.what = facts::core::Quantity::map},
+                  fmt::format("field, vertex {}", v));
   ConstrainedSystem::Problem local;
   local.field.smoothness.resize(3 * system.patch().size(), 3);
   for (Index v = 0; v < system.patch().size(); ++v)

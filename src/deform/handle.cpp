@@ -28,7 +28,8 @@ void require_curve(const Handle& handle, const Points& rest) {
   const std::size_t needed = handle.closed ? 3 : 2;
   if (handle.vertices.size() < needed)
     throw Error(facts::deform::CurveTooShort{.count = handle.vertices.size(),
-                                             .kind = handle.closed ? "closed curve" : "curve",
+                                             .kind = handle.closed ? facts::deform::Kind::closed_curve
+                                                                   : facts::deform::Kind::curve,
                                              .needed = needed},
                 location_of(handle));
 }
@@ -92,12 +93,16 @@ std::vector<double> arc_lengths(const Points& curve, bool closed) {
 }
 
 // Returns the arc lengths divided by the total length, from 0 to 1.
-std::vector<double> relative_arc_lengths(const Handle& handle, const Points& curve, const std::string& what) {
+std::vector<double> relative_arc_lengths(const Handle& handle, const Points& curve,
+                                         facts::deform::Curve which) {
   std::vector<double> lengths = arc_lengths(curve, handle.closed);
   const double total = lengths.back();
   if (!std::isfinite(total))
-    throw Error(facts::core::NotFinite{.what = "a coordinate of the " + what}, location_of(handle));
-  if (total == 0) throw Error(facts::deform::CurveWithoutLength{.curve = what}, location_of(handle));
+    throw Error(
+        facts::core::NotFinite{.what = which == facts::deform::Curve::rest ? facts::core::Quantity::rest_curve
+                                                                           : facts::core::Quantity::polyline},
+        location_of(handle));
+  if (total == 0) throw Error(facts::deform::CurveWithoutLength{.curve = which}, location_of(handle));
   for (double& length : lengths) length /= total;
   return lengths;
 }
@@ -118,7 +123,8 @@ struct CurveSample {
   double length = 0;        // half the length of the adjoining segments
 };
 
-CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index k, const std::string& what) {
+CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index k,
+                         facts::deform::Curve which) {
   const Eigen::Index n = curve.rows();
   const Eigen::Index before = k > 0 ? k - 1 : handle.closed ? n - 1 : 0;
   const Eigen::Index after = k + 1 < n ? k + 1 : handle.closed ? 0 : n - 1;
@@ -128,7 +134,7 @@ CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index
   if (direction.isZero(0)) direction = outgoing;  // at the tip of a hairpin
   const CurveSample sample{direction.stableNormalized(), 0.5 * (incoming.norm() + outgoing.norm())};
   if (direction.isZero(0) || !direction.allFinite() || !std::isfinite(sample.length)) {
-    throw Error(facts::deform::CurveWithoutTangent{.curve = what, .point = k, .vertex = handle.vertices[k]},
+    throw Error(facts::deform::CurveWithoutTangent{.curve = which, .point = k, .vertex = handle.vertices[k]},
                 location_of(handle));
   }
   return sample;
@@ -154,14 +160,14 @@ Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const Ind
 
 HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_pivot) {
   const Eigen::Vector3d pivot = motion.pivot.value_or(default_pivot);
-  const auto require_finite = [](bool finite, const char* what, const char* field) {
+  const auto require_finite = [](bool finite, facts::core::Quantity what, const char* field) {
     if (!finite) throw Error(facts::core::NotFinite{.what = what}, field);
   };
-  require_finite(motion.translate.allFinite(), "the translation", "translate");
-  require_finite(motion.axis.allFinite(), "the axis", "axis");
-  require_finite(std::isfinite(motion.angle_deg), "the angle", "angle_deg");
-  require_finite(motion.scale.allFinite(), "the scale", "scale");
-  require_finite(pivot.allFinite(), "the pivot", "pivot");
+  require_finite(motion.translate.allFinite(), facts::core::Quantity::translation, "translate");
+  require_finite(motion.axis.allFinite(), facts::core::Quantity::axis, "axis");
+  require_finite(std::isfinite(motion.angle_deg), facts::core::Quantity::angle, "angle_deg");
+  require_finite(motion.scale.allFinite(), facts::core::Quantity::scale, "scale");
+  require_finite(pivot.allFinite(), facts::core::Quantity::pivot, "pivot");
   if (motion.axis.isZero(0) && motion.angle_deg != 0) throw Error(facts::deform::AxisWithoutLength{}, "axis");
   const Eigen::Vector3d axis =
       motion.axis.isZero(0) ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : motion.axis.stableNormalized();
@@ -203,8 +209,9 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
   const Eigen::Index needed = handle.closed ? 3 : 2;
   if (course.rows() < needed)
     throw Error(facts::deform::PolylineTooShort{.count = course.rows(), .needed = needed}, location_of(handle));
-  const std::vector<double> wanted = relative_arc_lengths(handle, rest_curve(handle, rest), "curve at rest");
-  const std::vector<double> given = relative_arc_lengths(handle, course, "polyline");
+  const std::vector<double> wanted =
+      relative_arc_lengths(handle, rest_curve(handle, rest), facts::deform::Curve::rest);
+  const std::vector<double> given = relative_arc_lengths(handle, course, facts::deform::Curve::polyline);
 
   Points redrawn(static_cast<Eigen::Index>(handle.vertices.size()), 3);
   for (Eigen::Index k = 0; k < redrawn.rows(); ++k) {
@@ -229,15 +236,14 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
   require_curve(handle, rest);
   const Points curve = rest_curve(handle, rest);
   if (redrawn.rows() != curve.rows())
-    throw Error(facts::core::SizeMismatch{.what = "redrawn points",
-                                          .given = redrawn.rows(),
-                                          .of = "vertices of the curve",
-                                          .needed = curve.rows()},
-                location_of(handle));
+    throw Error(
+        facts::core::SizeMismatch{
+            .what = facts::core::Rows::redrawn_points, .given = redrawn.rows(), .needed = curve.rows()},
+        location_of(handle));
   if (rest_normals.rows() != rest.rows())
     throw Error(
         facts::core::SizeMismatch{
-            .what = "normals at rest", .given = rest_normals.rows(), .of = "vertices", .needed = rest.rows()},
+            .what = facts::core::Rows::rest_normals, .given = rest_normals.rows(), .needed = rest.rows()},
         location_of(handle));
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index k = 0; k < curve.rows(); ++k) {
@@ -245,8 +251,8 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
     constraint.vertex = handle.vertices[k];
     if (handle.constrain_position) constraint.position = redrawn.row(k).transpose();
     if (handle.constrain_transform) {
-      const CurveSample before = sample_curve(handle, curve, k, "curve at rest");
-      const CurveSample after = sample_curve(handle, redrawn, k, "redrawn curve");
+      const CurveSample before = sample_curve(handle, curve, k, facts::deform::Curve::rest);
+      const CurveSample after = sample_curve(handle, redrawn, k, facts::deform::Curve::redrawn);
       // Fu & Tai 2005, section 4: new frame = Q · old frame. So R = new · oldᵀ = Q for any normal.
       const Eigen::Vector3d normal =
           orthogonal_normal(rest_normals.row(constraint.vertex).transpose(), before.tangent);

@@ -237,7 +237,7 @@ Json Worker::settings(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "settings", "anchors"});
   Json document = open_one().document().json;
   fields.optional("settings", [&](const json::Value& v) {
-    if (!v.is_object()) v.fail_type("an object");
+    if (!v.is_object()) v.fail_type(facts::script::Type::object);
     change_settings(document, v.raw());
   });
   fields.optional("anchors", [&](const json::Value& v) { step_of(document)["anchors"] = v.raw(); });

@@ -52,7 +52,8 @@ void require_short_names(const fs::path& path) {
 void require_file(const fs::path& file, const fs::path& asked) {
   if (fs::is_directory(file)) throw Error(facts::io::IsFolder{}, asked.string());
   if (!fs::is_regular_file(file))
-    throw io::file_error(asked, "read", std::make_error_code(std::errc::no_such_file_or_directory));
+    throw io::file_error(asked, facts::io::Action::read,
+                         std::make_error_code(std::errc::no_such_file_or_directory));
 }
 
 Folders::Folders(const std::vector<fs::path>& folders) {

@@ -27,7 +27,7 @@ Request parse_request(std::string_view text, Json& id) {
   request.message = json::parse(text, "message", edit_file_depth_limit);
   const std::string document = "message";
   const json::Value root(request.message, document);
-  if (!root.is_object()) root.fail_type("an object");
+  if (!root.is_object()) root.fail_type(facts::script::Type::object);
   const Json given = request.message.value("id", Json());
   if (!given.is_number_integer() && !given.is_string()) root.fail(facts::editor::IdUnusable{});
   id = request.id = given;

@@ -16,7 +16,7 @@ Json default_plane(const Object& base) {
 Json object_in(const json::Object& fields, std::string_view name) {
   Json object = Json::object();
   fields.optional(name, [&](const json::Value& value) {
-    if (!value.is_object()) value.fail_type("an object");
+    if (!value.is_object()) value.fail_type(facts::script::Type::object);
     object = value.raw();
   });
   return object;

@@ -10,18 +10,18 @@
 
 #include "core/platform/file.h"
 #include "core/platform/memory.h"
-#include "io/facts.h"
 
 namespace meshgraft {
 
 namespace {
 
 namespace fs = std::filesystem;
+using facts::io::Action;
 using platform::File;
 using platform::OpenMode;
 
 /// Returns the fact of a failed system call: the file cannot be opened, read, …
-Fact system_fault(std::string_view action, const std::error_code& error) {
+Fact system_fault(Action action, const std::error_code& error) {
   const std::string reason = error.message();
   if (error == std::errc::no_such_file_or_directory)
     return facts::io::FileNotFound{.action = action, .reason = reason};
@@ -37,11 +37,11 @@ Fact system_fault(std::string_view action, const std::error_code& error) {
   return facts::io::FileFailed{.action = action, .reason = reason};
 }
 
-[[noreturn]] void fail(const fs::path& path, std::string_view action, const std::error_code& error) {
+[[noreturn]] void fail(const fs::path& path, Action action, const std::error_code& error) {
   throw io::file_error(path, action, error);
 }
 
-void require(const std::error_code& error, const fs::path& path, std::string_view action) {
+void require(const std::error_code& error, const fs::path& path, Action action) {
   if (error) fail(path, action, error);
 }
 
@@ -56,7 +56,7 @@ void require_name(const fs::path& path) {
 
 namespace io {
 
-Error file_error(const fs::path& path, std::string_view action, const std::error_code& error) {
+Error file_error(const fs::path& path, Action action, const std::error_code& error) {
   return {system_fault(action, error), path.string()};
 }
 
@@ -69,19 +69,19 @@ class PendingFile::TemporaryFile {
   ~TemporaryFile() { remove(); }
 
   void keep_permissions_of(const fs::path& old) {
-    require(file_.copy_permissions(old), target_, "given the permissions of the old file");
+    require(file_.copy_permissions(old), target_, Action::keep_permissions);
   }
 
   void fill(std::string_view content) {
-    require(file_.write(content), target_, "written");
-    require(file_.flush(), target_, "flushed to the disk");
-    require(file_.close(), target_, "written");
+    require(file_.write(content), target_, Action::write);
+    require(file_.flush(), target_, Action::flush);
+    require(file_.close(), target_, Action::write);
   }
 
   void replace_target() {
     std::error_code error;
     fs::rename(path_, target_, error);
-    require(error, target_, "replaced");
+    require(error, target_, Action::replace);
     path_.clear();
     flush_folder();
   }
@@ -94,7 +94,7 @@ class PendingFile::TemporaryFile {
     if (error == std::errc::operation_not_permitted || error == std::errc::not_supported ||
         error == std::errc::function_not_supported)
       return false;
-    require(error, target_, "created");
+    require(error, target_, Action::create);
     remove();
     flush_folder();
     return true;
@@ -110,7 +110,7 @@ class PendingFile::TemporaryFile {
       if (!error) return file;
       if (error == std::errc::file_exists && attempt < 100) continue;
       path_.clear();
-      fail(target_, "created", error);
+      fail(target_, Action::create, error);
     }
   }
 
@@ -137,9 +137,9 @@ namespace {
 void write_through(const fs::path& path, std::string_view content) {
   std::error_code error;
   File file(path, OpenMode::write, error);
-  require(error, path, "opened for writing");
-  require(file.write(content), path, "written");
-  require(file.close(), path, "written");
+  require(error, path, Action::open_for_writing);
+  require(file.write(content), path, Action::write);
+  require(file.close(), path, Action::write);
 }
 
 [[noreturn]] void refuse_existing(const fs::path& path) {
@@ -156,7 +156,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
   std::error_code error;
   const fs::file_status old = fs::status(path, error);
   const bool exists = fs::exists(old);
-  if (!exists && error != std::errc::no_such_file_or_directory) fail(path, "written", error);
+  if (!exists && error != std::errc::no_such_file_or_directory) fail(path, Action::write, error);
   if (fs::is_directory(old)) throw Error(facts::io::IsFolder{}, path.string());
   if (exists && !fs::is_regular_file(old)) {
     for_device_ = content;
@@ -165,7 +165,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
   if (exists && existing == Existing::refuse) refuse_existing(path);
   target_ = follow_links(path);  // not earlier: the link of /dev/stdout leads to no path
   // A rename would replace even a write-protected file.
-  if (exists) require(platform::check_may_write(target_), path, "replaced");
+  if (exists) require(platform::check_may_write(target_), path, Action::replace);
   temporary_ = std::make_unique<TemporaryFile>(target_);
   if (exists) temporary_->keep_permissions_of(path);
   temporary_->fill(content);
@@ -208,9 +208,9 @@ std::string read_file(const fs::path& path) {
   require_name(path);
   std::error_code error;
   File file(path, OpenMode::read, error);
-  require(error, path, "opened");
+  require(error, path, Action::open);
   const File::Status status = file.status(error);
-  require(error, path, "read");
+  require(error, path, Action::read);
   if (status.type == fs::file_type::directory) throw Error(facts::io::IsFolder{}, path.string());
 
   // Reads by pieces through a buffer that stays in the cache. Resizing the string to its full size first
@@ -224,7 +224,7 @@ std::string read_file(const fs::path& path) {
   }
   for (;;) {
     const std::size_t count = file.read(buffer.get(), piece, error);
-    require(error, path, "read");
+    require(error, path, Action::read);
     if (count == 0) return content;
     content.append(buffer.get(), count);
   }

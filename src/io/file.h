@@ -7,10 +7,12 @@
 
 #include <meshgraft/core/error.h>
 
+#include "io/facts.h"
+
 namespace meshgraft::io {
 
-/// Returns the error of a failed system call: the file at `path` cannot be `action`, e.g. "written".
-Error file_error(const std::filesystem::path& path, std::string_view action, const std::error_code& error);
+/// Returns the error of a failed system call: `action` is what failed.
+Error file_error(const std::filesystem::path& path, facts::io::Action action, const std::error_code& error);
 
 /// The behaviour of `write_file` if `path` exists already.
 enum class Existing { replace, refuse };

@@ -138,13 +138,15 @@ std::size_t size_of(ScalarType type) {
   return 8;
 }
 
-Fact bad_number(std::string_view value, std::string_view word, ScalarType type, NumberFault fault) {
+Fact bad_number(std::string_view element, std::string_view value, std::string_view word, ScalarType type,
+                NumberFault fault) {
   if (fault == NumberFault::out_of_range)
-    return facts::io::NumberOutOfRange{.value = value, .word = shown(word)};
+    return facts::io::NumberOutOfRange{.element = element, .value = value, .word = shown(word)};
   if (word.find(',') != std::string_view::npos)
-    return facts::io::DecimalComma{.value = value, .word = shown(word)};
-  if (is_integer(type)) return facts::io::NotAWholeNumber{.value = value, .word = shown(word)};
-  return facts::io::NotANumber{.value = value, .word = shown(word)};
+    return facts::io::DecimalComma{.element = element, .value = value, .word = shown(word)};
+  if (is_integer(type))
+    return facts::io::NotAWholeNumber{.element = element, .value = value, .word = shown(word)};
+  return facts::io::NotANumber{.element = element, .value = value, .word = shown(word)};
 }
 
 std::string shown(std::string_view word) {

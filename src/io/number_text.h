@@ -39,8 +39,10 @@ bool is_integer(ScalarType type);
 std::size_t size_of(ScalarType type);
 
 /// Returns the fact that `word` is no value of `type`: io.not_a_number, io.not_a_whole_number,
-/// io.decimal_comma or io.number_out_of_range. `value` names what it should be, "x of vertex".
-Fact bad_number(std::string_view value, std::string_view word, ScalarType type, NumberFault fault);
+/// io.decimal_comma or io.number_out_of_range. It should be the `value` of an `element`, in the format's terms:
+/// the "x" of a "vertex".
+Fact bad_number(std::string_view element, std::string_view value, std::string_view word, ScalarType type,
+                NumberFault fault);
 
 /// Returns a word of a file for an Error: shortened, and without control characters.
 std::string shown(std::string_view word);

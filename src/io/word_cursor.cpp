@@ -59,13 +59,18 @@ bool WordCursor::to_number(std::string_view word, ScalarType type, double& value
   return parsed.fault == NumberFault::none;
 }
 
-void WordCursor::fail_number(std::string_view word, ScalarType type, const std::string& value) const {
-  if (word.empty()) fail(facts::io::Truncated{.missing = value});
-  fail(bad_number(value, word, type, parse_number(word, type).fault));
+void WordCursor::fail_number(std::string_view word, ScalarType type, const ValueName& name) const {
+  if (word.empty()) fail(facts::io::Truncated{.missing = name.value}, name.element, name.number);
+  fail(bad_number(name.element, name.value, word, type, parse_number(word, type).fault), name.element,
+       name.number);
 }
 
-void WordCursor::fail(Fact fact) const {
-  throw Error(std::move(fact), *name_ + ", " + line_name(content_, word_begin_));
+void WordCursor::fail(Fact fact) const { fail(std::move(fact), {}, -1); }
+
+void WordCursor::fail(Fact fact, std::string_view element, Index number) const {
+  std::string location = *name_ + ", " + line_name(content_, word_begin_);
+  if (number >= 0) location += ", " + std::string(element) + " " + std::to_string(number);
+  throw Error(std::move(fact), std::move(location));
 }
 
 }  // namespace meshgraft::io

@@ -20,6 +20,12 @@ inline bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 /// common name of the format.
 void require_text(std::string_view content, const std::string& name, std::string_view format);
 
+/// The name of a value in the terms of a format, for messages: the position of vertex 3.
+struct ValueName {
+  std::string_view element, value;
+  Index number = -1;  ///< of the element; -1: unknown
+};
+
 /// Walks over the words of a text. Lines end in LF, CRLF or CR. A byte order mark is skipped.
 class WordCursor {
  public:
@@ -37,12 +43,11 @@ class WordCursor {
   /// Returns the rest of this line without surrounding blanks. Comments are not recognised.
   std::string_view rest_of_line();
 
-  /// Returns the next word as a number. `what` returns its name for messages: "position of vertex 3".
-  template <class What>
-  double number(ScalarType type, const What& what) {
+  /// Returns the next word as a number: this value of this element in the format's terms.
+  double number(ScalarType type, const ValueName& name) {
     const std::string_view word = next();
     double value = 0;
-    if (!to_number(word, type, value)) fail_number(word, type, what());
+    if (!to_number(word, type, value)) fail_number(word, type, name);
     return value;
   }
 
@@ -52,8 +57,10 @@ class WordCursor {
 
   /// Throws Error(input) at the line of the last word.
   [[noreturn]] void fail(Fact fact) const;
-  /// The same for a word that is no number, or missing. `value` names what it should be.
-  [[noreturn]] void fail_number(std::string_view word, ScalarType type, const std::string& value) const;
+  /// Throws Error(input) at the line of the last word and at this element.
+  [[noreturn]] void fail(Fact fact, std::string_view element, Index number) const;
+  /// The same for a word that is no number, or missing.
+  [[noreturn]] void fail_number(std::string_view word, ScalarType type, const ValueName& name) const;
 
   static bool to_number(std::string_view word, ScalarType type, double& value);
 

@@ -68,10 +68,11 @@ PreparedTarget::PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Co
 void validate(const Drop& drop, const Mesh& target) {
   if (drop.size && !(*drop.size > 0 && *drop.size < 1e100))
     throw Error(facts::core::NotPositive{.value = *drop.size}, "size");
-  if (!std::isfinite(drop.spin_deg)) throw Error(facts::core::NotFinite{.what = "the angle"}, "spin_deg");
+  if (!std::isfinite(drop.spin_deg))
+    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::angle}, "spin_deg");
   if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point);
       point != nullptr && !point->allFinite())
-    throw Error(facts::core::NotFinite{.what = "the point"}, "surface_point");
+    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::point}, "surface_point");
   const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex != nullptr && (*vertex < 0 || *vertex >= target.vertex_count()))
     throw Error(facts::merge::NoSuchSurfaceVertex{.vertex = *vertex, .count = target.vertex_count()},

@@ -197,7 +197,7 @@ Points vertex_normals(const Mesh& mesh) {
 void update_normals(Mesh& mesh, const Points& rest) {
   if (rest.rows() != mesh.positions.rows())
     throw Error(facts::core::SizeMismatch{
-        .what = "rest positions", .given = rest.rows(), .of = "vertices", .needed = mesh.positions.rows()});
+        .what = facts::core::Rows::rest_positions, .given = rest.rows(), .needed = mesh.positions.rows()});
   const Flags moved = moved_faces(mesh, rest);
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.name != "normal" || attribute.components != 3) continue;

@@ -14,6 +14,7 @@
 #include "core/facts.h"
 #include "isosurface.h"
 #include "models.h"
+#include "samples/facts.h"
 
 namespace meshgraft {
 
@@ -58,8 +59,7 @@ const Entry& find_entry(std::string_view name) {
   for (const Entry& entry : entries)
     if (entry.info.name == name) return entry;
   throw Error(
-      facts::core::NoSuchName{
-          .what = "built-in model", .name = name, .known = infos | std::views::transform(&SampleInfo::name)},
+      facts::samples::NoSuchSample{.name = name, .known = infos | std::views::transform(&SampleInfo::name)},
       location_of(name));
 }
 

@@ -13,7 +13,6 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
-#include "core/facts.h"
 #include "json_value.h"
 #include "parse_parts.h"
 #include "script/facts.h"
@@ -146,13 +145,13 @@ std::vector<std::string> names_of(const List& list) {
   return names;
 }
 
-[[noreturn]] void fail_unknown_name(const std::string& location, std::string_view what, const std::string& name,
-                                    const std::vector<std::string>& known) {
+[[noreturn]] void fail_unknown_name(const std::string& location, facts::script::Named what,
+                                    const std::string& name, const std::vector<std::string>& known) {
   if (const auto meant = json::nearest_name(name, known))
     throw Error(facts::script::MisspeltName{.what = what, .name = name, .meant = *meant, .known = known},
                 location);
   if (known.empty()) throw Error(facts::script::NoSelections{.name = name}, location);
-  throw Error(facts::core::NoSuchName{.what = what, .name = name, .known = known}, location);
+  throw Error(facts::script::NoSuchName{.what = what, .name = name, .known = known}, location);
 }
 
 // Checks that selections refer to each other without cycles and with a depth that is safe to resolve.
@@ -164,7 +163,7 @@ class ReferenceCheck {
     for_each_selection(selection, [&](const SelectionSpec& part) {
       if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind))
         if (std::find(names_.begin(), names_.end(), named->name) == names_.end())
-          fail_unknown_name(location, "selection", named->name, names_);
+          fail_unknown_name(location, facts::script::Named::selection, named->name, names_);
     });
   }
 
@@ -203,7 +202,7 @@ void require_names(const EditFile& edit) {
     const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
     for (const auto& [field, name] : mesh_fields(edit.steps[i]))
       if (std::find(meshes.begin(), meshes.end(), name) == meshes.end())
-        fail_unknown_name(location + "." + field, "mesh", name, meshes);
+        fail_unknown_name(location + "." + field, facts::script::Named::mesh, name, meshes);
     const std::string& outcome = outcome_of(edit.steps[i]);
     if (std::find(meshes.begin(), meshes.end(), outcome) == meshes.end()) meshes.push_back(outcome);
     for_each_step_selection(edit.steps[i], [&](const SelectionSpec& selection, const std::string& field) {
@@ -211,7 +210,7 @@ void require_names(const EditFile& edit) {
     });
   }
   if (!edit.output.empty() && std::find(meshes.begin(), meshes.end(), edit.output) == meshes.end())
-    fail_unknown_name(edit.location + ": output", "mesh", edit.output, meshes);
+    fail_unknown_name(edit.location + ": output", facts::script::Named::mesh, edit.output, meshes);
 }
 
 EditFile parse_version_2(const Value& root) {
@@ -224,29 +223,30 @@ EditFile parse_version_2(const Value& root) {
   const Value inputs = fields.required("inputs");
   if (!inputs.is_object() || inputs.raw().empty()) inputs.fail(facts::script::NoInputs{});
   for (const auto& [name, input] : inputs.raw().items()) {
-    if (name.empty()) inputs.fail(facts::script::Nameless{.what = "mesh"});
+    if (name.empty()) inputs.fail(facts::script::Nameless{.what = facts::script::Named::mesh});
     edit.inputs.push_back(parse_input(name, inputs.member(name)));
   }
   fields.optional("selections", [&](const Value& selections) {
-    if (!selections.is_object()) selections.fail_type("an object of named selections");
+    if (!selections.is_object()) selections.fail_type(facts::script::Type::object_of_selections);
     for (const auto& [name, selection] : selections.raw().items()) {
-      if (name.empty()) selections.fail(facts::script::Nameless{.what = "selection"});
+      if (name.empty()) selections.fail(facts::script::Nameless{.what = facts::script::Named::selection});
       if (name == "all") selections.member(name).fail(facts::script::ReservedName{.name = name});
       edit.selections.push_back({name, parse_selection(selections.member(name))});
     }
   });
   fields.optional("colours", [&](const Value& colours) {
-    if (!colours.is_object()) colours.fail_type("an object of colours");
+    if (!colours.is_object()) colours.fail_type(facts::script::Type::object_of_colours);
     for (const auto& [name, colour] : colours.raw().items()) {
       const auto named = std::find_if(edit.selections.begin(), edit.selections.end(),
                                       [&](const NamedSelection& one) { return one.name == name; });
       if (named == edit.selections.end())
-        fail_unknown_name(colours.member(name).location(), "selection", name, names_of(edit.selections));
+        fail_unknown_name(colours.member(name).location(), facts::script::Named::selection, name,
+                          names_of(edit.selections));
       named->colour = parse_colour(colours.member(name));
     }
   });
   const Value steps = fields.required("steps");
-  if (steps.size() == 0) steps.fail(facts::script::EmptyList{.what = "step"});
+  if (steps.size() == 0) steps.fail(facts::script::EmptyList{.what = facts::script::Element::step});
   std::set<std::string> step_names;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Value step = steps[i];

@@ -48,14 +48,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::string_view type_name(const Json& json) {
+facts::script::Type type_of(const Json& json) {
+  using enum facts::script::Type;
   switch (json.type()) {
-    case Json::value_t::null: return "null";
-    case Json::value_t::object: return "an object";
-    case Json::value_t::array: return "a list";
-    case Json::value_t::string: return "a string";
-    case Json::value_t::boolean: return "true or false";
-    default: return "a number";
+    case Json::value_t::null: return null;
+    case Json::value_t::object: return object;
+    case Json::value_t::array: return list;
+    case Json::value_t::string: return string;
+    case Json::value_t::boolean: return boolean;
+    default: return number;
   }
 }
 
@@ -109,8 +110,8 @@ std::string Value::location() const {
 
 void Value::fail(const Fact& fact) const { throw Error(fact, location()); }
 
-void Value::fail_type(std::string_view expected) const {
-  fail(facts::script::WrongType{.expected = expected, .found = type_name(*json_)});
+void Value::fail_type(facts::script::Type expected) const {
+  fail(facts::script::WrongType{.expected = expected, .found = type_of(*json_)});
 }
 
 void Value::fail_choice(std::span<const std::string> words) const {
@@ -120,7 +121,7 @@ void Value::fail_choice(std::span<const std::string> words) const {
 }
 
 const std::string& Value::string() const {
-  if (!json_->is_string()) fail_type("a string");
+  if (!json_->is_string()) fail_type(facts::script::Type::string);
   return json_->get_ref<const std::string&>();
 }
 
@@ -130,12 +131,12 @@ const std::string& Value::name() const {
 }
 
 bool Value::boolean() const {
-  if (!json_->is_boolean()) fail_type("true or false");
+  if (!json_->is_boolean()) fail_type(facts::script::Type::boolean);
   return json_->get<bool>();
 }
 
 double Value::number() const {
-  if (!json_->is_number()) fail_type("a number");
+  if (!json_->is_number()) fail_type(facts::script::Type::number);
   return json_->get<double>();
 }
 
@@ -152,7 +153,7 @@ double Value::positive_number() const {
 }
 
 std::int64_t Value::integer_in(std::int64_t min, std::int64_t max) const {
-  if (!json_->is_number_integer()) fail_type("an integer");
+  if (!json_->is_number_integer()) fail_type(facts::script::Type::integer);
   const bool too_large =
       json_->is_number_unsigned() && json_->get<std::uint64_t>() > static_cast<std::uint64_t>(max);
   if (too_large || json_->get<std::int64_t>() < min || json_->get<std::int64_t>() > max)
@@ -161,7 +162,7 @@ std::int64_t Value::integer_in(std::int64_t min, std::int64_t max) const {
 }
 
 std::uint64_t Value::unsigned_integer() const {
-  if (!json_->is_number_unsigned()) fail_type("an integer from 0 on");
+  if (!json_->is_number_unsigned()) fail_type(facts::script::Type::index);
   return json_->get<std::uint64_t>();
 }
 
@@ -199,7 +200,8 @@ Eigen::Matrix4d Value::affine_matrix() const {
 }
 
 Points Value::points(std::size_t min_count) const {
-  if (size() < min_count) fail(facts::script::TooFew{.least = min_count, .what = "points"});
+  if (size() < min_count)
+    fail(facts::script::TooFew{.least = min_count, .what = facts::script::Elements::points});
   Points points(static_cast<Eigen::Index>(size()), 3);
   for (std::size_t i = 0; i < size(); ++i) points.row(static_cast<Eigen::Index>(i)) = (*this)[i].vector3();
   return points;
@@ -213,7 +215,7 @@ std::vector<Index> Value::vertices() const {
 }
 
 std::size_t Value::size() const {
-  if (!json_->is_array()) fail_type("a list");
+  if (!json_->is_array()) fail_type(facts::script::Type::list);
   return json_->size();
 }
 
@@ -225,7 +227,7 @@ Value Value::member(std::string_view key) const {
 }
 
 Object::Object(const Value& value, std::span<const std::string_view> known) : value_(&value) {
-  if (!value.is_object()) value.fail_type("an object");
+  if (!value.is_object()) value.fail_type(facts::script::Type::object);
   for (const auto& [key, member] : value.raw().items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     const std::vector<std::string> words(known.begin(), known.end());

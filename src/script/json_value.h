@@ -15,6 +15,8 @@
 #include <meshgraft/core/fact.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "script/facts.h"
+
 namespace meshgraft::json {
 
 using Json = nlohmann::json;
@@ -36,8 +38,8 @@ class Value {
   std::string location() const;
   /// Throws this error at the value's location.
   [[noreturn]] void fail(const Fact& fact) const;
-  /// Fails with script.wrong_type. `expected` is a name with its article, e.g. "a list".
-  [[noreturn]] void fail_type(std::string_view expected) const;
+  /// Fails with script.wrong_type.
+  [[noreturn]] void fail_type(facts::script::Type expected) const;
 
   const Json& raw() const { return *json_; }
   bool is_object() const { return json_->is_object(); }

@@ -78,7 +78,7 @@ HandleMotion parse_motion(const Object& fields) {
     else if (v.is_number())
       motion.scale = Eigen::Vector3d::Constant(v.number());
     else
-      v.fail_type("a number or 3 numbers");
+      v.fail_type(facts::script::Type::number_or_3_numbers);
   });
   fields.optional("pivot", [&](const Value& v) { motion.pivot = v.vector3(); });
   return motion;
@@ -251,7 +251,7 @@ EditFile parse_deform_version_1(const Value& root) {
   step.settings.deformer.method = DeformMethod::ft05;
   const Value roi = fields.required("roi");
   if (roi.is_string()) {
-    if (roi.string() != "all") roi.fail_type("a list of vertices or 'all'");
+    if (roi.string() != "all") roi.fail_type(facts::script::Type::indices_or_all);
   } else {
     step.region = {Selection::Indices{roi.vertices()}};
   }

@@ -51,7 +51,7 @@ template <class Element>
 std::vector<Element> parse_list(const Value& value, Element (*parse)(const Value&)) {
   std::vector<Element> list;
   for (std::size_t i = 0; i < value.size(); ++i) list.push_back(parse(value[i]));
-  if (list.empty()) value.fail(facts::script::EmptyList{.what = "element"});
+  if (list.empty()) value.fail(facts::script::EmptyList{.what = facts::script::Element::element});
   return list;
 }
 
@@ -136,7 +136,7 @@ void require_sense(const MergeStep& step, const Object& fields) {
   if (step.at && step.pose != MergePose::find) fields.required("at").fail(facts::script::AtWithKeptPose{});
   if (step.source_transform && fields.has("align")) fields.required("align").fail(facts::script::PosedTwice{});
   if (fields.has("align") && step.align.size() < 3)
-    fields.required("align").fail(facts::script::TooFew{.least = 3, .what = "pairs of vertices"});
+    fields.required("align").fail(facts::script::TooFew{.least = 3, .what = facts::script::Elements::pairs});
   if (fields.has("fixed") && step.pose != MergePose::keep)
     fields.required("fixed").fail(facts::script::FixedWithFoundPose{});
   if (fields.has("size") && step.pose != MergePose::find)
@@ -250,7 +250,8 @@ EditStep parse_cut_step(const Value& value) {
   });
   fields.optional("loop", [&](const Value& v) {
     std::vector<Index> vertices = v.vertices();
-    if (vertices.size() < 3) v.fail(facts::script::TooFew{.least = 3, .what = "vertices"});
+    if (vertices.size() < 3)
+      v.fail(facts::script::TooFew{.least = 3, .what = facts::script::Elements::vertices});
     step.along = std::move(vertices);
   });
   fields.optional("keep", [&](const Value& v) {

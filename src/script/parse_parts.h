@@ -33,7 +33,7 @@ inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
   fields.optional("about", [&](const json::Value& v) { edit.about = v.string(); });
   fields.optional("paper", [](const json::Value& v) { v.string(); });
   fields.optional("expected", [](const json::Value& v) {
-    if (!v.is_null() && !v.is_object()) v.fail_type("an object or null");
+    if (!v.is_null() && !v.is_object()) v.fail_type(facts::script::Type::object_or_null);
   });
 }
 

@@ -22,7 +22,7 @@ SelectionSpec::Child parse_child(const Value& value) {
 std::vector<SelectionSpec> parse_operands(const Value& value) {
   std::vector<SelectionSpec> operands;
   for (std::size_t i = 0; i < value.size(); ++i) operands.push_back(parse_selection(value[i]));
-  if (operands.empty()) value.fail(facts::script::EmptyList{.what = "selection"});
+  if (operands.empty()) value.fail(facts::script::EmptyList{.what = facts::script::Element::selection});
   return operands;
 }
 

@@ -27,7 +27,8 @@ std::string at(const std::string& location, std::string_view list, std::size_t k
 }
 
 void require_finite(const Eigen::Vector3d& vector, const std::string& location) {
-  if (!vector.allFinite()) throw Error(facts::core::NotFinite{.what = "a coordinate"}, location);
+  if (!vector.allFinite())
+    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::coordinate}, location);
 }
 
 void require_not_negative(double number, const std::string& location) {
@@ -253,10 +254,11 @@ class Resolver {
     }
     const std::size_t needed = path.closed ? 3 : 2;
     if (stations.size() < needed)
-      throw Error(
-          facts::select::PathTooShort{
-              .kind = path.closed ? "closed path" : "path", .needed = needed, .count = stations.size()},
-          location + ".points");
+      throw Error(facts::select::PathTooShort{.kind = path.closed ? facts::select::Kind::closed_path
+                                                                  : facts::select::Kind::path,
+                                              .needed = needed,
+                                              .count = stations.size()},
+                  location + ".points");
     return stations;
   }
 

@@ -34,14 +34,15 @@ std::vector<const FactType*> all_types() {
   return types;
 }
 
-FieldValue sample(FieldKind kind, std::int64_t count) {
-  switch (kind) {
+FieldValue sample(const FieldType& field, std::int64_t count) {
+  switch (field.kind) {
     case FieldKind::integer: return count;
     case FieldKind::number: return 0.5;
     case FieldKind::text: return "text";
     case FieldKind::integers: return std::vector<std::int64_t>{1, 2};
     case FieldKind::numbers: return std::vector<double>{0.5, 1.5};
     case FieldKind::texts: return std::vector<std::string>{"a", "b"};
+    case FieldKind::word: return std::string(field.words.front().name);
   }
   return {};
 }
@@ -49,7 +50,7 @@ FieldValue sample(FieldKind kind, std::int64_t count) {
 // Returns a fact of a class whose integer fields are `count`.
 Fact sample(const FactType& type, std::int64_t count) {
   std::vector<FieldValue> values;
-  for (const FieldType& field : type.fields) values.push_back(sample(field.kind, count));
+  for (const FieldType& field : type.fields) values.push_back(sample(field, count));
   return {type, std::move(values)};
 }
 

@@ -1,5 +1,6 @@
 #include <meshgraft/core/error.h>
 
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,8 +42,8 @@ TEST(Error, WithinPutsTheOuterLocationFirst) {
 }
 
 TEST(Error, EndsWithItsNotes) {
-  const Error error =
-      Error(facts::core::NoFaces{}, "arm.ply").with(facts::core::NotFinite{.what = "the point"});
+  const Error error = Error(facts::core::NoFaces{}, "arm.ply")
+                          .with(facts::core::NotFinite{.what = facts::core::Quantity::point});
   EXPECT_EQ(error.notes().size(), 1u);
   EXPECT_STREQ(error.within("edit.json").what(),
                "edit.json: arm.ply: the mesh has no faces. Export it with its faces. the point is not finite");
@@ -75,6 +76,23 @@ TEST(Fact, FillsInNumbersCountsAndLists) {
   EXPECT_EQ(filled(1, "{n:face has|faces have} no area"), "1 face has no area");
   EXPECT_EQ(filled(3, "{n:face has|faces have} no area"), "3 faces have no area");
   EXPECT_EQ(filled(7, "{n:03d} of {x:.1e}, '{name}': {list}"), "007 of 2.5e-01, 'arm': a, b");
+}
+
+TEST(Fact, WordsAreIdentifiersAndTheLibraryHasATextForEach) {
+  const Fact fact = facts::core::SizeMismatch{.what = facts::core::Rows::rest_normals, .given = 3, .needed = 4};
+  EXPECT_EQ(fact.get<std::string>("what"), "rest_normals");
+  EXPECT_EQ(fact.text(), "there are 3 normals at rest; 4 are needed");
+  for (const FactType* type : fact_types())
+    for (const FieldType& field : type->fields) {
+      EXPECT_EQ(field.words.empty(), field.kind != FieldKind::word) << type->id;
+      std::set<std::string_view> names;
+      for (const FieldWord& word : field.words) {
+        EXPECT_TRUE(names.insert(word.name).second) << type->id << ": " << word.name;
+        EXPECT_EQ(word.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_"), word.name.npos)
+            << type->id;
+        EXPECT_FALSE(word.text.empty()) << type->id << ": " << word.name;
+      }
+    }
 }
 
 // The library's texts are complete sentences about their fields, in the library's terms.

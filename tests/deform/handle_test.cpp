@@ -306,8 +306,8 @@ TEST(CurveConstraints, NameWhatIsWrong) {
     EXPECT_EQ(short_call.id(), "core.size_mismatch");
     return short_call.fact().get<std::string>("what");
   };
-  EXPECT_EQ(short_of(normals, Points::Zero(3, 3)), "redrawn points");
-  EXPECT_EQ(short_of(Points::Zero(3, 3), mesh.positions.topRows(4)), "normals at rest");
+  EXPECT_EQ(short_of(normals, Points::Zero(3, 3)), "redrawn_points");
+  EXPECT_EQ(short_of(Points::Zero(3, 3), mesh.positions.topRows(4)), "rest_normals");
 }
 
 }  // namespace

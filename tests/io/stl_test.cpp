@@ -282,7 +282,7 @@ std::vector<BadStl> bad_stl_files() {
       {"no endloop", with("    endloop\n", ""), "io.unexpected_word", {"line 7", "'endfacet'", "endloop"}},
       {"no endfacet", with("  endfacet\n", ""), "io.unexpected_word", {"line 8", "'endsolid'", "endfacet"}},
       {"no endsolid", ascii.substr(0, ascii.size() - 8), "io.truncated", {"line 14", "ends", "'endsolid'"}},
-      {"no number", with("1e0", "one"), "io.not_a_number", {"line 5", "'one'", "corner of a facet"}},
+      {"no number", with("1e0", "one"), "io.not_a_number", {"line 5", "'one'", "vertex of facet"}},
       {"decimal comma", with("1e0", "1,0"), "io.decimal_comma", {"line 5", "'1,0'", "decimal point"}},
       {"bad normal", with("0 0 1.0", "0 0 up"), "io.not_a_number", {"line 2", "'up'", "normal"}},
       {"too few numbers", with("vertex 1e0 0 0", "vertex 1e0 0"), "io.not_a_number", {"line 6", "'vertex'"}},

@@ -396,8 +396,8 @@ TEST_F(Threemf, NamesWhatIsWrong) {
     parts["3D/3dmodel.model"] = text;
     return parts;
   };
-  refused(with("x=\"1.0\"", "x=\"1,0\""), "io.decimal_comma", "3D/3dmodel.model, line 7: x of a vertex");
-  refused(with("x=\"1.0\"", "x=\"1e999\""), "io.number_out_of_range", "line 7: x of a vertex");
+  refused(with("x=\"1.0\"", "x=\"1,0\""), "io.decimal_comma", "3D/3dmodel.model, line 7: x of vertex");
+  refused(with("x=\"1.0\"", "x=\"1e999\""), "io.number_out_of_range", "line 7: x of vertex");
   refused(with("x=\"1.0\"", ""), "threemf.coordinate_missing", "line 7: a vertex has no 'x'");
   refused(with("</vertices>", ""), "threemf.not_xml", "3D/3dmodel.model, line");
   refused(with("<model ", "<!DOCTYPE a [<!ENTITY b \"c\">]><model "), "threemf.has_document_type", "line 2");

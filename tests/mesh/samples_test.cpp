@@ -144,7 +144,7 @@ TEST(Samples, AnUnknownNameIsRefusedWithTheList) {
     FAIL() << "no exception";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_EQ(error.id(), "core.no_such_name");
+    EXPECT_EQ(error.id(), "samples.no_such_sample");
     EXPECT_EQ(error.fact().get<std::string>("name"), "octopuss");
     EXPECT_NE(std::string(error.what()).find("octopus, head"), std::string::npos);
   }

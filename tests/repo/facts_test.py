@@ -45,6 +45,20 @@ class Facts(unittest.TestCase):
         self.assertIn("struct LeftOpen", header)
         self.assertIn("ErrorCode::input", (self.out / "facts.cpp").read_text())
 
+    def test_makes_an_enumeration_of_a_list_of_words(self):
+        row = {"note": "cannot be {action}", "fields": {"action": "action"}}
+        table = self.table(failed=row, words={"action": {"read": "read", "write": "written"}})
+        facts.main("types", "meshgraft", str(self.out), table)
+        self.assertIn("enum class Action { read, write };", (self.out / "mesh/facts.h").read_text())
+        self.assertIn("  Word<Action> action;\n", (self.out / "mesh/facts.h").read_text())
+        self.assertIn('{"write", "written"}', (self.out / "facts.cpp").read_text())
+        for words in [{"write": "written", "No": "no"}, {"write": ""}]:
+            self.assert_refused("no identifier with a text", "types", "meshgraft", str(self.out),
+                                self.table(failed=row, words={"action": words}))
+        for lists in [{"action": {"read": "read"}, "shape": {"line": "line"}}, {"integer": {"read": "read"}}]:
+            self.assert_refused("has no use", "types", "meshgraft", str(self.out), self.table(failed=row, words=lists))
+        self.assert_refused("of the kind action", "types", "meshgraft", str(self.out), self.table(failed=row))
+
     def test_leaves_files_that_say_the_same_untouched(self):
         table = self.table(plane_cuts=CUT)
         facts.main("types", "meshgraft", str(self.out), table)

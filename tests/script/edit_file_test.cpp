@@ -227,8 +227,8 @@ TEST(EditFile, SaysInFieldsWhatItExpectedAndFound) {
   const Error type = error_of(file_with_step(R"("region": 3)"));
   EXPECT_EQ(type.id(), "script.wrong_type");
   EXPECT_EQ(type.location(), "edit.json: steps[0].region");
-  EXPECT_EQ(type.fact().get<std::string>("expected"), "an object");
-  EXPECT_EQ(type.fact().get<std::string>("found"), "a number");
+  EXPECT_EQ(type.fact().get<std::string>("expected"), "object");
+  EXPECT_EQ(type.fact().get<std::string>("found"), "number");
 
   const Error misspelt = error_of(file_with_step(R"("handels": [])"));
   EXPECT_EQ(misspelt.id(), "script.misspelt_field");

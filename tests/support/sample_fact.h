@@ -17,6 +17,7 @@ inline Fact sample_fact(const FactType& type) {
       case FieldKind::integers: values.emplace_back(std::vector<std::int64_t>{1, 2}); break;
       case FieldKind::numbers: values.emplace_back(std::vector<double>{0.5, 1.5}); break;
       case FieldKind::texts: values.emplace_back(std::vector<std::string>{"arm", "leg"}); break;
+      case FieldKind::word: values.emplace_back(std::string(field.words.front().name)); break;
     }
   return {type, std::move(values)};
 }

@@ -13,17 +13,25 @@ namespace meshgraft {
 
 enum class ErrorCode;
 
-/// Kinds of values that a field of a fact may have.
-enum class FieldKind { integer, number, text, integers, numbers, texts };
+/// Kinds of values that a field of a fact may have. A text comes from the user's data; a word is an identifier
+/// of a closed list.
+enum class FieldKind { integer, number, text, integers, numbers, texts, word };
 
-/// A value of a field. The alternatives are in the order of FieldKind.
+/// A value of a field. The alternatives are in the order of FieldKind; a word is a string.
 using FieldValue = std::variant<std::int64_t, double, std::string, std::vector<std::int64_t>,
                                 std::vector<double>, std::vector<std::string>>;
+
+/// A word that a field of the kind `word` may have.
+struct FieldWord {
+  std::string_view name;  ///< stable identifier, e.g. "write"
+  std::string_view text;  ///< the word in the library's sentences, e.g. "written"
+};
 
 /// A field of a fact.
 struct FieldType {
   std::string_view name;
   FieldKind kind;
+  std::span<const FieldWord> words{};  ///< all that a field of the kind `word` may have
 };
 
 /// A class of facts: one row of a layer's table (src/LAYER/facts.json). docs/facts.md lists all of them.
@@ -74,7 +82,7 @@ using Note = Fact;
 
 /// Returns `text` with each "{name}" or "{name:format}" replaced by the fact's field of this name. Formats are
 /// those of the C++ standard library, and of integers "{n:face|faces}", which writes "1 face" or "3 faces".
-/// Elements of a list are separated by ", ".
+/// Elements of a list are separated by ", ". A word is replaced by its text.
 std::string fill_in(std::string_view text, const Fact& fact);
 
 /// Returns all classes of facts that the library knows, in the order of their layers and ids.

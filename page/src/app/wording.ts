@@ -118,6 +118,10 @@ const elsewhere = "Drag it to another place.";
 const outOfOne = "Take it out of one of the two.";
 const smallerOrProxy = "Choose a smaller region, or set Proxy vertices under More settings.";
 
+const together = { point: "in one place", line: "on one line", plane: "in one plane" };
+const curves = { curve: "curve", closed_curve: "closed curve" };
+const paths = { path: "path", closed_path: "closed path" };
+
 /** The page's words, where the engine's are not those of a window with panels. */
 const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "deform.axis_without_length": () => ({
@@ -125,7 +129,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     remedy: "Choose X, Y or Z, or type a direction such as 0, 0, 1.",
   }),
   "deform.component_held_by_positions": ({ count, vertex, shape }) => ({
-    problem: `the free part with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie in one ${shape}, so it could still turn or shear`,
+    problem: `the free part with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie ${together[shape]}, so it could still turn or shear`,
     remedy: "Paint a handle on it, select some of it and choose Make fixed, or add points until four are not in one plane.",
   }),
   "deform.component_not_held": ({ count, vertex }) => ({
@@ -134,7 +138,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   }),
   "deform.curve_not_affine": () => ({ problem: "a redrawn curve has no single move, turn and scale", remedy: "" }),
   "deform.curve_too_short": ({ count, kind, needed }) => ({
-    problem: `the ${kind} has ${counted(count, "vertex", "vertices")}; it needs ${needed}`,
+    problem: `the ${curves[kind]} has ${counted(count, "vertex", "vertices")}; it needs ${needed}`,
   }),
   "deform.feature_not_linear": () => ({ remedy: "" }),
   "deform.features_not_reduced": () => ({ remedy: "" }),
@@ -157,7 +161,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     remedy: "Click points that lie apart, in order along the curve.",
   }),
   "select.path_too_short": ({ kind, needed, count }) => ({
-    problem: `a ${kind} needs ${needed} points near different vertices, here are ${count}`,
+    problem: `a ${paths[kind]} needs ${needed} points near different vertices, here are ${count}`,
     remedy: "Click more points, farther apart.",
   }),
   "deform.solve_exceeds_memory": () => ({ remedy: smallerOrProxy }),

@@ -69,7 +69,7 @@ class PositionPool : public std::enable_shared_from_this<PositionPool> {
 void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
   if (poses.size() != handles)
     throw Error(
-        facts::core::SizeMismatch{.what = "poses", .given = poses.size(), .of = "handles", .needed = handles});
+        facts::core::SizeMismatch{.what = facts::core::Rows::poses, .given = poses.size(), .needed = handles});
   for (std::size_t h = 0; h < poses.size(); ++h) require_usable(poses[h], fmt::format("pose {}", h));
 }
 
@@ -227,7 +227,7 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
   if (!callbacks.frame) throw Error(facts::deform::NoFrameCallback{});
   if (options.normals.rows() != 0 && options.normals.rows() != n)
     throw Error(facts::core::SizeMismatch{
-        .what = "normals", .given = options.normals.rows(), .of = "vertices", .needed = n});
+        .what = facts::core::Rows::normals, .given = options.normals.rows(), .needed = n});
   ConstraintList constrained;
   const VertexStates states = states_of_handles(rest, triangles, region, constrained);
   validate(options);

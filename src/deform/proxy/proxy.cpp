@@ -408,7 +408,7 @@ std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const
                                                                  Points& out) const {
   if (poses.size() != handles.size())
     throw Error(facts::core::SizeMismatch{
-        .what = "poses", .given = poses.size(), .of = "handles", .needed = handles.size()});
+        .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
   std::vector<VertexConstraint> given;
   std::size_t first = 0, next = 0;  // constraint of the handle's first vertex; index in `needed`
   for (std::size_t h = 0; h < handles.size(); ++h) {
@@ -504,7 +504,7 @@ void ProxyDeformer::evaluate(std::span<const HandlePose> poses, Points& position
   const Impl& d = *impl_;
   if (positions_out.rows() != d.rest.rows())
     throw Error(facts::core::SizeMismatch{
-        .what = "rows of positions", .given = positions_out.rows(), .of = "vertices", .needed = d.rest.rows()});
+        .what = facts::core::Rows::positions, .given = positions_out.rows(), .needed = d.rest.rows()});
   positions_out = d.rest;
   const std::vector<VertexConstraint> given = d.place_handles(poses, positions_out);
   d.move(given, positions_out, context, report);

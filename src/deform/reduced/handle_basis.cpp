@@ -24,9 +24,8 @@ void require_linear(const ConstrainedSystem& system, const DeformerOptions& opti
   if (!system.is_linear()) throw Error(facts::deform::FeatureNotLinear{});
 }
 
-void require_rows(Eigen::Index rows, Eigen::Index vertices, const char* what) {
-  if (rows != vertices)
-    throw Error(facts::core::SizeMismatch{.what = what, .given = rows, .of = "vertices", .needed = vertices});
+void require_rows(Eigen::Index rows, Eigen::Index vertices, facts::core::Rows what) {
+  if (rows != vertices) throw Error(facts::core::SizeMismatch{.what = what, .given = rows, .needed = vertices});
 }
 
 /// Reads the solution at each vertex. Vertices of the patch have their own row. Vertices outside it, inside a
@@ -84,7 +83,7 @@ HandleBasis::HandleBasis(const Deformer& deformer, const Points& normals, const 
   const ConstrainedSystem& system = deformer.system();
   if (!deformer.is_of_handles()) throw Error(facts::deform::NoHandles{});
   require_linear(system, deformer.options());
-  if (normals.rows() > 0) require_rows(normals.rows(), system.rest().rows(), "normals at rest");
+  if (normals.rows() > 0) require_rows(normals.rows(), system.rest().rows(), facts::core::Rows::rest_normals);
   handles_.assign(deformer.handles().begin(), deformer.handles().end());
   base_ = system.rest();
   centre_ = system.patch().centre;
@@ -166,9 +165,9 @@ void HandleBasis::solve_targets(const ConstrainedSystem& system, const Context& 
 void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                         const Context& context) const {
   require_affine_poses(handles_, poses);
-  require_rows(positions.rows(), base_.rows(), "rows of positions");
+  require_rows(positions.rows(), base_.rows(), facts::core::Rows::positions);
   if (normals != nullptr && !has_normals()) throw Error(facts::deform::BasisWithoutNormals{});
-  if (normals != nullptr) require_rows(normals->rows(), base_.rows(), "rows of normals");
+  if (normals != nullptr) require_rows(normals->rows(), base_.rows(), facts::core::Rows::normals);
 
   // Maps are divided by the largest entry, so that single precision suffices at any scale.
   std::vector<double> frames;

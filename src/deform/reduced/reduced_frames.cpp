@@ -119,7 +119,7 @@ void ReducedFrames::frame(std::span<const HandlePose> poses, Points& positions, 
   require_affine_poses(d.handles, poses);
   if (positions.rows() != d.base.rows())
     throw Error(facts::core::SizeMismatch{
-        .what = "rows of positions", .given = positions.rows(), .of = "vertices", .needed = d.base.rows()});
+        .what = facts::core::Rows::positions, .given = positions.rows(), .needed = d.base.rows()});
   ReducedField::Result found;
   if (d.field) {
     std::vector<HandleFrame> frames;

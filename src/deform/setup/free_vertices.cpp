@@ -21,7 +21,7 @@ Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices)
 void require_same_vertices(const Points& rest, const Points& edited) {
   if (rest.rows() == edited.rows()) return;
   throw Error(facts::core::SizeMismatch{
-      .what = "edited vertices", .given = edited.rows(), .of = "vertices at rest", .needed = rest.rows()});
+      .what = facts::core::Rows::edited_positions, .given = edited.rows(), .needed = rest.rows()});
 }
 
 }  // namespace meshgraft

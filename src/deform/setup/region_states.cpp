@@ -113,7 +113,7 @@ void ConstraintList::add(std::span<const VertexConstraint> constraints, VertexSt
 void ConstraintList::require_matching(std::span<const VertexConstraint> constraints) const {
   if (constraints.size() != size())
     throw Error(facts::core::SizeMismatch{
-        .what = "constraints", .given = constraints.size(), .of = "constraints at set-up", .needed = size()});
+        .what = facts::core::Rows::constraints, .given = constraints.size(), .needed = size()});
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
     if (constraint.vertex != vertex[c] || constraint.position.has_value() != (gives_position[c] != 0) ||
@@ -145,16 +145,16 @@ void require_usable(const DeformerOptions& options) {
 void require_usable(const VertexConstraint& constraint) {
   if (constraint.rotation &&
       !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
-    throw Error(facts::core::NotFinite{.what = "its rotation"},
+    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::rotation},
                 fmt::format("the constraint of vertex {}", constraint.vertex));
-  const auto require = [&](const auto& matrix, const char* what) {
+  const auto require = [&](const auto& matrix, facts::deform::Quantity what) {
     constexpr double largest = 1e100;  // so that squares and volumes stay finite
     if (matrix && !(matrix->array().abs() < largest).all())
       throw Error(facts::deform::TooLargeOrNotFinite{.what = what},
                   fmt::format("the constraint of vertex {}", constraint.vertex));
   };
-  require(constraint.position, "position");
-  require(constraint.transform, "transform");
+  require(constraint.position, facts::deform::Quantity::position);
+  require(constraint.transform, facts::deform::Quantity::transform);
 }
 
 void require_usable(const Anchor& anchor, std::size_t number, Index count) {
@@ -163,7 +163,7 @@ void require_usable(const Anchor& anchor, std::size_t number, Index count) {
     throw Error(facts::core::NotPositive{.value = anchor.weight},
                 fmt::format("anchor {} (vertex {}), weight", number, anchor.vertex));
   if (anchor.target && !anchor.target->allFinite())
-    throw Error(facts::core::NotFinite{.what = "the target"},
+    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::target},
                 fmt::format("anchor {} (vertex {})", number, anchor.vertex));
 }
 

@@ -44,7 +44,8 @@ int affine_rank(const Points& points, std::vector<Index>& vertices) {
   if (rank < 0)
     throw Error(
         facts::deform::ComponentNotHeld{.component = number, .count = component.size, .vertex = vertex});
-  static constexpr const char* shapes[] = {"place", "line", "plane", "space"};
+  using facts::deform::Shape;
+  static constexpr Shape shapes[] = {Shape::point, Shape::line, Shape::plane};
   throw Error(facts::deform::ComponentHeldByPositions{
       .component = number, .count = component.size, .vertex = vertex, .shape = shapes[rank]});
 }

@@ -37,17 +37,17 @@ ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std:
 void require_usable(const HandlePose& pose, const std::string& location) {
   constexpr double largest = 1e100;  // so that squares and volumes stay finite
   if (!(pose.transform.affine().array().abs() < largest).all())
-    throw Error(facts::deform::TooLargeOrNotFinite{.what = "transform"}, location);
+    throw Error(facts::deform::TooLargeOrNotFinite{.what = facts::deform::Quantity::transform}, location);
   if (pose.rotation && !(std::isfinite(pose.rotation->angle()) && pose.rotation->axis().allFinite()))
-    throw Error(facts::core::NotFinite{.what = "its rotation"}, location);
+    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::rotation}, location);
   if (pose.curve && !(pose.curve->array().abs() < largest).all())
-    throw Error(facts::deform::TooLargeOrNotFinite{.what = "curve"}, location);
+    throw Error(facts::deform::TooLargeOrNotFinite{.what = facts::deform::Quantity::curve}, location);
 }
 
 void require_affine_poses(std::span<const Handle> handles, std::span<const HandlePose> poses) {
   if (poses.size() != handles.size())
     throw Error(facts::core::SizeMismatch{
-        .what = "poses", .given = poses.size(), .of = "handles", .needed = handles.size()});
+        .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
   for (std::size_t h = 0; h < poses.size(); ++h) {
     const std::string location = fmt::format("handle '{}'", handles[h].name);
     if (poses[h].curve) throw Error(facts::deform::CurveNotAffine{}, location);

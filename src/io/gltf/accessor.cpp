@@ -55,7 +55,7 @@ GltfAccessor::Strided resolve_range(const JsonView& root, const JsonView& owner,
   const std::uint64_t view_offset = view.whole("byteOffset", 0);
   const std::uint64_t view_size = view.at("byteLength").whole();
   if (view_offset > available || view_size > available - view_offset)
-    view.fail(facts::gltf::BeyondBytes{.bytes = available, .whole = "buffer"});
+    view.fail(facts::gltf::BeyondBytes{.bytes = available, .whole = facts::gltf::Whole::buffer});
   std::uint64_t stride = size;
   if (may_be_strided) stride = view.whole("byteStride", size);
   if (stride < size || stride > 255) view.fail(facts::gltf::StrideMismatch{.stride = stride, .bytes = size});
@@ -63,7 +63,7 @@ GltfAccessor::Strided resolve_range(const JsonView& root, const JsonView& owner,
   // Checks that the last element fits, without a product that could overflow.
   const bool fits = count == 0 || (offset <= view_size && size <= view_size - offset &&
                                    count - 1 <= (view_size - offset - size) / stride);
-  if (!fits) owner.fail(facts::gltf::BeyondBytes{.bytes = view_size, .whole = "bufferView"});
+  if (!fits) owner.fail(facts::gltf::BeyondBytes{.bytes = view_size, .whole = facts::gltf::Whole::buffer_view});
   return {{b, static_cast<std::size_t>(view_offset + offset)}, static_cast<std::size_t>(stride)};
 }
 
@@ -83,7 +83,8 @@ void resolve_sparse(const JsonView& root, const JsonView& sparse, const GltfByte
   accessor.sparse_count = static_cast<std::size_t>(count);
   accessor.sparse_index_type = scalar_type(indices.at("componentType"));
   const ScalarType type = accessor.sparse_index_type;
-  if (!is_index_type(type)) indices.at("componentType").fail(facts::gltf::NotForIndices{.what = "type"});
+  if (!is_index_type(type))
+    indices.at("componentType").fail(facts::gltf::NotForIndices{.what = facts::gltf::Storage::type});
   const auto index_range = resolve_range(root, indices, accessor.sparse_count, size_of(type), false, buffers);
   const auto value_range =
       resolve_range(root, values, accessor.sparse_count, accessor.element_size(), false, buffers);
@@ -131,7 +132,8 @@ GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const Glt
   accessor.normalized = json.flag("normalized");
   const std::uint64_t count = json.at("count").whole();
   constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<Index>::max());
-  if (count > most) json.at("count").fail(facts::io::TooMany{.elements = "elements", .most = most});
+  if (count > most)
+    json.at("count").fail(facts::io::TooMany{.elements = facts::io::Elements::accessor_elements, .most = most});
   accessor.count = static_cast<std::size_t>(count);
   if (json.find("bufferView"))
     accessor.dense = resolve_range(root, json, accessor.count, accessor.element_size(), true, buffers);

@@ -347,7 +347,7 @@ class GltfComposer {
           channels_, [&](const NewChannel& channel) { return channel.attribute == &attribute; });
       const bool is_empty =
           std::ranges::all_of(attribute.values, [](double value) { return std::isnan(value); });
-      if (!is_label && !is_channel && !is_empty) names.push_back("'" + attribute.name + "'");
+      if (!is_label && !is_channel && !is_empty) names.push_back(attribute.name);
     }
     if (!names.empty())
       edit_.notes.push_back(facts::io::AttributesLeftOut{.format = "glTF", .attributes = names});

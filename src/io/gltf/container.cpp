@@ -106,7 +106,8 @@ GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& l
     return loaded;  // an error only if an accessor needs this buffer
   }
   if (size > available)
-    buffer.fail(facts::gltf::WrongLength{.what = "buffer", .declared = size, .available = available});
+    buffer.fail(
+        facts::gltf::WrongLength{.what = facts::gltf::Block::buffer, .declared = size, .available = available});
   loaded.size = static_cast<std::size_t>(size);
   return loaded;
 }
@@ -116,7 +117,8 @@ GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& l
 bool has_glb_signature(std::string_view content) { return content.starts_with(glb_magic); }
 
 GlbLayout parse_glb(std::string_view content, const std::string& file) {
-  const auto wrong_length = [&](const char* what, std::size_t declared, std::size_t found, std::size_t byte) {
+  const auto wrong_length = [&](facts::gltf::Block what, std::size_t declared, std::size_t found,
+                                std::size_t byte) {
     fail_at(facts::gltf::WrongLength{.what = what, .declared = declared, .available = found}, file, byte);
   };
   if (constexpr std::size_t least = header_size + chunk_header_size; content.size() < least)
@@ -125,16 +127,17 @@ GlbLayout parse_glb(std::string_view content, const std::string& file) {
   if (const std::uint32_t version = load_u32(content, 4); version != 2)
     throw Error(facts::gltf::UnknownVersion{.version = std::to_string(version)}, file);
   if (const std::uint32_t length = load_u32(content, 8); length != content.size())
-    wrong_length("file", length, content.size(), 8);
+    wrong_length(facts::gltf::Block::file, length, content.size(), 8);
   GlbLayout layout;
   layout.rest_begin = content.size();
   std::size_t at = header_size;
   for (int chunk = 0; at < content.size() && chunk < 2; ++chunk) {
     const std::size_t left = content.size() - at;
-    if (left < chunk_header_size) wrong_length("header of a chunk", chunk_header_size, left, at);
+    if (left < chunk_header_size) wrong_length(facts::gltf::Block::chunk_header, chunk_header_size, left, at);
     const std::size_t size = load_u32(content, at);
     const std::uint32_t type = load_u32(content, at + 4);
-    if (size > left - chunk_header_size) wrong_length("chunk", size, left - chunk_header_size, at);
+    if (size > left - chunk_header_size)
+      wrong_length(facts::gltf::Block::chunk, size, left - chunk_header_size, at);
     const std::size_t begin = at + chunk_header_size;
     if (chunk == 0) {
       if (type != json_chunk) fail_at(facts::gltf::FirstChunkNotJson{}, file, at + 4);

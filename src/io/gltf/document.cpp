@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "io/facts.h"
+#include "gltf/facts.h"
 
 namespace meshgraft::io {
 
@@ -79,9 +79,10 @@ GltfBytes GltfDocument::bytes() const {
 
 std::vector<Note> GltfDocument::beside_the_mesh() const {
   std::vector<Note> notes;
-  const auto add = [&](const char* content, std::size_t count) {
+  using facts::gltf::Content;
+  const auto add = [&](Content content, std::size_t count) {
     if (count > 0)
-      notes.push_back(facts::io::LeftOut{.file = path.filename(), .content = content, .count = count});
+      notes.push_back(facts::gltf::LeftOut{.file = path.filename(), .content = content, .count = count});
   };
   const auto count_of = [&](const char* key) {
     const auto array = json.find(key);
@@ -101,12 +102,12 @@ std::vector<Note> GltfDocument::beside_the_mesh() const {
       morph_targets += targets;
     }
   }
-  add("looks of materials", count_of("materials"));
-  add("skins", count_of("skins"));
-  add("morph targets", morph_targets);
-  add("animations", count_of("animations"));
-  add("cameras", count_of("cameras"));
-  add("primitives of points or lines", other_primitives);
+  add(Content::materials, count_of("materials"));
+  add(Content::skins, count_of("skins"));
+  add(Content::morph_targets, morph_targets);
+  add(Content::animations, count_of("animations"));
+  add(Content::cameras, count_of("cameras"));
+  add(Content::points_and_lines, other_primitives);
   return notes;
 }
 

@@ -19,7 +19,7 @@ std::string bytes_of_view(const JsonView& root, const GltfDocument& document, co
   const std::string_view buffer = buffers.at(view.at("buffer").index(buffers.size(), "buffers"));
   const std::uint64_t begin = view.whole("byteOffset", 0), length = view.at("byteLength").whole();
   if (begin > buffer.size() || length > buffer.size() - begin)
-    view.fail(facts::gltf::BeyondBytes{.bytes = buffer.size(), .whole = "buffer"});
+    view.fail(facts::gltf::BeyondBytes{.bytes = buffer.size(), .whole = facts::gltf::Whole::buffer});
   return std::string(buffer.substr(begin, length));
 }
 

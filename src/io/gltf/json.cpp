@@ -217,7 +217,7 @@ std::string patch_json_text(std::string_view text, const Json& before, const Jso
 }
 
 std::optional<JsonView> JsonView::find(const std::string& key) const {
-  if (!json_->is_object()) fail(facts::gltf::WrongType{.needed = "object"});
+  if (!json_->is_object()) fail(facts::gltf::WrongType{.needed = facts::gltf::Type::object});
   const auto member = json_->find(key);
   if (member == json_->end()) return std::nullopt;
   return JsonView(*member, location_.empty() ? key : location_ + "." + key, *file_);
@@ -241,24 +241,24 @@ std::size_t JsonView::count(const std::string& key) const {
 }
 
 std::size_t JsonView::size() const {
-  if (!json_->is_array()) fail(facts::gltf::WrongType{.needed = "array"});
+  if (!json_->is_array()) fail(facts::gltf::WrongType{.needed = facts::gltf::Type::array});
   return json_->size();
 }
 
 std::string JsonView::text() const {
-  if (!json_->is_string()) fail(facts::gltf::WrongType{.needed = "text"});
+  if (!json_->is_string()) fail(facts::gltf::WrongType{.needed = facts::gltf::Type::text});
   return json_->get<std::string>();
 }
 
 double JsonView::number() const {
-  if (!json_->is_number()) fail(facts::gltf::WrongType{.needed = "number"});
+  if (!json_->is_number()) fail(facts::gltf::WrongType{.needed = facts::gltf::Type::number});
   return json_->get<double>();
 }
 
 std::uint64_t JsonView::whole() const {
   const double value = number();
   if (!(value >= 0 && value <= 9007199254740992.0 && std::floor(value) == value))
-    fail(facts::gltf::WrongType{.needed = "whole number from 0 on"});
+    fail(facts::gltf::WrongType{.needed = facts::gltf::Type::index});
   return static_cast<std::uint64_t>(value);
 }
 
@@ -270,7 +270,7 @@ std::uint64_t JsonView::whole(const std::string& key, std::uint64_t otherwise) c
 bool JsonView::flag(const std::string& key) const {
   const auto member = find(key);
   if (!member) return false;
-  if (!member->json_->is_boolean()) member->fail(facts::gltf::WrongType{.needed = "boolean"});
+  if (!member->json_->is_boolean()) member->fail(facts::gltf::WrongType{.needed = facts::gltf::Type::boolean});
   return member->json_->get<bool>();
 }
 

@@ -156,8 +156,8 @@ class GltfReader {
   const GltfAccessor& accessor(const JsonView& reference, std::size_t components) {
     const GltfAccessor& found = accessor(accessor_index(reference));
     if (found.components != components)
-      reference.fail(
-          facts::gltf::WrongSize{.what = "components", .given = found.components, .needed = components});
+      reference.fail(facts::gltf::WrongSize{
+          .what = facts::gltf::Quantity::components, .given = found.components, .needed = components});
     return found;
   }
 
@@ -176,14 +176,14 @@ class GltfReader {
     if (const auto reference = primitive.find("indices")) {
       indices = &accessor(*reference, 1);
       if (!is_index_type(indices->type) || indices->normalized)
-        reference->fail(facts::gltf::NotForIndices{.what = "accessor"});
+        reference->fail(facts::gltf::NotForIndices{.what = facts::gltf::Storage::accessor});
     }
     const std::size_t count = indices != nullptr ? indices->count : positions.count;
     const std::uint64_t mode = primitive.whole("mode", 4);
     const std::size_t triangles = mode == 4 ? count / 3 : count < 3 ? 0 : count - 2;
     constexpr auto most_corners = static_cast<std::size_t>(std::numeric_limits<Index>::max());
     if (triangles > (most_corners - document_->corner_elements.size()) / 3)
-      primitive.fail(facts::io::TooMany{.elements = "corners", .most = most_corners});
+      primitive.fail(facts::io::TooMany{.elements = facts::io::Elements::corners, .most = most_corners});
     const auto element = [&](std::size_t i) {
       return indices != nullptr ? static_cast<std::size_t>(load_component(*indices, i, 0, bytes_)) : i;
     };
@@ -236,7 +236,7 @@ class GltfReader {
   void mark_out_of_range() const {
     constexpr Index marker = std::numeric_limits<Index>::max();
     if (mesh_.vertex_count() == marker)
-      view().fail(facts::io::TooMany{.elements = "vertices", .most = marker - 1});
+      view().fail(facts::io::TooMany{.elements = facts::io::Elements::vertices, .most = marker - 1});
   }
 
   // --- attributes ---
@@ -245,7 +245,8 @@ class GltfReader {
     for (const GltfInstance& instance : document_->instances) {
       for (const GltfPart& part : instance.parts) {
         const JsonView attributes = primitive_of(instance, part).at("attributes");
-        if (!attributes.json().is_object()) attributes.fail(facts::gltf::WrongType{.needed = "object"});
+        if (!attributes.json().is_object())
+          attributes.fail(facts::gltf::WrongType{.needed = facts::gltf::Type::object});
         for (const auto& member : attributes.json().items())
           if (const auto channel = channel_of(member.key()); channel && !channel->attribute.empty())
             read_channel(*channel, attributes.at(member.key()), instance, part);
@@ -273,7 +274,8 @@ class GltfReader {
     const GltfAccessor& values = accessor(accessor_index(reference));
     const auto [least, most] = allowed_components(channel);
     if (values.components < least || values.components > most)
-      reference.fail(facts::gltf::WrongSize{.what = "components", .given = values.components, .needed = most});
+      reference.fail(facts::gltf::WrongSize{
+          .what = facts::gltf::Quantity::components, .given = values.components, .needed = most});
     Attribute& attribute = corner_attribute(channel, values.components);
     const auto components = static_cast<std::size_t>(attribute.components);
     for (Index c = part.first_corner; c < part.first_corner + part.corner_count; ++c) {

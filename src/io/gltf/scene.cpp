@@ -12,7 +12,8 @@ namespace {
 
 Eigen::VectorXd numbers(const JsonView& array, std::size_t count) {
   if (array.size() != count)
-    array.fail(facts::gltf::WrongSize{.what = "numbers", .given = array.size(), .needed = count});
+    array.fail(
+        facts::gltf::WrongSize{.what = facts::gltf::Quantity::numbers, .given = array.size(), .needed = count});
   Eigen::VectorXd values(static_cast<Eigen::Index>(count));
   for (std::size_t k = 0; k < count; ++k) values[static_cast<Eigen::Index>(k)] = array.at(k).number();
   return values;

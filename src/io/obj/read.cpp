@@ -153,15 +153,18 @@ class ObjReader {
   }
 
   void read_vertex(ObjCursor& cursor) {
+    static constexpr const char* names[] = {"x", "y", "z", "r", "g", "b", "a"};
     std::array<double, 7> values;
     std::size_t count = 0;
     for (std::string_view word = cursor.next_word(); !word.empty(); word = cursor.next_word()) {
       if (count == values.size()) fail(cursor, facts::io::ExtraValues{.element = "v"});
-      values[count++] = number(cursor, word);
+      values[count] = number(cursor, names[count], word);
+      ++count;
     }
     if (count < 3) fail(cursor, facts::io::MissingValue{.element = "v", .value = axes[count]});
     if (vertices_.size() / 3 == static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
-      fail(cursor, facts::io::TooMany{.elements = "vertices", .most = std::numeric_limits<Index>::max()});
+      fail(cursor, facts::io::TooMany{.elements = facts::io::Elements::vertices,
+                                      .most = std::numeric_limits<Index>::max()});
     }
     vertices_.insert(vertices_.end(), values.begin(), values.begin() + 3);
     // The forms "x y z w", "x y z r g b" and "x y z r g b a" are in use.
@@ -175,16 +178,16 @@ class ObjReader {
   void read_uv(ObjCursor& cursor) {
     const std::string_view u = cursor.next_word();
     if (u.empty()) fail(cursor, facts::io::MissingValue{.element = "vt", .value = "u"});
-    uvs_.push_back(number(cursor, u));
+    uvs_.push_back(number(cursor, "u", u));
     const std::string_view v = cursor.next_word();
-    uvs_.push_back(v.empty() ? 0.0 : number(cursor, v));
+    uvs_.push_back(v.empty() ? 0.0 : number(cursor, "v", v));
   }
 
   void read_normal(ObjCursor& cursor) {
     for (const char* axis : axes) {
       const std::string_view word = cursor.next_word();
       if (word.empty()) fail(cursor, facts::io::MissingValue{.element = "vn", .value = axis});
-      document_->normals.push_back(number(cursor, word));
+      document_->normals.push_back(number(cursor, axis, word));
     }
   }
 
@@ -206,7 +209,8 @@ class ObjReader {
     }
     if (corners_.empty()) fail(cursor, facts::io::MissingValue{.element = "f", .value = "v"});
     if (corner_count_ > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
-      fail(cursor, facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()});
+      fail(cursor, facts::io::TooMany{.elements = facts::io::Elements::corners,
+                                      .most = std::numeric_limits<Index>::max()});
     }
     for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_})
       labels->push_face(mesh_.faces.size());
@@ -249,10 +253,10 @@ class ObjReader {
     smoothing_.set_number(group.fault == NumberFault::none ? group.value : 0.0);
   }
 
-  double number(const ObjCursor& cursor, std::string_view word) const {
+  double number(const ObjCursor& cursor, std::string_view value, std::string_view word) const {
     const ParsedNumber parsed = parse_number(word, ScalarType::float64);
     if (parsed.fault != NumberFault::none) {
-      fail(cursor, bad_number(cursor.keyword(), word, ScalarType::float64, parsed.fault));
+      fail(cursor, bad_number(cursor.keyword(), value, word, ScalarType::float64, parsed.fault));
     }
     return parsed.value;
   }

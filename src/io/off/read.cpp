@@ -164,19 +164,19 @@ class OffReader {
 
   /// Reads the counts. The number of edges, which nobody uses, is missing in some files.
   void read_counts() {
-    vertices_ = count("vertex", "number of vertices");
+    vertices_ = count("vertex", "vertex_count");
     const std::size_t first = cursor_.word_begin();
-    faces_ = count("face", "number of faces");
+    faces_ = count("face", "face_count");
     const std::string_view between =
         std::string_view(document_->content).substr(first, cursor_.word_begin() - first);
     const bool own_lines = between.find_first_of("\r\n") != std::string_view::npos;
     WordCursor ahead = cursor_;
     if (ahead.next_on_line().empty() && !own_lines) return;
-    cursor_.number(ScalarType::float64, [] { return std::string("number of edges"); });
+    cursor_.number(ScalarType::float64, {"header", "edge_count"});
   }
 
-  Index count(const char* element, const char* what) {
-    const double value = cursor_.number(ScalarType::float64, [&] { return std::string(what); });
+  Index count(const char* element, const char* name) {
+    const double value = cursor_.number(ScalarType::float64, {"header", name});
     if (!(value >= 0 && value <= largest_index && value == std::trunc(value))) {
       const std::size_t begin = cursor_.word_begin();
       const std::string_view word =
@@ -241,10 +241,8 @@ class OffReader {
   }
 
   double vertex_value(Index v, const OffColumn& column) {
-    return cursor_.number(ScalarType::float64, [&] {
-      const std::string what = column.attribute.empty() ? "position" : std::string(column.attribute);
-      return what + " of vertex " + std::to_string(v);
-    });
+    const std::string_view name = column.attribute.empty() ? "position" : column.attribute;
+    return cursor_.number(ScalarType::float64, {"vertex", name, v});
   }
 
   /// Decides whether vertex colours are fractions or bytes. Geomview writes fractions, most programs write
@@ -278,21 +276,20 @@ class OffReader {
   }
 
   void read_corners(Index f) {
-    const double size =
-        cursor_.number(ScalarType::int32, [&] { return "number of corners of face " + std::to_string(f); });
+    const double size = cursor_.number(ScalarType::int32, {"face", "corner_count", f});
     if (size < 0 || size > static_cast<double>(cursor_.remaining() + 1) / 2) {
-      cursor_.fail(facts::io::BadLength{.list = "face " + std::to_string(f),
+      cursor_.fail(facts::io::BadLength{.list = "corners",
                                         .length = static_cast<std::int64_t>(size),
-                                        .most = (cursor_.remaining() + 1) / 2});
+                                        .most = (cursor_.remaining() + 1) / 2},
+                   "face", f);
     }
     if (size > largest_index - mesh_.faces.corner_count()) {
-      cursor_.fail(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()});
+      cursor_.fail(facts::io::TooMany{.elements = facts::io::Elements::corners,
+                                      .most = std::numeric_limits<Index>::max()});
     }
     corners_.resize(static_cast<std::size_t>(size));
-    for (Index& corner : corners_) {
-      corner = static_cast<Index>(
-          cursor_.number(ScalarType::int32, [&] { return "vertex index of face " + std::to_string(f); }));
-    }
+    for (Index& corner : corners_)
+      corner = static_cast<Index>(cursor_.number(ScalarType::int32, {"face", "vertex_index", f}));
     mesh_.faces.push_back(corners_);
   }
 
@@ -304,7 +301,7 @@ class OffReader {
     for (std::string_view word = cursor_.next_on_line(); !word.empty(); word = cursor_.next_on_line()) {
       if (size == values.size()) fail_colour(f);
       if (!WordCursor::to_number(word, ScalarType::float64, values[size]))
-        cursor_.fail_number(word, ScalarType::float64, "colour of face " + std::to_string(f));
+        cursor_.fail_number(word, ScalarType::float64, {"face", "colour", f});
       whole = whole && is_spelled_whole(word);
       ++size;
     }

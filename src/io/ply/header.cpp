@@ -153,8 +153,9 @@ class HeaderParser {
     if (is_list) {
       property.count_type = parse_type(words[2]);
       if (!is_integer(property.count_type))
-        fail(facts::io::NonIntegerType{
-            .element = header_.elements.back().name, .list = property.name, .part = "length"});
+        fail(facts::io::NonIntegerType{.element = header_.elements.back().name,
+                                       .list = property.name,
+                                       .part = facts::io::ListPart::length});
     }
     header_.elements.back().properties.push_back(std::move(property));
   }
@@ -251,7 +252,7 @@ double PlyTextCursor::scalar(const PlyProperty& property, ScalarType type) {
   if (text.empty()) fail(facts::io::MissingValue{.element = element_->name, .value = property.name});
   const ParsedNumber number = parse_number(text, type);
   if (number.fault != NumberFault::none)
-    fail(bad_number(property.name + " of " + element_->name, text, type, number.fault));
+    fail(bad_number(element_->name, property.name, text, type, number.fault));
   return number.value;
 }
 

@@ -186,7 +186,8 @@ class PlyReader {
       const bool is_turn = face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
       if (is_turn) continue;  // a repeated vertex reverses the strip and makes no triangle
       if (mesh_.faces.corner_count() > std::numeric_limits<Index>::max() - 3)
-        throw Error(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()},
+        throw Error(facts::io::TooMany{.elements = facts::io::Elements::corners,
+                                       .most = std::numeric_limits<Index>::max()},
                     name_);
       mesh_.faces.push_back(face);
     }
@@ -197,8 +198,10 @@ class PlyReader {
       const std::optional<std::size_t> property = find_property(element, list_name, true);
       if (!property) continue;
       if (is_integer(element.properties[*property].type)) return property;
-      throw Error(facts::io::NonIntegerType{.element = element.name, .list = list_name, .part = "values"},
-                  name_);
+      throw Error(
+          facts::io::NonIntegerType{
+              .element = element.name, .list = list_name, .part = facts::io::ListPart::values},
+          name_);
     }
     if (element.count == 0) return std::nullopt;
     throw Error(facts::io::MissingProperty{.element = element.name, .property = "vertex_indices"}, name_);

@@ -175,7 +175,8 @@ class RecordReader {
   static void push_face(Cursor& cursor, const std::vector<Index>& corners, Faces& faces) {
     const auto room = static_cast<std::size_t>(std::numeric_limits<Index>::max() - faces.corner_count());
     if (corners.size() > room)
-      cursor.fail(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()});
+      cursor.fail(facts::io::TooMany{.elements = facts::io::Elements::corners,
+                                     .most = std::numeric_limits<Index>::max()});
     faces.push_back(corners);
   }
 

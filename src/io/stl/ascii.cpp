@@ -21,20 +21,20 @@ bool StlTextCursor::next_facet(StlFacetText& facet) {
     in_solid_ = false;
   }
   std::size_t value = 0;
-  const auto read_vector = [&](const char* what) {
+  const auto read_vector = [&](const char* name) {
     for (int axis = 0; axis < 3; ++axis, ++value) {
       facet.words[value] = words_.next();
       if (!WordCursor::to_number(facet.words[value], ScalarType::float64, facet.values[value]))
-        words_.fail_number(facet.words[value], ScalarType::float64, what);
+        words_.fail_number(facet.words[value], ScalarType::float64, {"facet", name});
     }
   };
   expect("normal");
-  read_vector("normal of a facet");
+  read_vector("normal");
   expect("outer");
   expect("loop");
   for (int corner = 0; corner < 3; ++corner) {
     expect("vertex");
-    read_vector("corner of a facet");
+    read_vector("vertex");
   }
   expect("endloop");
   expect("endfacet");

@@ -182,7 +182,9 @@ class StlReader {
   }
 
   [[noreturn]] void fail_too_large() const {
-    throw Error(facts::io::TooMany{.elements = "corners", .most = std::numeric_limits<Index>::max()}, name_);
+    throw Error(
+        facts::io::TooMany{.elements = facts::io::Elements::corners, .most = std::numeric_limits<Index>::max()},
+        name_);
   }
 
   void report_progress(std::size_t done, std::size_t of) const {

@@ -281,7 +281,8 @@ class Reader {
     constexpr std::size_t most_vertices = 200'000'000;
     placed_vertices_ += model_.objects[object].vertices.size();
     if (placed_vertices_ > most_vertices)
-      throw Error(facts::threemf::BuildTooLarge{.what = "vertices", .most = most_vertices});
+      throw Error(
+          facts::threemf::BuildTooLarge{.what = facts::threemf::Content::vertices, .most = most_vertices});
     model_.placements.push_back({object, transform});
   }
 

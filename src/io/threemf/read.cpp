@@ -106,7 +106,7 @@ class CopyCounter {
 void require_sensible_build(const ThreemfDocument& document, const std::string& name) try {
   constexpr int most = 10'000;  // lib3mf's time grows with the square
   if (CopyCounter(document.parts, document.scanned).copies() > most)
-    throw Error(facts::threemf::BuildTooLarge{.what = "copies of objects", .most = most});
+    throw Error(facts::threemf::BuildTooLarge{.what = facts::threemf::Content::copies, .most = most});
 } catch (const Error& error) {
   throw error.within(name);
 }

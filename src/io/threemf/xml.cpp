@@ -113,7 +113,7 @@ class PartScanner {
       while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
       const ParsedNumber number = parse_number(text, ScalarType::float64);
       if (number.fault != NumberFault::none)
-        fail(bad_number(std::string(axis) + " of a vertex", text, ScalarType::float64, number.fault));
+        fail(bad_number("vertex", axis, text, ScalarType::float64, number.fault));
       return number.value;
     }
     fail(facts::threemf::CoordinateMissing{.axis = axis});

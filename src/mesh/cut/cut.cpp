@@ -225,9 +225,10 @@ void require_crossed(std::span<const double> heights) {
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   if (*low < 0 && *high > 0) return;
   const bool is_above = *low >= 0;
-  throw Error(facts::mesh::PlaneMissesMesh{.side = is_above ? "above" : "below",
-                                           .low = is_above ? 0.0 + *low : 0.0 - *high,
-                                           .high = is_above ? 0.0 + *high : 0.0 - *low});
+  throw Error(
+      facts::mesh::PlaneMissesMesh{.side = is_above ? facts::mesh::Side::above : facts::mesh::Side::below,
+                                   .low = is_above ? 0.0 + *low : 0.0 - *high,
+                                   .high = is_above ? 0.0 + *high : 0.0 - *low});
 }
 
 }  // namespace
@@ -262,7 +263,7 @@ CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eig
                        const CutOptions& options, const Context& context) {
   check(mesh, options);
   const double length = normal.stableNorm();
-  if (!point.allFinite()) throw Error(facts::core::NotFinite{.what = "the plane's point"});
+  if (!point.allFinite()) throw Error(facts::core::NotFinite{.what = facts::core::Quantity::plane_point});
   if (!(length > 0) || !std::isfinite(length)) throw Error(facts::mesh::PlaneNormalUnusable{});
   const Eigen::Vector3d unit = normal / length;
 
