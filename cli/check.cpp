@@ -15,6 +15,7 @@
 
 #include "commands.h"
 #include "findings.h"
+#include "wording.h"
 
 namespace meshgraft::cli {
 
@@ -95,7 +96,7 @@ void run_check(const CheckArguments& arguments, const Context& context) {
                        {"mesh", arguments.mesh.string()},
                        {"clean", clean},
                        {"counts", {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}}},
-                       {"findings", Json::parse(write_diagnostics(report))},
+                       {"findings", Json::parse(write_diagnostics(report, words_of))},
                        {"deform", uses.deform          ? "everywhere"
                                   : uses.deform_beyond ? "partly"
                                                        : "no"},

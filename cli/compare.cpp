@@ -17,6 +17,7 @@
 #include "commands.h"
 #include "core/facts.h"
 #include "outputs.h"
+#include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
 #endif
@@ -143,7 +144,7 @@ std::string text_of(const Comparison& comparison, const ComparisonFiles& files) 
 #ifdef MESHGRAFT_HAS_RENDER
   text += fmt::format("![At rest, and by each method]({})\n\n", files.sheet().filename().string());
 #endif
-  text += comparison_table(comparison);
+  text += comparison_table(comparison, words_of);
   for (const MethodOutcome& outcome : comparison.outcomes) {
     if (!outcome.result) continue;
     const std::string mesh = files.mesh(outcome.method).filename().string();
@@ -179,7 +180,8 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
     outcome.result->report.outputs.push_back(files.picture(outcome.method).string());
 #endif
   }
-  write_file_atomically(files.json(), write_comparison(comparison));  // first: it marks the folder as ours
+  write_file_atomically(files.json(),
+                        write_comparison(comparison, words_of));  // first: it marks the folder as ours
   write_file_atomically(files.text(), text_of(comparison, files));
 #ifdef MESHGRAFT_HAS_RENDER
   render::write_png(pictures.sheet, files.sheet());
@@ -205,10 +207,10 @@ void run_compare(const CompareArguments& arguments, Context context) {
   Comparison comparison = compare_methods(edit, methods, context);
   if (!arguments.folder.empty()) write_folder(comparison, files, arguments, context);
   if (arguments.json) {
-    fmt::print("{}", write_comparison(comparison));
+    fmt::print("{}", write_comparison(comparison, words_of));
     return;
   }
-  fmt::print("{}", comparison_table(comparison));
+  fmt::print("{}", comparison_table(comparison, words_of));
   if (!arguments.folder.empty()) fmt::print("\nwrote {}\n", files.text().string());
 }
 

@@ -163,7 +163,7 @@ Json report_json(const CutArguments& arguments, const CutAlong& along, const Cut
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
                {"mesh", arguments.mesh.string()},
                {"outputs", written.files},
-               {"notes", to_json(written.notes)}};
+               {"notes", to_json(written.notes, words_of)}};
   add_cut_asked_for(along, json);
   json["keep"] = keep_name(arguments.keep.value_or(CutKeep::both));
   json["snap"] = arguments.snap;

@@ -15,6 +15,7 @@
 #include "outputs.h"
 #include "script/facts.h"
 #include "summary.h"
+#include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
 #endif
@@ -106,7 +107,7 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
 #endif
   if (!arguments.report.empty()) {
     report.outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, write_report(report));
+    write_file_atomically(arguments.report, write_report(report, words_of));
   }
 }
 
@@ -194,7 +195,7 @@ void run_edit_file(const EditRunArguments& arguments, Context context) {
   notes.insert(notes.begin(), arguments.notes.begin(), arguments.notes.end());
   write_outputs(arguments, saves, edit, result, context);
   if (arguments.json)
-    fmt::print("{}", write_report(result.report));
+    fmt::print("{}", write_report(result.report, words_of));
   else
     print_summary(result.report, result.rest);
 }

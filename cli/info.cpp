@@ -19,6 +19,7 @@
 #include "commands.h"
 #include "findings.h"
 #include "loops.h"
+#include "wording.h"
 
 namespace meshgraft::cli {
 
@@ -197,7 +198,7 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
       has_box(facts) ? Json{{"min", point_json(facts.low)}, {"max", point_json(facts.high)}} : Json(nullptr);
   json["unit"] = unit_of(facts.mesh).empty() ? Json(nullptr) : Json(unit_of(facts.mesh));
   json["attributes"] = attributes;
-  json["findings"] = Json::parse(write_diagnostics(facts.diagnostics));
+  json["findings"] = Json::parse(write_diagnostics(facts.diagnostics, words_of));
   return json;
 }
 

@@ -23,6 +23,7 @@
 #include "selection_text.h"
 #include "summary.h"
 #include "values.h"
+#include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
 #include "picture.h"
@@ -274,7 +275,7 @@ void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditRe
   }
   if (!arguments.report.empty()) {
     report.outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, write_report(report));
+    write_file_atomically(arguments.report, write_report(report, words_of));
   }
 }
 
@@ -292,7 +293,7 @@ void run_merge(const MergeArguments& arguments, Context context) {
   }
   write_outputs(arguments, edit, result, context);
   if (arguments.json)
-    fmt::print("{}", write_report(result.report));
+    fmt::print("{}", write_report(result.report, words_of));
   else
     print_summary(result.report, result.rest);
 }

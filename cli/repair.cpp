@@ -76,7 +76,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                        {"count", change.count},
                        {"domain", domain_name(change.domain)},
                        {"indices", change.indices},
-                       {"description", change.description()}});
+                       {"description", words_of(change.note).text}});
   std::vector<Note> notes = result.notes;
   notes.insert(notes.end(), written.notes.begin(), written.notes.end());
   Json json = {{"format", "meshgraft-repair"},
@@ -88,8 +88,8 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                {"before", {{"vertices", given.vertex_count()}, {"faces", given.face_count()}}},
                {"after", {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}}},
                {"changes", changes},
-               {"notes", to_json(notes)},
-               {"findings", Json::parse(write_diagnostics(left))}};
+               {"notes", to_json(notes, words_of)},
+               {"findings", Json::parse(write_diagnostics(left, words_of))}};
   if (with_maps)
     json["maps"] = {{"vertices", result.vertex.new_index},
                     {"faces", result.face.new_index},

@@ -24,16 +24,8 @@ Words words_of(const Fact& fact) {
   return {fill_in(own->text, fact), fill_in(own->remedy, fact)};
 }
 
-std::string sentence(const Error& error) {
-  const Words words = words_of(error.fact());
-  std::string text = error_sentence(error.location(), words.text, words.remedy);
-  for (const Note& note : error.notes()) text = error_sentence({}, text, sentence(note));
-  return text;
-}
+std::string sentence(const Error& error) { return meshgraft::sentence(error, words_of); }
 
-std::string sentence(const Note& note) {
-  const Words words = words_of(note);
-  return error_sentence({}, words.text, words.remedy);
-}
+std::string sentence(const Note& note) { return meshgraft::sentence(note, words_of); }
 
 }  // namespace meshgraft::cli

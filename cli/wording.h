@@ -7,11 +7,8 @@
 
 namespace meshgraft::cli {
 
-/// What the command line says of a fact, in its own terms: flags and commands. What cli/texts.json does not
-/// word is worded as by the library.
-struct Words {
-  std::string text, remedy;
-};
+/// Words a fact in the terms of the command line: flags and commands. What cli/texts.json does not word is
+/// worded as by the library.
 Words words_of(const Fact& fact);
 
 /// Returns "location: problem. remedy", and after it the error's notes.

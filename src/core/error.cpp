@@ -98,6 +98,18 @@ std::string error_sentence(std::string_view location, std::string_view problem, 
   return sentence += remedy;
 }
 
+std::string sentence(const Error& error, const Wording& wording) {
+  const Words words = wording(error.fact());
+  std::string text = error_sentence(error.location(), words.text, words.remedy);
+  for (const Note& note : error.notes()) text = error_sentence({}, text, sentence(note, wording));
+  return text;
+}
+
+std::string sentence(const Note& note, const Wording& wording) {
+  const Words words = wording(note);
+  return error_sentence({}, words.text, words.remedy);
+}
+
 Error current_error() {
   try {
     throw;

@@ -66,10 +66,10 @@ std::vector<PlacedNote> notes_of(const EditReport& report) {
   return notes;
 }
 
-Json notes_json(const EditReport& report) {
+Json notes_json(const EditReport& report, const Wording& wording) {
   Json list = Json::array();
   for (const PlacedNote& placed : notes_of(report)) {
-    list.push_back(to_json(placed.note));
+    list.push_back(to_json(placed.note, wording));
     if (!placed.step.empty()) list.back()["step"] = placed.step;
   }
   return list;
@@ -88,9 +88,9 @@ std::string where_known(const std::optional<T>& value, Write write) {
   return value ? write(*value) : std::string("–");
 }
 
-Row row_of(const MethodOutcome& outcome) {
+Row row_of(const MethodOutcome& outcome, const Wording& wording) {
   const std::string name(to_string(outcome.method));
-  if (!outcome.result) return {name, fmt::format("failed: {}", outcome.failure->what())};
+  if (!outcome.result) return {name, fmt::format("failed: {}", sentence(*outcome.failure, wording))};
   const Quality& quality = outcome.result->report.quality;
   const auto degrees = [](double angle) { return fmt::format("{:.1f}°", angle); };
   const auto sigma = [](double value) { return fmt::format("{:.3f}", value); };
@@ -152,10 +152,10 @@ std::string table_of(const std::vector<Row>& rows) {
   return text;
 }
 
-Json outcome_json(const MethodOutcome& outcome) {
+Json outcome_json(const MethodOutcome& outcome, const Wording& wording) {
   Json json = {{"method", std::string(to_string(outcome.method))}};
   if (!outcome.result) {
-    json["failure"] = to_json(*outcome.failure);
+    json["failure"] = to_json(*outcome.failure, wording);
     return json;
   }
   const EditReport& report = outcome.result->report;
@@ -166,7 +166,7 @@ Json outcome_json(const MethodOutcome& outcome) {
   json["seconds"] = {{"set_up", set_up ? Json(*set_up) : Json(nullptr)}, {"solve", report.seconds.solve}};
   json["max_displacement"] = report.max_displacement;
   json["quality"] = quality_json(report.quality);
-  json["notes"] = notes_json(report);
+  json["notes"] = notes_json(report, wording);
   return json;
 }
 
@@ -198,27 +198,30 @@ Comparison compare_methods(const EditFile& edit, std::span<const Method> methods
   return comparison;
 }
 
-std::string comparison_table(const Comparison& comparison) {
+std::string comparison_table(const Comparison& comparison, const Wording& wording) {
   std::vector<Row> rows{Row(columns.begin(), columns.end())};
   std::string notes;
   for (const MethodOutcome& outcome : comparison.outcomes) {
-    rows.push_back(row_of(outcome));
+    rows.push_back(row_of(outcome, wording));
     if (!outcome.result) continue;
-    for (const auto& [step, note] : notes_of(outcome.result->report))
-      notes += fmt::format("- {}: {}\n", to_string(outcome.method),
-                           error_sentence(step, note.text(), note.remedy()));
+    for (const auto& [step, note] : notes_of(outcome.result->report)) {
+      const Words words = wording(note);
+      notes +=
+          fmt::format("- {}: {}\n", to_string(outcome.method), error_sentence(step, words.text, words.remedy));
+    }
   }
   return table_of(rows) + (notes.empty() ? "" : "\n" + notes);
 }
 
-std::string write_comparison(const Comparison& comparison) {
+std::string write_comparison(const Comparison& comparison, const Wording& wording) {
   Json json = {{"format", "meshgraft-comparison"},
                {"version", 1},
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
                {"edit", comparison.edit},
                {"outputs", comparison.outputs}};
   json["methods"] = Json::array();
-  for (const MethodOutcome& outcome : comparison.outcomes) json["methods"].push_back(outcome_json(outcome));
+  for (const MethodOutcome& outcome : comparison.outcomes)
+    json["methods"].push_back(outcome_json(outcome, wording));
   return json::to_text(json);
 }
 

@@ -18,23 +18,25 @@ Json fields_json(const Fact& fact) {
 
 }  // namespace
 
-Json to_json(const Fact& fact) {
-  return {{"id", std::string(fact.id())},
-          {"fields", fields_json(fact)},
-          {"text", error_sentence({}, fact.text(), fact.remedy())}};
+Json to_json(const Fact& fact, const Wording& wording) {
+  return {{"id", std::string(fact.id())}, {"fields", fields_json(fact)}, {"text", sentence(fact, wording)}};
 }
 
-Json to_json(std::span<const Note> notes) {
+Json to_json(std::span<const Note> notes, const Wording& wording) {
   Json list = Json::array();
-  for (const Note& note : notes) list.push_back(to_json(note));
+  for (const Note& note : notes) list.push_back(to_json(note, wording));
   return list;
 }
 
-Json to_json(const Error& error) {
-  return {{"id", std::string(error.id())},  {"code", std::string(to_string(error.code()))},
-          {"location", error.location()},   {"fields", fields_json(error.fact())},
-          {"problem", error.problem()},     {"remedy", error.remedy()},
-          {"notes", to_json(error.notes())}};
+Json to_json(const Error& error, const Wording& wording) {
+  const Words words = wording(error.fact());
+  return {{"id", std::string(error.id())},
+          {"code", std::string(to_string(error.code()))},
+          {"location", error.location()},
+          {"fields", fields_json(error.fact())},
+          {"problem", words.text},
+          {"remedy", words.remedy},
+          {"notes", to_json(error.notes(), wording)}};
 }
 
 }  // namespace meshgraft

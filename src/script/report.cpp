@@ -61,9 +61,12 @@ std::string domain_word(Domain domain) {
   return {};
 }
 
-Json diagnostics_json(const Diagnostics& diagnostics, std::size_t index_limit) {
+constexpr std::size_t index_limit = 10;  // of a finding
+
+Json diagnostics_json(const Diagnostics& diagnostics, const Wording& wording) {
   Json findings = Json::array();
   for (const Finding& finding : diagnostics.findings) {
+    const Words words = wording(finding.note);
     const std::size_t shown = std::min(index_limit, finding.indices.size());
     findings.push_back(
         {{"name", finding.name},
@@ -72,8 +75,8 @@ Json diagnostics_json(const Diagnostics& diagnostics, std::size_t index_limit) {
          {"domain", domain_word(finding.domain)},
          {"first", std::vector<Index>(finding.indices.begin(),
                                       finding.indices.begin() + static_cast<std::ptrdiff_t>(shown))},
-         {"description", finding.description()},
-         {"remedy", finding.remedy()}});
+         {"description", words.text},
+         {"remedy", words.remedy}});
   }
   return findings;
 }
@@ -193,7 +196,7 @@ Json symmetry_json(const StepReport& step) {
   return {{"twins", twins}, {"own_image", own}, {"without_partner", facts.without_partner}};
 }
 
-Json deform_json(const StepReport& step) {
+Json deform_json(const StepReport& step, const Wording& wording) {
   Json json = {{"kind", "deform"}, {"name", step.name}, {"mesh", step.mesh}, {"result", step.result}};
   json["method"] = std::string(to_string(step.method));
   json["settings"] = settings_in_force(step);
@@ -203,12 +206,12 @@ Json deform_json(const StepReport& step) {
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
   json["proxy"] = proxy_json(step.proxy);
   json["symmetry"] = symmetry_json(step);
-  json["notes"] = to_json(step.notes);
+  json["notes"] = to_json(step.notes, wording);
   return json;
 }
 
-Json step_json(const StepReport& step) {
-  if (!step.merge && !step.cut) return deform_json(step);
+Json step_json(const StepReport& step, const Wording& wording) {
+  if (!step.merge && !step.cut) return deform_json(step, wording);
   Json json = {{"kind", step.merge ? "merge" : "cut"},
                {"name", step.name},
                {step.merge ? "target" : "mesh", step.mesh},
@@ -217,7 +220,7 @@ Json step_json(const StepReport& step) {
                {"seconds", seconds_json(step.seconds)}};
   if (step.merge) add_merge(json, *step.merge);
   if (step.cut) add_cut(json, *step.cut);
-  json["notes"] = to_json(step.notes);
+  json["notes"] = to_json(step.notes, wording);
   return json;
 }
 
@@ -250,13 +253,13 @@ Json quality_json(const Quality& quality) {
           {"new_self_intersections", optional_json(quality.new_self_intersections)}};
 }
 
-std::string write_report(const EditReport& report) {
+std::string write_report(const EditReport& report, const Wording& wording) {
   Json json = {{"format", "meshgraft-report"},
                {"version", 1},
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION}};
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
-  json["notes"] = to_json(report.notes);
+  json["notes"] = to_json(report.notes, wording);
   const auto deform = std::find_if(report.steps.begin(), report.steps.end(),
                                    [](const StepReport& step) { return !step.merge && !step.cut; });
   json["method"] = deform == report.steps.end() ? Json(nullptr) : Json(std::string(to_string(deform->method)));
@@ -273,14 +276,14 @@ std::string write_report(const EditReport& report) {
                               {"source", input.source},
                               {"vertices", input.vertices},
                               {"faces", input.faces},
-                              {"findings", diagnostics_json(input.diagnostics, 10)}});
+                              {"findings", diagnostics_json(input.diagnostics, wording)}});
   json["steps"] = Json::array();
-  for (const StepReport& step : report.steps) json["steps"].push_back(step_json(step));
+  for (const StepReport& step : report.steps) json["steps"].push_back(step_json(step, wording));
   return json::to_text(json);
 }
 
-std::string write_diagnostics(const Diagnostics& diagnostics, std::size_t index_limit) {
-  return json::to_text(diagnostics_json(diagnostics, index_limit));
+std::string write_diagnostics(const Diagnostics& diagnostics, const Wording& wording) {
+  return json::to_text(diagnostics_json(diagnostics, wording));
 }
 
 }  // namespace meshgraft

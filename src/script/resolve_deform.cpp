@@ -55,8 +55,8 @@ class Roles {
   void require_free(Index v, const std::string& location) const {
     if (is_free(v)) return;
     if (const std::string* holder = holder_of(v))
-      throw Error(facts::script::VertexHeld{.vertex = v, .handle = *holder}, location);
-    throw Error(facts::script::VertexFixed{.vertex = v}, location);
+      throw Error(facts::deform::VertexOfTwoHandles{.vertex = v, .handle = *holder}, location);
+    throw Error(facts::deform::VertexAlsoFixed{.vertex = v}, location);
   }
 
   /// Returns the name of the handle that a vertex is part of, or null.

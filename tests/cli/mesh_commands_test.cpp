@@ -142,6 +142,19 @@ TEST_F(CommandLine, PicturesTakeAView) {
   EXPECT_NE(picture(merge, "a.png"), picture(merge + " --from 0 0.1 1 --up 0 1 0", "b.png"));
 }
 
+TEST_F(CommandLine, CheckSaysInJsonWhatItPrints) {
+  // A triangle that touches the sheet's boundary in a vertex of its own.
+  write("torn.obj", sheet() + "v 3 0 0.2\nv 90 90 90\nv 80 90 90\nf 65 66 67\n");
+  const std::string printed = run("check torn.obj").out;
+  std::string remedies;
+  for (const json& finding : json::parse(run("check torn.obj --json").out)["findings"])
+    for (const char* said : {"description", "remedy"}) {
+      remedies += finding[said];
+      EXPECT_NE(printed.find(finding[said].get<std::string>()), std::string::npos) << finding;
+    }
+  EXPECT_NE(remedies.find("'meshgraft repair' welds them"), std::string::npos) << remedies;
+}
+
 TEST_F(CommandLine, ChecksAndRepairs) {
   // Adds a face of three equal corners, and two vertices without faces.
   write("damaged.obj", sheet() + "v 3 0 0.2\nv 90 90 90\nf 1 1 1\n");

@@ -146,6 +146,25 @@ TEST(Compare, NotesStandBelowTheTable) {
   EXPECT_EQ(nlohmann::json::parse(write_comparison(named))["methods"][0]["notes"][0]["step"], "flip");
 }
 
+TEST(Compare, SentencesAreInTheWordsOfTheInterface) {
+  const Wording by_id = [](const Fact& fact) { return Words{"says " + std::string(fact.id()), "Do so."}; };
+  EditFile edit = bent_bar(R"(, "anchors": [{"select": {"nearest": [0, 0, 2]}}])");
+  HandleMotion mirror;
+  mirror.scale = {-1, 1, 1};
+  std::get<DeformStep>(edit.steps[0].action).handles[0].pose.kind = mirror;
+  const std::vector<Method> methods{DeformMethod::corotational, Baseline::lipman_2004};
+  const Comparison comparison = compare_methods(edit, methods);
+  const std::string table = comparison_table(comparison, by_id);
+  EXPECT_NE(table.find("\n- corotational: says script.no_rotation. Do so."), std::string::npos) << table;
+  EXPECT_NE(table.find("anchors: says script.no_anchors. Do so."), std::string::npos) << table;
+  const auto json = nlohmann::json::parse(write_comparison(comparison, by_id))["methods"];
+  EXPECT_EQ(json[0]["notes"][0]["text"], "says script.no_rotation. Do so.");
+  EXPECT_EQ(json[1]["failure"]["problem"], "says script.no_anchors");
+  EXPECT_EQ(json[1]["failure"]["remedy"], "Do so.");
+  const auto report = nlohmann::json::parse(write_report(comparison.outcomes[0].result->report, by_id));
+  EXPECT_EQ(report["steps"][0]["notes"][0]["text"], "says script.no_rotation. Do so.");
+}
+
 TEST(Compare, ProgressNamesTheMethod) {
   std::vector<std::string> stages;
   Context context;

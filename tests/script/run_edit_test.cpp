@@ -342,7 +342,7 @@ TEST_F(RunEdit, NamesTheFieldThatDoesNotFitTheMesh) {
        "steps[0].handles[0].select: the handle 'h' has no vertices");
   says(step(R"(, "counts": {"vertices": 7})"), "steps[0].counts.vertices: 7 expected, 144 found");
   says(step(R"(, "counts": {"free": 7})"), "steps[0].counts.free: 7 expected, 96 found");
-  says(step(R"(, "targets": [{"vertex": 0, "position": [0, 0, 0]}])"), "targets[0]: vertex 0 is already fixed");
+  says(step(R"(, "targets": [{"vertex": 0, "position": [0, 0, 0]}])"), "targets[0]: vertex 0 is also fixed");
   says(step(R"(, "targets": [{"vertex": 140, "position": [0, 0, 0]}])"), "already part of the handle 'edge'");
   says(step(R"(, "targets": [{"vertex": 144, "position": [0, 0, 0]}])"),
        "targets[0]: vertex 144 does not exist");
@@ -351,7 +351,7 @@ TEST_F(RunEdit, NamesTheFieldThatDoesNotFitTheMesh) {
        "lie outside the region");
   says(R"({"kind": "deform", "mesh": "sheet", "handles": [{"name": "h", "select": {"indices": [3]}},
         {"name": "g", "select": {"indices": [3, 4]}}]})",
-       "handles[1].select: vertex 3 is already part of the handle 'h'");
+       "handles[1].select: vertex 3 also belongs to handle 'h'");
   says(R"({"kind": "deform", "mesh": "sheet", "region": {"file": "no.txt"}})", "steps[0].region");
   says(R"({"kind": "deform", "mesh": "sheet", "region": {"produced": {"step": "x", "what": "y"}}})",
        "steps[0].region: there is no step named 'x'. Cut and merge steps");

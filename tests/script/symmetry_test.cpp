@@ -314,7 +314,7 @@ TEST(Symmetry, RefusesWhatCannotBeMirrored) {
   DeformStep onto_fixed = good;
   onto_fixed.fixed = indices(images_of(symmetric, tip(symmetric, 0.05)));
   onto_fixed.handles[0].select = indices(tip(symmetric, 0.12));
-  EXPECT_EQ(symmetry_refusal(symmetric, onto_fixed).id(), "script.vertex_fixed");
+  EXPECT_EQ(symmetry_refusal(symmetric, onto_fixed).id(), "deform.vertex_also_fixed");
 
   DeformStep named = good;
   named.handles.push_back({.name = "tip, mirrored", .select = {Selection::NearestVertex{{0, 0.7, 0.7}}}});

@@ -62,6 +62,12 @@ class Error : public std::exception {
 /// Returns "location: problem. remedy". Location and remedy may be empty.
 std::string error_sentence(std::string_view location, std::string_view problem, std::string_view remedy);
 
+/// Returns "location: problem. remedy", and after it the error's notes, in the words of an interface.
+std::string sentence(const Error& error, const Wording& wording);
+
+/// Returns "note. remedy" in the words of an interface.
+std::string sentence(const Note& note, const Wording& wording);
+
 /// Returns the exception that is being handled as an Error. An Error is returned as it is. Lack of memory has
 /// the code memory, an error of the file system io, all others internal. Must be called in a catch block.
 Error current_error();

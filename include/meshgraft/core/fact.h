@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -84,6 +85,17 @@ using Note = Fact;
 /// those of the C++ standard library, and of integers "{n:face|faces}", which writes "1 face" or "3 faces".
 /// Elements of a list are separated by ", ". A word is replaced by its text.
 std::string fill_in(std::string_view text, const Fact& fact);
+
+/// What an interface says of a fact: the problem or the note, and what the reader can do, which may be empty.
+struct Words {
+  std::string text, remedy;
+};
+
+/// Words facts in the terms of one interface of the product.
+using Wording = std::function<Words(const Fact&)>;
+
+/// Words facts in the terms of the library: `Fact::text` and `Fact::remedy`.
+Words library_words(const Fact& fact);
 
 /// Returns all classes of facts that the library knows, in the order of their layers and ids.
 std::span<const FactType* const> fact_types();

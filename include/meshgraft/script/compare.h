@@ -36,10 +36,11 @@ struct Comparison {
 /// deform step.
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context = {});
 
-/// Returns each method's name, quality and seconds as a Markdown table, with notes below it.
-std::string comparison_table(const Comparison& comparison);
+/// Returns each method's name, quality and seconds as a Markdown table, with notes below it, in the words of an
+/// interface.
+std::string comparison_table(const Comparison& comparison, const Wording& wording = library_words);
 
-/// Returns the comparison as JSON (docs/report.md).
-std::string write_comparison(const Comparison& comparison);
+/// Returns the comparison as JSON (docs/report.md), in the words of an interface.
+std::string write_comparison(const Comparison& comparison, const Wording& wording = library_words);
 
 }  // namespace meshgraft

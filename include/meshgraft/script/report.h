@@ -122,10 +122,11 @@ struct EditReport {
   Quality quality;                             ///< quality of the result against `EditResult::rest`
 };
 
-/// Returns the report as JSON (docs/report.md). Non-finite numbers are written as null.
-std::string write_report(const EditReport& report);
+/// Returns the report as JSON (docs/report.md). Non-finite numbers are written as null. Sentences are in the
+/// words of an interface.
+std::string write_report(const EditReport& report, const Wording& wording = library_words);
 
-/// Returns the findings as a JSON list, with up to `index_limit` indices each.
-std::string write_diagnostics(const Diagnostics& diagnostics, std::size_t index_limit = 10);
+/// Returns the findings as a JSON list, with up to ten indices each.
+std::string write_diagnostics(const Diagnostics& diagnostics, const Wording& wording = library_words);
 
 }  // namespace meshgraft

@@ -115,7 +115,6 @@ const otherPlane =
   "The model is not the same on both sides of this plane. Move the plane or choose another axis, under Symmetry.";
 const turnInsideOut = "Switch on Turn part inside out, under More of the graft.";
 const elsewhere = "Drag it to another place.";
-const outOfOne = "Take it out of one of the two.";
 const smallerOrProxy = "Choose a smaller region, or set Proxy vertices under More settings.";
 
 const together = { point: "in one place", line: "on one line", plane: "in one plane" };
@@ -156,6 +155,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: "nothing is free to move",
     remedy: "Make the region larger, or the handles and the fixed part smaller.",
   }),
+  "deform.vertex_of_two_handles": ({ vertex, handle }) => ({ problem: `vertex ${vertex} is already part of “${handle}”` }),
   "select.path_crosses_itself": ({ vertex }) => ({
     problem: `the curve comes back to vertex ${vertex}, where it has been`,
     remedy: "Click points that lie apart, in order along the curve.",
@@ -537,11 +537,6 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "script.source_loop_unclear": ({ loops, sizes }) => ({
     problem: `which loop of the part meets the surface is not clear: it has ${loopSizes(loops, sizes)}`,
     remedy: "Drop a part that has one loop, or pair its loops with loops of the model.",
-  }),
-  "script.vertex_fixed": () => ({ remedy: outOfOne }),
-  "script.vertex_held": ({ vertex, handle }) => ({
-    problem: `vertex ${vertex} is already part of “${handle}”`,
-    remedy: outOfOne,
   }),
   "script.vertex_not_mirrored": ({ vertex }) => ({
     problem: `vertex ${vertex} lacks a mirror image`,

@@ -108,7 +108,7 @@ const errorNamed = (id: string, fields: Fields, more: Partial<EngineError> = {})
 describe("an error", () => {
   const held = { vertex: 5, handle: "nose" };
   test("lies in a step, counted as the panel counts", () => {
-    const located = (more: Partial<EngineError>) => inPanelWords(errorNamed("script.vertex_held", held, more)).location;
+    const located = (more: Partial<EngineError>) => inPanelWords(errorNamed("deform.vertex_of_two_handles", held, more)).location;
     expect(located({ step: 1, location: "" })).toBe("Step 2");
     expect(located({ step: 2, location: "handles[0]" })).toBe("Step 3, handles[0]");
     expect(located({ location: "/models/bust.ply" })).toBe("/models/bust.ply");
@@ -146,7 +146,7 @@ describe("an error", () => {
   test("names the file that it would replace", () => {
     expect(fileToReplace(errorNamed("io.file_exists", { file: "a.ply" }))).toBe("a.ply");
     expect(fileToReplace(errorNamed("editor.file_changed", { file: "b.json" }))).toBe("b.json");
-    expect(fileToReplace(errorNamed("script.vertex_held", held))).toBeUndefined();
+    expect(fileToReplace(errorNamed("deform.vertex_of_two_handles", held))).toBeUndefined();
   });
 });
 
