@@ -40,7 +40,17 @@ function with_shared_fields({ allOf, ...part }) {
   return { ...part, properties: Object.fromEntries(taken) };
 }
 
-const definitions = as_type(schema.$defs);
+// Kinds of binary messages are numbers with names.
+const { frame_kind: frameKind, ...described } = schema.$defs;
+const frameKinds = [
+  `/** ${frameKind.description.split(".")[0]}. */`,
+  "export enum FrameKind {",
+  ...frameKind.oneOf.map(({ const: number, title, description }) => `  /** ${description} */\n  ${title} = ${number},`),
+  "}",
+  "",
+].join("\n");
+
+const definitions = as_type(described);
 definitions.request = { oneOf: definitions.request.oneOf };
 definitions.event = { oneOf: definitions.event.oneOf };
 for (const [name, title] of Object.entries(titles)) definitions[name].title = title;
@@ -60,4 +70,4 @@ const types = await compile(root, "Protocol", {
   additionalProperties: false,
   ignoreMinAndMaxItems: false,
 });
-await writeFile(at("../src/protocol.ts"), types);
+await writeFile(at("../src/protocol.ts"), types + frameKinds);

@@ -10,6 +10,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "editor/frame_kind.h"
 #include "protocol.h"
 
 namespace meshgraft::editor {
@@ -20,18 +21,7 @@ namespace meshgraft::editor {
 ///   4 bytes.
 class BinaryFrame {
  public:
-  enum class Kind : std::uint32_t {
-    mesh = 1,
-    frame = 2,
-    weights = 3,
-    selection = 4,
-    roles = 5,
-    graft = 6,
-    loops = 7,
-    thumbnail = 8
-  };
-
-  BinaryFrame(Kind kind, Json header) : kind_(kind), header_(std::move(header)) {
+  BinaryFrame(FrameKind kind, Json header) : kind_(kind), header_(std::move(header)) {
     header_["arrays"] = Json::array();
   }
 
@@ -44,7 +34,7 @@ class BinaryFrame {
  private:
   void add(std::string_view name, std::string_view type, std::span<const std::byte> bytes, std::size_t length);
 
-  Kind kind_;
+  FrameKind kind_;
   Json header_;
   std::vector<std::byte> arrays_;
 };

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "script/json_value.h"
 
 namespace meshgraft::editor {
@@ -13,6 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* document_name = "edit";
+constexpr const char* in_document = "edit: ";
 
 fs::path rebased(const std::string& file, const fs::path& from, const fs::path& to) {
   const fs::path path(file);
@@ -26,6 +29,22 @@ void rebase_files(Json& json, const fs::path& from, const fs::path& to) {
     if (json.is_object() && json.contains(key) && json[key].is_string())
       json[key] = rebased(json[key].get<std::string>(), from, to).string();
   for (Json& part : json) rebase_files(part, from, to);
+}
+
+// Takes a beginning off a text, if it begins so.
+bool drop(std::string_view& text, std::string_view beginning) {
+  if (!text.starts_with(beginning)) return false;
+  text.remove_prefix(beginning.size());
+  return true;
+}
+
+// Takes "5]" off a text.
+std::size_t take_index(std::string_view& text) {
+  std::size_t index = 0;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), index);
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  drop(text, "]");
+  return index;
 }
 
 bool is_empty(const SelectionSpec& selection) {
@@ -47,24 +66,35 @@ Document make_document(const Json& json, const fs::path& base_folder) {
   return parse_document(json.dump(-1, ' ', false, Json::error_handler_t::replace), base_folder);
 }
 
-DocumentPlace place_in_document(std::string_view location) {
-  const auto drop = [&](std::string_view beginning) {
-    const bool begins = location.starts_with(beginning);
-    if (begins) location.remove_prefix(beginning.size());
-    return begins;
-  };
-  if (location == document_name) return {};
-  DocumentPlace place;
-  if (drop(std::string(document_name) + ": ") && drop("steps[")) {
-    std::size_t step = 0;
-    const auto [end, failed] = std::from_chars(location.data(), location.data() + location.size(), step);
-    location.remove_prefix(static_cast<std::size_t>(end - location.data()));
-    place.step = step;
-    drop("]");
-    drop(".") || drop(": ");
+ErrorLocation parts_of_location(std::string_view location) {
+  ErrorLocation parts;
+  if (location == document_name) return parts;
+  if (fs::path(location).is_absolute()) parts.file = location;
+  if (drop(location, in_document) && drop(location, "steps[")) {
+    parts.step = take_index(location);
+    drop(location, ".") || drop(location, ": ");
   }
-  place.rest = location;
-  return place;
+  parts.rest = location;
+  if (drop(location, "handle '")) parts.handle = location.substr(0, location.rfind('\''));
+  if (drop(location, "pairs[")) parts.pair = take_index(location);
+  return parts;
+}
+
+Error with_handle_name(const Error& error, const Json& document) {
+  std::string_view rest = error.location();
+  if (!drop(rest, in_document) || !drop(rest, "steps[")) return error;
+  const std::size_t step = take_index(rest);
+  if (!drop(rest, ".handles[")) return error;
+  const std::size_t handle = take_index(rest);
+  const Json::json_pointer name(fmt::format("/steps/{}/handles/{}/name", step, handle));
+  if (!document.contains(name) || !document[name].is_string()) return error;
+  return error.at(
+      fmt::format("{}steps[{}]: handle '{}'{}", in_document, step, document[name].get<std::string>(), rest));
+}
+
+Error in_file(const Error& error, const fs::path& file) {
+  std::string_view inner = error.location();
+  return drop(inner, document_name) ? error.at(file.string() + std::string(inner)) : error;
 }
 
 Json new_edit(const std::string& name, const Json& input) {

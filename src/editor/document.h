@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::editor {
@@ -28,13 +29,22 @@ Document make_document(const Json& json, const std::filesystem::path& base_folde
 /// Makes a document from its bytes, or from those of an edit file.
 Document parse_document(std::string_view text, const std::filesystem::path& base_folder);
 
-/// A location in a document, such as "edit: steps[2].handles[0]", in parts.
-struct DocumentPlace {
-  std::optional<std::size_t> step;  ///< index from 0; none: outside the steps
-  std::string rest;                 ///< in the step, or in the document: "handles[0]"
+/// The location of an error, such as "edit: steps[2]: handle 'nose'", in the parts that the page names.
+struct ErrorLocation {
+  std::optional<std::size_t> step;    ///< index from 0; none: outside the steps
+  std::optional<std::string> handle;  ///< its name
+  std::optional<std::size_t> pair;    ///< index from 0 of a pair of a graft
+  std::optional<std::string> file;    ///< a path, with the line or the field in it
+  std::string rest;                   ///< in the step, or in the document: "settings.stiffness"
 };
-/// Takes a location of an error apart. One outside the document is all in `rest`.
-DocumentPlace place_in_document(std::string_view location);
+/// Takes a location apart. One outside the document is a file or all in `rest`.
+ErrorLocation parts_of_location(std::string_view location);
+
+/// Returns the error with a location that has the name of a handle in place of its number in the document.
+Error with_handle_name(const Error& error, const Json& document);
+
+/// Returns an error about a document that was read from `file` with the file in its location.
+Error in_file(const Error& error, const std::filesystem::path& file);
 
 /// Returns an edit with one input (as in `inputs` of an edit file) and one step that does nothing yet.
 Json new_edit(const std::string& name, const Json& input);

@@ -50,6 +50,14 @@ bool is_edit(const fs::path& path) {
   return start.find("meshgraft-edit") != std::string::npos;
 }
 
+Document opened_document(const std::string& text, const fs::path& file) {
+  try {
+    return parse_document(text, file.parent_path());
+  } catch (const Error& error) {
+    throw in_file(error, file);
+  }
+}
+
 Document model_document(const fs::path& file, const fs::path& called) {
   const std::string name = called.stem().empty() ? "model" : called.stem().string();
   return make_document(
@@ -184,7 +192,7 @@ Json Worker::open(const json::Value& message, const Context& context) {
       const std::string text = read_file(file);
       source.edit = file;
       source.edit_sha256 = sha256(text);
-      document = parse_document(text, file.parent_path());
+      document = opened_document(text, file);
     } else {
       document = model_document(shared_.folders.mesh_to_read(file), called);
     }

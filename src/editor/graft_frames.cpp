@@ -105,7 +105,7 @@ Json open_starts_json(const std::vector<OpenStart>& starts) {
 std::vector<std::byte> graft_frame(const ShownGraft& graft) {
   const Eigen::RowVector3d& offset = graft.target.offset;
   const MergeOutcome& merge = *graft.report.merge;
-  BinaryFrame frame(BinaryFrame::Kind::graft, {{"graft", graft.number},
+  BinaryFrame frame(FrameKind::graft, {{"graft", graft.number},
                                                {"dragged", graft.dragged},
                                                {"mesh", graft.target.id},
                                                {"source", graft.source.id},

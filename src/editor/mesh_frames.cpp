@@ -137,7 +137,7 @@ std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, c
   header["role"] = role;
   header["vertices"] = object.mesh().vertex_count();
   header["faces"] = object.mesh().face_count();
-  BinaryFrame frame(BinaryFrame::Kind::mesh, std::move(header));
+  BinaryFrame frame(FrameKind::mesh, std::move(header));
   add_surface(frame, object.mesh(), object.triangles, object.offset);
   add_corner_uv(frame, object);
   add_textures(frame, object, folders);
@@ -150,7 +150,7 @@ std::vector<std::byte> loops_frame(const Object& object) {
     vertices.insert(vertices.end(), loop.begin(), loop.end());
     offsets.push_back(static_cast<Index>(vertices.size()));
   }
-  BinaryFrame frame(BinaryFrame::Kind::loops, {{"mesh", object.id}});
+  BinaryFrame frame(FrameKind::loops, {{"mesh", object.id}});
   frame.add("vertices", vertices);
   frame.add("offsets", offsets);
   return frame.bytes();
@@ -180,7 +180,7 @@ std::vector<std::byte> position_frame(const Object& base, const std::vector<Inde
   for (Eigen::Index i = 0; i < count; ++i)
     sent.row(i) =
         positions.row(base.weld.of(all ? static_cast<Index>(i) : moving[static_cast<std::size_t>(i)]));
-  BinaryFrame bytes(BinaryFrame::Kind::frame, std::move(header));
+  BinaryFrame bytes(FrameKind::frame, std::move(header));
   bytes.add("positions", relative_to(base.offset, sent));
   if (!all) bytes.add("vertices", moving);
   return bytes.bytes();
@@ -214,7 +214,7 @@ std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basi
   const Eigen::RowVector3d& c = buffers.centre;
   Json header = {{"mesh", base.id}, {"offset", {c.x(), c.y(), c.z()}}, {"scale", buffers.scale}};
   header["width"] = buffers.blocks.cols();
-  BinaryFrame frame(BinaryFrame::Kind::weights, std::move(header));
+  BinaryFrame frame(FrameKind::weights, std::move(header));
   if (base.weld.empty()) {
     frame.add("vertices", buffers.vertices);
   } else {
@@ -230,13 +230,13 @@ std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basi
 }
 
 std::vector<std::byte> selection_frame(const Object& base, const std::vector<Index>& selection) {
-  BinaryFrame frame(BinaryFrame::Kind::selection, {{"mesh", base.id}});
+  BinaryFrame frame(FrameKind::selection, {{"mesh", base.id}});
   frame.add("vertices", selection);
   return frame.bytes();
 }
 
 std::vector<std::byte> roles_frame(const Object& base, const Region& region) {
-  BinaryFrame frame(BinaryFrame::Kind::roles, {{"mesh", base.id}, {"whole", region.whole}});
+  BinaryFrame frame(FrameKind::roles, {{"mesh", base.id}, {"whole", region.whole}});
   frame.add("region", region.vertices);
   frame.add("fixed", region.fixed);
   for (const Handle& handle : region.handles) frame.add("handle: " + handle.name, handle.vertices);

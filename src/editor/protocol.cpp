@@ -60,9 +60,12 @@ void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
 
 Json error_json(const Error& error) {
   Json told = to_json(error);
-  const DocumentPlace place = place_in_document(error.location());
-  told["location"] = place.rest;
-  if (place.step) told["step"] = *place.step;
+  const ErrorLocation location = parts_of_location(error.location());
+  told["location"] = location.rest;
+  if (location.step) told["step"] = *location.step;
+  if (location.handle) told["handle"] = *location.handle;
+  if (location.pair) told["pair"] = *location.pair;
+  if (location.file) told["file"] = *location.file;
   return told;
 }
 

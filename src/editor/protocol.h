@@ -41,8 +41,8 @@ class Outbox {
   std::shared_ptr<Channel> channel_;
 };
 
-/// Returns what `to_json` returns, with a location in the document in parts: `location` is the place in the
-/// step `step`.
+/// Returns what `to_json` returns, with the parts of the location that the page names: step, handle, pair and
+/// file. `location` is what is left of it within the step.
 Json error_json(const Error& error);
 
 }  // namespace meshgraft::editor

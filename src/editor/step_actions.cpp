@@ -13,7 +13,7 @@ namespace {
 Json& step_at(Json& document, std::size_t index) {
   Json& steps = document["steps"];
   if (index >= steps.size())
-    throw Error(facts::editor::NoSuchStep{.step = index, .count = steps.size()}, "index");
+    throw Error(facts::editor::NoSuchStep{.step = index + 1, .count = steps.size()}, "index");
   return steps[index];
 }
 
@@ -49,7 +49,7 @@ void change_step(Json& document, std::size_t index, const StepChange& change) {
     Json& handles = step["handles"];
     const auto handle = std::find_if(handles.begin(), handles.end(), is_meant);
     if (handle == handles.end())
-      throw Error(facts::editor::NoHandleInStep{.step = index, .handle = name}, "poses");
+      throw Error(facts::editor::NoHandleInStep{.step = index + 1, .handle = name}, "poses");
     (*handle)["pose"] = pose;
   }
 }

@@ -230,9 +230,14 @@ void Workspace::note_whether_saved() {
 }
 
 void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
-  Document next = checked(make_document(changed, document_.edit.base_folder));
-  if (next.text == document_.text) return;
-  const bool begins = show(std::move(next), context);
+  bool begins = false;
+  try {
+    Document next = checked(make_document(changed, document_.edit.base_folder));
+    if (next.text == document_.text) return;
+    begins = show(std::move(next), context);
+  } catch (const Error& error) {
+    throw with_handle_name(error, changed);
+  }
   write([&](Journal& journal) {
     if (journal.found()) journal.set_aside();  // a change declines the offer to restore
     journal.add(label, history_.current(), document_.text);
@@ -321,7 +326,7 @@ Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_de
   const auto* merge = index < steps.size() ? std::get_if<MergeStep>(&steps[index].action) : nullptr;
   const Json found = merge != nullptr && index < stage_.found.size() ? stage_.found[index] : Json();
   if (found.is_null() || merge->at || pair >= found["starts"].size())
-    throw Error(facts::editor::NoSuchGraft{.step = index, .pair = pair}, "twist");
+    throw Error(facts::editor::NoSuchGraft{.step = index + 1, .pair = pair + 1}, "twist");
   const Json& start = found["starts"][pair];
   const auto source = objects_.after(document_, index, merge->source, context);
   const auto target = objects_.after(document_, index, merge->target, context);

@@ -11,6 +11,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/samples/samples.h>
 
+#include "core/facts.h"
 #include "editor/document.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
@@ -91,8 +92,8 @@ void ask_all_of_grafting(Page& page) {
 
 TEST(Protocol, TakesLocationsApart) {
   const auto parts = [](const char* location) {
-    const editor::DocumentPlace place = editor::place_in_document(location);
-    return std::pair(place.step ? static_cast<int>(*place.step) : -1, place.rest);
+    const editor::ErrorLocation parts = editor::parts_of_location(location);
+    return std::pair(parts.step ? static_cast<int>(*parts.step) : -1, parts.rest);
   };
   EXPECT_EQ(parts("edit: steps[12].handles[0].pose"), std::pair(12, std::string("handles[0].pose")));
   EXPECT_EQ(parts("edit: steps[0].pairs[1]: source_loop"), std::pair(0, std::string("pairs[1]: source_loop")));
@@ -101,6 +102,20 @@ TEST(Protocol, TakesLocationsApart) {
   EXPECT_EQ(parts("edit: selections.ear"), std::pair(-1, std::string("selections.ear")));
   EXPECT_EQ(parts("edit"), std::pair(-1, std::string()));
   EXPECT_EQ(parts("/models/steps[1].ply"), std::pair(-1, std::string("/models/steps[1].ply")));
+  EXPECT_EQ(editor::parts_of_location("/models/a.ply, line 3").file, "/models/a.ply, line 3");
+  EXPECT_FALSE(editor::parts_of_location("select").file);
+  EXPECT_EQ(editor::parts_of_location("edit: steps[0].pairs[1]: source_loop").pair, 1u);
+  EXPECT_EQ(editor::parts_of_location("edit: steps[0]: handle 'it's'.pose").handle, "it's");
+}
+
+TEST(Protocol, NamesHandlesAndFilesWhereErrorsLie) {
+  const Json document = {{"steps", {{{"handles", {{{"name", "a"}}, {{"name", "nose"}}}}}}}};
+  const Error numbered(facts::core::NoFaces{}, "edit: steps[0].handles[1].pose.axis");
+  EXPECT_EQ(editor::with_handle_name(numbered, document).location(), "edit: steps[0]: handle 'nose'.pose.axis");
+  for (const char* location : {"edit: steps[0].handles[7]", "edit: steps[2].handles[0]", "edit: steps[0]", "select"})
+    EXPECT_EQ(editor::with_handle_name(numbered.at(location), document).location(), location);
+  EXPECT_EQ(editor::in_file(numbered, "/m/e.json").location(), "/m/e.json: steps[0].handles[1].pose.axis");
+  EXPECT_EQ(editor::in_file(numbered.at("/m/a.ply"), "/m/e.json").location(), "/m/a.ply");
 }
 
 TEST(Protocol, IsSpokenAsItsSchemaSays) {

@@ -69,16 +69,20 @@ function wordsFor({ id, fields }: { id: string; fields: object }): Words | undef
   return word?.(fields);
 }
 
-/** Returns where in the edit the error lies. Steps are counted from 1, as in the panel. */
-function locationOf({ id, step, location }: EngineError): string {
+/** Returns where the error lies, in the page's words. Steps and pairs are counted from 1, as in the panels. */
+function locationOf({ id, step, handle, pair, file }: EngineError): string {
   if (withoutLocation.has(id)) return "";
-  const parts = [step === undefined ? "" : `Step ${step + 1}`, location];
-  return parts.filter((part) => part !== "").join(", ");
+  const parts = [
+    step !== undefined && `Step ${step + 1}`,
+    handle !== undefined && `“${handle}”`,
+    pair !== undefined && `Pair ${pair + 1}`,
+    file !== undefined && `The file ${file}`,
+  ];
+  return parts.filter((part) => part !== false).join(", ");
 }
 
-/** Facts whose location would tell the user nothing: it is a pose that is being dragged, or the words name it. */
+/** Facts whose words name their location. */
 const withoutLocation: ReadonlySet<string> = new Set<FactId>([
-  "deform.too_large_or_not_finite",
   "script.mirrored_curve_returns",
   "script.no_mirror_image",
   "script.not_mirrored",
@@ -167,7 +171,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "deform.solve_exceeds_memory": () => ({ remedy: smallerOrProxy }),
 
   "editor.defects": ({ file, path, repaired }) => ({
-    problem: `the mesh of ${file} has defects that editing may come upon`,
+    problem: `the file ${file} has defects that editing may come upon`,
     remedy: `This mends them: meshgraft repair ${shellWord(path)} -o ${shellWord(repaired)}`,
   }),
   "editor.edit_without_file": () => ({ remedy: "Choose Save as…." }),
@@ -180,36 +184,19 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `“${handle}” has no reach of its own`,
     remedy: "Select what shall follow it, and choose Make region.",
   }),
-  "editor.input_gone": ({ file }) => ({
-    problem: `the file ${file} is gone: the edit needs it to be run again`,
-    remedy: "Put it back.",
-  }),
-  "editor.input_replaced": ({ file }) => ({
-    problem: `the file ${file} is another file than the one that was opened. What is shown and saved is the edit of that one, and the saved edit will not run on this one`,
-    remedy: "Put the earlier file back, or open this one and edit it anew.",
-  }),
   "editor.journal_not_written": ({ reason }) => ({
     problem: `changes can no longer be written to the disk as they are made: ${reason}`,
   }),
-  "editor.no_handle_in_step": ({ step, handle }) => ({ problem: `step ${step + 1} has no handle named “${handle}”` }),
+  "editor.no_handle_in_step": ({ step, handle }) => ({ problem: `step ${step} has no handle named “${handle}”` }),
   "editor.no_part": () => ({ remedy: "Add one from the part library." }),
   "editor.no_pictures": () => ({ remedy: "" }),
-  "editor.no_such_graft": ({ step, pair }) => ({ problem: `step ${step + 1} is no earlier graft with a pair ${pair + 1}` }),
-  "editor.no_such_step": ({ step, count }) => ({
-    problem: `there is no step ${step + 1}; there are ${count}`,
-    remedy: "",
-  }),
-  "editor.no_surface": ({ file }) => ({
-    problem: `the file ${file} has points and no faces`,
-    remedy: "There is no surface to edit.",
-  }),
   "editor.only_step": () => ({ remedy: "Change it, or undo it." }),
   "editor.part_unclear": ({ count }) => ({
     problem: `there are ${counted(count, "part")}, and it is not clear which one to graft`,
     remedy: "Click one under Parts, or click one of its loops.",
   }),
   "editor.size_not_shown": ({ file, reach, size, low, high }) => ({
-    problem: `the mesh of ${file} cannot be shown: its coordinates reach ${formatNumber(reach, 3)} and its size is ${formatNumber(size, 3)}`,
+    problem: `the file ${file} cannot be shown: its coordinates reach ${formatNumber(reach, 3)} and its size is ${formatNumber(size, 3)}`,
     remedy: `Scale it to sizes between ${formatNumber(low, 3)} and ${formatNumber(high, 3)}.`,
   }),
   "editor.too_many_requests": () => ({

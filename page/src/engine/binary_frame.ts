@@ -1,16 +1,6 @@
-import type { FrameHeader } from "../protocol";
+import { FrameKind, type FrameHeader } from "../protocol";
 
-/** The kinds of binary messages. */
-export enum FrameKind {
-  mesh = 1,
-  frame = 2,
-  weights = 3,
-  selection = 4,
-  roles = 5,
-  graft = 6,
-  loops = 7,
-  thumbnail = 8,
-}
+export { FrameKind };
 
 const types = { float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array } as const;
 

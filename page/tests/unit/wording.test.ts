@@ -110,12 +110,14 @@ describe("an error", () => {
   test("lies in a step, counted as the panel counts", () => {
     const located = (more: Partial<EngineError>) => inPanelWords(errorNamed("deform.vertex_of_two_handles", held, more)).location;
     expect(located({ step: 1, location: "" })).toBe("Step 2");
-    expect(located({ step: 2, location: "handles[0]" })).toBe("Step 3, handles[0]");
-    expect(located({ location: "/models/bust.ply" })).toBe("/models/bust.ply");
+    expect(located({ step: 2, location: "pose", handle: "nose" })).toBe("Step 3, “nose”");
+    expect(located({ step: 2, location: "source_loop", pair: 0 })).toBe("Step 3, Pair 1");
+    expect(located({ location: "/models/bust.ply", file: "/models/bust.ply" })).toBe("The file /models/bust.ply");
+    expect(located({ location: "select" })).toBe(""); // a field of the request
     expect(located({ location: "" })).toBe("");
   });
   test("counts steps and pairs as the panels do", () => {
-    expect(inPanelWords(errorNamed("editor.no_such_step", { step: 4, count: 2 }))).toMatchObject({
+    expect(inPanelWords(errorNamed("editor.no_such_step", { step: 5, count: 2 }))).toMatchObject({
       problem: "there is no step 5; there are 2",
       remedy: "",
     });
@@ -133,10 +135,10 @@ describe("an error", () => {
   });
   test("of an id that the page does not know is told as the engine tells it", () => {
     const error: EngineError = {
-      id: "new.fact", code: "io", fields: {}, problem: "a problem", location: "here", remedy: "A remedy.",
+      id: "new.fact", code: "io", fields: {}, problem: "a problem", location: "here", file: "here", remedy: "A remedy.",
       notes: [{ id: "new.note", fields: {}, text: "a reason" }],
     };
-    expect(inPanelWords(error)).toEqual({ problem: "a problem", location: "here", remedy: "A reason. A remedy." });
+    expect(inPanelWords(error)).toEqual({ problem: "a problem", location: "The file here", remedy: "A reason. A remedy." });
   });
   test("of the page itself is told as it is, and is no fact", () => {
     const lost: PageError = { code: "io", problem: "a problem", location: "", remedy: "A remedy." };
@@ -153,6 +155,6 @@ describe("an error", () => {
 test("defects are told with the command that mends them", () => {
   const note = noteOf(rowNamed("editor.defects"), { file: "a.obj", path: "it's a.obj", repaired: "b.obj" });
   expect(noteWords(note)).toBe(
-    "The mesh of a.obj has defects that editing may come upon. This mends them: meshgraft repair 'it'\\''s a.obj' -o b.obj",
+    "The file a.obj has defects that editing may come upon. This mends them: meshgraft repair 'it'\\''s a.obj' -o b.obj",
   );
 });

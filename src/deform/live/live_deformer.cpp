@@ -66,11 +66,12 @@ class PositionPool : public std::enable_shared_from_this<PositionPool> {
   std::vector<std::unique_ptr<Points>> spares_;
 };
 
-void require_usable(std::span<const HandlePose> poses, std::size_t handles) {
-  if (poses.size() != handles)
-    throw Error(
-        facts::core::SizeMismatch{.what = facts::core::Rows::poses, .given = poses.size(), .needed = handles});
-  for (std::size_t h = 0; h < poses.size(); ++h) require_usable(poses[h], fmt::format("pose {}", h));
+void require_usable(std::span<const HandlePose> poses, std::span<const Handle> handles) {
+  if (poses.size() != handles.size())
+    throw Error(facts::core::SizeMismatch{
+        .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
+  for (std::size_t h = 0; h < poses.size(); ++h)
+    require_usable(poses[h], fmt::format("handle '{}'", handles[h].name));
 }
 
 void validate(const LiveOptions& options) {
@@ -170,7 +171,6 @@ struct LiveDeformer::Impl {
   const LiveCallbacks callbacks;
   const LiveOptions options;
   const Context context;
-  const std::size_t handles;
   const bool has_curve;
   std::shared_ptr<const Deformer> earlier;  ///< used only by the set-up's thread
   SolvePath path = SolvePath::direct;
@@ -218,7 +218,7 @@ LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, Liv
       callbacks(std::move(calls)),
       options(without_earlier(chosen)),
       context(how),
-      handles(region.handles.size()),
+
       has_curve(std::any_of(region.handles.begin(), region.handles.end(),
                             [](const Handle& handle) { return handle.shape == HandleShape::curve; })),
       earlier(chosen.earlier),
@@ -487,7 +487,7 @@ LiveDeformer::~LiveDeformer() = default;
 
 std::int64_t LiveDeformer::drag(std::span<const HandlePose> poses) {
   Impl& d = *impl_;
-  require_usable(poses, d.handles);
+  require_usable(poses, d.region.handles);
   const auto settle = std::chrono::duration<double>(d.options.settle_seconds);
   std::vector<HandlePose> copy(poses.begin(), poses.end());
   const std::lock_guard lock(d.mutex);
