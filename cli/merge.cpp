@@ -92,8 +92,8 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
 
 // Returns the vertex or point to drop the part on, and the source loop to use.
 DropSpec drop_from(const std::string& text, double spin_deg, std::optional<Index> source_loop) {
-  std::optional<SelectionSpec> loop;
-  if (source_loop) loop = SelectionSpec{Selection::Loop{*source_loop}};
+  std::optional<EditSelection> loop;
+  if (source_loop) loop = EditSelection{Selection::Loop{*source_loop}};
   return {vertex_from(text, "--at"), spin_deg, loop};
 }
 
@@ -156,7 +156,7 @@ EditFile plain_edit(const MergeArguments& arguments) {
   };
   MergeStep step = plain_step(arguments);
   if (step.fixed)
-    if (auto* file = std::get_if<SelectionSpec::IndexFile>(&step.fixed->kind))
+    if (auto* file = std::get_if<EditSelection::IndexFile>(&step.fixed->kind))
       file->file = from_there(file->file);
   EditFile edit;
   edit.inputs.push_back({.name = "source", .file = from_there(arguments.source)});

@@ -9,15 +9,15 @@ namespace meshgraft::cli {
 
 namespace {
 
-SelectionSpec beyond(double length, const std::vector<Index>& loops) {
-  SelectionSpec::Union start;
+EditSelection beyond(double length, const std::vector<Index>& loops) {
+  EditSelection::Union start;
   for (const Index loop : loops) start.of.push_back({Selection::Loop{loop}});
-  const SelectionSpec near{
-      SelectionSpec::GrowLength{std::make_shared<const SelectionSpec>(SelectionSpec{start}), length}};
-  return {SelectionSpec::Minus{{SelectionSpec{Selection::All{}}, near}}};
+  const EditSelection near{
+      EditSelection::GrowLength{std::make_shared<const EditSelection>(EditSelection{start}), length}};
+  return {EditSelection::Minus{{EditSelection{Selection::All{}}, near}}};
 }
 
-SelectionSpec box(const std::vector<double>& values, const std::string& option) {
+EditSelection box(const std::vector<double>& values, const std::string& option) {
   if (values.size() != 6) throw Error(facts::cli::NotABox{.count = values.size()}, option);
   return {Selection::Box{Eigen::Map<const Eigen::Vector3d>(values.data()),
                          Eigen::Map<const Eigen::Vector3d>(values.data() + 3)}};
@@ -31,7 +31,7 @@ double one_number(const std::string& text, const std::string& option) {
 
 }  // namespace
 
-SelectionSpec selection_from(const std::string& text, const std::vector<Index>& loops,
+EditSelection selection_from(const std::string& text, const std::vector<Index>& loops,
                              const std::string& option) {
   if (text.starts_with('{')) return parse_selection(text, option);
   const std::size_t colon = text.find(':');
@@ -40,7 +40,7 @@ SelectionSpec selection_from(const std::string& text, const std::vector<Index>& 
   if (!rest.empty()) {
     if (word == "loop") return {Selection::Loop{numbers<Index>(rest, option).front()}};
     if (word == "indices") return {Selection::Indices{numbers<Index>(rest, option)}};
-    if (word == "file") return {SelectionSpec::IndexFile{rest}};
+    if (word == "file") return {EditSelection::IndexFile{rest}};
     if (word == "box") return box(numbers<double>(rest, option), option);
     if (word == "beyond") return beyond(one_number(rest, option), loops);
   }

@@ -16,7 +16,7 @@ inline constexpr std::array<std::string_view, 5> selection_forms{
 
 /// Parses a selection given as an option. `beyond` starts from `loops`. Throws Error(usage) and Error(input)
 /// that name `option`.
-SelectionSpec selection_from(const std::string& text, const std::vector<Index>& loops,
+EditSelection selection_from(const std::string& text, const std::vector<Index>& loops,
                              const std::string& option);
 
 }  // namespace meshgraft::cli

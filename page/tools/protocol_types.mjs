@@ -11,7 +11,7 @@ const titles = {
   error: "EngineError",
   event: "EngineEvent",
   request: "PageRequest",
-  selection: "SelectionSpec",
+  selection: "EditSelection",
   asked_selection: "AskedSelection",
 };
 

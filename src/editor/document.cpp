@@ -47,7 +47,7 @@ std::size_t take_index(std::string_view& text) {
   return index;
 }
 
-bool is_empty(const SelectionSpec& selection) {
+bool is_empty(const EditSelection& selection) {
   const auto* indices = std::get_if<Selection::Indices>(&selection.kind);
   return indices != nullptr && indices->vertices.empty();
 }

@@ -64,7 +64,7 @@ std::vector<Index> resolve_asked(const json::Value& value, const Document& docum
   const Document asked = make_document(with, document.edit.base_folder);
   for (const auto& file : referenced_files(asked.edit)) folders.inside(file);
   SelectionResolver resolver(asked.edit, *base.selections, base.scene().produced);
-  return resolver.vertices({SelectionSpec::Named{name}}, value.location());
+  return resolver.vertices({EditSelection::Named{name}}, value.location());
 }
 
 }  // namespace

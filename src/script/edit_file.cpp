@@ -87,15 +87,15 @@ std::string parse_colour(const Value& value) {
 }
 
 // Calls `visit` with `selection` and every selection below it.
-void for_each_selection(const SelectionSpec& selection,
-                        const std::function<void(const SelectionSpec&)>& visit) {
+void for_each_selection(const EditSelection& selection,
+                        const std::function<void(const EditSelection&)>& visit) {
   visit(selection);
   std::visit(
       [&](const auto& kind) {
         if constexpr (requires { kind.of->kind; }) {
           for_each_selection(*kind.of, visit);
         } else if constexpr (requires { kind.of.size(); }) {
-          for (const SelectionSpec& operand : kind.of) for_each_selection(operand, visit);
+          for (const EditSelection& operand : kind.of) for_each_selection(operand, visit);
         }
       },
       selection.kind);
@@ -103,7 +103,7 @@ void for_each_selection(const SelectionSpec& selection,
 
 // Calls `visit` with every top-level selection of a step and the path of its field.
 void for_each_step_selection(const DeformStep& step,
-                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+                             const std::function<void(const EditSelection&, const std::string&)>& visit) {
   visit(step.region, "region");
   if (step.fixed) visit(*step.fixed, "fixed");
   for (std::size_t i = 0; i < step.handles.size(); ++i)
@@ -113,7 +113,7 @@ void for_each_step_selection(const DeformStep& step,
 }
 
 void for_each_step_selection(const MergeStep& step,
-                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+                             const std::function<void(const EditSelection&, const std::string&)>& visit) {
   for (std::size_t i = 0; i < step.pairs.size(); ++i) {
     visit(step.pairs[i].source_loop, fmt::format("pairs[{}].source_loop", i));
     visit(step.pairs[i].target_loop, fmt::format("pairs[{}].target_loop", i));
@@ -124,10 +124,10 @@ void for_each_step_selection(const MergeStep& step,
 }
 
 void for_each_step_selection(const CutStep&,
-                             const std::function<void(const SelectionSpec&, const std::string&)>&) {}
+                             const std::function<void(const EditSelection&, const std::string&)>&) {}
 
 void for_each_step_selection(const EditStep& step,
-                             const std::function<void(const SelectionSpec&, const std::string&)>& visit) {
+                             const std::function<void(const EditSelection&, const std::string&)>& visit) {
   std::visit([&](const auto& action) { for_each_step_selection(action, visit); }, step.action);
 }
 
@@ -159,9 +159,9 @@ class ReferenceCheck {
  public:
   explicit ReferenceCheck(const EditFile& edit) : edit_(edit), names_(names_of(edit.selections)) {}
 
-  void require_named(const SelectionSpec& selection, const std::string& location) {
-    for_each_selection(selection, [&](const SelectionSpec& part) {
-      if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind))
+  void require_named(const EditSelection& selection, const std::string& location) {
+    for_each_selection(selection, [&](const EditSelection& part) {
+      if (const auto* named = std::get_if<EditSelection::Named>(&part.kind))
         if (std::find(names_.begin(), names_.end(), named->name) == names_.end())
           fail_unknown_name(location, facts::script::Named::selection, named->name, names_);
     });
@@ -174,8 +174,8 @@ class ReferenceCheck {
     if (const auto known = depths_.find(selection.name); known != depths_.end()) return known->second;
     require_named(selection.selection, location);
     int deepest = 0;
-    for_each_selection(selection.selection, [&](const SelectionSpec& part) {
-      if (const auto* named = std::get_if<SelectionSpec::Named>(&part.kind)) {
+    for_each_selection(selection.selection, [&](const EditSelection& part) {
+      if (const auto* named = std::get_if<EditSelection::Named>(&part.kind)) {
         if (named->name == selection.name)
           throw Error(facts::script::SelectionUsesItself{.name = named->name}, location);
         const auto used = std::find(names_.begin(), names_.end(), named->name) - names_.begin();
@@ -205,7 +205,7 @@ void require_names(const EditFile& edit) {
         fail_unknown_name(location + "." + field, facts::script::Named::mesh, name, meshes);
     const std::string& outcome = outcome_of(edit.steps[i]);
     if (std::find(meshes.begin(), meshes.end(), outcome) == meshes.end()) meshes.push_back(outcome);
-    for_each_step_selection(edit.steps[i], [&](const SelectionSpec& selection, const std::string& field) {
+    for_each_step_selection(edit.steps[i], [&](const EditSelection& selection, const std::string& field) {
       references.require_named(selection, location + "." + field);
     });
   }
@@ -326,10 +326,10 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
     const std::filesystem::path path = edit.base_folder / file;
     if (std::find(files.begin(), files.end(), path) == files.end()) files.push_back(path);
   };
-  const auto add_from = [&](const SelectionSpec& selection) {
-    for_each_selection(selection, [&](const SelectionSpec& part) {
-      if (const auto* indices = std::get_if<SelectionSpec::IndexFile>(&part.kind)) add(indices->file);
-      if (const auto* sel = std::get_if<SelectionSpec::SelFile>(&part.kind)) add(sel->file);
+  const auto add_from = [&](const EditSelection& selection) {
+    for_each_selection(selection, [&](const EditSelection& part) {
+      if (const auto* indices = std::get_if<EditSelection::IndexFile>(&part.kind)) add(indices->file);
+      if (const auto* sel = std::get_if<EditSelection::SelFile>(&part.kind)) add(sel->file);
     });
   };
   for (const EditInput& input : edit.inputs)
@@ -337,7 +337,7 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
   for (const NamedSelection& selection : edit.selections) add_from(selection.selection);
   for (const EditStep& edit_step : edit.steps) {
     for_each_step_selection(edit_step,
-                            [&](const SelectionSpec& selection, const std::string&) { add_from(selection); });
+                            [&](const EditSelection& selection, const std::string&) { add_from(selection); });
     const auto* deform = std::get_if<DeformStep>(&edit_step.action);
     if (!deform) continue;
     for (const HandleSpec& handle : deform->handles)
@@ -346,11 +346,11 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
   return files;
 }
 
-std::string_view to_string(SelectionSpec::SelPart value) {
+std::string_view to_string(EditSelection::SelPart value) {
   switch (value) {
-    case SelectionSpec::SelPart::fixed: return "fixed";
-    case SelectionSpec::SelPart::free: return "free";
-    case SelectionSpec::SelPart::handle: return "handle";
+    case EditSelection::SelPart::fixed: return "fixed";
+    case EditSelection::SelPart::free: return "free";
+    case EditSelection::SelPart::handle: return "handle";
   }
   return "";
 }

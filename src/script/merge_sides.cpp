@@ -73,7 +73,7 @@ Error off_loops(const MergeSide& side, Index vertex, const std::string& location
 }
 
 // Returns the boundary loop that consists of exactly the selected vertices.
-std::size_t loop_of(MergeSide& side, const SelectionSpec& spec, const std::string& location) {
+std::size_t loop_of(MergeSide& side, const EditSelection& spec, const std::string& location) {
   require_loops(side, location);
   const auto& loops = side.context.loops;
   if (const auto* loop = std::get_if<Selection::Loop>(&spec.kind)) {

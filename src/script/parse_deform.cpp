@@ -255,7 +255,7 @@ EditFile parse_deform_version_1(const Value& root) {
   } else {
     step.region = {Selection::Indices{roi.vertices()}};
   }
-  step.fixed = SelectionSpec{Selection::Indices{fields.required("fixed").vertices()}};
+  step.fixed = EditSelection{Selection::Indices{fields.required("fixed").vertices()}};
   step.handles = parse_handles(fields.required("handles"), parse_handle_version_1);
   fields.optional("counts", [&](const Value& v) { step.counts = parse_counts(v, "roi"); });
   edit.steps.push_back({{}, {}, std::move(step)});

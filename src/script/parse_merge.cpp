@@ -287,7 +287,7 @@ EditFile parse_merge_version_1(const Value& root) {
   fields.optional("handles", [&](const Value& v) {
     std::vector<Index> held = parse_handles_version_1(v);
     if (!held.empty() && step.pose != MergePose::keep) v.fail(facts::script::HandlesWithFoundPose{});
-    if (!held.empty()) step.fixed = SelectionSpec{Selection::Indices{std::move(held)}};
+    if (!held.empty()) step.fixed = EditSelection{Selection::Indices{std::move(held)}};
   });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_counts_version_1(v); });
   edit.steps.push_back({{}, {}, std::move(step)});

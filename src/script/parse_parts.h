@@ -18,7 +18,7 @@ namespace meshgraft {
 
 inline constexpr int max_rings = 1'000'000;
 
-SelectionSpec parse_selection(const json::Value& value);
+EditSelection parse_selection(const json::Value& value);
 
 /// Parses a handle's pose. Only a curve may have a redrawn course.
 PoseSpec parse_pose(const json::Value& value, HandleShape shape);

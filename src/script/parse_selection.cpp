@@ -15,35 +15,35 @@ namespace {
 using json::Object;
 using json::Value;
 
-SelectionSpec::Child parse_child(const Value& value) {
-  return std::make_shared<const SelectionSpec>(parse_selection(value));
+EditSelection::Child parse_child(const Value& value) {
+  return std::make_shared<const EditSelection>(parse_selection(value));
 }
 
-std::vector<SelectionSpec> parse_operands(const Value& value) {
-  std::vector<SelectionSpec> operands;
+std::vector<EditSelection> parse_operands(const Value& value) {
+  std::vector<EditSelection> operands;
   for (std::size_t i = 0; i < value.size(); ++i) operands.push_back(parse_selection(value[i]));
   if (operands.empty()) value.fail(facts::script::EmptyList{.what = facts::script::Element::selection});
   return operands;
 }
 
-SelectionSpec::Kind parse_box(const Value& value) {
+EditSelection::Kind parse_box(const Value& value) {
   const Object fields(value, {"min", "max"});
   Selection::Box box{fields.required("min").vector3(), fields.required("max").vector3()};
   if ((box.min.array() > box.max.array()).any()) value.fail(facts::select::BoxReversed{});
   return box;
 }
 
-SelectionSpec::Kind parse_sphere(const Value& value) {
+EditSelection::Kind parse_sphere(const Value& value) {
   const Object fields(value, {"centre", "radius"});
   return Selection::Sphere{fields.required("centre").vector3(), fields.required("radius").positive_number()};
 }
 
-SelectionSpec::Kind parse_half_space(const Value& value) {
+EditSelection::Kind parse_half_space(const Value& value) {
   const Object fields(value, {"point", "normal"});
   return Selection::HalfSpace{fields.required("point").vector3(), fields.required("normal").direction()};
 }
 
-SelectionSpec::Kind parse_path(const Value& value) {
+EditSelection::Kind parse_path(const Value& value) {
   const Object fields(value, {"points", "closed"});
   Selection::Path path;
   const Points points = fields.required("points").points(2);
@@ -52,52 +52,52 @@ SelectionSpec::Kind parse_path(const Value& value) {
   return path;
 }
 
-SelectionSpec::Kind parse_grow(const Value& value) {
+EditSelection::Kind parse_grow(const Value& value) {
   const Object fields(value, {"of", "rings"});
-  return SelectionSpec::Grow{parse_child(fields.required("of")),
+  return EditSelection::Grow{parse_child(fields.required("of")),
                              static_cast<int>(fields.required("rings").integer_in(-max_rings, max_rings))};
 }
 
-SelectionSpec::Kind parse_grow_length(const Value& value) {
+EditSelection::Kind parse_grow_length(const Value& value) {
   const Object fields(value, {"of", "length"});
-  return SelectionSpec::GrowLength{parse_child(fields.required("of")),
+  return EditSelection::GrowLength{parse_child(fields.required("of")),
                                    fields.required("length").positive_number()};
 }
 
-SelectionSpec::Kind parse_mirror(const Value& value) {
+EditSelection::Kind parse_mirror(const Value& value) {
   const Object fields(value, {"of", "point", "normal", "tolerance_rel"});
-  SelectionSpec::Mirror mirror{parse_child(fields.required("of")), fields.required("point").vector3(),
+  EditSelection::Mirror mirror{parse_child(fields.required("of")), fields.required("point").vector3(),
                                fields.required("normal").direction()};
   fields.optional("tolerance_rel", [&](const Value& v) { mirror.tolerance_rel = v.positive_number(); });
   return mirror;
 }
 
-SelectionSpec::Kind parse_rim(const Value& value) {
+EditSelection::Kind parse_rim(const Value& value) {
   const Object fields(value, {"of", "rings"});
-  SelectionSpec::Rim rim{parse_child(fields.required("of"))};
+  EditSelection::Rim rim{parse_child(fields.required("of"))};
   fields.optional("rings", [&](const Value& v) { rim.rings = static_cast<int>(v.integer_in(1, max_rings)); });
   return rim;
 }
 
-SelectionSpec::SelPart parse_sel_part(const Value& value) {
-  using enum SelectionSpec::SelPart;
-  return value.choice<SelectionSpec::SelPart>({{"fixed", fixed}, {"free", free}, {"handle", handle}});
+EditSelection::SelPart parse_sel_part(const Value& value) {
+  using enum EditSelection::SelPart;
+  return value.choice<EditSelection::SelPart>({{"fixed", fixed}, {"free", free}, {"handle", handle}});
 }
 
-SelectionSpec::Kind parse_produced(const Value& value) {
+EditSelection::Kind parse_produced(const Value& value) {
   const Object fields(value, {"step", "what"});
-  return SelectionSpec::Produced{fields.required("step").name(), fields.required("what").name()};
+  return EditSelection::Produced{fields.required("step").name(), fields.required("what").name()};
 }
 
 }  // namespace
 
 // Parses a selection. One field names its kind; only `sel` needs a second field, `take`.
-SelectionSpec parse_selection(const Value& value) {
+EditSelection parse_selection(const Value& value) {
   if (value.is_string()) {
     if (value.string() == "all") return {Selection::All{}};
-    return {SelectionSpec::Named{value.name()}};
+    return {EditSelection::Named{value.name()}};
   }
-  using Parser = std::function<SelectionSpec::Kind(const Value&)>;
+  using Parser = std::function<EditSelection::Kind(const Value&)>;
   static const std::vector<std::pair<std::string_view, Parser>> parsers = {
       {"indices", [](const Value& v) { return Selection::Indices{v.vertices()}; }},
       {"box", parse_box},
@@ -107,14 +107,14 @@ SelectionSpec parse_selection(const Value& value) {
       {"loop", [](const Value& v) { return Selection::Loop{v.vertex()}; }},
       {"nearest", [](const Value& v) { return Selection::NearestVertex{v.vector3()}; }},
       {"path", parse_path},
-      {"file", [](const Value& v) { return SelectionSpec::IndexFile{v.name()}; }},
-      {"sel", [](const Value& v) { return SelectionSpec::SelFile{v.name()}; }},
+      {"file", [](const Value& v) { return EditSelection::IndexFile{v.name()}; }},
+      {"sel", [](const Value& v) { return EditSelection::SelFile{v.name()}; }},
       {"produced", parse_produced},
       {"grow", parse_grow},
       {"grow_length", parse_grow_length},
-      {"union", [](const Value& v) { return SelectionSpec::Union{parse_operands(v)}; }},
-      {"minus", [](const Value& v) { return SelectionSpec::Minus{parse_operands(v)}; }},
-      {"intersect", [](const Value& v) { return SelectionSpec::Intersect{parse_operands(v)}; }},
+      {"union", [](const Value& v) { return EditSelection::Union{parse_operands(v)}; }},
+      {"minus", [](const Value& v) { return EditSelection::Minus{parse_operands(v)}; }},
+      {"intersect", [](const Value& v) { return EditSelection::Intersect{parse_operands(v)}; }},
       {"mirror", parse_mirror},
       {"rim", parse_rim},
   };
@@ -125,15 +125,15 @@ SelectionSpec parse_selection(const Value& value) {
   if (!fields.has("sel") && value.raw().size() != 1) value.fail(facts::script::NotOneSelection{});
   for (const auto& [key, parser] : parsers) {
     if (!fields.has(key)) continue;
-    SelectionSpec selection{parser(value.member(key))};
-    if (auto* sel = std::get_if<SelectionSpec::SelFile>(&selection.kind))
+    EditSelection selection{parser(value.member(key))};
+    if (auto* sel = std::get_if<EditSelection::SelFile>(&selection.kind))
       sel->take = parse_sel_part(fields.required("take"));
     return selection;
   }
   value.fail(facts::script::FieldNeedsField{.field = "take", .needed = "sel"});
 }
 
-SelectionSpec parse_selection(std::string_view text, const std::string& location) {
+EditSelection parse_selection(std::string_view text, const std::string& location) {
   const json::Json document = json::parse(text, location, edit_file_depth_limit);
   return parse_selection(Value(document, location));
 }

@@ -240,7 +240,7 @@ class DeformResolver {
  private:
   bool is_whole() const { return std::holds_alternative<Selection::All>(step_.region.kind); }
 
-  std::vector<Index> vertices_of(const SelectionSpec& selection, const std::string& where) {
+  std::vector<Index> vertices_of(const EditSelection& selection, const std::string& where) {
     std::vector<Index> vertices = selections_.vertices(selection, where);
     return symmetry_ ? symmetry_->with_images(vertices) : vertices;
   }

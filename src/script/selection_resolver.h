@@ -30,7 +30,7 @@ class SelectionResolver {
       : edit_(edit), context_(context), produced_(produced) {}
 
   /// Returns distinct vertices, ascending.
-  std::vector<Index> vertices(const SelectionSpec& spec, const std::string& location) {
+  std::vector<Index> vertices(const EditSelection& spec, const std::string& location) {
     std::vector<Index> list = resolve(bind(spec, location), context_, location);
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -38,8 +38,8 @@ class SelectionResolver {
   }
 
   /// Returns vertices in the order of the path, the loop or the list that the selection is.
-  std::vector<Index> ordered(const SelectionSpec& spec, const std::string& location) {
-    if (const auto* named = std::get_if<SelectionSpec::Named>(&spec.kind))
+  std::vector<Index> ordered(const EditSelection& spec, const std::string& location) {
+    if (const auto* named = std::get_if<EditSelection::Named>(&spec.kind))
       return ordered(definition(named->name), selection_location(named->name));
     const Selection selection = bind(spec, location);
     std::vector<Index> list = resolve(selection, context_, location);
@@ -57,7 +57,7 @@ class SelectionResolver {
   }
 
  private:
-  const SelectionSpec& definition(const std::string& name) const {
+  const EditSelection& definition(const std::string& name) const {
     return std::find_if(edit_.selections.begin(), edit_.selections.end(),
                         [&](const NamedSelection& selection) { return selection.name == name; })
         ->selection;
@@ -74,17 +74,17 @@ class SelectionResolver {
   }
 
   // Returns the library's selection for `spec`.
-  Selection bind(const SelectionSpec& spec, const std::string& location) {
+  Selection bind(const EditSelection& spec, const std::string& location) {
     return std::visit([&](const auto& kind) { return bind_kind(kind, location); }, spec.kind);
   }
 
-  std::shared_ptr<const Selection> bind_child(const SelectionSpec::Child& child, const std::string& location) {
+  std::shared_ptr<const Selection> bind_child(const EditSelection::Child& child, const std::string& location) {
     return std::make_shared<const Selection>(bind(*child, location));
   }
 
-  std::vector<Selection> bind_all(const std::vector<SelectionSpec>& specs, const std::string& location) {
+  std::vector<Selection> bind_all(const std::vector<EditSelection>& specs, const std::string& location) {
     std::vector<Selection> selections;
-    for (const SelectionSpec& spec : specs) selections.push_back(bind(spec, location));
+    for (const EditSelection& spec : specs) selections.push_back(bind(spec, location));
     return selections;
   }
 
@@ -92,28 +92,28 @@ class SelectionResolver {
   Selection bind_kind(const Kind& kind, const std::string&) {
     return Selection(kind);
   }
-  Selection bind_kind(const SelectionSpec::Named& named, const std::string&) {
+  Selection bind_kind(const EditSelection::Named& named, const std::string&) {
     const auto known = named_.find(named.name);
     if (known != named_.end()) return Selection(Selection::Indices{known->second});
     std::vector<Index> list = vertices(definition(named.name), selection_location(named.name));
     return Selection(Selection::Indices{named_[named.name] = std::move(list)});
   }
-  Selection bind_kind(const SelectionSpec::IndexFile& indices, const std::string& location) {
+  Selection bind_kind(const EditSelection::IndexFile& indices, const std::string& location) {
     const std::string text = read(indices.file, location);
     return Selection(
         Selection::Indices{parse_indices(text, vertex_count(), file_location(indices.file, location))});
   }
-  Selection bind_kind(const SelectionSpec::SelFile& sel, const std::string& location) {
+  Selection bind_kind(const EditSelection::SelFile& sel, const std::string& location) {
     const std::string text = read(sel.file, location);
     meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_location(sel.file, location));
     switch (sel.take) {
-      case SelectionSpec::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
-      case SelectionSpec::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
-      case SelectionSpec::SelPart::handle: break;
+      case EditSelection::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
+      case EditSelection::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
+      case EditSelection::SelPart::handle: break;
     }
     return Selection(Selection::Indices{std::move(parts.handle)});
   }
-  Selection bind_kind(const SelectionSpec::Produced& wanted, const std::string& location) {
+  Selection bind_kind(const EditSelection::Produced& wanted, const std::string& location) {
     const auto step = produced_.find(wanted.step);
     if (step != produced_.end())
       if (const auto set = step->second.find(wanted.what); set != step->second.end())
@@ -129,26 +129,26 @@ class SelectionResolver {
     if (produced_.empty()) throw Error(facts::script::NoProducingSteps{.step = wanted.step}, location);
     throw Error(facts::script::NoSuchStep{.step = wanted.step, .known = std::views::keys(produced_)}, location);
   }
-  Selection bind_kind(const SelectionSpec::Grow& grow, const std::string& location) {
+  Selection bind_kind(const EditSelection::Grow& grow, const std::string& location) {
     return Selection(Selection::Grow{bind_child(grow.of, location), grow.rings});
   }
-  Selection bind_kind(const SelectionSpec::GrowLength& grow, const std::string& location) {
+  Selection bind_kind(const EditSelection::GrowLength& grow, const std::string& location) {
     return Selection(Selection::GrowLength{bind_child(grow.of, location), grow.length});
   }
-  Selection bind_kind(const SelectionSpec::Union& combined, const std::string& location) {
+  Selection bind_kind(const EditSelection::Union& combined, const std::string& location) {
     return Selection(Selection::Union{bind_all(combined.of, location)});
   }
-  Selection bind_kind(const SelectionSpec::Minus& combined, const std::string& location) {
+  Selection bind_kind(const EditSelection::Minus& combined, const std::string& location) {
     return Selection(Selection::Minus{bind_all(combined.of, location)});
   }
-  Selection bind_kind(const SelectionSpec::Intersect& combined, const std::string& location) {
+  Selection bind_kind(const EditSelection::Intersect& combined, const std::string& location) {
     return Selection(Selection::Intersect{bind_all(combined.of, location)});
   }
-  Selection bind_kind(const SelectionSpec::Mirror& mirror, const std::string& location) {
+  Selection bind_kind(const EditSelection::Mirror& mirror, const std::string& location) {
     return Selection(
         Selection::Mirror{bind_child(mirror.of, location), mirror.point, mirror.normal, mirror.tolerance_rel});
   }
-  Selection bind_kind(const SelectionSpec::Rim& rim, const std::string& location) {
+  Selection bind_kind(const EditSelection::Rim& rim, const std::string& location) {
     return Selection(Selection::Rim{bind_child(rim.of, location), rim.rings});
   }
 

@@ -19,7 +19,7 @@ Json matrix_json(const Eigen::MatrixBase<Derived>& matrix) {
   return rows;
 }
 
-Json selection_json(const SelectionSpec& selection);
+Json selection_json(const EditSelection& selection);
 
 // Writes a selection; one overload per kind.
 struct SelectionWriter {
@@ -44,41 +44,41 @@ struct SelectionWriter {
     if (s.closed) path["closed"] = true;
     return {{"path", path}};
   }
-  Json operator()(const SelectionSpec::Named& s) const { return s.name; }
-  Json operator()(const SelectionSpec::IndexFile& s) const { return {{"file", s.file}}; }
-  Json operator()(const SelectionSpec::SelFile& s) const {
+  Json operator()(const EditSelection::Named& s) const { return s.name; }
+  Json operator()(const EditSelection::IndexFile& s) const { return {{"file", s.file}}; }
+  Json operator()(const EditSelection::SelFile& s) const {
     return {{"sel", s.file}, {"take", std::string(to_string(s.take))}};
   }
-  Json operator()(const SelectionSpec::Produced& s) const {
+  Json operator()(const EditSelection::Produced& s) const {
     return {{"produced", {{"step", s.step}, {"what", s.what}}}};
   }
-  Json operator()(const SelectionSpec::Grow& s) const {
+  Json operator()(const EditSelection::Grow& s) const {
     return {{"grow", {{"of", selection_json(*s.of)}, {"rings", s.rings}}}};
   }
-  Json operator()(const SelectionSpec::GrowLength& s) const {
+  Json operator()(const EditSelection::GrowLength& s) const {
     return {{"grow_length", {{"of", selection_json(*s.of)}, {"length", s.length}}}};
   }
-  Json operator()(const SelectionSpec::Union& s) const { return {{"union", operands(s.of)}}; }
-  Json operator()(const SelectionSpec::Minus& s) const { return {{"minus", operands(s.of)}}; }
-  Json operator()(const SelectionSpec::Intersect& s) const { return {{"intersect", operands(s.of)}}; }
-  Json operator()(const SelectionSpec::Mirror& s) const {
+  Json operator()(const EditSelection::Union& s) const { return {{"union", operands(s.of)}}; }
+  Json operator()(const EditSelection::Minus& s) const { return {{"minus", operands(s.of)}}; }
+  Json operator()(const EditSelection::Intersect& s) const { return {{"intersect", operands(s.of)}}; }
+  Json operator()(const EditSelection::Mirror& s) const {
     return {{"mirror",
              {{"of", selection_json(*s.of)},
               {"point", vector_json(s.point)},
               {"normal", vector_json(s.normal)},
               {"tolerance_rel", s.tolerance_rel}}}};
   }
-  Json operator()(const SelectionSpec::Rim& s) const {
+  Json operator()(const EditSelection::Rim& s) const {
     return {{"rim", {{"of", selection_json(*s.of)}, {"rings", s.rings}}}};
   }
-  static Json operands(const std::vector<SelectionSpec>& list) {
+  static Json operands(const std::vector<EditSelection>& list) {
     Json operands = Json::array();
-    for (const SelectionSpec& operand : list) operands.push_back(selection_json(operand));
+    for (const EditSelection& operand : list) operands.push_back(selection_json(operand));
     return operands;
   }
 };
 
-Json selection_json(const SelectionSpec& selection) { return std::visit(SelectionWriter{}, selection.kind); }
+Json selection_json(const EditSelection& selection) { return std::visit(SelectionWriter{}, selection.kind); }
 
 struct PoseWriter {
   Json operator()(const HandleMotion& motion) const {

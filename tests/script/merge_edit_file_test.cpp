@@ -140,7 +140,7 @@ TEST(MergeEditFile, ListsTheFilesOfItsSelections) {
 }
 
 TEST(MergeEditFile, ReadsASelectionAlone) {
-  const SelectionSpec spec = parse_selection(R"({"loop": 3})", "--fix");
+  const EditSelection spec = parse_selection(R"({"loop": 3})", "--fix");
   EXPECT_EQ(std::get<Selection::Loop>(spec.kind).number, 3);
   EXPECT_THROW(parse_selection(R"({"loop": -3})", "--fix"), Error);
   EXPECT_THROW(parse_selection("{", "--fix"), Error);

@@ -110,7 +110,7 @@ std::vector<Index> at_plane(const SymmetricMesh& symmetric, double width_rel) {
   return near;
 }
 
-SelectionSpec indices(std::vector<Index> vertices) { return {Selection::Indices{std::move(vertices)}}; }
+EditSelection indices(std::vector<Index> vertices) { return {Selection::Indices{std::move(vertices)}}; }
 
 std::vector<Index> images_of(const SymmetricMesh& symmetric, const std::vector<Index>& set) {
   std::vector<Index> images;

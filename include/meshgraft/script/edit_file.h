@@ -22,11 +22,10 @@
 
 namespace meshgraft {
 
-/// A vertex set in the form of an edit file. Unlike `Selection` it may refer to other selections by name, to
-/// files, and to the products of an earlier step. Running the step replaces these references by the vertices
-/// they stand for.
-struct SelectionSpec {
-  using Child = std::shared_ptr<const SelectionSpec>;
+/// A vertex set as an edit file describes it. It may refer to other selections by name, to files, and to the
+/// products of an earlier step. Running the step makes a `Selection` of it, which refers to nothing but a mesh.
+struct EditSelection {
+  using Child = std::shared_ptr<const EditSelection>;
   enum class SelPart { fixed, free, handle };
 
   /// An entry of `EditFile::selections`.
@@ -55,13 +54,13 @@ struct SelectionSpec {
     double length = 0;
   };
   struct Union {
-    std::vector<SelectionSpec> of;
+    std::vector<EditSelection> of;
   };
   struct Minus {
-    std::vector<SelectionSpec> of;
+    std::vector<EditSelection> of;
   };
   struct Intersect {
-    std::vector<SelectionSpec> of;
+    std::vector<EditSelection> of;
   };
   struct Mirror {
     Child of;
@@ -82,7 +81,7 @@ struct SelectionSpec {
 
 struct NamedSelection {
   std::string name;
-  SelectionSpec selection;
+  EditSelection selection;
   std::string colour{};  ///< drawing colour, "#rrggbb"; empty: none
 };
 
@@ -113,7 +112,7 @@ struct HandleSpec {
   std::string name;
   HandleShape shape = HandleShape::region;
   std::optional<bool> closed;  ///< for `curve`; absent: closed if its ends share an edge
-  SelectionSpec select;
+  EditSelection select;
   bool constrain_position = true;
   bool constrain_transform = true;
   PoseSpec pose;
@@ -130,7 +129,7 @@ struct TransformSpec {
 };
 
 struct AnchorSpec {
-  SelectionSpec select;
+  EditSelection select;
   double weight = Anchor{}.weight;
 };
 
@@ -164,9 +163,9 @@ struct DeformSettings {
 struct DeformStep {
   std::string mesh;      ///< name of an input or of an earlier step's result
   std::string result;    ///< name of the resulting mesh; empty = the same name
-  SelectionSpec region;  ///< region of interest
+  EditSelection region;  ///< region of interest
   /// Absent: two rings of the region along its boundary with the rest, without handles.
-  std::optional<SelectionSpec> fixed;
+  std::optional<EditSelection> fixed;
   std::vector<HandleSpec> handles;
   std::vector<TargetSpec> targets;        ///< positions per vertex
   std::vector<TransformSpec> transforms;  ///< local transforms per vertex
@@ -189,13 +188,13 @@ struct MatchSpec {
 /// A loop of the source and the loop of the target that it meets. A selection contains all vertices of one
 /// boundary loop, in any order.
 struct MergePairSpec {
-  SelectionSpec source_loop, target_loop;
+  EditSelection source_loop, target_loop;
   /// As `MergePair::matches`; points stand for the loops' nearest vertices. The file's `start` comes first.
   std::vector<MatchSpec> matches;
 };
 
 struct MergeFeatureSpec {
-  SelectionSpec select;  ///< on the source
+  EditSelection select;  ///< on the source
   bool similarity = true;
 };
 
@@ -204,7 +203,7 @@ struct DropSpec {
   /// Vertex of the target, or a point: the nearest point of the surface.
   VertexSpec surface_point;
   double spin_deg = 0;                         ///< turn about the target's normal, degrees
-  std::optional<SelectionSpec> source_loop{};  ///< absent: the source's only loop
+  std::optional<EditSelection> source_loop{};  ///< absent: the source's only loop
 };
 
 struct MergeSettings {
@@ -236,7 +235,7 @@ struct MergeStep {
   std::vector<MatchSpec> align;  ///< pairs for `align_source`
   std::optional<double> size;
   double normal_angle_deg = 0;
-  std::optional<SelectionSpec> fixed;  ///< vertices of the source
+  std::optional<EditSelection> fixed;  ///< vertices of the source
   Reach reach;                         ///< a length is in units of the source before it was posed
   std::vector<MergeFeatureSpec> features;
   bool smooth_boundary = false;
@@ -306,7 +305,7 @@ EditFile parse_edit(std::string_view text, const std::string& location,
                     const std::filesystem::path& base_folder = {});
 
 /// Parses a selection in the form of an edit file. Throws what `parse_edit` throws.
-SelectionSpec parse_selection(std::string_view text, const std::string& location);
+EditSelection parse_selection(std::string_view text, const std::string& location);
 
 /// Returns the edit as a version 2 file; `parse_edit` reads it back to an equal edit.
 std::string write_edit(const EditFile& edit);
@@ -315,6 +314,6 @@ std::string write_edit(const EditFile& edit);
 /// folder.
 std::vector<std::filesystem::path> referenced_files(const EditFile& edit);
 
-std::string_view to_string(SelectionSpec::SelPart value);
+std::string_view to_string(EditSelection::SelPart value);
 
 }  // namespace meshgraft

@@ -1,5 +1,5 @@
 // A merge step of the document in the form the page works with, and the fields that change it. No state, no screen.
-import type { EngineEvent, Match, PageRequest, SelectionSpec } from "../../protocol";
+import type { EngineEvent, Match, PageRequest, EditSelection } from "../../protocol";
 
 /** Fields of a graft to be changed by the engine; null removes a field. */
 export type GraftFields = Omit<Extract<PageRequest, { do: "graft-drag" }>, "do">;
@@ -18,8 +18,8 @@ export interface Pair {
   readonly start?: Match | undefined; // absent: found automatically
   readonly matches: readonly Match[];
   /** The document's selections of the loops. */
-  readonly source?: SelectionSpec;
-  readonly target?: SelectionSpec;
+  readonly source?: EditSelection;
+  readonly target?: EditSelection;
 }
 
 export type Vector3Tuple = [number, number, number];
@@ -39,7 +39,7 @@ export interface GraftStep {
   readonly mirror: { point: Vector3Tuple; normal: Vector3Tuple } | undefined;
   readonly sourceTransform: Rows4 | undefined;
   readonly hasFixed: boolean;
-  readonly fixed: SelectionSpec | undefined;
+  readonly fixed: EditSelection | undefined;
   readonly smoothBoundary: boolean;
   readonly fixWinding: boolean;
 }
@@ -78,7 +78,7 @@ function readPair(pair: RequestPair): Pair {
   };
 }
 
-function loopNumber(selection: SelectionSpec): number {
+function loopNumber(selection: EditSelection): number {
   if (typeof selection !== "object" || selection === null || !("loop" in selection)) return -1;
   return typeof selection.loop === "number" ? selection.loop : -1;
 }

@@ -1,6 +1,6 @@
 // The data types of a graft in the page.
 import type { Outcome } from "../../engine/connection";
-import type { DocumentState, EngineEvent, PageRequest, Plane, SelectionSpec } from "../../protocol";
+import type { DocumentState, EngineEvent, PageRequest, Plane, EditSelection } from "../../protocol";
 import type { Failure } from "../wording";
 import type { LoopCurve } from "./loop_curve";
 
@@ -42,7 +42,7 @@ export interface DrawnCurve {
 }
 
 export type SelectionChange =
-  { how: "invert" } | { how: "grow"; rings: number } | { how: "set"; what: SelectionSpec };
+  { how: "invert" } | { how: "grow"; rings: number } | { how: "set"; what: EditSelection };
 export type CutRequest = Extract<PageRequest, { do: "cut" }>;
 export type Side = "above" | "below" | "both";
 
