@@ -106,14 +106,14 @@ std::vector<std::byte> graft_frame(const ShownGraft& graft) {
   const Eigen::RowVector3d& offset = graft.target.offset;
   const MergeOutcome& merge = *graft.report.merge;
   BinaryFrame frame(FrameKind::graft, {{"graft", graft.number},
-                                               {"dragged", graft.dragged},
-                                               {"mesh", graft.target.id},
-                                               {"source", graft.source.id},
-                                               {"offset", {offset.x(), offset.y(), offset.z()}},
-                                               {"scale", 1.0},
-                                               {"vertices", graft.mesh.vertex_count()},
-                                               {"faces", graft.mesh.face_count()},
-                                               {"seconds", graft.report.seconds.total}});
+                                       {"dragged", graft.dragged},
+                                       {"mesh", graft.target.id},
+                                       {"source", graft.source.id},
+                                       {"offset", {offset.x(), offset.y(), offset.z()}},
+                                       {"scale", 1.0},
+                                       {"vertices", graft.mesh.vertex_count()},
+                                       {"faces", graft.mesh.face_count()},
+                                       {"seconds", graft.report.seconds.total}});
   const Triangulation surface = triangulate(graft.mesh, {.skip_out_of_range = true});
   add_surface(frame, graft.mesh, surface.triangles, offset);
   frame.add("origin", origins(merge, surface, graft.mesh.face_count()));

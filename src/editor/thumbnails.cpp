@@ -93,8 +93,7 @@ void Thumbnails::make(const Task& task, const std::stop_token& stop) {
     Context context;
     context.stop_token = stop;
     const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, task.y_up, context);
-    BinaryFrame frame(FrameKind::thumbnail,
-                      {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
+    BinaryFrame frame(FrameKind::thumbnail, {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
     frame.add("png", picture);
     outbox_.send(frame.bytes());
     outbox_.reply(task.request.id, {{"bytes", picture.size()}});

@@ -112,7 +112,8 @@ TEST(Protocol, NamesHandlesAndFilesWhereErrorsLie) {
   const Json document = {{"steps", {{{"handles", {{{"name", "a"}}, {{"name", "nose"}}}}}}}};
   const Error numbered(facts::core::NoFaces{}, "edit: steps[0].handles[1].pose.axis");
   EXPECT_EQ(editor::with_handle_name(numbered, document).location(), "edit: steps[0]: handle 'nose'.pose.axis");
-  for (const char* location : {"edit: steps[0].handles[7]", "edit: steps[2].handles[0]", "edit: steps[0]", "select"})
+  for (const char* location :
+       {"edit: steps[0].handles[7]", "edit: steps[2].handles[0]", "edit: steps[0]", "select"})
     EXPECT_EQ(editor::with_handle_name(numbered.at(location), document).location(), location);
   EXPECT_EQ(editor::in_file(numbered, "/m/e.json").location(), "/m/e.json: steps[0].handles[1].pose.axis");
   EXPECT_EQ(editor::in_file(numbered.at("/m/a.ply"), "/m/e.json").location(), "/m/a.ply");
