@@ -343,7 +343,7 @@ TEST_F(RunEdit, NamesTheFieldThatDoesNotFitTheMesh) {
   says(step(R"(, "counts": {"vertices": 7})"), "steps[0].counts.vertices: 7 expected, 144 found");
   says(step(R"(, "counts": {"free": 7})"), "steps[0].counts.free: 7 expected, 96 found");
   says(step(R"(, "targets": [{"vertex": 0, "position": [0, 0, 0]}])"), "targets[0]: vertex 0 is also fixed");
-  says(step(R"(, "targets": [{"vertex": 140, "position": [0, 0, 0]}])"), "already part of the handle 'edge'");
+  says(step(R"(, "targets": [{"vertex": 140, "position": [0, 0, 0]}])"), "also belongs to handle 'edge'");
   says(step(R"(, "targets": [{"vertex": 144, "position": [0, 0, 0]}])"),
        "targets[0]: vertex 144 does not exist");
   says(R"({"kind": "deform", "mesh": "sheet", "region": {"indices": [1, 2]},
