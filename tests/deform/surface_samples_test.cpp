@@ -31,7 +31,7 @@ struct SampleScene {
     std::vector<Index> all = sources;
     for (Index v = 0; v < mesh.size(); ++v)
       if (seeds[v]) all.push_back(v);
-    return edge_distance(all, mesh.positions, rings, everywhere);
+    return edge_distance(all, mesh.positions, rings, {.limit = everywhere});
   }
 };
 
@@ -97,7 +97,7 @@ TEST(SurfaceSamples, EveryVertexBelongsToItsNearestSample) {
     const std::vector<Index> nearest = nearest_sample(mesh.positions, rings, samples);
     std::vector<std::vector<double>> distance;
     for (const Index s : samples)
-      distance.push_back(edge_distance(std::vector{s}, mesh.positions, rings, everywhere));
+      distance.push_back(edge_distance(std::vector{s}, mesh.positions, rings, {.limit = everywhere}));
     for (Index v = 0; v < mesh.size(); ++v) {
       double least = everywhere;
       for (const auto& from : distance) least = std::min(least, from[v]);

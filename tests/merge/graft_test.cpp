@@ -64,8 +64,7 @@ TEST(BeyondReach, CountsRingsOfEdges) {
 
 TEST(BeyondReach, MeasuresLengthsAlongEdges) {
   for (const GraftScene& scene : graft_scenes()) {
-    const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings,
-                                        std::numeric_limits<double>::infinity());
+    const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings);
     const std::vector<Index> always_near = grow_rings(scene.loops[0], 2, scene.rings);
     std::size_t last = scene.mesh.positions.rows();
     for (const double length : {0.0, 0.3, 0.8, 100.0}) {
@@ -85,8 +84,7 @@ TEST(BeyondReach, MeasuresLengthsAlongEdges) {
 
 TEST(BeyondReach, ByDefaultLeavesTheFartherHalfAtLeast) {
   for (const GraftScene& scene : graft_scenes()) {
-    const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings,
-                                        std::numeric_limits<double>::infinity());
+    const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings);
     const double farthest = *std::max_element(distance.begin(), distance.end());
     const std::vector<Index> far = beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {}, 1000);
     const std::vector<Index> always_near = grow_rings(scene.loops[0], 2, scene.rings);
