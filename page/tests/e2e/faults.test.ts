@@ -175,7 +175,7 @@ test("a model that is replaced while it is open is told of when saving", async (
   await moveUp(user, 1);
   run("sample", "bar", "--resolution", "8", "-o", folder.file("bar.obj"));
   await saveEditAs(user, "edit");
-  await page.getByText(/is another file than the one that was opened/).waitFor();
+  await page.getByText(/is no longer the one that was opened/).waitFor();
   await user.screenshot("faults-model-replaced");
   expect(await page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(
     positionsOf(folder.file("rest.obj")).length / 3,
