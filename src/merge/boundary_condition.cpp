@@ -55,7 +55,7 @@ struct LoopSize {
   }
 };
 
-Points places_of(const Points& target, const Correspondence& correspondence) {
+Points target_points(const Points& target, const Correspondence& correspondence) {
   Points there(static_cast<Eigen::Index>(correspondence.loop_parameter.size()), 3);
   for (Eigen::Index i = 0; i < there.rows(); ++i)
     there.row(i) = at(target, correspondence.loop_parameter[static_cast<std::size_t>(i)]);
@@ -70,7 +70,7 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
                                                    const BoundaryOptions& options) {
   const LoopSize source_size(source.points), target_size(target.points);
   const Points source_tangents = tangents(source.points), target_tangents = tangents(target.points);
-  const Points there = places_of(target.points, correspondence);
+  const Points there = target_points(target.points, correspondence);
   constexpr double near_centre = 0.1;  // × the radius: ratios of short distances are unreliable
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index i = 0; i < there.rows(); ++i) {

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <meshgraft/deform/constraints.h>
 #include <meshgraft/merge/correspondence.h>
-#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/merge_options.h>
+#include <meshgraft/merge/similarity.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "pair_geometry.h"
 
 namespace meshgraft {
 

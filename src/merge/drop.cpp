@@ -28,19 +28,19 @@ struct Trial {
   Index inverted() const { return drop.merge.report.shape.inverted; }
 };
 
-Trial graft_in_hole(OpenedHole hole, const Mesh& part, const MergeOptions& asked, const Context& context) {
+Trial graft_in_hole(OpenedHole hole, const Mesh& source, const MergeOptions& asked, const Context& context) {
   Trial trial{std::move(hole), {}};
   DropResult& drop = trial.drop;
   drop.options = asked;
   drop.options.size = trial.hole.size;
   const std::array pairs{trial.hole.pair};
-  drop.merge = merge_meshes(trial.hole.target, part, pairs, drop.options, context);
+  drop.merge = merge_meshes(trial.hole.target, source, pairs, drop.options, context);
   if (asked.normal_angle_deg == 0)
     for (const double angle_deg : {-45.0, -90.0}) {
       if (trial.inverted() == 0) break;
       MergeOptions options = drop.options;
       options.normal_angle_deg = angle_deg;
-      MergeResult other = merge_meshes(trial.hole.target, part, pairs, options, context);
+      MergeResult other = merge_meshes(trial.hole.target, source, pairs, options, context);
       if (other.report.shape.inverted >= trial.inverted()) continue;
       drop.merge = std::move(other);
       drop.options = options;
@@ -48,7 +48,7 @@ Trial graft_in_hole(OpenedHole hole, const Mesh& part, const MergeOptions& asked
   drop.notes = trial.hole.notes;
   if (drop.options.normal_angle_deg != asked.normal_angle_deg)
     drop.notes.push_back(facts::merge::BentLess{.normal_angle_deg = drop.options.normal_angle_deg});
-  drop.intersections = count_intersections(part, drop.merge, context);
+  drop.intersections = count_intersections(source, drop.merge, context);
   return trial;
 }
 

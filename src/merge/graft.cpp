@@ -16,8 +16,8 @@ namespace {
 constexpr std::uint8_t of_feature = 1, stays = 2;
 
 /// Returns `radii` × the loop's own radius, limited to half the distance to the farthest vertex.
-double default_reach(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
-                     double radii) {
+double default_radius(const Points& points, const IndexLists& rings, const std::vector<Index>& loop,
+                      double radii) {
   double farthest = 0;
   for (const double distance : edge_distance(loop, points, rings))
     if (std::isfinite(distance)) farthest = std::max(farthest, distance);
@@ -51,14 +51,15 @@ double loop_radius(const Points& points, const std::vector<Index>& loop) {
   return std::sqrt(sum / static_cast<double>(loop.size()));
 }
 
-std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
-                                std::span<const std::vector<Index>> loops, const Reach& reach, double radii) {
+std::vector<Index> beyond_influence_radius(const Points& source, const IndexLists& rings,
+                                           std::span<const std::vector<Index>> loops, const Reach& reach,
+                                           double radii) {
   constexpr int fewest_rings = 2;
   Flags near(static_cast<std::size_t>(source.rows()), 0);
   for (const auto& loop : loops) {
     for (const Index v : grow_rings(loop, reach.rings.value_or(fewest_rings), rings)) near[v] = 1;
     if (reach.rings) continue;
-    const double length = reach.length ? *reach.length : default_reach(source, rings, loop, radii);
+    const double length = reach.length ? *reach.length : default_radius(source, rings, loop, radii);
     const std::vector<double> distance = edge_distance(loop, source, rings, {.limit = length});
     for (std::size_t v = 0; v < near.size(); ++v) near[v] |= static_cast<std::uint8_t>(distance[v] <= length);
   }

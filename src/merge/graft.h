@@ -6,7 +6,7 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -25,8 +25,9 @@ double loop_radius(const Points& points, const std::vector<Index>& loop);
 /// Returns the vertices of a source beyond the influence radius of its loops, ascending. The radius is `reach`,
 /// or, where it is not set, `radii` × each loop's own radius (at most half the distance to the farthest
 /// vertex).
-std::vector<Index> beyond_reach(const Points& source, const IndexLists& rings,
-                                std::span<const std::vector<Index>> loops, const Reach& reach, double radii);
+std::vector<Index> beyond_influence_radius(const Points& source, const IndexLists& rings,
+                                           std::span<const std::vector<Index>> loops, const Reach& reach,
+                                           double radii);
 
 /// Deforms the source so that its loops meet their constraints. `source` is already posed near the
 /// constraints. With the shape `similar`, the vertices `far` follow one similarity per component; with a kept

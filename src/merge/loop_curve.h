@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/similarity.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

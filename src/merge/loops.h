@@ -5,8 +5,10 @@
 #include <vector>
 
 #include <meshgraft/merge/correspondence.h>
-#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "pair_geometry.h"
 
 namespace meshgraft {
 

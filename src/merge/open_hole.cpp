@@ -69,7 +69,7 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
 }
 
 /// Returns the drop's surface point, moved along the normal to the mean height of the hole's boundary.
-Vector rim_centre(const FitResult& fit) {
+Vector boundary_centre(const FitResult& fit) {
   const PreparedTarget& target = fit.chart->target;
   const Vector centre = fit.chart->point.point;
   double height = 0;
@@ -89,7 +89,7 @@ Vector rim_centre(const FitResult& fit) {
 /// the source's loop.
 bool cuts_through(const Mesh& source, const FlatLoop& loop, const FitResult& fit, const Context& context) {
   const PreparedTarget& target = fit.chart->target;
-  const Eigen::Affine3d map = placement_map(loop, fit.placement, fit.size, rim_centre(fit));
+  const Eigen::Affine3d map = placement_map(loop, fit.placement, fit.size, boundary_centre(fit));
   const Points posed = (source.positions * map.linear().transpose()).rowwise() + map.translation().transpose();
   const Triangles triangles = triangulate(source, {.skip_out_of_range = true}).triangles;
   const Index offset = target.mesh.vertex_count();

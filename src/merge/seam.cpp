@@ -255,7 +255,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
     source_length += mean_edge_length(source.positions, pairs[order[k]].source);
     target_length += mean_edge_length(opened.mesh.positions, opened.loops[k]);
   }
-  result.report.edge_ratio = pairs.empty() ? 1 : source_length / target_length;
+  result.report.source_edge_ratio = pairs.empty() ? 1 : source_length / target_length;
   context.step("seam", 1);
   return result;
 }

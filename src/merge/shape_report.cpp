@@ -15,7 +15,8 @@ namespace meshgraft {
 
 namespace {
 
-struct Part {
+/// The vertices of a connected component of the source.
+struct ComponentVertices {
   std::vector<Index> far, all;
 };
 
@@ -48,7 +49,7 @@ double smallest_stretch(const Points& rest, const Points& grafted, const Eigen::
 
 ShapeReport measure_shape(const Points& rest, const Points& grafted, const Triangles& triangles,
                           std::span<const Index> far, const std::vector<Index>& component) {
-  std::map<Index, Part> parts;
+  std::map<Index, ComponentVertices> parts;
   Flags is_far(static_cast<std::size_t>(rest.rows()), 0);
   for (const Index v : far) {
     parts[component[v]].far.push_back(v);

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/merge_report.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

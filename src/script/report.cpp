@@ -133,7 +133,7 @@ Json seam_json(const SeamReport& seam) {
           {"target_dihedral_p99_deg", seam.target_dihedral_p99_deg},
           {"source_dihedral_p99_deg", seam.source_dihedral_p99_deg},
           {"band_displacement_rel", seam.band_displacement_rel},
-          {"edge_ratio", seam.edge_ratio}};
+          {"edge_ratio", seam.source_edge_ratio}};
 }
 
 Json merge_settings_json(const MergeOptions& options) {

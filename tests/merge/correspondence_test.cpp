@@ -10,6 +10,9 @@
 
 #include <meshgraft/core/error.h>
 
+#include "../../src/merge/match_automatically.h"
+#include "../../src/merge/match_by_arc_length.h"
+
 namespace meshgraft {
 namespace {
 
@@ -43,7 +46,7 @@ TEST(Correspondence, FollowsTheStartByArcLength) {
   const LoopGeometry source = bumpy_loop(50, 0, false), target = bumpy_loop(50, 0, true);
   const LoopPair pair = numbered(50, 50);
   const Match start{pair.source[0], pair.target[0]};
-  const Correspondence found = match_by_arc_length(pair, {&start, 1}, source, target, "");
+  const Correspondence found = match_by_arc_length({pair, source, target, ""}, {&start, 1});
   EXPECT_EQ(found.confidence, 1);
   for (int i = 0; i < 50; ++i)
     EXPECT_LT((at(target.points, found.loop_parameter[i]) - source.points.row(i)).norm(), 1e-12) << i;
@@ -53,7 +56,7 @@ TEST(Correspondence, KeepsAllMatchesAndTheOrderBetween) {
   const LoopGeometry source = bumpy_loop(40, 0, false), target = bumpy_loop(25, 0.3, true);
   const LoopPair pair = numbered(40, 25);
   const std::vector<Match> matches{{103, 520}, {115, 512}, {130, 501}};
-  const Correspondence found = match_by_arc_length(pair, matches, source, target, "");
+  const Correspondence found = match_by_arc_length({pair, source, target, ""}, matches);
   for (const Match& match : matches) EXPECT_EQ(found.loop_parameter[match.source - 100], match.target - 500);
   double walked = 0;
   for (int i = 0; i < 40; ++i) {
@@ -75,9 +78,8 @@ TEST(Correspondence, IsFoundWhateverTheSamplingAndThePose) {
     target.points = (3 * target.points * turn.transpose()).eval();
     target.points.rowwise() += Eigen::RowVector3d(4, 5, 6);
     target.normals = (target.normals * turn.transpose()).eval();
-    const LoopPair pair = numbered(64, count);
-    const std::string place;
-    const auto found = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, false, {&place, 1});
+    const PairGeometry pair{numbered(64, count), source, target, ""};
+    const auto found = match_automatically({&pair, 1}, false);
     EXPECT_GT(found[0].confidence, 0.3);
     for (int i = 0; i < 64; ++i)
       EXPECT_LT((at(unposed, found[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1)
@@ -87,19 +89,17 @@ TEST(Correspondence, IsFoundWhateverTheSamplingAndThePose) {
 
 TEST(Correspondence, OfIdenticalLoopsIsExact) {
   const LoopGeometry source = bumpy_loop(77, 0, false), target = bumpy_loop(77, 12.0 / 77, true);
-  const LoopPair pair = numbered(77, 77);
-  const std::string place;
-  const auto found = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, false, {&place, 1});
+  const PairGeometry pair{numbered(77, 77), source, target, ""};
+  const auto found = match_automatically({&pair, 1}, false);
   for (int i = 0; i < 77; ++i)
     EXPECT_LT((at(target.points, found[0].loop_parameter[i]) - source.points.row(i)).norm(), 1e-12) << i;
 }
 
 TEST(Correspondence, OfCirclesIsRefusedAlone) {
   const LoopGeometry source = bumpy_loop(64, 0, false, 0), target = bumpy_loop(48, 0, true, 0);
-  const LoopPair pair = numbered(64, 48);
-  const std::string place = "pair 7";
+  const PairGeometry pair{numbered(64, 48), source, target, "pair 7"};
   try {
-    match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, false, {&place, 1});
+    match_automatically({&pair, 1}, false);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.id(), "merge.open_start");
@@ -111,33 +111,30 @@ TEST(Correspondence, OfCirclesIsRefusedAlone) {
     EXPECT_EQ(starts[0].least_turned.source, error.fact().get<std::int64_t>("source"));
     EXPECT_EQ(starts[0].least_turned.target, error.fact().get<std::int64_t>("target"));
     EXPECT_EQ(starts[0].confidence, error.fact().get<double>("confidence"));
-    EXPECT_EQ(starts[0].least_turned.source, pair.source.front());
-    EXPECT_NE(std::find(pair.target.begin(), pair.target.end(), starts[0].least_turned.target),
-              pair.target.end());
+    EXPECT_EQ(starts[0].least_turned.source, pair.loops.source.front());
+    EXPECT_NE(std::find(pair.loops.target.begin(), pair.loops.target.end(), starts[0].least_turned.target),
+              pair.loops.target.end());
   }
   // Where the source has a pose, nearness decides.
-  const auto posed = match_automatically({&pair, 1}, {&source, 1}, {&target, 1}, true, {&place, 1});
+  const auto posed = match_automatically({&pair, 1}, true);
   for (int i = 0; i < 64; ++i)
     EXPECT_LT((at(target.points, posed[0].loop_parameter[i]) - source.points.row(i)).norm(), 0.1);
 }
 
 TEST(Correspondence, OfCirclesIsPlacedByTheOthers) {
-  std::vector<LoopPair> pairs;
-  std::vector<LoopGeometry> sources, targets;
-  std::vector<std::string> places;
+  std::vector<PairGeometry> pairs;
   for (int p = 0; p < 3; ++p) {
     const Eigen::RowVector3d centre(4 * std::cos(2.0 * p), 4 * std::sin(2.0 * p), p);
-    pairs.push_back(numbered(40, 56));
-    sources.push_back(bumpy_loop(40, 0.1 * p, false, 0));
-    targets.push_back(bumpy_loop(56, 0.2, true, 0));
-    sources.back().points.rowwise() += centre;
-    targets.back().points.rowwise() += centre;
-    places.push_back("pair " + std::to_string(p));
+    pairs.push_back({numbered(40, 56), bumpy_loop(40, 0.1 * p, false, 0), bumpy_loop(56, 0.2, true, 0),
+                     "pair " + std::to_string(p)});
+    pairs.back().source.points.rowwise() += centre;
+    pairs.back().target.points.rowwise() += centre;
   }
-  const auto found = match_automatically(pairs, sources, targets, false, places);
+  const auto found = match_automatically(pairs, false);
   for (int p = 0; p < 3; ++p) {
     for (int i = 0; i < 40; ++i)
-      EXPECT_LT((at(targets[p].points, found[p].loop_parameter[i]) - sources[p].points.row(i)).norm(), 0.15)
+      EXPECT_LT((at(pairs[p].target.points, found[p].loop_parameter[i]) - pairs[p].source.points.row(i)).norm(),
+                0.15)
           << p;
   }
 }

@@ -49,11 +49,11 @@ TEST(LoopRadius, IsTheRootMeanSquareFromTheCentre) {
   EXPECT_NEAR(loop_radius(test::tube(12, 3).positions, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}), 0.4, 1e-12);
 }
 
-TEST(BeyondReach, CountsRingsOfEdges) {
+TEST(BeyondInfluenceRadius, CountsRingsOfEdges) {
   for (const GraftScene& scene : graft_scenes())
     for (const int rings : {0, 1, 3}) {
       const std::vector<Index> far =
-          beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {.rings = rings}, 1);
+          beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.rings = rings}, 1);
       const std::vector<Index> near = grow_rings(scene.loops[0], rings, scene.rings);
       for (Index v = 0; v < scene.mesh.size(); ++v)
         EXPECT_NE(std::binary_search(far.begin(), far.end(), v),
@@ -62,14 +62,14 @@ TEST(BeyondReach, CountsRingsOfEdges) {
     }
 }
 
-TEST(BeyondReach, MeasuresLengthsAlongEdges) {
+TEST(BeyondInfluenceRadius, MeasuresLengthsAlongEdges) {
   for (const GraftScene& scene : graft_scenes()) {
     const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings);
     const std::vector<Index> always_near = grow_rings(scene.loops[0], 2, scene.rings);
     std::size_t last = scene.mesh.positions.rows();
     for (const double length : {0.0, 0.3, 0.8, 100.0}) {
       const std::vector<Index> far =
-          beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {.length = length}, 1);
+          beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.length = length}, 1);
       EXPECT_LE(far.size(), last);  // a longer reach leaves less
       last = far.size();
       for (Index v = 0; v < scene.mesh.size(); ++v) {
@@ -82,11 +82,12 @@ TEST(BeyondReach, MeasuresLengthsAlongEdges) {
   }
 }
 
-TEST(BeyondReach, ByDefaultLeavesTheFartherHalfAtLeast) {
+TEST(BeyondInfluenceRadius, ByDefaultLeavesTheFartherHalfAtLeast) {
   for (const GraftScene& scene : graft_scenes()) {
     const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings);
     const double farthest = *std::max_element(distance.begin(), distance.end());
-    const std::vector<Index> far = beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {}, 1000);
+    const std::vector<Index> far =
+        beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {}, 1000);
     const std::vector<Index> always_near = grow_rings(scene.loops[0], 2, scene.rings);
     for (Index v = 0; v < scene.mesh.size(); ++v) {
       if (distance[v] > farthest / 2 && !std::binary_search(always_near.begin(), always_near.end(), v)) {
@@ -108,7 +109,8 @@ TEST(SolveGraft, ReproducesASimilarityOfTheLoop) {
   for (const GraftScene& scene : graft_scenes())
     for (const Eigen::Affine3d& map : test::similarities())
       for (const MergeShape shape : {MergeShape::similar, MergeShape::ft05}) {
-        const std::vector<Index> far = beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {}, 1);
+        const std::vector<Index> far =
+            beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {}, 1);
         const Graft graft = solve_graft(scene.mesh.positions, scene.mesh.triangles, constraints_of(scene, map),
                                         far, scene.component, {.shape = shape}, {});
         const Points expected = test::mapped(scene.mesh.positions, map);
@@ -120,7 +122,7 @@ TEST(SolveGraft, ReproducesASimilarityOfTheLoop) {
 TEST(SolveGraft, MeetsItsConstraintsExactlyAndKeepsThePoseBeyondReach) {
   for (const GraftScene& scene : graft_scenes()) {
     const std::vector<Index> far =
-        beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {.rings = 3}, 1);
+        beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.rings = 3}, 1);
     Eigen::Affine3d map(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
     const auto constraints = constraints_of(scene, map);
     const Graft graft = solve_graft(scene.mesh.positions, scene.mesh.triangles, constraints, far,
@@ -134,7 +136,7 @@ TEST(SolveGraft, MeetsItsConstraintsExactlyAndKeepsThePoseBeyondReach) {
 TEST(SolveGraft, TheFarPartFollowsOneSimilarity) {
   for (const GraftScene& scene : graft_scenes()) {
     const std::vector<Index> far =
-        beyond_reach(scene.mesh.positions, scene.rings, scene.loops, {.rings = 3}, 1);
+        beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.rings = 3}, 1);
     if (far.size() < 8) continue;
     auto constraints = constraints_of(scene, test::similarities()[0]);
     for (std::size_t k = 0; k < constraints.size(); ++k)

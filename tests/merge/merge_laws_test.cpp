@@ -191,8 +191,8 @@ TEST(Merge, RefinesTheCoarserSide) {
     const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs);
     EXPECT_GT(result.report.source_vertices_added + result.report.seam.new_faces, 0);
     EXPECT_EQ(result.report.source_vertices_added > 0, source_resolution < target_resolution);
-    EXPECT_LT(result.report.seam.edge_ratio, 2.2);
-    EXPECT_GT(result.report.seam.edge_ratio, 1 / 2.2);
+    EXPECT_LT(result.report.seam.source_edge_ratio, 2.2);
+    EXPECT_GT(result.report.seam.source_edge_ratio, 1 / 2.2);
     EXPECT_TRUE(result.report.seam.closed && result.report.seam.manifold);
     EXPECT_EQ(result.grafted.rows(), graft.source.vertex_count());
   }

@@ -110,7 +110,7 @@ TEST(Seam, HalvesACoarseRingAndNothingElse) {
   const Graft graft = tubes(17, 128, false);
   const SeamResult result = make_seam(graft.target, graft.source, graft.pairs, {.target_rings = 0});
   EXPECT_GT(result.mesh.vertex_count(), graft.target.vertex_count() + graft.source.vertex_count() - 17);
-  EXPECT_LE(1 / result.report.edge_ratio, 2.2);
+  EXPECT_LE(1 / result.report.source_edge_ratio, 2.2);
   // Quads that do not touch the ring stay quads: five rows of the target and all of the source.
   Index quads = 0;
   for (Index f = 0; f < result.mesh.face_count(); ++f) quads += result.mesh.faces[f].size() == 4;

@@ -10,7 +10,7 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/core/fact.h>
-#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

@@ -8,6 +8,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/core/fact.h>
 #include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/seam_report.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -20,28 +21,13 @@ enum class StripMethod {
 
 struct SeamOptions {
   StripMethod strip = StripMethod::optimal;
-  /// Bound of the ratio of target to source edge lengths. The target's ring at the seam is halved until the
-  /// edges along its loop are at most this many times as long as the source's.
+  /// Bound of edge lengths of the target's loop / the source's mean edge length. The target's ring at the seam
+  /// is halved until this holds.
   double edge_ratio = 2;
   int smoothing_steps = 2;      ///< fairings of the band, each a linear solve; 0 leaves it unchanged
   int target_rings = 3;         ///< rings of the target that they may move; 0 leaves it unchanged bit for bit
   int source_rings = 3;         ///< rings of the source that they may move
   double sharp_angle_deg = 45;  ///< edges of the target sharper than this do not move
-};
-
-/// Measures of a finished seam.
-struct SeamReport {
-  bool manifold = false, oriented = false;
-  bool closed = false;  ///< the result has no boundary
-  Index euler_characteristic = 0, expected_euler_characteristic = 0;
-  Index new_faces = 0;          ///< faces of the strip
-  double angle_p1_deg = 0;      ///< 1st percentile of the smallest angles of the strip's triangles
-  double dihedral_p99_deg = 0;  ///< 99th percentile over edges of the strip; 0° is flat
-  /// The same for the neighbourhoods on both sides.
-  double target_dihedral_p99_deg = 0, source_dihedral_p99_deg = 0;
-  /// Largest displacement of a target vertex, × the diagonal of the result.
-  double band_displacement_rel = 0;
-  double edge_ratio = 1;  ///< mean edge length of the source's loops / that of the target's
 };
 
 struct SeamResult {

@@ -14,7 +14,7 @@
 #include <meshgraft/core/fact.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/handle.h>
-#include <meshgraft/merge/merge.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/merge/pose_source.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/mesh.h>

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vector>
+
+#include <meshgraft/core/fact.h>
+#include <meshgraft/deform/figures.h>
+#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/seam_report.h>
+#include <meshgraft/merge/similarity.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Report on one pair of loops.
+struct PairReport {
+  Index source_vertices = 0, target_vertices = 0;
+  /// First vertex of the source's loop, and the target vertex nearest to its location on the target's loop.
+  Match start;
+  double confidence = 1;  ///< confidence of an automatic correspondence, 0 … 1
+  /// Mean turn per vertex beyond a smooth curve's, of the worse loop, degrees.
+  double raggedness_deg = 0;
+  /// RMS distance of the source's loop vertices from their locations on the target's loop, × the radius of
+  /// these locations. It is measured with the source posed as well as the boundary allows (or kept). 0 for
+  /// loops of one shape.
+  double misfit_rel = 0;
+  double edge_ratio = 1;  ///< mean edge length of the target's loop / that of the source's, as matched
+  /// Vertices of the source's loop, in its order, without those that refinement added; k of them.
+  std::vector<Index> met;
+  /// Locations of these vertices on the target's loop, k×3, model units.
+  Points target_points;
+};
+
+/// Measures of the map source → result over the source's faces, relative to its similarity.
+struct ShapeReport {
+  Similarity similarity;    ///< best similarity of the vertices beyond the influence radius, or of all
+  double distance_rel = 0;  ///< RMS distance of these vertices from it, × their size
+  /// 5th percentile of smallest singular values within the radius, relative to the similarity's scale.
+  double smallest_singular_p5 = 1;
+  Index inverted = 0;  ///< vertices whose local map is inverted
+};
+
+struct MergeReport {
+  std::vector<PairReport> pairs;
+  ShapeReport shape;
+  SeamReport seam;
+  EvaluationReport evaluation;
+  Index source_vertices_added = 0, target_vertices_added = 0;  ///< added by refinement
+  std::vector<Note> notes;
+  double match_seconds = 0, assemble_seconds = 0, factorise_seconds = 0, solve_seconds = 0, seam_seconds = 0,
+         measure_seconds = 0, total_seconds = 0;
+};
+
+}  // namespace meshgraft

@@ -1,0 +1,90 @@
+#include "graft_within_radius.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "merge/facts.h"
+#include "shape_report.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Returns the fixed vertices without those of the loops, which move to the target's loops.
+std::vector<Index> fixed_beside_loops(const std::vector<Index>& fixed, std::span<const LoopPair> pairs) {
+  std::set<Index> staying(fixed.begin(), fixed.end());
+  for (const LoopPair& pair : pairs)
+    for (const Index v : pair.source) staying.erase(v);
+  if (staying.empty()) throw Error(facts::merge::FixedAllOnLoops{}, "fixed");
+  return {staying.begin(), staying.end()};
+}
+
+/// Solves with the vertices `far` beyond the influence radius, and adds the seconds to those of the search.
+FoundGraft solve_beside(std::span<const Index> far, const PosedSource& source,
+                        std::span<const VertexConstraint> constraints, const MergeOptions& options,
+                        const Context& context) {
+  FoundGraft found;
+  found.graft =
+      solve_graft(source.posed, source.triangles, constraints, far, source.component, options, context);
+  const DeformerSummary& summary = found.graft.summary;
+  found.assemble_seconds = summary.assemble_seconds;
+  found.factorise_seconds = summary.analyse_seconds + summary.factorise_seconds;
+  found.shape = measure_shape(source.rest, found.graft.positions, source.triangles, far, source.component);
+  found.shape.inverted = found.graft.evaluation.inverted_maps;
+  return found;
+}
+
+bool is_better(const ShapeReport& shape, const ShapeReport& best) {
+  constexpr double better = 0.03;
+  return shape.inverted < best.inverted ||
+         (shape.inverted == best.inverted && shape.smallest_singular_p5 >= best.smallest_singular_p5 + better);
+}
+
+bool is_good(const ShapeReport& shape) {
+  constexpr double roomy = 0.7;
+  return shape.inverted == 0 && shape.smallest_singular_p5 >= roomy;
+}
+
+}  // namespace
+
+FoundGraft graft_within_radius(const PosedSource& source, std::span<const VertexConstraint> constraints,
+                               const MergeOptions& options, const Context& context) {
+  constexpr double fewest_far = 0.05;
+  constexpr int most_doublings = 3;
+  constexpr std::size_t most_near = 20000;  // vertices; a larger radius takes many seconds
+  const auto count = static_cast<std::size_t>(source.rest.rows());
+  const bool radius_given = options.reach.rings || options.reach.length;
+  if (options.pose == MergePose::keep && !options.fixed.empty() && !radius_given)
+    return solve_beside(fixed_beside_loops(options.fixed, source.pairs), source, constraints, options, context);
+  const bool one_radius = radius_given || options.shape == MergeShape::ft05 || options.pose == MergePose::keep;
+  const IndexLists rings = vertex_rings(static_cast<Index>(count), source.triangles, context);
+  std::vector<std::vector<Index>> loops;
+  for (const LoopPair& pair : source.pairs) loops.push_back(pair.source);
+
+  FoundGraft best;
+  std::size_t far_count = 0;
+  for (int doubling = 0; doubling <= (one_radius ? 0 : most_doublings); ++doubling) {
+    const std::vector<Index> far =
+        beyond_influence_radius(source.rest, rings, loops, options.reach, 1 << doubling);
+    const bool hardly_any = static_cast<double>(far.size()) < fewest_far * static_cast<double>(count);
+    if (doubling > 0 && (hardly_any || count - far.size() > most_near || far.size() == far_count)) break;
+    far_count = far.size();
+    FoundGraft found = solve_beside(far, source, constraints, options, context);
+    found.assemble_seconds += best.assemble_seconds;
+    found.factorise_seconds += best.factorise_seconds;
+    if (doubling == 0 || is_better(found.shape, best.shape)) {
+      best = std::move(found);
+    } else {
+      best.assemble_seconds = found.assemble_seconds;
+      best.factorise_seconds = found.factorise_seconds;
+    }
+    if (is_good(best.shape)) break;
+  }
+  return best;
+}
+
+}  // namespace meshgraft

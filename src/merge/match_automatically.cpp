@@ -1,0 +1,255 @@
+#include "match_automatically.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/merge/similarity.h>
+
+#include "deform/solve/rotations.h"
+#include "loop_curve.h"
+#include "match_by_arc_length.h"
+#include "open_start.h"
+
+namespace meshgraft {
+
+namespace {
+
+constexpr int sample_count = 256;
+
+/// Points and normals at equal arc lengths, centred, of RMS radius 1.
+struct Samples {
+  Points points, normals;
+  Eigen::RowVector3d centre;
+  double radius = 1;
+};
+
+Samples sample(const LoopGeometry& loop, bool backwards) {
+  const LoopCurve curve(loop.points);
+  Samples samples{Points(sample_count, 3), Points(sample_count, 3), {}, 1};
+  for (int i = 0; i < sample_count; ++i) {
+    const double arc = curve.length() * i / sample_count;
+    const double parameter = curve.parameter_at(backwards ? curve.length() - arc : arc);
+    samples.points.row(i) = at(loop.points, parameter);
+    samples.normals.row(i) = at(loop.normals, parameter).stableNormalized();
+  }
+  samples.centre = samples.points.colwise().mean();
+  samples.points.rowwise() -= samples.centre;
+  samples.radius = std::sqrt(samples.points.rowwise().squaredNorm().mean());
+  samples.points /= samples.radius;
+  return samples;
+}
+
+/// The cost of each start: 0 where a similarity maps the loops, with their normals, onto one another, at most
+/// 2. At index k of the profile, source sample i meets target sample i + k.
+using Profile = std::vector<double>;
+
+constexpr double normal_weight = 0.5;
+
+Eigen::Matrix3d covariance(const Points& source, const Points& target, int shift) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < sample_count; ++i)
+    sum += target.row((i + shift) % sample_count).transpose() * source.row(i);
+  return sum / sample_count;
+}
+
+/// Returns the largest trace of Rᵀ H over rotations R.
+double best_trace(const Eigen::Matrix3d& H) { return (nearest_rotation(H).transpose() * H).trace(); }
+
+Profile similarity_profile(const Samples& source, const Samples& target) {
+  Profile profile(sample_count);
+  for (int k = 0; k < sample_count; ++k) {
+    const Eigen::Matrix3d H = covariance(source.points, target.points, k) +
+                              normal_weight * covariance(source.normals, target.normals, k);
+    profile[k] = 1 - best_trace(H) / (1 + normal_weight);
+  }
+  return profile;
+}
+
+/// Returns the profile for a given similarity: x ↦ scale · rotation · x + translation.
+Profile posed_profile(const Samples& source, const Samples& target, const Similarity& pose) {
+  const Points points = (pose.scale * source.radius * source.points * pose.rotation.transpose()).rowwise() +
+                        (pose.scale * pose.rotation * source.centre.transpose() + pose.translation).transpose();
+  const Points normals = source.normals * pose.rotation.transpose();
+  Profile profile(sample_count, 0.0);
+  for (int k = 0; k < sample_count; ++k) {
+    for (int i = 0; i < sample_count; ++i) {
+      const int j = (i + k) % sample_count;
+      const Eigen::RowVector3d there = target.centre + target.radius * target.points.row(j);
+      profile[k] += (points.row(i) - there).squaredNorm() / (2 * target.radius * target.radius) +
+                    normal_weight * (1 - normals.row(i).dot(target.normals.row(j)));
+    }
+    profile[k] /= sample_count * (1 + normal_weight);
+  }
+  return profile;
+}
+
+struct Start {
+  int shift = 0;
+  double confidence = 0;  ///< 1: every other start is bad; 0: another one costs as much
+};
+
+/// Returns the best shift and its confidence. The confidence is the distance to the next best local minimum,
+/// at least a twelfth of a turn away, relative to the profile's range. It is near 0 for a circle, whose
+/// profile has no range, and for an ellipse, which fits equally well after half a turn.
+Start best_start(const Profile& profile) {
+  constexpr int apart = sample_count / 12;
+  constexpr double noise = 1e-3;  // differences that tessellations of one curve may cause
+  const auto value = [&](int k) {
+    return profile[static_cast<std::size_t>((k + sample_count) % sample_count)];
+  };
+  const auto best = std::min_element(profile.begin(), profile.end());
+  const double most = *std::max_element(profile.begin(), profile.end());
+  Start start;
+  start.shift = static_cast<int>(best - profile.begin());
+  double rival = most;
+  for (int k = 0; k < sample_count; ++k) {
+    const int distance = std::abs(k - start.shift);
+    const bool least = value(k) <= value(k - 1) && value(k) <= value(k + 1);
+    if (least && std::min(distance, sample_count - distance) >= apart) rival = std::min(rival, value(k));
+  }
+  start.confidence = (rival - *best) / (most - *best + noise);
+  return start;
+}
+
+/// Confidence below which a start is considered a guess.
+constexpr double distinguished = 0.03;
+
+/// Computes the similarity that several pairs share. It uses the centres and axes of all pairs, and the
+/// shapes of those whose start is distinguished. Returns false where they do not determine it.
+bool common_similarity(std::span<const Samples> sources, std::span<const Samples> targets,
+                       std::span<const Start> starts, Similarity& common) {
+  const auto rows = static_cast<Eigen::Index>(sources.size() * (sample_count + 2));
+  Points from(rows, 3), to(rows, 3);
+  Eigen::VectorXd weights(rows);
+  Eigen::Index row = 0;
+  for (std::size_t p = 0; p < sources.size(); ++p) {
+    const auto add = [&](const Eigen::RowVector3d& source, const Eigen::RowVector3d& target, double weight) {
+      from.row(row) = sources[p].centre + sources[p].radius * source;
+      to.row(row) = targets[p].centre + targets[p].radius * target;
+      weights[row++] = weight;
+    };
+    const double shape_weight = starts[p].confidence >= distinguished ? 1 : 0;
+    for (int i = 0; i < sample_count; ++i)
+      add(sources[p].points.row(i), targets[p].points.row((i + starts[p].shift) % sample_count), shape_weight);
+    add(Eigen::RowVector3d::Zero(), Eigen::RowVector3d::Zero(), sample_count);
+    add(loop_axis(sources[p].points), loop_axis(targets[p].points), sample_count);
+  }
+  return fit_similarity(from, to, weights, common);
+}
+
+/// Returns the cost of a start at a pair of vertices, evaluated at the source loop vertices and their target
+/// points. It is the exact value that the profile samples.
+double cost_of(const std::vector<double>& parameters, const LoopGeometry& source, const LoopGeometry& target,
+               const Similarity* pose) {
+  const Eigen::Index count = source.points.rows();
+  const LoopCurve curve(source.points);
+  Points there(count, 3);
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  Eigen::VectorXd weights(count);
+  double normal_cost = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto previous = static_cast<Index>((i + count - 1) % count),
+               next = static_cast<Index>((i + 1) % count);
+    weights[i] = curve.length_between(previous, next) / (2 * curve.length());
+    there.row(i) = at(target.points, parameters[static_cast<std::size_t>(i)]);
+    const Eigen::RowVector3d normal =
+        at(target.normals, parameters[static_cast<std::size_t>(i)]).stableNormalized();
+    normals += weights[i] * normal.transpose() * source.normals.row(i);
+    if (pose) normal_cost += weights[i] * (1 - normal.dot(source.normals.row(i) * pose->rotation.transpose()));
+  }
+  const Eigen::RowVector3d source_centre = weights.transpose() * source.points,
+                           target_centre = weights.transpose() * there;
+  const double radius = std::sqrt(weights.dot((there.rowwise() - target_centre).rowwise().squaredNorm()));
+  if (pose) {
+    const Points posed =
+        (pose->scale * source.points * pose->rotation.transpose()).rowwise() + pose->translation.transpose();
+    return (weights.dot((posed - there).rowwise().squaredNorm()) / (2 * radius * radius) +
+            normal_weight * normal_cost) /
+           (1 + normal_weight);
+  }
+  const Points a = source.points.rowwise() - source_centre, b = there.rowwise() - target_centre;
+  const double source_radius = std::sqrt(weights.dot(a.rowwise().squaredNorm()));
+  const Eigen::Matrix3d H = b.transpose() * weights.asDiagonal() * a / (radius * source_radius);
+  return 1 - best_trace(H + normal_weight * normals) / (1 + normal_weight);
+}
+
+/// Returns the best start at a pair of vertices near a sampled shift.
+Correspondence start_at_vertices(int shift, const LoopGeometry& source, const LoopGeometry& target,
+                                 const Similarity* pose) {
+  constexpr Index candidates = 64;
+  const LoopCurve source_curve(source.points), target_curve(target.points);
+  const Index count = source_curve.size(), target_count = target_curve.size();
+  Correspondence best;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index c = 0; c < std::min(count, candidates); ++c) {
+    const auto i = static_cast<Index>(static_cast<std::int64_t>(c) * count / std::min(count, candidates));
+    const double turn = source_curve.arc(i) / source_curve.length() + static_cast<double>(shift) / sample_count;
+    const auto near = static_cast<Index>(std::lround(target_curve.parameter_at(-turn * target_curve.length())));
+    for (Index k = near - 1; k <= near + 1; ++k) {
+      const Knot start{i, ((k % target_count) + target_count) % target_count};
+      std::vector<double> parameters = parameters_between({&start, 1}, source_curve, target_curve);
+      const double cost = cost_of(parameters, source, target, pose);
+      if (cost >= least) continue;
+      least = cost;
+      best.loop_parameter = std::move(parameters);
+    }
+  }
+  return best;
+}
+
+/// Returns the start that turns the source least from its current pose.
+int least_turn(const Samples& source, const Samples& target) {
+  int best = 0;
+  double most = -2;
+  for (int k = 0; k < sample_count; ++k) {
+    const Eigen::Matrix3d H = covariance(source.points, target.points, k) +
+                              normal_weight * covariance(source.normals, target.normals, k);
+    const double trace = nearest_rotation(H).trace();
+    if (trace > most) most = trace, best = k;
+  }
+  return best;
+}
+
+OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence,
+                     const Correspondence& least_turned) {
+  const auto there =
+      static_cast<std::size_t>(std::lround(least_turned.loop_parameter.front())) % pair.target.size();
+  return {number, {pair.source.front(), pair.target[there]}, confidence};
+}
+
+}  // namespace
+
+std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pairs, bool posed) {
+  std::vector<Samples> sources, targets;
+  std::vector<Start> starts;
+  for (const PairGeometry& pair : pairs) {
+    sources.push_back(sample(pair.source, false));
+    targets.push_back(sample(pair.target, true));
+    starts.push_back(best_start(similarity_profile(sources.back(), targets.back())));
+  }
+  Similarity pose;
+  const bool known = posed || (pairs.size() > 1 && common_similarity(sources, targets, starts, pose));
+  std::vector<Correspondence> found;
+  std::vector<OpenStart> open;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const auto& [loops, source, target, location] = pairs[p];
+    const bool by_pose = posed || (known && starts[p].confidence < distinguished);
+    if (by_pose) starts[p] = best_start(posed_profile(sources[p], targets[p], pose));
+    found.push_back(start_at_vertices(starts[p].shift, source, target, by_pose ? &pose : nullptr));
+    found.back().confidence = starts[p].confidence;
+    if (!posed && starts[p].confidence < distinguished)
+      open.push_back(
+          open_start(p, loops, starts[p].confidence,
+                     start_at_vertices(least_turn(sources[p], targets[p]), source, target, nullptr)));
+  }
+  if (!open.empty()) throw Error(open_start_fact(open), pairs[open.front().pair].location);
+  return found;
+}
+
+}  // namespace meshgraft

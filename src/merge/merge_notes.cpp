@@ -1,0 +1,45 @@
+#include "merge_notes.h"
+
+#include "merge/facts.h"
+
+namespace meshgraft {
+
+namespace {
+
+constexpr double ragged_deg = 25;
+constexpr double unsure = 0.4;
+constexpr double unlike = 0.25;
+constexpr double folded_deg = 60;
+constexpr double far_off = 4;
+constexpr double pinched = 0.3;
+
+}  // namespace
+
+std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& options) {
+  std::vector<Note> notes;
+  for (std::size_t p = 0; p < report.pairs.size(); ++p) {
+    const PairReport& pair = report.pairs[p];
+    if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
+      notes.push_back(facts::merge::BoundaryRagged{.pair = p, .turn_deg = pair.raggedness_deg});
+    if (pair.confidence < unsure)
+      notes.push_back(facts::merge::StartUnsure{
+          .pair = p, .confidence = pair.confidence, .target = pair.start.target, .source = pair.start.source});
+  }
+  for (std::size_t p = 0; p < report.pairs.size(); ++p) {
+    const double misfit = report.pairs[p].misfit_rel;
+    if (options.pose == MergePose::keep && (misfit > far_off || (misfit > 1 && report.shape.inverted > 0)))
+      notes.push_back(facts::merge::SourceDrawnOut{.pair = p, .radii = misfit});
+    else if (report.seam.dihedral_p99_deg > folded_deg && misfit > unlike)
+      notes.push_back(facts::merge::LoopsDiffer{
+          .pair = p, .difference_percent = 100 * misfit, .bend_deg = report.seam.dihedral_p99_deg});
+  }
+  if (report.shape.smallest_singular_p5 < pinched)
+    notes.push_back(facts::merge::SourceSqueezed{.width_percent = 100 * report.shape.smallest_singular_p5});
+  if (!report.seam.manifold) notes.push_back(facts::merge::ResultNotManifold{});
+  if (report.evaluation.fell_back_to_linear) notes.push_back(facts::merge::FeaturesBlended{});
+  if (report.shape.inverted > 0)
+    notes.push_back(facts::merge::SourceInverted{.vertices = report.shape.inverted});
+  return notes;
+}
+
+}  // namespace meshgraft

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include <meshgraft/core/fact.h>
+#include <meshgraft/merge/merge_options.h>
+#include <meshgraft/merge/merge_report.h>
+
+namespace meshgraft {
+
+/// Returns the notes on a finished merge: what its report says of loops, source and result that a user should
+/// know.
+std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& options);
+
+}  // namespace meshgraft

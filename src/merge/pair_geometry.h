@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// The location on the target loop of each vertex of a source loop.
+struct Correspondence {
+  /// Per vertex of `LoopPair::source`, in its order: a parameter k + t on the target loop, cyclic. It stands
+  /// for the point (1 − t)·target[k] + t·target[k + 1]. The parameters go once round the target loop,
+  /// backwards.
+  std::vector<double> loop_parameter;
+  /// 0 … 1: the margin by which the best start is better than the best one elsewhere; 1 where the start was
+  /// given.
+  double confidence = 1;
+};
+
+/// A loop and the surface normals along it; row i belongs to the loop's vertex i.
+struct LoopGeometry {
+  Points points;   ///< k×3, model units
+  Points normals;  ///< k×3, unit normals of the surface
+};
+
+/// The loops of a pair, to be matched.
+struct PairGeometry {
+  LoopPair loops;
+  LoopGeometry source, target;
+  std::string location;  ///< name of the pair in messages
+};
+
+}  // namespace meshgraft
