@@ -13,6 +13,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/merge/merge_conflict.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/run_edit.h>
 
@@ -166,19 +167,32 @@ EditFile plain_edit(const MergeArguments& arguments) {
   return parse_edit(write_edit(edit), "command line", folder);
 }
 
-// Checks options that exclude or need each other.
+// Refuses options that contradict each other.
 void require_sense(const MergeArguments& arguments) {
-  const bool keep = arguments.pose == MergePose::keep, at = !arguments.at.empty();
+  using enum MergeConflict;
+  const bool at = !arguments.at.empty();
   if (arguments.spin_deg && !at) throw Error(facts::cli::OptionNeeds{.option = "--spin", .other = "--at"});
   if (arguments.source_loop && !at) throw Error(facts::cli::SourceLoopWithoutAt{});
-  if (!arguments.fix.empty() && !keep) throw Error(facts::cli::FixWithFoundPose{});
-  if (arguments.size && keep) throw Error(facts::cli::SizeWithKeptPose{});
-  if (at && keep) throw Error(facts::cli::AtWithKeptPose{});
-  for (const auto& [option, values] :
-       {std::pair{"--pair", &arguments.pairs}, {"--start", &arguments.starts}, {"--match", &arguments.matches}})
-    if (at && !values->empty()) throw Error(facts::cli::AtWithLoops{.option = option});
-  if (!arguments.align.empty() && arguments.align.size() < 3)
-    throw Error(facts::cli::CountOfAlignments{.count = arguments.align.size()});
+  MergeRequest request{.pose = arguments.pose.value_or(MergePose::find),
+                       .dropped = at,
+                       .pairs_given = !arguments.pairs.empty(),
+                       .matches_given = !arguments.starts.empty() || !arguments.matches.empty(),
+                       .fixed_given = !arguments.fix.empty(),
+                       .size_given = arguments.size.has_value()};
+  if (!arguments.align.empty()) request.aligned_pairs = arguments.align.size();
+  const auto conflict = find_conflict(request);
+  if (!conflict) return;
+  switch (*conflict) {
+    case dropped_with_pairs: throw Error(facts::cli::AtWithLoops{.option = "--pair"});
+    case dropped_with_matches:
+      throw Error(facts::cli::AtWithLoops{.option = arguments.starts.empty() ? "--match" : "--start"});
+    case dropped_pose_kept: throw Error(facts::cli::AtWithKeptPose{});
+    case too_few_aligned: throw Error(facts::cli::CountOfAlignments{.count = arguments.align.size()});
+    case fixed_pose_found: throw Error(facts::cli::FixWithFoundPose{});
+    case size_pose_kept: throw Error(facts::cli::SizeWithKeptPose{});
+    case posed_twice:
+    case reach_given_twice: return;  // there is no option for a transform, and one for the reach
+  }
 }
 
 // Returns the option with its `number`-th value, or without a value if it has no such value.
@@ -331,7 +345,7 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
           ->type_name("SELECTION"));
   plain(command
             .add_option("--reach", arguments.reach,
-                        "How far from its loops the part may deform: 5rings, or a length")
+                        "Influence radius, how far from its loops the part may deform: 5rings, or a length")
             ->type_name("N"
                         "rings|LENGTH"));
   plain(command.add_option("--mirror", arguments.mirror, "Mirror the source first: x=0, or px,py,pz,nx,ny,nz")
@@ -375,7 +389,7 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
 void add_common_options(CLI::App& command, MergeArguments& arguments) {
   add_choice<MergeShape>(command, "--shape", arguments.run.overrides.shape,
                          {{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}},
-                         "What becomes of the part: it keeps its shape beyond a reach, or as in the paper");
+                         "What becomes of the part: it keeps its shape beyond the reach, or as in the paper");
   command.add_flag("--strict", arguments.run.strict, "Fail where the result intersects itself");
   command.add_option("--report", arguments.report, "Write what was done, with index maps, as JSON")
       ->type_name("FILE");

@@ -8,6 +8,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/intersections.h>
+#include <meshgraft/merge/merge_conflict.h>
 
 #include "drop_size.h"
 #include "merge/facts.h"
@@ -66,19 +67,20 @@ MergeIntersections count_intersections(const Mesh& source, const MergeResult& me
   MergeIntersections found;
   found.result = count_pairs(merged.mesh, moved, context);
   if (found.result == 0) return found;
-  std::vector<Index> all(static_cast<std::size_t>(source.vertex_count()));
+  std::vector<Index> all(source.vertex_count());
   std::iota(all.begin(), all.end(), Index{0});
   found.source = count_pairs(source, all, context);
   return found;
 }
 
-DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
-                     const Drop& drop, const MergeOptions& options, const Context& context) {
+DropResult drop_part(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options,
+                     const Context& context) {
   constexpr int most_tries = 3;
-  if (options.pose != MergePose::find) throw Error(facts::merge::DroppedPoseKept{}, "pose");
+  if (find_conflict({.pose = options.pose, .dropped = true}))
+    throw Error(facts::merge::DroppedPoseKept{}, "pose");
   Drop trying = drop;
   const auto trial_of_size = [&] {
-    return graft_in_hole(open_hole(target, source, source_loop, trying, context), source, options, context);
+    return graft_in_hole(open_hole(target, source, trying, context), source, options, context);
   };
   Trial best = trial_of_size();
   trying.size = best.hole.size;
@@ -104,7 +106,7 @@ DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<I
   IndexMap& map = best.drop.merge.target;
   IndexMap from_closed = best.hole.vertex;
   for (Index& v : from_closed.new_index)
-    if (v >= 0) v = map.new_index[static_cast<std::size_t>(v)];
+    if (v >= 0) v = map.new_index[v];
   map = std::move(from_closed);
   return std::move(best.drop);
 }

@@ -14,7 +14,7 @@ namespace meshgraft {
 
 namespace {
 
-constexpr double roomy = 0.85;  // × the outline's width: a hole at least this wide is flat enough for it
+constexpr double roomy = 0.85;  // chosen, × the outline's width: a hole at least this wide is flat enough
 
 double rounded_to_three_digits(double size) { return std::stod(fmt::format("{:.3g}", size)); }
 
@@ -31,7 +31,7 @@ SizeSearch::SizeSearch(const Mesh& target, const FlatLoop& loop, const Drop& dro
     : loop_(loop),
       drop_(drop),
       context_(context),
-      chart_(make_chart(std::shared_ptr<const Mesh>(&target, [](const Mesh*) {}), drop, reach(largest),
+      chart_(make_chart(std::shared_ptr<const Mesh>(&target, [](const Mesh*) {}), drop, chart_radius(largest),
                         context)) {}
 
 SizeTrial SizeSearch::at(double size, bool may_widen) const {
@@ -44,7 +44,7 @@ SizeTrial SizeSearch::at(double size, bool may_widen) const {
   for (int halving = 0; halving < most_halvings; ++halving) {
     const auto refined = refine_around(fit.chart->target.mesh, fit.footprint, longest, context_);
     if (!refined) break;
-    fit.chart = make_chart(refined, drop_, reach(size), context_);
+    fit.chart = make_chart(refined, drop_, chart_radius(size), context_);
     fit.footprint = lay_outline(*fit.chart, loop_.outline, size, fit.placement);
   }
   if (std::optional<Note> obstacle = find_obstacle(fit.chart->target, fit.footprint, size))

@@ -50,7 +50,7 @@ class SizeSearch {
   double largest_below(double size, double least) const;
 
  private:
-  double reach(double size) const { return most_widened * size * loop_.outline.reach(); }
+  double chart_radius(double size) const { return most_widened * size * loop_.outline.reach(); }
 
   const FlatLoop& loop_;
   const Drop& drop_;

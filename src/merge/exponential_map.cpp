@@ -37,13 +37,13 @@ struct Frame {
 // vertex is the length of its coordinates, which are known when it is settled, and no sum along a path.
 class Spreading {
  public:
-  Spreading(const Points& positions, const Points& normals, const IndexLists& rings, double reach)
+  Spreading(const Points& positions, const Points& normals, const IndexLists& rings, double radius)
       : positions_(positions),
         normals_(normals),
         rings_(rings),
-        reach_(reach),
-        settled_(static_cast<std::size_t>(positions.rows()), false),
-        distance_(static_cast<std::size_t>(positions.rows()), std::numeric_limits<double>::infinity()),
+        radius_(radius),
+        settled_(positions.rows(), false),
+        distance_(positions.rows(), std::numeric_limits<double>::infinity()),
         first_axis_(positions.rows(), 3),
         uv_(PlanePoints::Constant(positions.rows(), 2, std::numeric_limits<double>::quiet_NaN())) {}
 
@@ -62,7 +62,7 @@ class Spreading {
       for (const Index u : rings_[v])
         if (settled_[u]) nearer.push_back(frame_at(u));
       settle(v, nearer);
-      if (uv_.row(v).norm() <= reach_) push_neighbours(v);
+      if (uv_.row(v).norm() <= radius_) push_neighbours(v);
     }
     return uv_;
   }
@@ -102,7 +102,7 @@ class Spreading {
   const Points& positions_;
   const Points& normals_;
   const IndexLists& rings_;
-  double reach_;
+  double radius_;
   Flags settled_;
   std::vector<double> distance_;
   Points first_axis_;
@@ -114,8 +114,8 @@ class Spreading {
 }  // namespace
 
 PlanePoints exponential_map(const Points& positions, const Points& normals, const IndexLists& rings,
-                            const ChartOrigin& origin, double reach, const Context& context) {
-  return Spreading(positions, normals, rings, reach).run(origin, context);
+                            const ChartOrigin& origin, double radius, const Context& context) {
+  return Spreading(positions, normals, rings, radius).run(origin, context);
 }
 
 }  // namespace meshgraft

@@ -20,9 +20,9 @@ struct ChartOrigin {
 
 /// Computes the discrete exponential map of a triangulated surface around a point: distance and direction
 /// from the point along the surface (Schmidt, Grimm and Wyvill 2006). Returns n×2; NaN for vertices that are
-/// more than an edge farther than `reach`. The coordinates of a vertex average the predictions of all nearer
+/// more than an edge farther than `radius`. The coordinates of a vertex average the predictions of all nearer
 /// neighbours, weighted by inverse distance.
 PlanePoints exponential_map(const Points& positions, const Points& normals, const IndexLists& rings,
-                            const ChartOrigin& origin, double reach, const Context& context);
+                            const ChartOrigin& origin, double radius, const Context& context);
 
 }  // namespace meshgraft

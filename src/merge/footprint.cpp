@@ -36,11 +36,11 @@ std::vector<Index> connected_inside(const std::vector<double>& values, const Ind
 }
 
 Footprint cover(const Outline& outline, double scale, const PlanePoints& uv, const IndexLists& rings) {
-  std::vector<double> values(static_cast<std::size_t>(uv.rows()), scale * outline.reach());
+  std::vector<double> values(uv.rows(), scale * outline.reach());
   const double surely_outside = most_widened * scale * outline.reach();
   for (Eigen::Index v = 0; v < uv.rows(); ++v)
     if (uv.row(v).norm() <= surely_outside)  // false for NaN
-      values[static_cast<std::size_t>(v)] = scale * outline.signed_distance(uv.row(v) / scale);
+      values[v] = scale * outline.signed_distance(uv.row(v) / scale);
   Footprint footprint{uv, values, connected_inside(values, rings), scale};
   for (double& value : footprint.values) value = std::abs(value);
   for (const Index v : footprint.inside) footprint.values[v] = values[v];
@@ -74,13 +74,13 @@ std::ptrdiff_t inner_euler_characteristic(const PreparedTarget& target, const Fo
 
 }  // namespace
 
-std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double reach,
+std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double radius,
                                         const Context& context) {
   PreparedTarget target(std::move(mesh), context);
   SurfacePoint point = find_surface_point(target, drop);
   const Vector normal = mean_normal(target, point, 0), axis = normal.transpose().unitOrthogonal().transpose();
   PlanePoints uv = exponential_map(target.mesh.positions, target.normals, target.rings,
-                                   {point.point, normal, axis, point.corners}, reach, context);
+                                   {point.point, normal, axis, point.corners}, radius, context);
   return std::make_shared<Chart>(Chart{std::move(target), std::move(point), normal, axis, std::move(uv)});
 }
 

@@ -21,10 +21,10 @@ struct Chart {
   PreparedTarget target;
   SurfacePoint point;
   Eigen::RowVector3d normal, first_axis;  ///< of the tangent plane
-  PlanePoints uv;                         ///< per vertex; NaN beyond the reach
+  PlanePoints uv;                         ///< per vertex; NaN beyond the radius
 };
 
-std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double reach,
+std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double radius,
                                         const Context& context);
 
 /// The part of a surface that an outline covers.

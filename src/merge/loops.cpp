@@ -23,25 +23,25 @@ namespace {
 /// The boundary loops of one of the two meshes, with a lookup of the loops at a vertex.
 class MeshLoops {
  public:
-  MeshLoops(const Mesh& mesh, const char* role) : mesh_(mesh), role_(role), loops_(boundary_loops(mesh)) {
+  MeshLoops(const Mesh& mesh, const char* side) : mesh_(mesh), side_(side), loops_(boundary_loops(mesh)) {
     for (std::size_t l = 0; l < loops_.size(); ++l)
       for (const Index v : loops_[l]) at_[v].push_back(l);
   }
 
   /// Returns the list in the direction of the mesh's loop. Throws where it is not one whole simple loop.
   std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& location) const {
-    if (loops_.empty()) throw Error(facts::merge::NoBoundaryLoop{.role = role_}, location);
-    if (listed.empty()) throw Error(facts::merge::NoLoopNamed{.role = role_}, location);
+    if (loops_.empty()) throw Error(facts::merge::NoBoundaryLoop{.side = side_}, location);
+    if (listed.empty()) throw Error(facts::merge::NoLoopNamed{.side = side_}, location);
     for (const Index v : listed) require_on_one_loop(v, location);
     const std::vector<Index>& loop = loops_[at_.at(listed.front()).front()];
     for (const Index v : listed)
       if (&loops_[at_.at(v).front()] != &loop)
         throw Error(
-            facts::merge::VerticesOfTwoLoops{.role = role_, .vertex = listed.front(), .other_vertex = v},
+            facts::merge::VerticesOfTwoLoops{.side = side_, .vertex = listed.front(), .other_vertex = v},
             location);
     if (listed.size() != loop.size())
       throw Error(
-          facts::merge::LoopNotListedWhole{.listed = listed.size(), .role = role_, .count = loop.size()},
+          facts::merge::LoopNotListedWhole{.listed = listed.size(), .side = side_, .count = loop.size()},
           location);
     require_length(loop, location);
     std::vector<Index> turned = loop;
@@ -49,20 +49,20 @@ class MeshLoops {
     const bool backwards = !std::equal(turned.begin(), turned.end(), listed.begin()) &&
                            std::equal(turned.begin() + 1, turned.end(), listed.rbegin());
     if (!backwards && turned != listed)
-      throw Error(facts::merge::LoopNotListedInOrder{.role = role_}, location);
+      throw Error(facts::merge::LoopNotListedInOrder{.side = side_}, location);
     return turned;
   }
 
  private:
   void require_on_one_loop(Index v, const std::string& location) const {
     if (v < 0 || v >= mesh_.vertex_count())
-      throw Error(facts::merge::NoSuchVertex{.role = role_, .vertex = v, .count = mesh_.vertex_count()},
+      throw Error(facts::merge::NoSuchVertex{.side = side_, .vertex = v, .count = mesh_.vertex_count()},
                   location);
     const auto found = at_.find(v);
     if (found == at_.end())
-      throw Error(facts::merge::VertexNotOnBoundary{.role = role_, .vertex = v}, location);
+      throw Error(facts::merge::VertexNotOnBoundary{.side = side_, .vertex = v}, location);
     if (found->second.size() > 1)
-      throw Error(facts::merge::BoundaryTouchesItself{.role = role_, .vertex = v}, location);
+      throw Error(facts::merge::BoundaryTouchesItself{.side = side_, .vertex = v}, location);
   }
 
   void require_length(const std::vector<Index>& loop, const std::string& location) const {
@@ -70,21 +70,21 @@ class MeshLoops {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       points.row(static_cast<Eigen::Index>(i)) = mesh_.positions.row(loop[i]);
       if (!mesh_.positions.row(loop[i]).allFinite())
-        throw Error(facts::merge::VertexNotFinite{.role = role_, .vertex = loop[i]}, location);
+        throw Error(facts::merge::VertexNotFinite{.side = side_, .vertex = loop[i]}, location);
     }
     const double size = points.cwiseAbs().maxCoeff();
     constexpr double least = 1e-60, most = 1e60;  // keeps squares and cubes of lengths in range
     if (LoopCurve(points).length() > 0 && !(LoopCurve(points).length() > least && size < most))
       throw Error(
           facts::merge::LoopLengthOutOfRange{
-              .role = role_, .vertex = loop.front(), .length = LoopCurve(points).length(), .coordinate = size},
+              .side = side_, .vertex = loop.front(), .length = LoopCurve(points).length(), .coordinate = size},
           location);
     if (!(LoopCurve(points).length() > 1e-12 * size))
-      throw Error(facts::merge::LoopWithoutLength{.role = role_, .vertex = loop.front()}, location);
+      throw Error(facts::merge::LoopWithoutLength{.side = side_, .vertex = loop.front()}, location);
   }
 
   const Mesh& mesh_;
-  const char* role_;
+  const char* side_;
   std::vector<std::vector<Index>> loops_;
   std::map<Index, std::vector<std::size_t>> at_;
 };
@@ -101,11 +101,11 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
   std::vector<LoopPair> checked;
   std::map<Index, std::size_t> source_owner, target_owner;
   const auto claim = [](const std::vector<Index>& loop, std::map<Index, std::size_t>& owner, std::size_t p,
-                        const char* role) {
+                        const char* side) {
     const auto [at, added] = owner.emplace(*std::min_element(loop.begin(), loop.end()), p);
     if (!added)
       throw Error(
-          facts::merge::LoopNamedTwice{.pair = at->second, .other_pair = p, .role = role, .vertex = at->first});
+          facts::merge::LoopNamedTwice{.pair = at->second, .other_pair = p, .side = side, .vertex = at->first});
   };
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const std::string location = pair_location(p, pairs.size());
@@ -117,19 +117,19 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
   return checked;
 }
 
-std::vector<Index> checked_loop(const Mesh& mesh, const char* role, const std::vector<Index>& listed) {
-  return MeshLoops(mesh, role).require_loop(listed, {});
+std::vector<Index> checked_loop(const Mesh& mesh, const char* side, const std::vector<Index>& listed) {
+  return MeshLoops(mesh, side).require_loop(listed, {});
 }
 
 void require_held_components(const Mesh& source, std::span<const LoopPair> pairs) {
   Index count = 0;
   const std::vector<Index> component = connected_components(source, &count);
-  std::vector<Index> size(static_cast<std::size_t>(count), 0), first(static_cast<std::size_t>(count), -1);
+  std::vector<Index> size(count, 0), first(count, -1);
   for (Index v = 0; v < source.vertex_count(); ++v) {
     if (component[v] < 0) continue;
     if (size[component[v]]++ == 0) first[component[v]] = v;
   }
-  Flags held(static_cast<std::size_t>(count), 0);
+  Flags held(count, 0);
   for (const LoopPair& pair : pairs) held[component[pair.source.front()]] = 1;
   for (Index c = 0; c < count; ++c)
     if (!held[c])
@@ -141,7 +141,7 @@ LoopGeometry loop_geometry(const Mesh& mesh, const Points& vertex_normals, const
   const auto count = static_cast<Eigen::Index>(loop.size());
   LoopGeometry geometry{Points(count, 3), Points(count, 3)};
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Index v = loop[static_cast<std::size_t>(i)];
+    const Index v = loop[i];
     geometry.points.row(i) = mesh.positions.row(v);
     geometry.normals.row(i) = vertex_normals.row(v);
     if (kept == nullptr || kept->components != 3) continue;
@@ -152,7 +152,7 @@ LoopGeometry loop_geometry(const Mesh& mesh, const Points& vertex_normals, const
 }
 
 bool windings_disagree(const Mesh& target, const Mesh& source) {
-  constexpr double clearly = 0.02;
+  constexpr double clearly = 0.02;  // chosen, × the volume of a ball of the same area: more than a sheet has
   const double there = enclosed_volume(target), here = enclosed_volume(source);
   return std::min(there, here) < -clearly && std::max(there, here) > clearly;
 }

@@ -43,7 +43,7 @@ void require_one_turn(std::span<const Knot> knots, const PairGeometry& pair) {
 
 std::vector<double> parameters_between(std::span<const Knot> knots, const LoopCurve& source,
                                        const LoopCurve& target) {
-  std::vector<double> parameters(static_cast<std::size_t>(source.size()));
+  std::vector<double> parameters(source.size());
   for (std::size_t m = 0; m < knots.size(); ++m) {
     const Knot& from = knots[m];
     const Knot& to = knots[(m + 1) % knots.size()];
@@ -67,7 +67,7 @@ Correspondence match_by_arc_length(const PairGeometry& pair, std::span<const Mat
   for (const Match& match : matches) {
     const Knot knot{index_in(source, match.source), index_in(target, match.target)};
     if (knot.source < 0 || knot.target < 0)
-      throw Error(facts::merge::MatchNotOnLoop{.role = knot.source < 0 ? "source" : "target",
+      throw Error(facts::merge::MatchNotOnLoop{.side = knot.source < 0 ? "source" : "target",
                                                .vertex = knot.source < 0 ? match.source : match.target},
                   pair.location);
     knots.push_back(knot);

@@ -43,11 +43,11 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
     Index source = -1, target = -1;  // loop indices
     double apart = std::numeric_limits<double>::infinity();
   };
-  std::vector<Meeting> best(static_cast<std::size_t>(stretches));
+  std::vector<Meeting> best(stretches);
   for (Index i = 0; i < count; ++i) {
     const auto stretch = static_cast<std::size_t>(outline.arc(i) / outline.length() * stretches);
     for (Index j = 0; j < target_count; ++j) {
-      const double way = std::abs(outline.arc(i) - target_arcs[static_cast<std::size_t>(j)]);
+      const double way = std::abs(outline.arc(i) - target_arcs[j]);
       const double apart = std::min(way, outline.length() - way);
       if (apart < best[stretch].apart) best[stretch] = {i, j, apart};
     }
@@ -62,8 +62,7 @@ std::vector<Match> matches_along(const Outline& outline, const std::vector<Index
     const Index back = (*first - meeting.target + target_count) % target_count;
     if (back <= turned_back) continue;
     turned_back = back;
-    matches.push_back({source_loop[static_cast<std::size_t>(meeting.source)],
-                       target_loop[static_cast<std::size_t>(meeting.target)]});
+    matches.push_back({source_loop[meeting.source], target_loop[meeting.target]});
   }
   return matches;
 }
@@ -128,7 +127,7 @@ std::variant<OpenedHole, Note> cut_open(const FitResult& fit, const FlatLoop& lo
   if (cut.loops.size() != 1) return Note(facts::merge::HoleNotDisc{.size = fit.size});
   std::vector<double> arcs;
   for (const Index v : cut.loops.front()) {
-    const EdgePoint& origin = cut.origin[static_cast<std::size_t>(v)];
+    const EdgePoint& origin = cut.origin[v];
     const Eigen::RowVector2d at = (1 - origin.t) * uv.row(origin.from) + origin.t * uv.row(origin.to);
     arcs.push_back(loop.outline.arc_of_nearest(at / fit.footprint.scale));
   }
@@ -136,7 +135,7 @@ std::variant<OpenedHole, Note> cut_open(const FitResult& fit, const FlatLoop& lo
   hole.pair = {{loop.vertices, cut.loops.front()},
                matches_along(loop.outline, loop.vertices, cut.loops.front(), arcs)};
   hole.vertex = std::move(cut.vertex);
-  hole.vertex.new_index.resize(static_cast<std::size_t>(target_vertices));
+  hole.vertex.new_index.resize(target_vertices);
   hole.target = std::move(cut.mesh);
   hole.size = fit.size;
   return hole;
@@ -261,12 +260,11 @@ Eigen::Affine3d DropGuide::pose(const Drop& drop) const {
   return placement_map(loop, place_outline(target, point, loop, size, drop.spin_deg), size, point.point);
 }
 
-OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
-                     const Drop& drop, const Context& context) {
+OpenedHole open_hole(const Mesh& target, const Mesh& source, const Drop& drop, const Context& context) {
   context.step("open");
   validate(drop, target);
   require_inner_point(target, drop);
-  const FlatLoop flat = flatten_loop(target, source, source_loop);
+  const FlatLoop flat = flatten_loop(target, source, drop.source_loop);
   OpenedHole hole = drop.size ? open_at_size(target, source, flat, drop, context)
                               : open_at_largest_size(target, source, flat, drop, context);
   if (flat.smoothed) hole.notes.push_back(facts::merge::LoopRoundedOff{});

@@ -28,16 +28,15 @@ void transform_normals(Attribute& normals, const Eigen::Matrix3d& linear) {
   }
 }
 
-Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side,
-                const std::string& location) {
+Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* side) {
   Points points(static_cast<Eigen::Index>(pairs.size()), 3);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Index v = pairs[i].*side;
     if (v < 0 || v >= mesh.vertex_count())
       throw Error(
           facts::merge::NoSuchVertex{
-              .role = side == &Match::source ? "source" : "target", .vertex = v, .count = mesh.vertex_count()},
-          fmt::format("{}[{}]", location, i));
+              .side = side == &Match::source ? "source" : "target", .vertex = v, .count = mesh.vertex_count()},
+          fmt::format("pairs[{}]", i));
     points.row(static_cast<Eigen::Index>(i)) = mesh.positions.row(v);
   }
   return points;
@@ -77,14 +76,14 @@ Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location
   return map;
 }
 
-Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs,
-                             const std::string& location) {
-  if (pairs.size() < 3) throw Error(facts::merge::TooFewPairs{.count = pairs.size()}, location);
-  const Points from = gathered(source, pairs, &Match::source, location);
-  const Points to = gathered(target, pairs, &Match::target, location);
+Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs) {
+  if (pairs.size() < fewest_aligned_pairs)
+    throw Error(facts::merge::TooFewPairs{.count = pairs.size()}, "pairs");
+  const Points from = gathered(source, pairs, &Match::source);
+  const Points to = gathered(target, pairs, &Match::target);
   for (const Points* side : {&from, &to})
     if (on_a_line(*side))
-      throw Error(facts::merge::VerticesOnALine{.role = side == &from ? "source" : "target"}, location);
+      throw Error(facts::merge::VerticesOnALine{.side = side == &from ? "source" : "target"}, "pairs");
   return Eigen::Affine3d(Eigen::umeyama(from.transpose(), to.transpose(), true));
 }
 

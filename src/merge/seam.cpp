@@ -58,16 +58,16 @@ std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
 
 // Throws unless each loop is a simple boundary loop in the direction of its mesh's half-edges and shares no
 // vertex with another.
-void check_loops(const Mesh& mesh, const std::string& role, const std::vector<const Loop*>& loops) {
+void check_loops(const Mesh& mesh, const std::string& side, const std::vector<const Loop*>& loops) {
   const auto steps = border_steps(mesh);
   std::unordered_map<Index, std::size_t> owner;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const Loop& loop = *loops[k];
-    const std::string location = location_of(k) + ", " + role + " loop";
+    const std::string location = location_of(k) + ", " + side + " loop";
     if (loop.size() < 3) throw Error(facts::merge::LoopTooShort{.count = loop.size()}, location);
     for (const Index v : loop) {
       if (v >= 0 && v < mesh.vertex_count()) continue;
-      throw Error(facts::merge::NoSuchVertex{.role = role, .vertex = v, .count = mesh.vertex_count()},
+      throw Error(facts::merge::NoSuchVertex{.side = side, .vertex = v, .count = mesh.vertex_count()},
                   location);
     }
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -76,7 +76,7 @@ void check_loops(const Mesh& mesh, const std::string& role, const std::vector<co
       if (!is_new && entry->second == k) throw Error(facts::merge::LoopPassesTwice{.vertex = a}, location);
       if (!is_new) throw Error(facts::merge::LoopsMeet{.pair = entry->second, .vertex = a}, location);
       if (!mesh.positions.row(a).allFinite())
-        throw Error(facts::merge::VertexNotFinite{.role = role, .vertex = a}, location);
+        throw Error(facts::merge::VertexNotFinite{.side = side, .vertex = a}, location);
       const auto runs = [&](Index from, Index to) {
         const auto found = steps.find(from);
         return found != steps.end() && std::count(found->second.begin(), found->second.end(), to) > 0;
@@ -235,7 +235,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
 
   context.step("seam", 0.8);
   result.report = measure_seam(mesh, layout, unsmoothed);
-  constexpr double folded_deg = 120;
+  constexpr double folded_deg = 120;                  // chosen: edges bent more look folded over
   if (result.report.dihedral_p99_deg > folded_deg) {  // fairing does not help faces of extreme shape
     Mesh unfaired = mesh;
     unfaired.positions = unsmoothed;

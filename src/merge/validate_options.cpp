@@ -3,12 +3,27 @@
 #include <cmath>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/merge/merge_conflict.h>
 
 #include "../mesh/box_diagonal.h"
 #include "core/facts.h"
 #include "merge/facts.h"
 
 namespace meshgraft {
+
+namespace {
+
+/// A size goes with a kept pose here: it scales the source at its loops.
+void require_no_conflict(const MergeOptions& options) {
+  const auto conflict = find_conflict({.pose = options.pose,
+                                       .reach_rings_given = options.reach.rings.has_value(),
+                                       .reach_length_given = options.reach.length.has_value(),
+                                       .fixed_given = !options.fixed.empty()});
+  if (conflict == MergeConflict::reach_given_twice) throw Error(facts::merge::ReachGivenTwice{}, "reach");
+  if (conflict == MergeConflict::fixed_pose_found) throw Error(facts::merge::FixedWhilePoseFound{}, "fixed");
+}
+
+}  // namespace
 
 void validate_options(const MergeOptions& options, const Mesh& source, const Mesh& target) {
   const auto require = [](bool good, const auto& fact, const char* field) {
@@ -31,12 +46,10 @@ void validate_options(const MergeOptions& options, const Mesh& source, const Mes
     require(*rings >= 1, facts::merge::ReachLessThanOneRing{.rings = *rings}, "reach");
   if (const auto length = options.reach.length)
     require(*length > 0, facts::core::NotPositive{.value = *length}, "reach");
-  require(!(options.reach.rings && options.reach.length), facts::merge::ReachGivenTwice{}, "reach");
-  require(options.fixed.empty() || options.pose == MergePose::keep, facts::merge::FixedWhilePoseFound{},
-          "fixed");
+  require_no_conflict(options);
   for (const Index v : options.fixed)
     require(v >= 0 && v < source.vertex_count(),
-            facts::merge::NoSuchVertex{.role = "source", .vertex = v, .count = source.vertex_count()}, "fixed");
+            facts::merge::NoSuchVertex{.side = "source", .vertex = v, .count = source.vertex_count()}, "fixed");
 }
 
 }  // namespace meshgraft

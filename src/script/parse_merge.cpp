@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <set>
 
+#include <meshgraft/merge/merge_conflict.h>
+#include <meshgraft/merge/pose_source.h>
 #include <meshgraft/script/edit_file.h>
 
 #include "parse_parts.h"
@@ -129,18 +131,31 @@ MergeCounts parse_merge_counts(const Value& value) {
   return counts;
 }
 
-// Checks fields that exclude or require each other.
+// Refuses a step that contradicts itself.
 void require_sense(const MergeStep& step, const Object& fields) {
-  for (const std::string_view loops : {"pairs", "matches"})
-    if (step.at && fields.has(loops)) fields.required("at").fail(facts::script::AtWithLoops{.field = loops});
-  if (step.at && step.pose != MergePose::find) fields.required("at").fail(facts::script::AtWithKeptPose{});
-  if (step.source_transform && fields.has("align")) fields.required("align").fail(facts::script::PosedTwice{});
-  if (fields.has("align") && step.align.size() < 3)
-    fields.required("align").fail(facts::script::TooFew{.least = 3, .what = facts::script::Elements::pairs});
-  if (fields.has("fixed") && step.pose != MergePose::keep)
-    fields.required("fixed").fail(facts::script::FixedWithFoundPose{});
-  if (fields.has("size") && step.pose != MergePose::find)
-    fields.required("size").fail(facts::script::SizeWithKeptPose{});
+  using enum MergeConflict;
+  MergeRequest request{.pose = step.pose,
+                       .dropped = fields.has("at"),
+                       .pairs_given = fields.has("pairs"),
+                       .matches_given = fields.has("matches"),
+                       .transform_given = fields.has("source_transform"),
+                       .fixed_given = fields.has("fixed"),
+                       .size_given = fields.has("size")};
+  if (fields.has("align")) request.aligned_pairs = step.align.size();
+  const auto conflict = find_conflict(request);
+  if (!conflict) return;
+  const auto fail = [&](const char* field, const auto& fact) { fields.required(field).fail(fact); };
+  switch (*conflict) {
+    case dropped_with_pairs: return fail("at", facts::script::AtWithLoops{.field = "pairs"});
+    case dropped_with_matches: return fail("at", facts::script::AtWithLoops{.field = "matches"});
+    case dropped_pose_kept: return fail("at", facts::script::AtWithKeptPose{});
+    case posed_twice: return fail("align", facts::script::PosedTwice{});
+    case too_few_aligned:
+      return fail("align", facts::script::TooFew{.least = fewest_aligned_pairs, .what = facts::script::Elements::pairs});
+    case fixed_pose_found: return fail("fixed", facts::script::FixedWithFoundPose{});
+    case size_pose_kept: return fail("size", facts::script::SizeWithKeptPose{});
+    case reach_given_twice: return;  // `parse_reach` takes one of the two
+  }
 }
 
 // Parses a version 1 pair, whose lists of loop vertices begin with the start.
@@ -286,7 +301,8 @@ EditFile parse_merge_version_1(const Value& root) {
                   [&](const Value& v) { step.normal_angle_deg = v.number_in(-180, 180); });
   fields.optional("handles", [&](const Value& v) {
     std::vector<Index> held = parse_handles_version_1(v);
-    if (!held.empty() && step.pose != MergePose::keep) v.fail(facts::script::HandlesWithFoundPose{});
+    if (find_conflict({.pose = step.pose, .fixed_given = !held.empty()}))
+      v.fail(facts::script::HandlesWithFoundPose{});
     if (!held.empty()) step.fixed = EditSelection{Selection::Indices{std::move(held)}};
   });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_counts_version_1(v); });

@@ -91,7 +91,11 @@ Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh&
   std::vector<Match> pairs;
   for (const MatchSpec& pair : step.align)
     pairs.push_back({any_vertex(source, pair.source), any_vertex(target, pair.target)});
-  return align_source(mirrored, target, pairs, location + ".align") * map;
+  try {
+    return align_source(mirrored, target, pairs) * map;
+  } catch (const Error& error) {
+    throw error.at(location + ".align" + error.location().substr(std::string_view("pairs").size()));
+  }
 }
 
 Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& location) {
@@ -181,7 +185,7 @@ DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const 
 
 Eigen::Affine3d DropPlacement::map(const MergeStep& step) const {
   try {
-    return guide_->pose({step.at->surface_point, step.size, step.at->spin_deg}) * posing_;
+    return guide_->pose({step.at->surface_point, step.size, step.at->spin_deg, {}}) * posing_;
   } catch (const Error& error) {
     throw placed(error, location_);
   }
@@ -229,9 +233,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   MergeIntersections intersections;
   try {
     if (step.at) {
-      const Drop drop{step.at->surface_point, step.size, step.at->spin_deg};
-      DropResult dropped =
-          drop_part(target.usable.mesh(), part, pairs.front().loops.source, drop, outcome.options, context);
+      const Drop drop{step.at->surface_point, step.size, step.at->spin_deg, pairs.front().loops.source};
+      DropResult dropped = drop_part(target.usable.mesh(), part, drop, outcome.options, context);
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
       report.notes = std::move(dropped.notes);

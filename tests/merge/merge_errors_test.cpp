@@ -33,13 +33,13 @@ std::optional<Error> refusal_of(const Graft& graft, const MergeOptions& options 
   return std::nullopt;
 }
 
-// Returns the id of a refusal, followed by its role if it has one. Returns "" if nothing was refused.
+// Returns the id of a refusal, followed by its side if it has one. Returns "" if nothing was refused.
 std::string cause_of(const Graft& graft, const MergeOptions& options = {}) {
   const std::optional<Error> refusal = refusal_of(graft, options);
   if (!refusal) return "";
   std::string cause(refusal->id());
   for (const FieldType& field : refusal->fact().type().fields)
-    if (field.name == "role") cause += " " + refusal->fact().get<std::string>("role");
+    if (field.name == "side") cause += " " + refusal->fact().get<std::string>("side");
   return cause;
 }
 

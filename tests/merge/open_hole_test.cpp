@@ -38,10 +38,16 @@ std::vector<Index> only_loop(const Mesh& mesh) {
   return loops.at(0);
 }
 
+// Returns the drop with the source's loop that meets the surface.
+Drop meeting_by(const std::vector<Index>& loop, Drop drop) {
+  drop.source_loop = loop;
+  return drop;
+}
+
 std::optional<Error> refusal_of(const Mesh& target, const Mesh& source, const std::vector<Index>& loop,
                                 const Drop& drop) {
   try {
-    open_hole(target, source, loop, drop);
+    open_hole(target, source, meeting_by(loop, drop));
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     return error;
@@ -63,7 +69,7 @@ TEST(OpenHole, LaysTheLoopOnAFlatPlace) {
   const std::vector<Index> loop = only_loop(part);
   for (const double size : {0.4, 1.2}) {
     for (const double spin_deg : {0.0, 77.0}) {
-      const OpenedHole hole = open_hole(bar, part, loop, {bar_side, size, spin_deg});
+      const OpenedHole hole = open_hole(bar, part, meeting_by(loop, {bar_side, size, spin_deg}));
       const std::vector<Index>& opened = hole.pair.loops.target;
       EXPECT_EQ(only_loop(hole.target).size(), opened.size());
       EXPECT_EQ(hole.size, size);
@@ -95,7 +101,7 @@ TEST(OpenHole, APartStandsWhereItsHoleIs) {
     const Eigen::Affine3d pose = guide.pose(drop);
     EXPECT_NEAR(pose.linear().determinant(), std::pow(size, 3), 1e-9);
     EXPECT_LT((pose.linear() * Eigen::Vector3d::UnitZ() - size * Eigen::Vector3d::UnitX()).norm(), 0.01 * size);
-    const OpenedHole hole = open_hole(bar, part, loop, drop);
+    const OpenedHole hole = open_hole(bar, part, meeting_by(loop, drop));
     for (const Match& match : hole.pair.matches) {
       const Eigen::Vector3d here = pose * Eigen::Vector3d(part.positions.row(match.source));
       EXPECT_LT((here - hole.target.positions.row(match.target).transpose()).norm(),
@@ -109,7 +115,7 @@ TEST(OpenHole, APartStandsWhereItsHoleIs) {
 
 TEST(OpenHole, KeepsTheTargetOutsideTheHole) {
   const Mesh bar = make_sample("bar", 12), part = head();
-  const OpenedHole hole = open_hole(bar, part, only_loop(part), {bar_side, 1.0});
+  const OpenedHole hole = open_hole(bar, part, meeting_by(only_loop(part), {bar_side, 1.0}));
   ASSERT_EQ(hole.vertex.new_index.size(), static_cast<std::size_t>(bar.vertex_count()));
   const std::vector<Index>& rim = hole.pair.loops.target;
   Index kept = 0;
@@ -136,7 +142,7 @@ TEST(OpenHole, GivesGraftsWithoutAGap) {
                                    {"octopus", 28, {Index{100}, {}}}};
   for (const Case& c : cases) {
     const Mesh target = make_sample(c.target, c.resolution);
-    const OpenedHole hole = open_hole(target, part, only_loop(part), c.drop);
+    const OpenedHole hole = open_hole(target, part, meeting_by(only_loop(part), c.drop));
     const MergeResult result = merge_meshes(hole.target, part, {{hole.pair}}, {.size = hole.size});
     const SeamReport& seam = result.report.seam;
     EXPECT_TRUE(seam.manifold && seam.oriented && seam.closed) << c.target;
@@ -150,21 +156,21 @@ TEST(OpenHole, ShrinksAPartThatDoesNotFit) {
   const Mesh bar = make_sample("bar", 12);
   Mesh part = head();
   part.positions *= 10;
-  const OpenedHole hole = open_hole(bar, part, only_loop(part), {bar_side});
+  const OpenedHole hole = open_hole(bar, part, meeting_by(only_loop(part), {bar_side}));
   EXPECT_LT(hole.size, 0.4);
   ASSERT_EQ(hole.notes.size(), 2U);
   EXPECT_EQ(hole.notes[0].id(), "merge.source_scaled");
   EXPECT_EQ(hole.notes[0].get<double>("size"), hole.size);
   EXPECT_GT(hole.notes[1].get<double>("size"), hole.size) << hole.notes[1].text();
   part.positions *= 0.001;
-  EXPECT_EQ(open_hole(bar, part, only_loop(part), {bar_side}).size, 1);
+  EXPECT_EQ(open_hole(bar, part, meeting_by(only_loop(part), {bar_side})).size, 1);
 }
 
 TEST(OpenHole, TurnsAPartOverToThePlaceAsLittleAsPossible) {
   // On a surface that faces +z a part keeps the orientation that it has in its file.
   const Mesh bar = make_sample("bar", 12), part = head();
   const std::vector<Index> loop = only_loop(part);
-  const OpenedHole hole = open_hole(bar, part, loop, {Eigen::Vector3d(0, 0, 4), 0.8});
+  const OpenedHole hole = open_hole(bar, part, meeting_by(loop, {Eigen::Vector3d(0, 0, 4), 0.8}));
   const Eigen::RowVector3d here = middle(part.positions, loop),
                            there = middle(hole.target.positions, hole.pair.loops.target);
   for (const Match& match : hole.pair.matches) {
@@ -191,7 +197,7 @@ TEST(OpenHole, NamesTheLargestSizeThatFits) {
       const std::optional<Error> refusal = refusal_of(target, part, loop, {place, size});
       const double fitting = size_that_fits(refusal);
       ASSERT_GT(fitting, 0) << (refusal ? refusal->what() : "nothing was refused");
-      EXPECT_EQ(open_hole(target, part, loop, {place, fitting}).size, fitting);
+      EXPECT_EQ(open_hole(target, part, meeting_by(loop, {place, fitting})).size, fitting);
       EXPECT_GT(size_that_fits(refusal_of(target, part, loop, {place, 1.3 * fitting})), 0);
     }
   }
@@ -217,7 +223,7 @@ TEST(OpenHole, FindsRoomOrTellsAllOverASurface) {
       }
       OpenedHole hole;
       try {
-        hole = open_hole(target, part, loop, {v});
+        hole = open_hole(target, part, meeting_by(loop, {v}));
       } catch (const Error& error) {
         EXPECT_EQ(error.id(), "merge.no_hole_at_any_size") << name << " at " << v;
         ASSERT_EQ(error.notes().size(), 1U) << name << " at " << v;
@@ -247,13 +253,13 @@ TEST(OpenHole, ShrinksAPartThatWouldReachIntoTheTarget) {
   Mesh part = head();
   part.positions *= 0.35;
   const std::vector<Index> loop = only_loop(part);
-  const OpenedHole hole = open_hole(corner, part, loop, {Eigen::Vector3d(-0.1, 0, 0)});
+  const OpenedHole hole = open_hole(corner, part, meeting_by(loop, {Eigen::Vector3d(-0.1, 0, 0)}));
   EXPECT_LT(hole.size, 1);
   EXPECT_TRUE(hole.clear);
   ASSERT_EQ(hole.notes.size(), 2U);
   EXPECT_EQ(hole.notes[0].id(), "merge.source_scaled");
   EXPECT_EQ(hole.notes[1].id(), "merge.source_would_reach_in");
-  const OpenedHole asked = open_hole(corner, part, loop, {Eigen::Vector3d(-0.1, 0, 0), 1.0});
+  const OpenedHole asked = open_hole(corner, part, meeting_by(loop, {Eigen::Vector3d(-0.1, 0, 0), 1.0}));
   EXPECT_FALSE(asked.clear);
   ASSERT_EQ(asked.notes.size(), 1U);
   EXPECT_EQ(asked.notes.front().id(), "merge.source_clear_if_smaller");
@@ -269,7 +275,7 @@ TEST(DropPart, GraftsOnAClosedTargetAndMapsItsVertices) {
       return static_cast<Index>(highest);
     }();
     const Drop drop{std::string(name) == "bar" ? Drop{bar_side} : Drop{top, 0.3}};
-    const DropResult result = drop_part(target, part, only_loop(part), drop);
+    const DropResult result = drop_part(target, part, meeting_by(only_loop(part), drop));
     EXPECT_TRUE(result.merge.report.seam.manifold && result.merge.report.seam.oriented) << name;
     EXPECT_EQ(result.merge.report.seam.euler_characteristic, summarise_topology(target).euler_characteristic);
     EXPECT_EQ(result.merge.report.shape.inverted, 0);
@@ -296,7 +302,7 @@ TEST(OpenHole, RefusesWhatCannotBeOpened) {
   EXPECT_EQ(cause_of(bar, part, loop, {bar_side, -1.0}), "core.not_positive");
   const std::optional<Error> refusal = refusal_of(bar, part, {0, 1, 2}, {bar_side});
   ASSERT_TRUE(refusal.has_value());
-  EXPECT_EQ(refusal->fact().get<std::string>("role"), "source");
+  EXPECT_EQ(refusal->fact().get<std::string>("side"), "source");
   EXPECT_EQ(cause_of(bar, part, loop, {bar_side, 1e9}), "merge.loop_larger_than_target");
   const std::optional<Error> huge = refusal_of(bar, part, loop, {bar_side, 1e9});
   EXPECT_EQ(huge->notes().front().text(), "the source's loop is larger than the target, at size 1e+09");

@@ -89,7 +89,7 @@ TEST(PoseSource, AlignFindsASimilarityFromThreePairs) {
   const Mesh source = bumpy_grid();
   const Mesh target = transformed(source, some_similarity(), "transform");
   const std::vector<Match> pairs{{0, 0}, {17, 17}, {30, 30}};
-  const Eigen::Affine3d found = align_source(source, target, pairs, "align");
+  const Eigen::Affine3d found = align_source(source, target, pairs);
   EXPECT_LT((found.matrix() - some_similarity().matrix()).norm(), 1e-10);
 }
 
@@ -97,15 +97,15 @@ TEST(PoseSource, RefusesWhatLeavesThePoseOpen) {
   const Mesh mesh = bumpy_grid();
   const auto message = [&](const std::vector<Match>& pairs) {
     try {
-      align_source(mesh, mesh, pairs, "align");
+      align_source(mesh, mesh, pairs);
     } catch (const Error& error) {
       return std::string(error.what());
     }
     return std::string();
   };
-  EXPECT_EQ(message({{0, 0}, {1, 1}}), "align: three pairs of vertices pose a source, 2 given");
+  EXPECT_EQ(message({{0, 0}, {1, 1}}), "pairs: three pairs of vertices pose a source, 2 given");
   EXPECT_EQ(message({{0, 0}, {1, 1}, {2, 9999}}),
-            "align[2]: target vertex 9999 does not exist; the mesh has 42");
+            "pairs[2]: target vertex 9999 does not exist; the mesh has 42");
   EXPECT_NE(message({{0, 0}, {0, 0}, {1, 1}}).find("lie on a line"), std::string::npos);
   EXPECT_THROW(reflection({{0, 0, 0}, {0, 0, 0}}, "mirror"), Error);
   Eigen::Affine3d flat = Eigen::Affine3d::Identity();

@@ -41,7 +41,7 @@ struct DropResult {
 /// Throws what `open_hole` and `merge_meshes` throw. Throws Error(input) with the id
 /// merge.dropped_source_inverted, naming `surface_point`, if the graft turns inside out in all tries (shape
 /// `similar`).
-DropResult drop_part(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
-                     const Drop& drop, const MergeOptions& options = {}, const Context& context = {});
+DropResult drop_part(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options = {},
+                     const Context& context = {});
 
 }  // namespace meshgraft

@@ -25,6 +25,8 @@ struct Drop {
   /// Turn about the target's normal, right hand, degrees. At 0 the source is turned as little as possible
   /// from its orientation in its own coordinates.
   double spin_deg = 0;
+  /// The boundary loop of the source that meets the surface, listed whole and in order.
+  std::vector<Index> source_loop{};
 };
 
 /// A target with a hole for a source's loop.
@@ -56,8 +58,7 @@ struct OpenedHole {
 /// - the surface is too narrow for a hole of a given size: less than 0.85 of the loop's width.
 /// In the last two cases the id is merge.no_hole, whose field `largest` is the largest size that fits, or
 /// merge.no_hole_at_any_size. A note of the error is the reason.
-OpenedHole open_hole(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop,
-                     const Drop& drop, const Context& context = {});
+OpenedHole open_hole(const Mesh& target, const Mesh& source, const Drop& drop, const Context& context = {});
 
 /// Predicts the pose of a dropped source before it is bent. It opens no hole, so that it can follow a
 /// pointer: the constructor does the work that does not depend on the point.
@@ -68,8 +69,8 @@ class DropGuide {
             const Context& context = {});
 
   /// Returns the similarity of the source's coordinates that lays its loop level with the surface around the
-  /// point. Its scale is the size of `drop` (absent: 1). Throws Error(input), as `open_hole` does, for a
-  /// point that it refuses.
+  /// point. Its scale is the size of `drop` (absent: 1); the loop is the constructor's. Throws Error(input), as
+  /// `open_hole` does, for a point that it refuses.
   Eigen::Affine3d pose(const Drop& drop) const;
 
  private:

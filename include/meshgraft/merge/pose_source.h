@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 
@@ -23,10 +24,12 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
 /// Returns the reflection in a plane. Throws Error(input), naming `location`, for a normal of zero length.
 Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location);
 
+/// Fewest pairs of vertices that determine a similarity.
+inline constexpr std::size_t fewest_aligned_pairs = 3;
+
 /// Returns the similarity that brings the source's vertices of three or more pairs nearest to the target's in
-/// the least-squares sense (Umeyama 1991). Throws Error(input), naming `location` and the pair, for fewer
+/// the least-squares sense (Umeyama 1991). Throws Error(input), naming `pairs` or one of them, for fewer
 /// pairs, vertices that do not exist, and vertices of either mesh that lie on a line.
-Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs,
-                             const std::string& location);
+Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<const Match> pairs);
 
 }  // namespace meshgraft

@@ -92,8 +92,8 @@ const withoutLocation: ReadonlySet<string> = new Set<FactId>([
 ]);
 
 /** Names the mesh of a graft as the panels do. The model is what the part is grafted onto. */
-function side(role: string): string {
-  return role === "source" ? "part" : role === "target" ? "model" : role;
+function sideWord(side: string): string {
+  return side === "source" ? "part" : side === "target" ? "model" : side;
 }
 
 /** Quotes a text so that a shell takes it as one word. */
@@ -216,14 +216,14 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "linalg.operator_too_large": () => ({ remedy: smallerOrProxy }),
 
   "merge.bent_less": ({ normal_angle_deg }) => ({
-    problem: `the part's rim turned inside out where it bends into the surface, so it bends less: a normal angle of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
+    problem: `the part's boundary turned inside out where it bends into the surface, so it bends less: a normal angle of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
   }),
   "merge.boundary_ragged": ({ pair, turn_deg }) => ({
     problem: `a boundary of pair ${pair + 1} is ragged (${formatNumber(turn_deg, 4, 0)}° of turn per vertex too much)`,
     remedy: "Smooth ragged loops, under More of the graft, smooths it first.",
   }),
-  "merge.boundary_touches_itself": ({ role, vertex }) => ({
-    problem: `the ${side(role)}'s boundary touches itself in vertex ${vertex}`,
+  "merge.boundary_touches_itself": ({ side, vertex }) => ({
+    problem: `the ${sideWord(side)}'s boundary touches itself in vertex ${vertex}`,
   }),
   "merge.component_without_pair": ({ vertices, vertex }) => ({
     problem: `no pair holds the piece of the part with vertex ${vertex} (${counted(vertices, "vertex", "vertices")})`,
@@ -249,15 +249,15 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "merge.loop_larger_than_target": ({ size }) => ({
     problem: `the part's loop is larger than the model, at size ${formatNumber(size, 3)}`,
   }),
-  "merge.loop_length_out_of_range": ({ role, vertex, length, coordinate }) => ({
-    problem: `the ${side(role)}'s loop at vertex ${vertex} is ${formatNumber(length, 2)} long in coordinates up to ${formatNumber(coordinate, 2)}`,
+  "merge.loop_length_out_of_range": ({ side, vertex, length, coordinate }) => ({
+    problem: `the ${sideWord(side)}'s loop at vertex ${vertex} is ${formatNumber(length, 2)} long in coordinates up to ${formatNumber(coordinate, 2)}`,
   }),
-  "merge.loop_named_twice": ({ pair, other_pair, role, vertex }) => ({
-    problem: `pairs ${pair + 1} and ${other_pair + 1} have the same loop of the ${side(role)} (vertex ${vertex})`,
+  "merge.loop_named_twice": ({ pair, other_pair, side, vertex }) => ({
+    problem: `pairs ${pair + 1} and ${other_pair + 1} have the same loop of the ${sideWord(side)} (vertex ${vertex})`,
   }),
-  "merge.loop_not_listed_in_order": ({ role }) => ({ problem: `the ${side(role)}'s loop is not listed in its order` }),
-  "merge.loop_not_listed_whole": ({ listed, role, count }) => ({
-    problem: `${listed} of the ${count} vertices of the ${side(role)}'s boundary loop are listed`,
+  "merge.loop_not_listed_in_order": ({ side }) => ({ problem: `the ${sideWord(side)}'s loop is not listed in its order` }),
+  "merge.loop_not_listed_whole": ({ listed, side, count }) => ({
+    problem: `${listed} of the ${count} vertices of the ${sideWord(side)}'s boundary loop are listed`,
   }),
   "merge.loop_rounded_off": () => ({
     problem: "the part's loop crosses itself as seen along its axis; the hole is rounded off",
@@ -269,8 +269,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `the part's loop at vertex ${vertex} spans no area`,
     remedy: "Cut the part where the loop is open like a ring.",
   }),
-  "merge.loop_without_length": ({ role, vertex }) => ({
-    problem: `the ${side(role)}'s loop at vertex ${vertex} has no length`,
+  "merge.loop_without_length": ({ side, vertex }) => ({
+    problem: `the ${sideWord(side)}'s loop at vertex ${vertex} has no length`,
   }),
   "merge.loops_differ": ({ pair, difference_percent, bend_deg }) => ({
     problem: `the loops of pair ${pair + 1} differ in shape (by ${formatNumber(difference_percent, 4, 0)} % of their radius on average), so the seam is bent by ${formatNumber(bend_deg, 4, 0)}°`,
@@ -280,18 +280,18 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `the loop meets that of pair ${pair + 1} in vertex ${vertex}`,
     remedy: "Pair loops that do not touch.",
   }),
-  "merge.match_not_on_loop": ({ role, vertex }) => ({
-    problem: `vertex ${vertex} of the ${side(role)} is not on the pair's loop`,
+  "merge.match_not_on_loop": ({ side, vertex }) => ({
+    problem: `vertex ${vertex} of the ${sideWord(side)} is not on the pair's loop`,
     remedy: "Match points of the two loops.",
   }),
   "merge.matches_cross": ({ source, next_source, target, next_target }) => ({
     problem: `the matches cross: vertices ${source} and ${next_source} of the part follow one another, vertices ${target} and ${next_target} of the model do not`,
     remedy: `Drag the dots into one order; the two loops run opposite ways round the seam. Do the faces of the part point inward? ${turnInsideOut}`,
   }),
-  "merge.no_boundary_loop": ({ role }) => ({
-    problem: `the ${side(role)} has no boundary loop, its surface is closed`,
+  "merge.no_boundary_loop": ({ side }) => ({
+    problem: `the ${sideWord(side)} has no boundary loop, its surface is closed`,
     remedy:
-      role === "source"
+      side === "source"
         ? "Cut it open first, by a plane or along a curve."
         : "Cut it open first, or drop the part on its surface.",
   }),
@@ -299,7 +299,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     remedy: `Use a size of at most ${formatNumber(largest, 3)}, or drag it to another place.`,
   }),
   "merge.no_hole_at_any_size": () => ({ remedy: elsewhere }),
-  "merge.no_loop_named": ({ role }) => ({ problem: `no loop of the ${side(role)} is paired` }),
+  "merge.no_loop_named": ({ side }) => ({ problem: `no loop of the ${sideWord(side)} is paired` }),
   "merge.no_pairs": () => ({
     problem: "no loops are paired",
     remedy: "Click a loop of the model and a loop of the part.",
@@ -308,12 +308,12 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `vertex ${vertex} of the model does not exist; it has ${count}`,
     remedy: elsewhere,
   }),
-  "merge.no_such_vertex": ({ role, vertex, count }) => ({
-    problem: `vertex ${vertex} of the ${side(role)} does not exist; it has ${count}`,
+  "merge.no_such_vertex": ({ side, vertex, count }) => ({
+    problem: `vertex ${vertex} of the ${sideWord(side)} does not exist; it has ${count}`,
   }),
   "merge.open_start": () => ({ remedy: "Drag a numbered dot to where the two meet, or twist." }),
   "merge.orientations_disagree": ({ inward, outward }) => ({
-    problem: `the faces of the ${side(inward)} point inward, those of the ${side(outward)} outward, so that their loops do not run opposite ways`,
+    problem: `the faces of the ${sideWord(inward)} point inward, those of the ${sideWord(outward)} outward, so that their loops do not run opposite ways`,
     remedy: turnInsideOut,
   }),
   "merge.point_off_surface": ({ x, y, z, distance }) => ({
@@ -375,11 +375,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "merge.target_without_faces": () => ({ problem: "the model has no faces" }),
   "merge.too_few_pairs": ({ count }) => ({ problem: `three pairs of vertices pose a part, ${count} given` }),
   "merge.transform_flattens": () => ({ problem: "the pose flattens the part" }),
-  "merge.vertex_not_finite": ({ role, vertex }) => ({
-    problem: `vertex ${vertex} of the ${side(role)} has no finite position`,
+  "merge.vertex_not_finite": ({ side, vertex }) => ({
+    problem: `vertex ${vertex} of the ${sideWord(side)} has no finite position`,
   }),
-  "merge.vertex_not_on_boundary": ({ role, vertex }) => ({
-    problem: `vertex ${vertex} of the ${side(role)} is not on a boundary`,
+  "merge.vertex_not_on_boundary": ({ side, vertex }) => ({
+    problem: `vertex ${vertex} of the ${sideWord(side)} is not on a boundary`,
     remedy: "Click a boundary loop.",
   }),
   "merge.vertex_on_boundary": ({ vertex }) => ({
@@ -390,12 +390,12 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `vertex ${vertex} of the model belongs to no face`,
     remedy: elsewhere,
   }),
-  "merge.vertices_of_two_loops": ({ role, vertex, other_vertex }) => ({
-    problem: `vertices ${vertex} and ${other_vertex} of the ${side(role)} are on two boundary loops`,
+  "merge.vertices_of_two_loops": ({ side, vertex, other_vertex }) => ({
+    problem: `vertices ${vertex} and ${other_vertex} of the ${sideWord(side)} are on two boundary loops`,
     remedy: "Click one loop.",
   }),
-  "merge.vertices_on_a_line": ({ role }) => ({
-    problem: `the vertices of the ${side(role)} lie on a line, so that any turn about it fits`,
+  "merge.vertices_on_a_line": ({ side }) => ({
+    problem: `the vertices of the ${sideWord(side)} lie on a line, so that any turn about it fits`,
   }),
 
   "mesh.faces_left_out": ({ mesh, count }) => ({
@@ -474,17 +474,17 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: lackWords({ lost, all }, `“${handle}”`),
     remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance_rel} each finds a partner; or hold something else.`,
   }),
-  "script.no_such_loop": ({ side: role, loop, loops, sizes }) => ({
-    problem: `the ${side(role)} has no boundary loop ${loop + 1}`,
+  "script.no_such_loop": ({ side, loop, loops, sizes }) => ({
+    problem: `the ${sideWord(side)} has no boundary loop ${loop + 1}`,
     remedy: `It has ${loopSizes(loops, sizes)}.`,
   }),
-  "script.no_such_vertex": ({ side: role, vertex, count, loops, sizes }) => ({
-    problem: `the ${side(role)} has no vertex ${vertex} among its ${count}`,
+  "script.no_such_vertex": ({ side, vertex, count, loops, sizes }) => ({
+    problem: `the ${sideWord(side)} has no vertex ${vertex} among its ${count}`,
     remedy: `It has ${loopSizes(loops, sizes)}.`,
   }),
   "script.not_mirrored": ({ handle, lost, all }) => ({ problem: lackWords({ lost, all }, `“${handle}”`), remedy: otherPlane }),
-  "script.not_one_loop": ({ side: role, count, loops, sizes }) => ({
-    problem: `the ${count} selected vertices are not those of one boundary loop of the ${side(role)}`,
+  "script.not_one_loop": ({ side, count, loops, sizes }) => ({
+    problem: `the ${count} selected vertices are not those of one boundary loop of the ${sideWord(side)}`,
     remedy: `It has ${loopSizes(loops, sizes)}.`,
   }),
   "script.not_one_vertex": ({ handle, count }) => ({
@@ -512,12 +512,12 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: regionLacks({ lost, all }),
     remedy: `With a tolerance of ${tolerance_rel}, under Symmetry, each finds a partner.`,
   }),
-  "script.side_without_closed_loop": ({ side: role, mesh, edges, vertex }) => ({
-    problem: `the ${side(role)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,
+  "script.side_without_closed_loop": ({ side, mesh, edges, vertex }) => ({
+    problem: `the ${sideWord(side)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,
   }),
-  "script.side_without_faces": ({ side: role, mesh }) => ({ problem: `the ${side(role)} (${mesh}) has no faces` }),
-  "script.side_without_loop": ({ side: role, mesh }) => ({
-    problem: `the ${side(role)} (${mesh}) has no boundary loop`,
+  "script.side_without_faces": ({ side, mesh }) => ({ problem: `the ${sideWord(side)} (${mesh}) has no faces` }),
+  "script.side_without_loop": ({ side, mesh }) => ({
+    problem: `the ${sideWord(side)} (${mesh}) has no boundary loop`,
     remedy: "Cut it open first, by a plane or along a curve.",
   }),
   "script.size_with_kept_pose": () => ({ remedy: "Scale the part by its gizmo." }),
@@ -529,8 +529,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `vertex ${vertex} lacks a mirror image`,
     remedy: otherPlane,
   }),
-  "script.vertex_off_loops": ({ side: role, vertex, loops, sizes }) => ({
-    problem: `vertex ${vertex} is not on a boundary of the ${side(role)}`,
+  "script.vertex_off_loops": ({ side, vertex, loops, sizes }) => ({
+    problem: `vertex ${vertex} is not on a boundary of the ${sideWord(side)}`,
     remedy: `It has ${loopSizes(loops, sizes)}.`,
   }),
   "script.vertex_without_mirror_image": ({ vertex, tolerance_rel }) => ({
