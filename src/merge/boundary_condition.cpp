@@ -57,8 +57,7 @@ struct LoopSize {
 
 Points target_points(const Points& target, const Correspondence& correspondence) {
   Points there(static_cast<Eigen::Index>(correspondence.loop_parameter.size()), 3);
-  for (Eigen::Index i = 0; i < there.rows(); ++i)
-    there.row(i) = at(target, correspondence.loop_parameter[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < there.rows(); ++i) there.row(i) = at(target, correspondence.loop_parameter[i]);
   return there;
 }
 
@@ -74,7 +73,7 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
   constexpr double near_centre = 0.1;  // × the radius: ratios of short distances are unreliable
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index i = 0; i < there.rows(); ++i) {
-    const double parameter = correspondence.loop_parameter[static_cast<std::size_t>(i)];
+    const double parameter = correspondence.loop_parameter[i];
     const double distance = (source.points.row(i) - source_size.centre).norm();
     const double ratio = distance < near_centre * source_size.radius
                              ? target_size.radius / source_size.radius
@@ -93,7 +92,7 @@ std::vector<VertexConstraint> boundary_constraints(const LoopPair& pair, const L
       transform =
           scale * frame(-listed, normal) * frame(source_tangents.row(i), source.normals.row(i)).transpose();
     }
-    constraints.push_back({pair.source[static_cast<std::size_t>(i)], there.row(i).transpose(), transform});
+    constraints.push_back({pair.source[i], there.row(i).transpose(), transform});
   }
   return constraints;
 }
@@ -109,7 +108,7 @@ Similarity pose_of_boundary(std::span<const LoopGeometry> sources, std::span<con
     const LoopSize source_size(sources[p].points), target_size(targets[p].points);
     const Eigen::VectorXd shares = length_shares(sources[p].points);
     for (Eigen::Index i = 0; i < sources[p].points.rows(); ++i) {
-      const double parameter = correspondences[p].loop_parameter[static_cast<std::size_t>(i)];
+      const double parameter = correspondences[p].loop_parameter[i];
       const Eigen::RowVector3d v = sources[p].points.row(i), there = at(targets[p].points, parameter);
       const Eigen::RowVector3d normal = at(targets[p].normals, parameter).stableNormalized();
       for (const double height : {0.0, 1.0}) {  // the vertex, and the tip of its normal

@@ -148,12 +148,12 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
   const std::vector<std::array<Index, 2>> window = windows();
   std::vector<std::size_t> row_begin{0};
   for (const auto& [low, high] : window) {
-    row_begin.push_back(row_begin.back() + static_cast<std::size_t>(high - low + 1));
+    row_begin.push_back(row_begin.back() + (high - low + 1));
   }
   std::vector<std::array<Move, 2>> before(row_begin.back());
 
   // Each cell holds, for each last move, the least cost of a strip that ends at the cell.
-  std::vector<Cell> row(static_cast<std::size_t>(m) + 1), next_row(row.size());
+  std::vector<Cell> row(m + 1), next_row(row.size());
   row[0][on_first] = {0, normal_before, on_first};
   const auto relax = [&](Cell& to, Move move, const Cell& from, const Candidate& triangle) {
     for (const Move last : {on_first, on_second}) {
@@ -169,8 +169,7 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
     }
     for (Index j = low; j <= high; ++j) {
       const Cell& cell = row[j];
-      before[row_begin[i] + static_cast<std::size_t>(j - low)] = {cell[on_first].before,
-                                                                  cell[on_second].before};
+      before[row_begin[i] + (j - low)] = {cell[on_first].before, cell[on_second].before};
       if (j < high && is_strip(i, j + 1)) relax(row[j + 1], on_second, cell, next(on_second, i, j));
       if (i < n && j >= window[i + 1][0] && is_strip(i + 1, j)) {
         relax(next_row[j], on_first, cell, next(on_first, i, j));
@@ -183,7 +182,7 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
   Move last = row[m][on_first].cost <= row[m][on_second].cost ? on_first : on_second;
   for (Index i = n, j = m; i > 0 || j > 0;) {
     moves.push_back(last);
-    const Move previous = before[row_begin[i] + static_cast<std::size_t>(j - window[i][0])][last];
+    const Move previous = before[row_begin[i] + (j - window[i][0])][last];
     --(last == on_first ? i : j);
     last = previous;
   }

@@ -55,7 +55,7 @@ std::vector<Index> beyond_influence_radius(const Points& source, const IndexList
                                            std::span<const std::vector<Index>> loops, const Reach& reach,
                                            double radii) {
   constexpr int fewest_rings = 2;
-  Flags near(static_cast<std::size_t>(source.rows()), 0);
+  Flags near(source.rows(), 0);
   for (const auto& loop : loops) {
     for (const Index v : grow_rings(loop, reach.rings.value_or(fewest_rings), rings)) near[v] = 1;
     if (reach.rings) continue;
@@ -75,7 +75,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
   DeformerOptions deformer_options = options.deformer;
   if (options.shape == MergeShape::ft05) deformer_options.method = DeformMethod::ft05;
 
-  Flags taken(static_cast<std::size_t>(source.rows()), 0);
+  Flags taken(source.rows(), 0);
   if (options.pose == MergePose::keep) {
     for (const Index v : far) taken[v] |= stays;
     for (const Index v : options.fixed) taken[v] |= stays;

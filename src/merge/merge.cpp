@@ -43,13 +43,12 @@ void drop_used_cut_normals(Mesh& mesh) {
         return attribute.domain == Domain::vertex && attribute.name == cut_normal_name;
       });
   if (kept == mesh.attributes.end()) return;
-  Flags open(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  Flags open(mesh.vertex_count(), 0);
   for (const auto& loop : boundary_loops(mesh))
     for (const Index v : loop) open[v] = 1;
   bool used = false;
   for (std::size_t k = 0; k < kept->values.size(); ++k) {
-    if (!open[k / static_cast<std::size_t>(kept->components)])
-      kept->values[k] = std::numeric_limits<double>::quiet_NaN();
+    if (!open[k / kept->components]) kept->values[k] = std::numeric_limits<double>::quiet_NaN();
     used |= std::isfinite(kept->values[k]);
   }
   if (!used) mesh.attributes.erase(kept);
@@ -117,7 +116,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
                                   [](Index v) { return v >= 0; });
   report.target_vertices_added = result.mesh.vertex_count() - grafted.vertex_count() - static_cast<Index>(kept);
   result.source = std::move(seam.source);
-  result.source.new_index.resize(static_cast<std::size_t>(source_mesh.vertex_count()));  // original ones only
+  result.source.new_index.resize(source_mesh.vertex_count());  // original ones only
   result.new_faces = std::move(seam.new_faces);
   result.band = std::move(seam.band);
   report.seam = seam.report;

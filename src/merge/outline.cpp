@@ -52,7 +52,7 @@ Outline::Nearest Outline::nearest(const Eigen::RowVector2d& point) const {
     const double square = edge.squaredNorm();
     const double t = square > 0 ? std::clamp((point - a).dot(edge) / square, 0.0, 1.0) : 0.0;
     const double distance = (point - a - t * edge).norm();
-    if (distance < best.distance) best = {distance, arcs_[static_cast<std::size_t>(i)] + t * std::sqrt(square)};
+    if (distance < best.distance) best = {distance, arcs_[i] + t * std::sqrt(square)};
   }
   return best;
 }

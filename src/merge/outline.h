@@ -26,7 +26,7 @@ class Outline {
   double signed_distance(const Eigen::RowVector2d& point) const;
   /// Returns the arc length from point 0 to the point of the outline nearest to `point`.
   double arc_of_nearest(const Eigen::RowVector2d& point) const;
-  double arc(Index point) const { return arcs_[static_cast<std::size_t>(point)]; }
+  double arc(Index point) const { return arcs_[point]; }
   double length() const { return arcs_.back(); }
   Index size() const { return static_cast<Index>(points_.rows()); }
 

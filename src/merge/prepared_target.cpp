@@ -103,7 +103,7 @@ SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) 
 }
 
 Vector mean_normal(const PreparedTarget& target, const SurfacePoint& point, double distance) {
-  constexpr double wrapped = 0.3;
+  constexpr double wrapped = 0.3;  // chosen: normals that cancel to less come from all sides
   const Points& x = target.mesh.positions;
   const std::vector<double> away = edge_distance(point.corners, x, target.rings, {.limit = distance});
   Vector sum = Vector::Zero(), local = Vector::Zero();

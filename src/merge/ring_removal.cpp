@@ -34,10 +34,10 @@ class Rings {
       : mesh_(mesh),
         table_(mesh.vertex_count(), mesh.faces),
         loop_sizes_(loops.size()),
-        loop_of_(static_cast<std::size_t>(mesh.vertex_count()), no_ring),
-        on_border_(static_cast<std::size_t>(mesh.vertex_count()), false),
-        ring_of_(static_cast<std::size_t>(mesh.face_count()), no_ring),
-        face_of_(static_cast<std::size_t>(mesh.faces.corner_count())),
+        loop_of_(mesh.vertex_count(), no_ring),
+        on_border_(mesh.vertex_count(), false),
+        ring_of_(mesh.face_count(), no_ring),
+        face_of_(mesh.faces.corner_count()),
         corners_(loops.size()) {
     for (std::size_t k = 0; k < loops.size(); ++k) {
       loop_sizes_[k] = loops[k].size();
@@ -173,7 +173,7 @@ void drop_touching(Loops& loops) {
 
 // Returns the mesh without the faces of the rings and the vertices of the loops.
 RingRemoval without(const Mesh& mesh, const Rings& rings, const Loops& loops) {
-  Flags removed(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags removed(mesh.vertex_count(), false);
   for (const auto& loop : loops) {
     for (const Index v : loop) removed[v] = true;
   }
@@ -241,7 +241,7 @@ RingRemoval remove_rings(const Mesh& mesh, std::span<const RingRequest> requests
         result.loops.push_back(std::move(outer[k]));
         result.halvings.push_back(for_length[k] + for_shape[k]);
       }
-      result.vertex.new_index.resize(static_cast<std::size_t>(mesh.vertex_count()));
+      result.vertex.new_index.resize(mesh.vertex_count());
       result.mesh.source = mesh.source;  // a writer uses the data that does not depend on the topology
       return result;
     }

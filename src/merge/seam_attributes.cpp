@@ -43,7 +43,7 @@ Eigen::RowVector3d face_normal(const Mesh& mesh, Index triangle) {
 // Writes smooth normals to the corners of the strip and to those corners beside it that were smooth before.
 void renew_corner_normals(const Mesh& mesh, const Points& normals, Index first_new, Attribute& attribute) {
   constexpr double smooth = 0.7;  // cosine
-  Flags on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags on_strip(mesh.vertex_count(), false);
   for (Index c = mesh.faces.first_corner(first_new); c < mesh.faces.corner_count(); ++c) {
     on_strip[mesh.faces.corners()[c]] = true;
   }
@@ -64,7 +64,7 @@ void label_sides(Mesh& mesh, const SeamLayout& layout) {
                      .domain = Domain::face,
                      .interpolation = Interpolation::nearest,
                      .type = ScalarType::int32};
-    groups.values.assign(static_cast<std::size_t>(mesh.face_count()), none);
+    groups.values.assign(mesh.face_count(), none);
     mesh.attributes.push_back(std::move(groups));
   }
   Attribute& groups = *find_groups(mesh);
@@ -82,8 +82,7 @@ void add_strip(Mesh& mesh, std::span<const std::array<Index, 3>> triangles, std:
       const std::vector<double> values = interpolate_attribute(attribute, faces).values;
       attribute.values.insert(attribute.values.end(), values.begin(), values.end());
     } else if (attribute.domain == Domain::corner) {
-      attribute.values.insert(attribute.values.end(),
-                              3 * triangles.size() * static_cast<std::size_t>(attribute.components), none);
+      attribute.values.insert(attribute.values.end(), 3 * triangles.size() * attribute.components, none);
     }
   }
   Attribute& groups = *find_groups(mesh);
@@ -96,7 +95,7 @@ void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unsmoothe
   if (!has_normals) return;
   update_normals(mesh, unsmoothed);
   const Points normals = vertex_normals(mesh);
-  Flags on_strip(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags on_strip(mesh.vertex_count(), false);
   const Index first_new = layout.target_faces + layout.source_faces;
   for (Index f = first_new; f < mesh.face_count(); ++f) {
     for (const Index v : mesh.faces[f]) on_strip[v] = true;

@@ -18,7 +18,7 @@ namespace {
 // Returns the ring of each vertex, or 0 beyond the last one. The outermost vertices have the number `rings` +
 // 1.
 std::vector<int> count_rings(const Mesh& mesh, const SeamLayout& layout, int rings) {
-  std::vector<int> ring(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  std::vector<int> ring(mesh.vertex_count(), 0);
   for (Index f = layout.target_faces + layout.source_faces; f < mesh.face_count(); ++f) {
     for (const Index v : mesh.faces[f]) ring[v] = 1;
   }

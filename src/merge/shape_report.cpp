@@ -50,7 +50,7 @@ double smallest_stretch(const Points& rest, const Points& grafted, const Eigen::
 ShapeReport measure_shape(const Points& rest, const Points& grafted, const Triangles& triangles,
                           std::span<const Index> far, const std::vector<Index>& component) {
   std::map<Index, ComponentVertices> parts;
-  Flags is_far(static_cast<std::size_t>(rest.rows()), 0);
+  Flags is_far(rest.rows(), 0);
   for (const Index v : far) {
     parts[component[v]].far.push_back(v);
     is_far[v] = 1;
