@@ -137,7 +137,7 @@ void run_live(benchmark::State& state, const BenchEdit& edit, DeformMethod metho
       if (first == 0) first = watch.seconds();
       if (frame.quality != FrameQuality::exact) quick = frame.seconds;
     };
-    LiveDeformer live(edit.positions, edit.triangles, one.region, {on_frame, {}}, options);
+    LiveDeformer live({edit.positions, edit.triangles, one.region}, {on_frame, {}}, options);
     live.drag(one.poses);
     live.wait_until_exact();
     const double exact = watch.seconds();

@@ -74,7 +74,7 @@ class Recorder {
 void run_still(const BenchEdit& edit, const LiveOptions& options) {
   Recorder recorder;
   const double start = now();
-  LiveDeformer live(edit.positions, edit.triangles, region_of(edit), recorder.callbacks(), options);
+  LiveDeformer live({edit.positions, edit.triangles, region_of(edit)}, recorder.callbacks(), options);
   const double constructed = now();
   live.drag(pose_of(edit, 1));
   live.wait_until_exact();
@@ -104,7 +104,7 @@ void run_drag(const BenchEdit& edit, const LiveOptions& options) {
   std::vector<double> asked{0};
   std::vector<std::pair<double, LiveStage>> stages;
   const double start = now();
-  LiveDeformer live(edit.positions, edit.triangles, region_of(edit), recorder.callbacks(), options);
+  LiveDeformer live({edit.positions, edit.triangles, region_of(edit)}, recorder.callbacks(), options);
   double ready = 0;
   for (int step = 0; ready == 0 || now() < ready + 2; ++step) {
     stages.emplace_back(now(), live.stage());
@@ -145,7 +145,7 @@ void run_drag(const BenchEdit& edit, const LiveOptions& options) {
 /// Measures the age of a pose at its first frame, where it interrupts the exact evaluation of the one before.
 void run_interrupt(const BenchEdit& edit, const LiveOptions& options) {
   Recorder recorder;
-  LiveDeformer live(edit.positions, edit.triangles, region_of(edit), recorder.callbacks(), options);
+  LiveDeformer live({edit.positions, edit.triangles, region_of(edit)}, recorder.callbacks(), options);
   while (live.stage() < LiveStage::exact) sleep(0.01);
   std::vector<double> asked{0}, lags;
   for (int step = 0; step < 12; ++step) {
@@ -173,7 +173,7 @@ void run_close(const BenchEdit& edit, const LiveOptions& options) {
     double before = 0;
     const double wait = 0.02 + 0.35 * i;
     {
-      LiveDeformer live(edit.positions, edit.triangles, region_of(edit), recorder.callbacks(), options);
+      LiveDeformer live({edit.positions, edit.triangles, region_of(edit)}, recorder.callbacks(), options);
       live.drag(pose_of(edit, 1));
       sleep(wait);
       before = now();

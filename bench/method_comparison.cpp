@@ -46,7 +46,7 @@ std::vector<VertexConstraint> constraints_of(const BenchEdit& edit) {
 Method ours(const std::string& name, const DeformerOptions& options) {
   return {name, [options](const BenchEdit& edit) {
             const auto constraints = constraints_of(edit);
-            return Deformer::with_constraints(edit.positions, edit.triangles, {}, constraints, {}, {}, options)
+            return Deformer({edit.positions, edit.triangles, {.whole = true}, constraints}, options)
                 .evaluate(constraints);
           }};
 }
@@ -55,7 +55,7 @@ Method ours(DeformMethod method) { return ours(std::string(to_string(method)), {
 
 Method published(Baseline baseline) {
   return {std::string(to_string(baseline)), [baseline](const BenchEdit& edit) {
-            return deform_by(baseline, edit.positions, edit.triangles, {}, constraints_of(edit));
+            return deform_by(baseline, {edit.positions, edit.triangles, {.whole = true}, constraints_of(edit)});
           }};
 }
 
@@ -131,7 +131,7 @@ void print_table(const std::vector<StandardTest>& tests, const std::vector<Metho
     for (const StandardTest& test : tests) {
       const Points edited = method.solve(test.edit);
       const Quality quality =
-          measure_quality(test.edit.positions, edited, test.edit.triangles, free_vertices(test.edit));
+          measure_quality({test.edit.positions, edited, test.edit.triangles, free_vertices(test.edit)});
       fmt::print(" {:.3f} / {:.1f} / {:.2f} / {} ({:.3f}) |", quality.edge_rms, quality.dihedral_p99_deg,
                  quality.sigma_min, quality.new_self_intersections.value_or(-1),
                  quality.edge_rms * quality.dihedral_p99_deg);

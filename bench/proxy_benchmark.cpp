@@ -110,7 +110,7 @@ void report(const Settings& settings, const BenchEdit& edit, const std::optional
     for (const Index v : edit.handle)
       moved = std::max(moved, ((*direct).row(v) - edit.positions.row(v)).norm());
     // Dihedral angles against those of the direct solve show how rough the result is.
-    const Quality beside = measure_quality(*direct, positions, edit.triangles, proxy.free_vertices(),
+    const Quality beside = measure_quality({*direct, positions, edit.triangles, proxy.free_vertices()},
                                            {.self_intersections = false});
     fmt::print(" {:.3f} | {:.3f} | {:.2f} | {:.2f} | {:.2f} |", 100 * largest / moved,
                100 * std::sqrt(sum / static_cast<double>(s.free_vertices)) / moved, beside.dihedral_p99_deg,
@@ -136,7 +136,7 @@ void run(const Settings& settings) {
     start = seconds();
     direct = deformer.evaluate(std::vector{pose});
     const double frame = seconds() - start;
-    const Quality quality = measure_quality(edit.positions, *direct, edit.triangles, deformer.free_vertices(),
+    const Quality quality = measure_quality({edit.positions, *direct, edit.triangles, deformer.free_vertices()},
                                             {.self_intersections = false});
     fmt::print(
         "direct: set-up {:.0f} ms, frame {:.0f} ms, solver {:.0f} MiB, dihedral change p99 {:.2f}, peak {:.0f} "

@@ -53,7 +53,7 @@ void run_deformer(benchmark::State& state, const BenchEdit& edit, const Deformer
                    {"analyse", summary.analyse_seconds},
                    {"factorise", summary.factorise_seconds},
                    {"evaluate", median_seconds(5, [&] { deformer.evaluate(poses, positions); })}});
-    quality = measure_quality(edit.positions, positions, edit.triangles, deformer.free_vertices(),
+    quality = measure_quality({edit.positions, positions, edit.triangles, deformer.free_vertices()},
                               {.self_intersections = false});
   }
   average(state);
@@ -113,7 +113,7 @@ void run_surface_mesh_deformation(benchmark::State& state, const BenchEdit& edit
   state.counters["peak_bytes"] = static_cast<double>(memory.bytes());
   const std::vector<Index> free = free_vertices(edit);
   const Quality quality =
-      measure_quality(edit.positions, result.positions, edit.triangles, free, {.self_intersections = false});
+      measure_quality({edit.positions, result.positions, edit.triangles, free}, {.self_intersections = false});
   state.counters["vertices"] = static_cast<double>(edit.positions.rows());
   state.counters["free"] = static_cast<double>(free.size());
   state.counters["edge_rms"] = quality.edge_rms;

@@ -61,23 +61,21 @@ void validate(const BaselineOptions& options) {
   require_positive(options.arap_tolerance, "arap_tolerance");
 }
 
-Points deform_by(Baseline method, const Points& rest, const Triangles& triangles, std::span<const Index> region,
-                 std::span<const VertexConstraint> constraints, const BaselineOptions& options,
+Points deform_by(Baseline method, const DeformProblem& edit, const BaselineOptions& options,
                  const Context& context) {
   validate(options);
-  const baselines::EditProblem problem =
-      baselines::make_problem(rest, triangles, region, constraints, depth_of(method, options), context);
-  Points result = rest;
+  const baselines::EditProblem problem = baselines::make_problem(edit, depth_of(method, options), context);
+  Points result = edit.rest;
   if (problem.size() > 0) {
     const Points positions = solve(method, problem, options, context);
     for (Index v = 0; v < problem.size(); ++v) {
-      if (problem.known[v]) continue;
+      if (problem.mask.position[v]) continue;
       const Index global = problem.patch.vertices[v];
       result.row(global) += problem.patch.scale * (positions.row(v) - problem.rest().row(v));
       if (!result.row(global).allFinite()) throw Error(facts::baselines::SolutionNotFinite{.vertex = global});
     }
   }
-  for (const VertexConstraint& constraint : constraints)
+  for (const VertexConstraint& constraint : edit.constraints)
     if (constraint.position) result.row(constraint.vertex) = constraint.position->transpose();
   return result;
 }

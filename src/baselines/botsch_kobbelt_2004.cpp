@@ -38,7 +38,8 @@ Points base_surface(const EditProblem& problem, const SparseRows& N, const std::
     b.row(i) *= mu * areas[i];
   }
   Columns base = problem.rest();
-  KnownRowsSolver(smoothing, problem.known, options.backend, context).solve(smoothing, b, base, context);
+  KnownRowsSolver(smoothing, problem.mask.position, options.backend, context)
+      .solve(smoothing, b, base, context);
   return base;
 }
 
@@ -54,7 +55,7 @@ Points deform_botsch_kobbelt_2004(const EditProblem& problem, const BaselineOpti
   // Free rows of `start` hold the mean displacement of the known vertices. A constant displacement satisfies
   // every row except those beside known vertices.
   Columns displacement = problem.start - problem.rest();
-  KnownRowsSolver(N, problem.known, options.backend, context)
+  KnownRowsSolver(N, problem.mask.position, options.backend, context)
       .solve(N, Columns::Zero(problem.size(), 3), displacement, context);
   const Points edited_base = rest_base + displacement;
 

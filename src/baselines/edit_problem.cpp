@@ -14,7 +14,7 @@
 #include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
 #include "deform/facts.h"
-#include "deform/solve/constrained_system.h"
+#include "deform/setup/region_mask.h"
 
 namespace meshgraft::baselines {
 
@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 
 /// The constraints of all vertices of the mesh, one entry per vertex.
 struct Given {
-  Flags known, oriented;
+  ConstraintMask mask;
   std::vector<const VertexConstraint*> constraint;
 };
 
@@ -37,15 +37,12 @@ void require_finite(const VertexConstraint& constraint) {
                 fmt::format("the constraint of vertex {}", constraint.vertex));
 }
 
-Given read_constraints(Index count, std::span<const Index> region,
-                       std::span<const VertexConstraint> constraints) {
-  const auto n = static_cast<std::size_t>(count);
-  const std::uint8_t outside = !region.empty();
-  Given given{std::vector(n, outside), std::vector(n, outside), std::vector<const VertexConstraint*>(n)};
-  for (Index v : region) {
-    require_vertex(v, count, "region");
-    given.known[v] = given.oriented[v] = 0;
-  }
+Given read_constraints(const DeformProblem& edit) {
+  const auto count = static_cast<Index>(edit.rest.rows());
+  const std::vector<VertexConstraint>& constraints = edit.constraints;
+  if (!edit.region.handles.empty() || !edit.region.anchors.empty() || !edit.region.features.empty())
+    throw Error(facts::baselines::OnlyConstraints{});
+  Given given{mask_of_region(count, edit.region), std::vector<const VertexConstraint*>(edit.rest.rows())};
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
     const std::string location = fmt::format("constraint {}", c);
@@ -56,8 +53,8 @@ Given read_constraints(Index count, std::span<const Index> region,
       throw Error(facts::deform::VertexConstrainsNothing{.vertex = constraint.vertex}, location);
     require_finite(constraint);
     given.constraint[constraint.vertex] = &constraint;
-    if (constraint.position) given.known[constraint.vertex] = 1;
-    if (constraint.transform) given.oriented[constraint.vertex] = 1;
+    if (constraint.position) given.mask.position[constraint.vertex] = 1;
+    if (constraint.transform) given.mask.transform[constraint.vertex] = 1;
   }
   return given;
 }
@@ -65,19 +62,16 @@ Given read_constraints(Index count, std::span<const Index> region,
 void place_known(const Points& rest, const Given& given, EditProblem& problem) {
   const Patch& patch = problem.patch;
   const Index n = patch.size();
-  problem.known.resize(static_cast<std::size_t>(n));
-  problem.oriented.resize(static_cast<std::size_t>(n));
+  problem.mask = given.mask.of(patch.vertices);
   problem.transforms.assign(static_cast<std::size_t>(n), Matrix3d::Identity());
   problem.start = patch.points;
   Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
   Index count = 0;
   for (Index v = 0; v < n; ++v) {
     const Index global = patch.vertices[v];
-    problem.known[v] = given.known[global];
-    problem.oriented[v] = given.oriented[global];
     const VertexConstraint* constraint = given.constraint[global];
     if (constraint != nullptr && constraint->transform) problem.transforms[v] = *constraint->transform;
-    if (!problem.known[v]) continue;
+    if (!problem.mask.position[v]) continue;
     if (constraint != nullptr && constraint->position)
       problem.start.row(v) += (constraint->position->transpose() - rest.row(global)) / patch.scale;
     mean += problem.start.row(v) - patch.points.row(v);
@@ -86,7 +80,7 @@ void place_known(const Points& rest, const Given& given, EditProblem& problem) {
   if (count == 0) return;
   mean /= static_cast<double>(count);
   for (Index v = 0; v < n; ++v)
-    if (!problem.known[v]) problem.start.row(v) += mean;
+    if (!problem.mask.position[v]) problem.start.row(v) += mean;
 }
 
 /// Requires a known position in every free component, because the component could lie anywhere without one.
@@ -94,34 +88,33 @@ void require_held(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
-      if (!problem.known[v] && !problem.known[w]) sets.unite(v, w);
-  Flags held(problem.known.size(), 0);
+      if (!problem.mask.position[v] && !problem.mask.position[w]) sets.unite(v, w);
+  Flags held(problem.mask.position.size(), 0);
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
-      if (!problem.known[v] && problem.known[w]) held[sets.root(v)] = 1;
+      if (!problem.mask.position[v] && problem.mask.position[w]) held[sets.root(v)] = 1;
   for (Index v = 0; v < problem.size(); ++v) {
-    if (problem.known[v] || held[sets.root(v)]) continue;
+    if (problem.mask.position[v] || held[sets.root(v)]) continue;
     throw Error(facts::baselines::FreeComponentNotHeld{.vertex = problem.patch.vertices[v]});
   }
 }
 
 }  // namespace
 
-EditProblem make_problem(const Points& rest, const Triangles& triangles, std::span<const Index> region,
-                         std::span<const VertexConstraint> constraints, int depth, const Context& context) {
-  const auto n = static_cast<Index>(rest.rows());
-  const IndexLists faces_around = vertex_triangles(n, triangles, context);
-  const Given given = read_constraints(n, region, constraints);
-  const IndexLists rings = vertex_rings(triangles, faces_around, context);
-  Flags free(given.known.size());
-  for (Index v = 0; v < n; ++v) free[v] = !given.known[v] && !rings[v].empty();
+EditProblem make_problem(const DeformProblem& edit, int depth, const Context& context) {
+  const auto n = static_cast<Index>(edit.rest.rows());
+  const IndexLists faces_around = vertex_triangles(n, edit.triangles, context);
+  const Given given = read_constraints(edit);
+  const IndexLists rings = vertex_rings(edit.triangles, faces_around, context);
+  Flags free(given.mask.position.size());
+  for (Index v = 0; v < n; ++v) free[v] = !given.mask.position[v] && !rings[v].empty();
 
   EditProblem problem;
-  problem.patch = make_patch(rest, triangles, faces_around, free, depth, context);
+  problem.patch = make_patch(edit.rest, edit.triangles, faces_around, free, depth, context);
   if (problem.size() == 0) return problem;
   problem.faces_around = vertex_triangles(problem.size(), problem.triangles(), context);
   problem.rings = vertex_rings(problem.triangles(), problem.faces_around, context);
-  place_known(rest, given, problem);
+  place_known(edit.rest, given, problem);
   require_held(problem);
   return problem;
 }

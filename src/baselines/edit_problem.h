@@ -8,11 +8,12 @@
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/linalg/sparse.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/operators/constraint_mask.h>
 
 #include "deform/setup/patch.h"
 
@@ -23,8 +24,7 @@ namespace meshgraft::baselines {
 struct EditProblem {
   Patch patch;  ///< empty if no vertex is free
   IndexLists faces_around, rings;
-  Flags known;                              ///< position is known
-  Flags oriented;                           ///< local transform is known
+  ConstraintMask mask;
   std::vector<Eigen::Matrix3d> transforms;  ///< known local transforms, otherwise I
   /// n×3: known vertices at their positions; free ones at rest plus the mean displacement of the known ones
   Points start;
@@ -36,8 +36,7 @@ struct EditProblem {
 
 /// Checks the input and sets up the patch. The patch contains all rings up to `depth` around the free
 /// vertices.
-EditProblem make_problem(const Points& rest, const Triangles& triangles, std::span<const Index> region,
-                         std::span<const VertexConstraint> constraints, int depth, const Context& context);
+EditProblem make_problem(const DeformProblem& edit, int depth, const Context& context);
 
 /// Returns half the cotangent of the angle at each corner. The area is taken as at least 1e-6 of the longest
 /// edge squared, so that degenerate faces stay finite. Returns zero if a corner repeats.

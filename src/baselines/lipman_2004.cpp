@@ -35,11 +35,11 @@ NaiveLaplacian::NaiveLaplacian(const EditProblem& problem, WeightScheme weights,
                                const Context& context)
     : problem_(problem),
       D_(umbrella_operator(problem.rest(), problem.triangles(), problem.rings, weights, context)) {
-  keep_rows_with_unknowns(D_, problem.known);
+  keep_rows_with_unknowns(D_, problem.mask.position);
   D_transposed_ = transpose(D_);
   delta_ = multiply(D_, Columns(problem.rest()), context);
-  solver_ =
-      std::make_unique<KnownRowsSolver>(multiply(D_transposed_, D_, context), problem.known, backend, context);
+  solver_ = std::make_unique<KnownRowsSolver>(multiply(D_transposed_, D_, context), problem.mask.position,
+                                              backend, context);
 }
 
 Points NaiveLaplacian::solve(const Columns& delta, const Context& context) const {

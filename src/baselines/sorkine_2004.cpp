@@ -74,7 +74,8 @@ SparseRows edit_rows(const EditProblem& problem, WeightScheme weights, const Con
   std::vector<Eigen::Triplet<double>> entries;
   for (Index i = 0; i < problem.size(); ++i) {
     const TransformedDetail detail(problem, i, delta.row(i).transpose());
-    if (std::all_of(detail.nodes.begin(), detail.nodes.end(), [&](Index k) { return problem.known[k]; }))
+    if (std::all_of(detail.nodes.begin(), detail.nodes.end(),
+                    [&](Index k) { return problem.mask.position[k]; }))
       continue;
     for (SparseRows::InnerIterator entry(D, i); entry; ++entry)
       for (int c = 0; c < 3; ++c)
@@ -109,20 +110,21 @@ void require_fixed_similarity(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
-      if (!problem.known[v] && !problem.known[w]) sets.unite(v, w);
-  std::vector<std::set<Index>> seen(problem.known.size());  // known vertices in the rows of each component
+      if (!problem.mask.position[v] && !problem.mask.position[w]) sets.unite(v, w);
+  std::vector<std::set<Index>> seen(
+      problem.mask.position.size());  // known vertices in the rows of each component
   for (Index v = 0; v < problem.size(); ++v) {
-    if (problem.known[v]) continue;
+    if (problem.mask.position[v]) continue;
     for (Index w : problem.rings[v]) {
-      if (!problem.known[w]) continue;
+      if (!problem.mask.position[w]) continue;
       std::set<Index>& places = seen[sets.root(v)];
       places.insert(w);
       for (Index u : problem.rings[w])
-        if (problem.known[u]) places.insert(u);
+        if (problem.mask.position[u]) places.insert(u);
     }
   }
   for (Index v = 0; v < problem.size(); ++v)
-    if (!problem.known[v] && sets.root(v) == v && collinear(problem.rest(), seen[v]))
+    if (!problem.mask.position[v] && sets.root(v) == v && collinear(problem.rest(), seen[v]))
       throw Error(facts::baselines::KnownPositionsOnALine{.vertex = problem.patch.vertices[v]});
 }
 
@@ -134,7 +136,7 @@ Points deform_sorkine_2004(const EditProblem& problem, const BaselineOptions& op
   const SparseRows A = edit_rows(problem, options.sorkine_weights, context);
   const SparseRows A_transposed = transpose(A);
   Flags known;
-  for (std::uint8_t flag : problem.known) known.insert(known.end(), 3, flag);
+  for (std::uint8_t flag : problem.mask.position) known.insert(known.end(), 3, flag);
   const KnownRowsSolver solver(multiply(A_transposed, A, context), known, options.backend, context);
 
   Columns x(3 * problem.size(), 1);

@@ -26,8 +26,8 @@ class Arap {
         cell_energies_(static_cast<std::size_t>(problem.size()), 0.0) {
     moves_.resize(rotations_.size());
     for (Index i = 0; i < problem.size(); ++i)
-      moves_[i] = !problem.known[i] || std::any_of(problem.rings[i].begin(), problem.rings[i].end(),
-                                                   [&](Index j) { return !problem.known[j]; });
+      moves_[i] = !problem.mask.position[i] || std::any_of(problem.rings[i].begin(), problem.rings[i].end(),
+                                                           [&](Index j) { return !problem.mask.position[j]; });
   }
 
   const SparseRows& C() const { return C_; }
@@ -47,7 +47,7 @@ class Arap {
   Columns right_hand_side() const {
     Columns b = Columns::Zero(problem_.size(), 3);
     for_each_cell([&](Index i) {
-      if (problem_.known[i]) return;
+      if (problem_.mask.position[i]) return;
       for_each_spoke(i, [&](Index j, double weight) {
         b.row(i) += weight / 2 * (problem_.rest().row(i) - problem_.rest().row(j)) *
                     (rotations_[i] + rotations_[j]).transpose();
@@ -105,7 +105,7 @@ ArapResult deform_arap_2007(const EditProblem& problem, const BaselineOptions& o
   Columns x = laplacian.solve(laplacian.delta(), context);
 
   Arap arap(problem, context);
-  const KnownRowsSolver solver(arap.C(), problem.known, options.backend, context);
+  const KnownRowsSolver solver(arap.C(), problem.mask.position, options.backend, context);
   arap.fit_rotations(x);
   ArapResult result;
   result.energies.push_back(arap.energy(x));

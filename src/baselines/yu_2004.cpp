@@ -50,10 +50,11 @@ std::vector<std::vector<Index>> constrained_groups(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v])
-      if (problem.oriented[v] && problem.oriented[w] && !at_rest(v) && !at_rest(w)) sets.unite(v, w);
+      if (problem.mask.transform[v] && problem.mask.transform[w] && !at_rest(v) && !at_rest(w))
+        sets.unite(v, w);
   std::map<Index, std::vector<Index>> groups;
   for (Index v = 0; v < problem.size(); ++v)
-    if (problem.oriented[v]) groups[at_rest(v) ? -1 : sets.root(v)].push_back(v);
+    if (problem.mask.transform[v]) groups[at_rest(v) ? -1 : sets.root(v)].push_back(v);
   std::vector<std::vector<Index>> lists;
   for (auto& [root, vertices] : groups) lists.push_back(std::move(vertices));
   return lists;
@@ -84,7 +85,7 @@ std::vector<Index> nearest_seeds(const EditProblem& problem, const std::vector<I
 Columns propagate_by_distance(const EditProblem& problem) {
   const Columns known = known_rows(problem);
   Columns sums = Columns::Zero(problem.size(), 12);
-  std::vector<double> weights(problem.known.size(), 0.0);
+  std::vector<double> weights(problem.mask.position.size(), 0.0);
   for (const std::vector<Index>& group : constrained_groups(problem)) {
     const std::vector<double> distance = edge_distance(group, problem.rest(), problem.rings);
     const std::vector<Index> nearest = nearest_seeds(problem, group, distance);
@@ -96,7 +97,8 @@ Columns propagate_by_distance(const EditProblem& problem) {
     }
   }
   for (Index v = 0; v < problem.size(); ++v)
-    sums.row(v) = problem.oriented[v] || weights[v] == 0 ? known.row(v) : (sums.row(v) / weights[v]).eval();
+    sums.row(v) =
+        problem.mask.transform[v] || weights[v] == 0 ? known.row(v) : (sums.row(v) / weights[v]).eval();
   return sums;
 }
 
@@ -105,9 +107,9 @@ Flags settled_transforms(const EditProblem& problem) {
   DisjointSets sets(problem.size());
   for (Index v = 0; v < problem.size(); ++v)
     for (Index w : problem.rings[v]) sets.unite(v, w);
-  Flags has_known(problem.oriented.size(), 0), settled = problem.oriented;
+  Flags has_known(problem.mask.transform.size(), 0), settled = problem.mask.transform;
   for (Index v = 0; v < problem.size(); ++v)
-    if (problem.oriented[v]) has_known[sets.root(v)] = 1;
+    if (problem.mask.transform[v]) has_known[sets.root(v)] = 1;
   for (Index v = 0; v < problem.size(); ++v)
     if (!has_known[sets.root(v)]) settled[v] = 1;
   return settled;
@@ -187,7 +189,7 @@ Points deform_yu_2004(const EditProblem& problem, const BaselineOptions& options
                                  : propagate_harmonically(problem, options.backend, context);
   const PoissonSystem poisson(problem);
   Columns x = problem.start;
-  KnownRowsSolver(poisson.C(), problem.known, options.backend, context)
+  KnownRowsSolver(poisson.C(), problem.mask.position, options.backend, context)
       .solve(poisson.C(), poisson.divergence(transforms), x, context);
   return x;
 }

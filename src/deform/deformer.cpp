@@ -16,9 +16,7 @@
 #include "../core/stopwatch.h"
 #include "core/facts.h"
 #include "deform/facts.h"
-#include "deform/setup/region_states.h"
-#include "deform/solve/constrained_system.h"
-#include "deform/solve/rotation_field.h"
+#include "deformer_impl.h"
 
 namespace meshgraft {
 
@@ -31,50 +29,42 @@ std::string_view to_string(DeformMethod value) {
   return "";
 }
 
-/// Holds the handles and checks the caller's input. The `ConstrainedSystem` holds the problem itself.
-struct Deformer::Impl {
-  DeformerOptions options;
-  SolverBackend wanted_backend = SolverBackend::automatic;  ///< as given, before one is chosen
-  std::vector<Handle> handles;
-  bool per_vertex = false;  ///< constraints per vertex instead of handles
-  Points normals;           ///< of the rest mesh, n×3; only if a handle is a curve
-  ConstraintList constrained;
-  DeformerSummary summary;
-  std::unique_ptr<ConstrainedSystem> system;
-  std::unique_ptr<RotationField> rotations;  ///< null for `ft05`, and if nothing is free
-
-  void choose_backend(const VertexStates& states);
-  void build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states, std::span<const Anchor> anchors,
-             std::span<const Feature> features, const DeformerOptions& chosen, const Impl* other,
-             const Context& context);
-  void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
-                Columns* solved_maps, const Context& context) const;
-};
-
-/// Chooses the iterative backend for very large regions. Throws Error(memory) if the memory does not suffice.
-void Deformer::Impl::choose_backend(const VertexStates& states) {
-  const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
-  const std::uint64_t memory = available_memory();
-  const SolvePath path = choose_path(free, options, memory);
-  if (path == SolvePath::proxy)
-    throw Error(facts::deform::SolveExceedsMemory{.free = free, .megabytes = memory / 1'000'000});
-  if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
-}
-
-void Deformer::Impl::build(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
-                           std::span<const Anchor> anchors, std::span<const Feature> features,
-                           const DeformerOptions& chosen, const Impl* other, const Context& context) {
-  options = chosen;
+Deformer::Impl::Impl(std::shared_ptr<const RestMesh> mesh, const Region& region,
+                     std::span<const VertexConstraint> constraints, const DeformerOptions& chosen,
+                     const Impl* other, const Context& context)
+    : options(chosen),
+      wanted_backend(chosen.backend),
+      handles(region.handles),
+      per_vertex(!constraints.empty()) {
+  const auto n = static_cast<Index>(mesh->points.rows());
+  require_triangles(mesh->points, mesh->triangles);
+  ConstrainedMesh problem{mesh, make_mask(n, region, constraints, constrained), region.anchors,
+                          region.features};
+  if (std::any_of(handles.begin(), handles.end(),
+                  [](const Handle& handle) { return handle.shape == HandleShape::curve; }))
+    normals =
+        vertex_normals(mesh->points, mesh->triangles, vertex_triangles(n, mesh->triangles, context), context);
+  summary.fixed_vertices = static_cast<Index>(region.fixed.size());
+  summary.handle_vertices = static_cast<Index>(constrained.size());
   require_usable(options);
-  wanted_backend = chosen.backend;
-  choose_backend(states);
-  system = std::make_unique<ConstrainedSystem>(std::move(mesh), states, anchors, features, options, summary,
+  choose_backend(problem.mask);
+  system = std::make_unique<ConstrainedSystem>(problem, options, summary,
                                                other != nullptr ? other->system.get() : nullptr, context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
   const Stopwatch watch;
   rotations = std::make_unique<RotationField>(*system, options,
                                               summary.reused ? other->rotations.get() : nullptr, context);
   summary.factorise_seconds += watch.seconds();
+}
+
+/// Chooses the iterative backend for very large regions. Throws Error(memory) if the memory does not suffice.
+void Deformer::Impl::choose_backend(const ConstraintMask& mask) {
+  const auto free = static_cast<Index>(std::count(mask.position.begin(), mask.position.end(), 0));
+  const std::uint64_t memory = available_memory();
+  const SolvePath path = choose_path(free, options, memory);
+  if (path == SolvePath::proxy)
+    throw Error(facts::deform::SolveExceedsMemory{.free = free, .megabytes = memory / 1'000'000});
+  if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
 }
 
 /// Finds the field of maps, then solves with it.
@@ -89,59 +79,49 @@ void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Poi
   report->fell_back_to_linear = found.linear;
 }
 
-Deformer::Deformer() : impl_(std::make_unique<Impl>()) {}
+Points Deformer::Impl::evaluate_with_maps(std::span<const VertexConstraint> constraints,
+                                          std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
+                                          EvaluationReport* report) const {
+  constrained.require_matching(constraints);
+  Points positions;
+  Columns solved;
+  evaluate(constraints, positions, report, &solved, context);
+  map_changes.assign(static_cast<std::size_t>(positions.rows()), Eigen::Matrix3d::Zero());
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.transform)
+      map_changes[constraint.vertex] = *constraint.transform - Eigen::Matrix3d::Identity();
+  const std::vector<Index>& patch = system->patch().vertices;
+  for (Eigen::Index v = 0; 3 * v < solved.rows(); ++v)
+    map_changes[patch[static_cast<std::size_t>(v)]] = solved.middleRows<3>(3 * v).transpose();
+  return positions;
+}
+
+Deformer::Deformer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Deformer::Deformer(Deformer&&) noexcept = default;
 Deformer& Deformer::operator=(Deformer&&) noexcept = default;
 Deformer::~Deformer() = default;
 
+namespace {
+
+std::shared_ptr<const RestMesh> take_mesh(DeformProblem& problem) {
+  return std::make_shared<const RestMesh>(std::move(problem.rest), std::move(problem.triangles));
+}
+
+}  // namespace
+
+Deformer::Deformer(DeformProblem problem, const DeformerOptions& options, const Context& context)
+    : impl_(std::make_unique<Impl>(take_mesh(problem), problem.region, problem.constraints, options, nullptr,
+                                   context)) {}
+
 Deformer::Deformer(const Points& rest, const Triangles& triangles, const Region& region,
                    const DeformerOptions& options, const Context& context)
-    : Deformer() {
-  *this = of_region(std::make_shared<const RestMesh>(rest, triangles), region, options, nullptr, context);
-}
+    : Deformer(DeformProblem{rest, triangles, region}, options, context) {}
 
 Deformer Deformer::with_region(const Region& region, const Context& context) const {
   DeformerOptions options = impl_->options;
   options.backend = impl_->wanted_backend;
-  return of_region(impl_->system->mesh(), region, options, this, context);
-}
-
-Deformer Deformer::of_region(std::shared_ptr<const RestMesh> mesh, const Region& region,
-                             const DeformerOptions& options, const Deformer* other, const Context& context) {
-  const auto n = static_cast<Index>(mesh->points.rows());
-  Deformer deformer;
-  Impl& d = *deformer.impl_;
-  d.handles = region.handles;
-  const VertexStates states = states_of_handles(mesh->points, mesh->triangles, region, d.constrained);
-  const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
-                                     [](const Handle& handle) { return handle.shape == HandleShape::curve; });
-  if (has_curve)
-    d.normals =
-        vertex_normals(mesh->points, mesh->triangles, vertex_triangles(n, mesh->triangles, context), context);
-  d.summary.fixed_vertices = static_cast<Index>(region.fixed.size());
-  d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(std::move(mesh), states, region.anchors, region.features, options,
-          other != nullptr ? other->impl_.get() : nullptr, context);
-  return deformer;
-}
-
-Deformer Deformer::with_constraints(const Points& rest, const Triangles& triangles,
-                                    std::span<const Index> region,
-                                    std::span<const VertexConstraint> constraints,
-                                    std::span<const Anchor> anchors, std::span<const Feature> features,
-                                    const DeformerOptions& options, const Context& context) {
-  const auto n = static_cast<Index>(rest.rows());
-  require_triangles(rest, triangles);
-  VertexStates states = states_of_region(n, region.empty(), region, {});
-  Deformer deformer;
-  Impl& d = *deformer.impl_;
-  d.per_vertex = true;
-  d.constrained.add(constraints, states);
-  add_features(features, states);
-  d.summary.handle_vertices = static_cast<Index>(d.constrained.size());
-  d.build(std::make_shared<const RestMesh>(rest, triangles), states, anchors, features, options, nullptr,
-          context);
-  return deformer;
+  return Deformer(std::make_unique<Impl>(impl_->system->mesh(), region, std::span<const VertexConstraint>(),
+                                         options, impl_.get(), context));
 }
 
 std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> poses) const {
@@ -153,7 +133,7 @@ std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> 
   std::vector<VertexConstraint> constraints;
   constraints.reserve(d.constrained.size());
   for (std::size_t h = 0; h < poses.size(); ++h) {
-    const auto held = handle_constraints(d.handles[h], poses[h], rest, d.normals);
+    const auto held = handle_constraints(d.handles[h], poses[h], {rest, d.normals});
     constraints.insert(constraints.end(), held.begin(), held.end());
   }
   return constraints;
@@ -182,23 +162,6 @@ Points Deformer::evaluate(std::span<const VertexConstraint> constraints, const C
   impl_->constrained.require_matching(constraints);
   Points positions;
   impl_->evaluate(constraints, positions, report, nullptr, context);
-  return positions;
-}
-
-Points Deformer::evaluate_with_maps(std::span<const VertexConstraint> constraints,
-                                    std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
-                                    EvaluationReport* report) const {
-  impl_->constrained.require_matching(constraints);
-  Points positions;
-  Columns solved;
-  impl_->evaluate(constraints, positions, report, &solved, context);
-  map_changes.assign(static_cast<std::size_t>(positions.rows()), Eigen::Matrix3d::Zero());
-  for (const VertexConstraint& constraint : constraints)
-    if (constraint.transform)
-      map_changes[constraint.vertex] = *constraint.transform - Eigen::Matrix3d::Identity();
-  const std::vector<Index>& patch = impl_->system->patch().vertices;
-  for (Eigen::Index v = 0; 3 * v < solved.rows(); ++v)
-    map_changes[patch[static_cast<std::size_t>(v)]] = solved.middleRows<3>(3 * v).transpose();
   return positions;
 }
 
@@ -241,11 +204,6 @@ const AffineOperator& Deformer::affine_operator() const {
 
 const DeformerSummary& Deformer::summary() const { return impl_->summary; }
 std::span<const Index> Deformer::free_vertices() const { return impl_->system->free_vertices(); }
-const ConstrainedSystem& Deformer::system() const { return *impl_->system; }
-std::span<const Handle> Deformer::handles() const { return impl_->handles; }
-const DeformerOptions& Deformer::options() const { return impl_->options; }
-bool Deformer::is_of_handles() const { return !impl_->per_vertex; }
-const RotationField* Deformer::rotation_field() const { return impl_->rotations.get(); }
 std::span<const Index> Deformer::patch_vertices() const { return impl_->system->patch().vertices; }
 
 }  // namespace meshgraft

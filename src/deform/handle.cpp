@@ -8,7 +8,7 @@
 
 #include "core/facts.h"
 #include "deform/facts.h"
-#include "deform/setup/region_states.h"
+#include "deform/setup/region_mask.h"
 
 namespace meshgraft {
 
@@ -146,16 +146,16 @@ Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const Ind
   require_vertices(handle, std::min(static_cast<Index>(rest.rows()), vertex_rings.size()));
   Flags inside(vertex_rings.size(), false);
   for (const Index v : handle.vertices) inside[v] = true;
-  std::vector<Index> rim;
+  std::vector<Index> boundary;
   for (const Index v : handle.vertices) {
     const auto ring = vertex_rings[v];
-    if (std::any_of(ring.begin(), ring.end(), [&](Index w) { return !inside[w]; })) rim.push_back(v);
+    if (std::any_of(ring.begin(), ring.end(), [&](Index w) { return !inside[w]; })) boundary.push_back(v);
   }
-  if (rim.empty()) rim = handle.vertices;
+  if (boundary.empty()) boundary = handle.vertices;
   // Sums differences to the first vertex, which keeps precision far from the origin.
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-  for (const Index v : rim) sum += rest.row(v) - rest.row(rim[0]);
-  return (rest.row(rim[0]) + sum / static_cast<double>(rim.size())).transpose();
+  for (const Index v : boundary) sum += rest.row(v) - rest.row(boundary[0]);
+  return (rest.row(boundary[0]) + sum / static_cast<double>(boundary.size())).transpose();
 }
 
 HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_pivot) {
@@ -231,19 +231,19 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
   return redrawn;
 }
 
-std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Points& rest,
-                                                const Points& rest_normals, const Points& redrawn) {
-  require_curve(handle, rest);
-  const Points curve = rest_curve(handle, rest);
+std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
+                                                const Points& redrawn) {
+  require_curve(handle, rest.points);
+  const Points curve = rest_curve(handle, rest.points);
   if (redrawn.rows() != curve.rows())
     throw Error(
         facts::core::SizeMismatch{
             .what = facts::core::Rows::redrawn_points, .given = redrawn.rows(), .needed = curve.rows()},
         location_of(handle));
-  if (rest_normals.rows() != rest.rows())
+  if (rest.normals.rows() != rest.points.rows())
     throw Error(
         facts::core::SizeMismatch{
-            .what = facts::core::Rows::rest_normals, .given = rest_normals.rows(), .needed = rest.rows()},
+            .what = facts::core::Rows::rest_normals, .given = rest.normals.rows(), .needed = rest.points.rows()},
         location_of(handle));
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index k = 0; k < curve.rows(); ++k) {
@@ -255,7 +255,7 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
       const CurveSample after = sample_curve(handle, redrawn, k, facts::deform::Curve::redrawn);
       // Fu & Tai 2005, section 4: new frame = Q · old frame. So R = new · oldᵀ = Q for any normal.
       const Eigen::Vector3d normal =
-          orthogonal_normal(rest_normals.row(constraint.vertex).transpose(), before.tangent);
+          orthogonal_normal(rest.normals.row(constraint.vertex).transpose(), before.tangent);
       constraint.transform =
           after.length / before.length * smallest_rotation(before.tangent, after.tangent, normal);
     }
@@ -265,13 +265,13 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Poin
 }
 
 std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
-                                                 const Points& rest, const Points& rest_normals) {
-  if (pose.curve) return curve_constraints(handle, rest, rest_normals, *pose.curve);
+                                                 const RestSurface& rest) {
+  if (pose.curve) return curve_constraints(handle, rest, *pose.curve);
   std::vector<VertexConstraint> constraints;
   constraints.reserve(handle.vertices.size());
   for (const Index v : handle.vertices) {
     VertexConstraint constraint{.vertex = v};
-    if (handle.constrain_position) constraint.position = pose.transform * rest.row(v).transpose();
+    if (handle.constrain_position) constraint.position = pose.transform * rest.points.row(v).transpose();
     if (handle.constrain_transform) {
       constraint.transform = pose.transform.linear();
       constraint.rotation = pose.rotation;

@@ -229,14 +229,14 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   LiveOptions options;
   options.deformer = step.settings.deformer;
   options.earlier = std::move(earlier);
-  DeformProblem& problem = setup.problem;
+  ResolvedProblem& problem = setup.problem;
   if (options.deformer.method == DeformMethod::ft05)
     options.normals =
         vertex_normals(problem.rest, problem.triangles,
                        vertex_triangles(static_cast<Index>(problem.rest.rows()), problem.triangles));
-  shown_.live = std::make_unique<LiveDeformer>(std::move(problem.rest), std::move(problem.triangles),
-                                               std::move(problem.deform.region),
-                                               LiveCallbacks{on_frame, on_failure}, options, context);
+  shown_.live = std::make_unique<LiveDeformer>(
+      DeformProblem{std::move(problem.rest), std::move(problem.triangles), std::move(problem.deform.region)},
+      LiveCallbacks{on_frame, on_failure}, options, context);
 }
 
 // Runs the step as saving does, where a frame of the region alone would not show its result.

@@ -100,8 +100,12 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
     std::copy_if(far.begin(), far.end(), std::back_inserter(open), [&](Index v) { return taken[v] == 0; });
     add_far_parts(open, component, options.size.has_value(), features);
   }
-  const Deformer deformer = Deformer::with_constraints(source, triangles, region, constraints, {}, features,
-                                                       deformer_options, context);
+  const bool whole = region.empty();
+  const Deformer deformer({source,
+                           triangles,
+                           {.vertices = std::move(region), .whole = whole, .features = std::move(features)},
+                           {constraints.begin(), constraints.end()}},
+                          deformer_options, context);
   Graft graft;
   graft.summary = deformer.summary();
   graft.positions = deformer.evaluate(constraints, context, &graft.evaluation);

@@ -9,6 +9,9 @@
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/operators/laplacian.h>
 
+#include "local_maps.h"
+#include "smoothness_pairs.h"
+
 namespace meshgraft {
 
 namespace {
@@ -20,8 +23,21 @@ Eigen::RowVector3d normal_between(const Eigen::RowVector3d& a, const Eigen::RowV
   return (a.dot(b) < opposite ? Eigen::RowVector3d(a - b) : Eigen::RowVector3d(a + b)).normalized();
 }
 
-Flags flags_or_all(const Flags& flags, Index count) {
-  return flags.empty() ? Flags(static_cast<std::size_t>(count), 1) : flags;
+/// Flags the vertices whose map is unknown: fitted to positions, or shared by a feature.
+Flags flag_unknown_maps(const ConstraintMask& mask) {
+  Flags unknown(mask.transform);
+  for (std::uint8_t& flag : unknown) flag = !flag;
+  return unknown;
+}
+
+/// Flags the vertices whose row of E_L has an unknown. A row spans `laplacian_order` rings.
+Flags flag_rows(const ConstraintMask& mask, const IndexLists& rings, int laplacian_order) {
+  std::vector<Index> unknown;
+  for (Index v = 0; v < mask.size(); ++v)
+    if (mask.is_unknown(v)) unknown.push_back(v);
+  Flags rows(static_cast<std::size_t>(mask.size()), 0);
+  for (const Index v : grow_rings(unknown, laplacian_order, rings)) rows[v] = 1;
+  return rows;
 }
 
 /// Returns ℓ̄/ℓ, bounded, because extreme ratios would drown all other rows in rounding errors.
@@ -36,58 +52,13 @@ bool AffineOperator::is_scaled_by_density(double length_ratio) {
   return density_scale(length_ratio) == length_ratio;
 }
 
-std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
-                                                   const IndexLists& vertex_triangles, const IndexLists& rings,
-                                                   std::span<const std::uint8_t> active, bool opposite_pairs,
-                                                   const Context& context) {
-  // Lists for each vertex its partners with a larger number, by blocks of vertices.
-  constexpr std::size_t block_size = 1024;
-  const auto count = static_cast<std::size_t>(rings.size());
-  std::vector<std::vector<std::array<Index, 2>>> blocks((count + block_size - 1) / block_size);
-  const auto list_partners = [&](Index i, std::vector<Index>& partners) {
-    partners.assign(rings[i].begin(), rings[i].end());
-    for (const Index t : vertex_triangles[i]) {
-      // Adds the third corners of the other faces at the opposite edge.
-      std::array<Index, 2> edge{-1, -1};
-      for (int corner = 0, end = 0; corner < 3; ++corner)
-        if (triangles(t, corner) != i && end < 2) edge[end++] = triangles(t, corner);
-      if (!opposite_pairs || edge[1] < 0 || edge[0] == edge[1]) continue;
-      for (const Index other : vertex_triangles[edge[0]]) {
-        const auto corners = triangles.row(other);
-        if (other == t || (corners.array() != edge[1]).all()) continue;
-        for (const Index v : corners)
-          if (v != edge[0] && v != edge[1]) partners.push_back(v);
-      }
-    }
-    std::sort(partners.begin(), partners.end());
-    partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
-  };
-  parallel_blocks(
-      blocks.size(),
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<Index> partners;
-        for (std::size_t block = begin; block < end; ++block)
-          for (auto i = static_cast<Index>(block * block_size);
-               i < static_cast<Index>(std::min(count, (block + 1) * block_size)); ++i) {
-            list_partners(i, partners);
-            for (const Index j : partners)
-              if (i < j && (active[i] || active[j])) blocks[block].push_back({i, j});
-          }
-      },
-      context, 1);
-  std::vector<std::array<Index, 2>> pairs;
-  for (const auto& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
-  return pairs;
-}
-
 AffineOperator::AffineOperator(const Points& points, const Triangles& triangles, const OperatorOptions& options,
-                               const Extent& extent, const Context& context) {
+                               const ConstraintMask& given_mask, const Context& context,
+                               std::span<const Index> numbers) {
   validate(options);
   const auto n = static_cast<Index>(points.rows());
-  const auto fitted = flags_or_all(extent.fitted, n);
-  const auto unknown = flags_or_all(extent.unknown, n);
-  const auto movable = flags_or_all(extent.movable, n);
-  const auto rows = flags_or_all(extent.rows, n);
+  const ConstraintMask unconstrained(given_mask.size() == 0 ? n : 0, false);
+  const ConstraintMask& mask = given_mask.size() == 0 ? unconstrained : given_mask;
 
   const IndexLists faces_at = vertex_triangles(n, triangles, context);
   rings_ = vertex_rings(triangles, faces_at, context);
@@ -95,12 +66,13 @@ AffineOperator::AffineOperator(const Points& points, const Triangles& triangles,
   edge_lengths_ = mean_edge_lengths(points, rings_);
   mean_edge_length_ = mean_of_positive(edge_lengths_);
 
-  nodes_ = make_stencil_nodes(points, normals, rings_, {fitted, movable, extent.numbers}, options, context);
+  nodes_ = make_stencil_nodes({points, normals, rings_, numbers}, mask, options, context);
   context.step("assemble", 0.1);
-  H_ = local_map_operator(nodes_, rings_, fitted, context);
+  H_ = local_map_operator(nodes_, rings_, mask, context);
   context.step("assemble", 0.4);
-  build_laplacian_rows(points, triangles, options, rows, context);
-  pairs_ = smoothness_pairs(triangles, faces_at, rings_, unknown, options.opposite_pairs, context);
+  build_laplacian_rows(points, triangles, options, flag_rows(mask, rings_, options.laplacian_order), context);
+  pairs_ =
+      smoothness_pairs(triangles, faces_at, rings_, flag_unknown_maps(mask), options.opposite_pairs, context);
   build_smoothness_rows(normals, options, context);
 }
 

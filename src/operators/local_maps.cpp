@@ -1,4 +1,4 @@
-#include <meshgraft/operators/local_maps.h>
+#include "local_maps.h"
 
 #include <algorithm>
 #include <numeric>
@@ -107,9 +107,11 @@ Centred fit_coefficients(const Stencil& stencil, const Eigen::JacobiSVD<Centred>
 
 }  // namespace
 
-StencilNodes make_stencil_nodes(const Points& points, const Points& normals, const IndexLists& rings,
-                                const StencilChoices& choices, const OperatorOptions& options,
-                                const Context& context) {
+StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintMask& mask,
+                                const OperatorOptions& options, const Context& context) {
+  const Points& points = surface.points;
+  const Points& normals = surface.normals;
+  const IndexLists& rings = surface.rings;
   const Index n = rings.size();
   StencilNodes nodes;
   nodes.apex.assign(static_cast<std::size_t>(n), -1);
@@ -119,7 +121,7 @@ StencilNodes make_stencil_nodes(const Points& points, const Points& normals, con
       static_cast<std::size_t>(n),
       [&](std::size_t begin, std::size_t end) {
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
-          if (!choices.fitted[i] || rings[i].empty()) continue;
+          if (!mask.is_fitted(i) || rings[i].empty()) continue;
           const auto eigen = spread(i, points, rings[i]);
           nodes.flat[i] = eigen.eigenvalues()[0] < options.flatness * eigen.eigenvalues()[2];
           if (!has_direction(normals, i)) directions.row(i) = eigen.eigenvectors().col(0).transpose();
@@ -128,21 +130,21 @@ StencilNodes make_stencil_nodes(const Points& points, const Points& normals, con
       context);
 
   for (Index i = 0; i < n; ++i)
-    if (choices.fitted[i] && !rings[i].empty() && !has_direction(normals, i)) nodes.without_normal.push_back(i);
+    if (mask.is_fitted(i) && !rings[i].empty() && !has_direction(normals, i)) nodes.without_normal.push_back(i);
   const std::vector<double> edge_lengths = mean_edge_lengths(points, rings);
   const bool with_apexes = options.degenerate != DegenerateTreatment::ft05_noise;
   Index node_count = n;
   if (with_apexes)
     for (Index i = 0; i < n; ++i)
-      if (choices.fitted[i] && !rings[i].empty()) nodes.apex[i] = node_count++;
+      if (mask.is_fitted(i) && !rings[i].empty()) nodes.apex[i] = node_count++;
   nodes.positions.resize(node_count, 3);
   nodes.positions.topRows(n) = points;
   for (Index i = 0; i < n; ++i) {
     if (nodes.apex[i] >= 0) {
       nodes.positions.row(nodes.apex[i]) =
           points.row(i) + options.apex_height_rel * edge_lengths[i] * directions.row(i);
-    } else if (!with_apexes && nodes.flat[i] && choices.movable[i]) {
-      const Index number = choices.numbers.empty() ? i : choices.numbers[i];
+    } else if (!with_apexes && nodes.flat[i] && mask.is_movable(i)) {
+      const Index number = surface.numbers.empty() ? i : surface.numbers[i];
       // FT05 equation 7, with a random side, because noise on one side leaves a flat sheet rough.
       nodes.positions.row(i) += random_sign(options.seed, static_cast<std::uint64_t>(number)) *
                                 options.noise_length_rel * edge_lengths[i] * directions.row(i);
@@ -152,8 +154,8 @@ StencilNodes make_stencil_nodes(const Points& points, const Points& normals, con
   return nodes;
 }
 
-SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings,
-                              std::span<const std::uint8_t> fitted, const Context& context) {
+SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings, const ConstraintMask& mask,
+                              const Context& context) {
   const Index n = rings.size();
   std::vector<Stencil> stencils(static_cast<std::size_t>(n));
   std::vector<Centred> coefficients(static_cast<std::size_t>(n));
@@ -162,7 +164,7 @@ SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings
       [&](std::size_t begin, std::size_t end) {
         Eigen::JacobiSVD<Centred> svd;
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
-          if (!fitted[i] || rings[i].empty()) continue;
+          if (!mask.is_fitted(i) || rings[i].empty()) continue;
           stencils[i] = spanning_stencil(i, nodes, rings, svd);
           coefficients[i] = fit_coefficients(stencils[i], svd);
         }
@@ -195,15 +197,15 @@ SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings
   return H;
 }
 
-Eigen::Matrix3d local_map_deviation(Index vertex, const Points& rest, const Points& edited,
-                                    const Eigen::Matrix3d& W, std::span<const Index> ring) {
-  if (ring.empty()) return Eigen::Matrix3d::Zero();
-  const std::vector<Index> stencil = bare_stencil(vertex, ring);
-  const Centred P = centred_rows(rest, stencil, mean_of(rest, ring));
-  const Centred X = centred_rows(edited, stencil, mean_of(edited, ring));
+Eigen::Matrix3d local_map_deviation(const ConstrainedStencil& stencil, const Points& rest,
+                                    const Points& edited) {
+  if (stencil.ring.empty()) return Eigen::Matrix3d::Zero();
+  const std::vector<Index> vertices = bare_stencil(stencil.vertex, stencil.ring);
+  const Centred P = centred_rows(rest, vertices, mean_of(rest, stencil.ring));
+  const Centred X = centred_rows(edited, vertices, mean_of(edited, stencil.ring));
   Eigen::JacobiSVD<Centred> svd(P, Eigen::ComputeThinU | Eigen::ComputeThinV);
   svd.setThreshold(1e-2);
-  const Centred excess = X - P * W.transpose();
+  const Centred excess = X - P * stencil.W.transpose();
   return svd.solve(excess).transpose();
 }
 

@@ -17,7 +17,7 @@ constexpr int neighbourhood_rings = 2;
 // The holder of a vertex: the index of a handle, or one of these.
 constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
 
-std::vector<int> holders(const DeformProblem& problem) {
+std::vector<int> holders(const ResolvedProblem& problem) {
   const Region& region = problem.deform.region;
   std::vector<int> holder(static_cast<std::size_t>(problem.rest.rows()), region.whole ? nobody : outside);
   for (const Index v : region.vertices) holder[v] = nobody;
@@ -68,7 +68,7 @@ void refine_curve(Handle& handle, HandlePose& pose, const std::map<std::array<In
   for (std::size_t i = 0; i < course.size(); ++i) pose.curve->row(static_cast<Eigen::Index>(i)) = course[i];
 }
 
-DeformProblem refine_once(DeformProblem problem, const Context& context) {
+ResolvedProblem refine_once(ResolvedProblem problem, const Context& context) {
   const auto old_count = static_cast<Index>(problem.rest.rows());
   const std::vector<int> holder = holders(problem);
   const IndexLists rings = vertex_rings(old_count, problem.triangles, context);
@@ -98,7 +98,7 @@ DeformProblem refine_once(DeformProblem problem, const Context& context) {
 
 }  // namespace
 
-DeformProblem refine_boundary(DeformProblem problem, int levels, const Context& context) {
+ResolvedProblem refine_boundary(ResolvedProblem problem, int levels, const Context& context) {
   for (int level = 0; level < levels; ++level) {
     context.step("refine", static_cast<double>(level) / levels);
     problem = refine_once(std::move(problem), context);

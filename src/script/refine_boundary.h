@@ -6,8 +6,8 @@
 
 namespace meshgraft {
 
-/// A deformation on a mesh: the data that the solver needs.
-struct DeformProblem {
+/// A resolved deform step and the mesh at rest that it deforms.
+struct ResolvedProblem {
   Points rest;          ///< n×3
   Triangles triangles;  ///< m×3
   ResolvedDeform deform;
@@ -17,6 +17,6 @@ struct DeformProblem {
 /// handles, fixed vertices or constraints (FT05 section 6: sparse boundaries). The old vertices come first
 /// and keep their positions. A new vertex between two vertices of one handle, or between two fixed ones, is
 /// held like them.
-DeformProblem refine_boundary(DeformProblem problem, int levels, const Context& context);
+ResolvedProblem refine_boundary(ResolvedProblem problem, int levels, const Context& context);
 
 }  // namespace meshgraft

@@ -44,7 +44,7 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
 }
 
 // Returns all constraints of a step per vertex: fixed vertices, handles, and constraints of single vertices.
-std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, const Context& context) {
+std::vector<VertexConstraint> joined_constraints(const ResolvedProblem& problem, const Context& context) {
   const Region& region = problem.deform.region;
   const std::vector<HandlePose>& poses = problem.deform.poses;
   Points normals;
@@ -58,11 +58,23 @@ std::vector<VertexConstraint> joined_constraints(const DeformProblem& problem, c
     constraints.push_back({v, problem.rest.row(v).transpose(), Eigen::Matrix3d::Identity(),
                            Eigen::AngleAxisd(0, Eigen::Vector3d::UnitZ())});
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
-    const auto held = handle_constraints(region.handles[h], poses[h], problem.rest, normals);
+    const auto held = handle_constraints(region.handles[h], poses[h], {problem.rest, normals});
     constraints.insert(constraints.end(), held.begin(), held.end());
   }
   constraints.insert(constraints.end(), problem.deform.constraints.begin(), problem.deform.constraints.end());
   return constraints;
+}
+
+// Returns the problem with all its constraints per vertex, in place of fixed vertices and handles.
+DeformProblem problem_of_vertices(const ResolvedProblem& problem, std::vector<VertexConstraint> constraints) {
+  const Region& region = problem.deform.region;
+  return {problem.rest,
+          problem.triangles,
+          {.vertices = region.vertices,
+           .whole = region.vertices.empty(),
+           .anchors = region.anchors,
+           .features = region.features},
+          std::move(constraints)};
 }
 
 struct Solution {
@@ -71,7 +83,8 @@ struct Solution {
 };
 
 // Returns the vertices that a published method solves for, like `Deformer::free_vertices`.
-std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const VertexConstraint> constraints) {
+std::vector<Index> free_vertices(const ResolvedProblem& problem,
+                                 std::span<const VertexConstraint> constraints) {
   const Region& region = problem.deform.region;
   Flags is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
   for (const Index v : region.vertices) is_free[v] = 1;
@@ -84,7 +97,7 @@ std::vector<Index> free_vertices(const DeformProblem& problem, std::span<const V
   return free;
 }
 
-Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const DeformSettings& settings,
+Solution solve_by_baseline(Baseline method, const ResolvedProblem& problem, const DeformSettings& settings,
                            StepReport& report, const Context& context) {
   const Region& region = problem.deform.region;
   if (!region.anchors.empty()) throw Error(facts::script::NoAnchors{.method = to_string(method)}, "anchors");
@@ -94,28 +107,25 @@ Solution solve_by_baseline(Baseline method, const DeformProblem& problem, const 
   BaselineOptions options;
   options.backend = settings.deformer.backend;
   Solution solution;
-  solution.positions =
-      deform_by(method, problem.rest, problem.triangles, region.vertices, constraints, options, context);
+  solution.positions = deform_by(method, problem_of_vertices(problem, constraints), options, context);
   report.seconds.solve = watch.lap();
   solution.free = free_vertices(problem, constraints);
   return solution;
 }
 
 // Makes the deformer that `options` ask for: of the region itself, or of a proxy.
-Deformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
+Deformer make_deformer(const ResolvedProblem& problem, std::vector<VertexConstraint> constraints,
                        const DeformerOptions& options, const Context& context) {
   const Region& region = problem.deform.region;
   if (problem.deform.constraints.empty()) return {problem.rest, problem.triangles, region, options, context};
-  return Deformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
-                                    region.anchors, region.features, options, context);
+  return Deformer(problem_of_vertices(problem, std::move(constraints)), options, context);
 }
 
-ProxyDeformer make_deformer(const DeformProblem& problem, std::span<const VertexConstraint> constraints,
+ProxyDeformer make_deformer(const ResolvedProblem& problem, std::vector<VertexConstraint> constraints,
                             const ProxyOptions& options, const Context& context) {
   const Region& region = problem.deform.region;
   if (problem.deform.constraints.empty()) return {problem.rest, problem.triangles, region, options, context};
-  return ProxyDeformer::with_constraints(problem.rest, problem.triangles, region.vertices, constraints,
-                                         region.anchors, region.features, options, context);
+  return ProxyDeformer(problem_of_vertices(problem, std::move(constraints)), options, context);
 }
 
 const DeformerSummary& note_facts(const Deformer& deformer, StepReport&) { return deformer.summary(); }
@@ -129,7 +139,7 @@ const DeformerSummary& note_facts(const ProxyDeformer& deformer, StepReport& rep
 // Factorises, solves and measures. Solves by handles, or by vertex constraints where the step has constraints
 // of single vertices.
 template <class Options>
-Solution solve_by(const Options& deformer_options, const DeformProblem& problem, const RunOptions& options,
+Solution solve_by(const Options& deformer_options, const ResolvedProblem& problem, const RunOptions& options,
                   StepReport& report, const Context& context) {
   const bool by_handles = problem.deform.constraints.empty();
   std::vector<VertexConstraint> constraints;
@@ -158,7 +168,7 @@ Solution solve_by(const Options& deformer_options, const DeformProblem& problem,
 }
 
 // Counts the vertices of the region without a prescribed position.
-Index count_free_vertices(const DeformProblem& problem) {
+Index count_free_vertices(const ResolvedProblem& problem) {
   const Region& region = problem.deform.region;
   const bool whole = region.whole || region.vertices.empty();
   Flags free(static_cast<std::size_t>(problem.rest.rows()), whole);
@@ -173,7 +183,7 @@ Index count_free_vertices(const DeformProblem& problem) {
   return static_cast<Index>(std::count(free.begin(), free.end(), 1));
 }
 
-Solution solve(const DeformProblem& problem, const DeformSettings& settings, const RunOptions& options,
+Solution solve(const ResolvedProblem& problem, const DeformSettings& settings, const RunOptions& options,
                StepReport& report, const Context& context) {
   Index proxy = settings.proxy;
   const std::uint64_t memory = options.memory.value_or(available_memory());
@@ -284,7 +294,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
 
   context.step("select");
   DeformSetup setup = set_up_deform(edit, step, location, scene, report.settings);
-  DeformProblem& problem = setup.problem;
+  ResolvedProblem& problem = setup.problem;
   const Weld& weld = setup.weld;
   const Triangles triangles = problem.triangles;
   report.seconds.select = watch.lap();
@@ -319,7 +329,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   const Points rest = keep_solution(solution, setup, scene);
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, scene.mesh.positions);
-  report.quality = measure_quality(rest, scene.mesh.positions, triangles, solution.free, {}, context);
+  report.quality = measure_quality({rest, scene.mesh.positions, triangles, solution.free}, {}, context);
   const std::vector<Note> notes = notes_of(report);
   report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   if (!weld.empty()) report.notes.push_back(facts::script::Welded{.vertices = weld.copies});

@@ -86,9 +86,9 @@ void measure_result(EditReport& report, const Scene& scene, const Context& conte
     Mesh before;
     before.positions = scene.rest;
     before.faces = scene.mesh.faces;
-    report.quality =
-        measure_quality(scene.rest, scene.mesh.positions,
-                        triangulate(before, {.skip_out_of_range = true}).triangles, free, {}, context);
+    report.quality = measure_quality(
+        {scene.rest, scene.mesh.positions, triangulate(before, {.skip_out_of_range = true}).triangles, free},
+        {}, context);
     report.max_displacement = largest_displacement(scene.rest, scene.mesh.positions);
   }
   report.seconds.measure += watch.lap();

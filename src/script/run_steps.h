@@ -49,9 +49,9 @@ void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets&
 
 /// A deform step on its scene, ready to be solved.
 struct DeformSetup {
-  Weld weld;              ///< empty: the problem is on the scene's mesh
-  Mesh welded;            ///< otherwise the mesh of the problem
-  DeformProblem problem;  ///< before its boundary is refined
+  Weld weld;                ///< empty: the problem is on the scene's mesh
+  Mesh welded;              ///< otherwise the mesh of the problem
+  ResolvedProblem problem;  ///< before its boundary is refined
 };
 
 /// Resolves a deform step. `settings`: those in force. Throws what `resolve_deform` throws, and Error(input)

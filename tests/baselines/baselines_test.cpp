@@ -63,8 +63,8 @@ double miss(const TestMesh& mesh, const Points& edited, const Affine3d& map) {
 
 /// Moves all constraints by one map and returns how far the surface is from its image.
 double miss(const Scene& scene, Baseline method, const Affine3d& map, const BaselineOptions& options = {}) {
-  const Points edited =
-      deform_by(method, scene.mesh.positions, scene.mesh.triangles, {}, ends(scene, map, map), options);
+  const Points edited = deform_by(
+      method, {scene.mesh.positions, scene.mesh.triangles, {.whole = true}, ends(scene, map, map)}, options);
   return miss(scene.mesh, edited, map);
 }
 
@@ -96,7 +96,8 @@ TEST_P(EachBaseline, HoldsConstraintsAndTheRest) {
       if (!std::binary_search(scene.foot.begin(), scene.foot.end(), v)) region.push_back(v);
     std::vector<VertexConstraint> constraints;
     constrain(rest, scene.head, head_move(scene), constraints);
-    const Points edited = deform_by(GetParam(), rest, scene.mesh.triangles, region, constraints);
+    const Points edited =
+        deform_by(GetParam(), {rest, scene.mesh.triangles, {.vertices = region}, constraints});
     EXPECT_TRUE(edited.allFinite());
     for (Index v : scene.foot) EXPECT_EQ(edited.row(v), rest.row(v));
     for (const VertexConstraint& constraint : constraints)
@@ -107,8 +108,9 @@ TEST_P(EachBaseline, HoldsConstraintsAndTheRest) {
         EXPECT_EQ(edited.row(v), rest.row(v));
       }
     // Constraints that keep the foot at rest give the same edit.
-    const Points told = deform_by(GetParam(), rest, scene.mesh.triangles, {},
-                                  ends(scene, Affine3d::Identity(), head_move(scene)));
+    const Points told = deform_by(
+        GetParam(),
+        {rest, scene.mesh.triangles, {.whole = true}, ends(scene, Affine3d::Identity(), head_move(scene))});
     EXPECT_LT(largest_distance(edited, told), 1e-6 * scene.mesh.box_diagonal()) << scene.mesh.name;
   }
 }
@@ -118,7 +120,8 @@ TEST_P(EachBaseline, StaysFiniteOnAllFamilies) {
     const Scene scene = make_scene(mesh);
     const auto constraints = ends(scene, Affine3d::Identity(), head_move(scene));
     try {
-      EXPECT_TRUE(deform_by(GetParam(), mesh.positions, mesh.triangles, {}, constraints).allFinite())
+      EXPECT_TRUE(
+          deform_by(GetParam(), {mesh.positions, mesh.triangles, {.whole = true}, constraints}).allFinite())
           << mesh.name;
     } catch (const Error& error) {
       // On the smallest meshes only two positions are known, which this method refuses.
@@ -138,12 +141,12 @@ TEST_P(EachBaseline, TreatsComponentsOnTheirOwn) {
   both.triangles.conservativeResize(2 * one.triangles.rows(), 3);
   both.triangles.bottomRows(one.triangles.rows()) = one.triangles.array() + one.size();
   auto constraints = ends(scene, Affine3d::Identity(), head_move(scene));
-  const Points alone = deform_by(GetParam(), one.positions, one.triangles, {}, constraints);
+  const Points alone = deform_by(GetParam(), {one.positions, one.triangles, {.whole = true}, constraints});
   for (const auto* part : {&scene.foot, &scene.head})  // the second component is held at rest
     for (Index v : *part)
       constraints.push_back(
           {v + one.size(), Vector3d(both.positions.row(v + one.size())), Matrix3d::Identity()});
-  const Points edited = deform_by(GetParam(), both.positions, both.triangles, {}, constraints);
+  const Points edited = deform_by(GetParam(), {both.positions, both.triangles, {.whole = true}, constraints});
   EXPECT_LT(largest_distance(edited.bottomRows(one.size()), both.positions.bottomRows(one.size())), 1e-9);
   // The second component changes when iterations stop, and the unit of the distances between groups.
   EXPECT_LT(largest_distance(edited.topRows(one.size()), alone), 1e-2);
@@ -155,7 +158,7 @@ TEST_P(EachBaseline, RefusesWhatCouldBeAnywhere) {
                           const std::string& id) {
     SCOPED_TRACE(id);
     try {
-      deform_by(GetParam(), mesh.positions, mesh.triangles, {}, constraints);
+      deform_by(GetParam(), {mesh.positions, mesh.triangles, {.whole = true}, constraints});
       ADD_FAILURE() << "no error";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), code);
@@ -205,8 +208,8 @@ TEST(Lipman, TurnsDetailTheRightWay) {
   for (const Scene& scene : {make_scene(bumpy_sphere(3)), make_scene(grid(24, 18))}) {
     const Affine3d map = turn_about_middle(scene.mesh, 40);
     const auto constraints = ends(scene, map, map);
-    const auto problem =
-        baselines::make_problem(scene.mesh.positions, scene.mesh.triangles, {}, constraints, 1, {});
+    const auto problem = baselines::make_problem(
+        {scene.mesh.positions, scene.mesh.triangles, {.whole = true}, constraints}, 1, {});
     const baselines::NaiveLaplacian naive(problem, WeightScheme::cotangent, SolverBackend::automatic, {});
     const Points positions = naive.solve(naive.delta(), {});
     Points edited = scene.mesh.positions;
@@ -241,12 +244,26 @@ TEST(Sorkine, MissesARotationBySecondOrder) {
   EXPECT_NEAR(at_4 / at_2, 4, 0.2);
 }
 
+TEST(Baselines, RefuseWhatTheyWouldIgnore) {
+  const TestMesh mesh = icosphere(1);
+  for (const Region& region : {Region{.whole = true, .handles = {Handle{.name = "tip", .vertices = {0}}}},
+                               Region{.whole = true, .anchors = {Anchor{.vertex = 0}}},
+                               Region{.whole = true, .features = {Feature{.vertices = {0, 1, 2}}}}}) {
+    try {
+      deform_by(Baseline::yu_2004, {mesh.positions, mesh.triangles, region});
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.id(), "baselines.only_constraints");
+    }
+  }
+}
+
 TEST(Sorkine, RefusesPlacesOnALine) {
   const TestMesh mesh = icosphere(1);
   const std::vector<VertexConstraint> two{{0, Vector3d(mesh.positions.row(0)), {}},
                                           {5, Vector3d(mesh.positions.row(5)), {}}};
   try {
-    deform_by(Baseline::sorkine_2004, mesh.positions, mesh.triangles, {}, two);
+    deform_by(Baseline::sorkine_2004, {mesh.positions, mesh.triangles, {.whole = true}, two});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.id(), "baselines.known_positions_on_a_line");
@@ -274,7 +291,8 @@ TEST(Yu, TurnsFreeVerticesByTransformsAlone) {
     ++free;
   constraints.push_back({free, {}, AngleAxisd(1, Vector3d::UnitZ()).matrix()});
   for (const Baseline method : all_baselines) {
-    const Points edited = deform_by(method, scene.mesh.positions, scene.mesh.triangles, {}, constraints);
+    const Points edited =
+        deform_by(method, {scene.mesh.positions, scene.mesh.triangles, {.whole = true}, constraints});
     const double moved = miss(scene.mesh, edited, Affine3d::Identity());
     if (method == Baseline::yu_2004) {
       EXPECT_GT(moved, 1e-3);
@@ -286,8 +304,11 @@ TEST(Yu, TurnsFreeVerticesByTransformsAlone) {
 
 TEST(Arap, EnergyNeverRises) {
   for (const Scene& scene : scenes()) {
-    const auto problem = baselines::make_problem(scene.mesh.positions, scene.mesh.triangles, {},
-                                                 ends(scene, Affine3d::Identity(), head_move(scene)), 1, {});
+    const auto problem = baselines::make_problem({scene.mesh.positions,
+                                                  scene.mesh.triangles,
+                                                  {.whole = true},
+                                                  ends(scene, Affine3d::Identity(), head_move(scene))},
+                                                 1, {});
     const std::vector<double> energies = baselines::deform_arap_2007(problem, {}, {}).energies;
     ASSERT_GT(energies.size(), 3U) << scene.mesh.name;
     for (std::size_t k = 1; k < energies.size(); ++k)

@@ -75,8 +75,9 @@ TEST_P(StandardTests, GiveTheKnownQuality) {
   if (!std::filesystem::exists(data_folder() / (std::string(expected.test) + ".off")))
     GTEST_SKIP() << "no test data in " << data_folder() << "; set MESHGRAFT_DATA";
   const StandardTest test(expected.test);
-  const Points edited = deform_by(expected.method, test.rest, test.triangles, {}, test.constraints);
-  const Quality quality = measure_quality(test.rest, edited, test.triangles, test.selection.free);
+  const Points edited =
+      deform_by(expected.method, {test.rest, test.triangles, {.whole = true}, test.constraints});
+  const Quality quality = measure_quality({test.rest, edited, test.triangles, test.selection.free});
   EXPECT_NEAR(quality.edge_rms, expected.edge_rms, 0.2 * expected.edge_rms);
   EXPECT_NEAR(quality.dihedral_p99_deg, expected.dihedral_p99_deg, 0.2 * expected.dihedral_p99_deg);
 }
@@ -124,17 +125,18 @@ TEST_P(DefaultMethod, IsNotBeatenInBothMeasuresAtOnceAndDoesNotFold) {
     GTEST_SKIP() << "no test data in " << data_folder() << "; set MESHGRAFT_DATA";
   const StandardTest test(standing.test);
   const auto quality_of = [&](const Points& edited, bool self_intersections) {
-    return measure_quality(test.rest, edited, test.triangles, test.selection.free,
+    return measure_quality({test.rest, edited, test.triangles, test.selection.free},
                            {.self_intersections = self_intersections});
   };
-  const Deformer deformer = Deformer::with_constraints(test.rest, test.triangles, {}, test.constraints, {}, {});
+  const Deformer deformer({test.rest, test.triangles, {.whole = true}, test.constraints});
   const Quality ours = quality_of(deformer.evaluate(test.constraints), true);
   EXPECT_EQ(ours.new_self_intersections.value_or(0), 0);
   EXPECT_EQ(ours.flipped_faces, 0);
   EXPECT_LT(ours.edge_rms * ours.dihedral_p99_deg, standing.largest_share * standing.best_product_of_cgal);
   for (const Baseline method : {Baseline::botsch_kobbelt_2004, Baseline::lipman_2004, Baseline::sorkine_2004,
                                 Baseline::yu_2004, Baseline::sorkine_alexa_2007}) {
-    const Quality other = quality_of(deform_by(method, test.rest, test.triangles, {}, test.constraints), false);
+    const Quality other =
+        quality_of(deform_by(method, {test.rest, test.triangles, {.whole = true}, test.constraints}), false);
     EXPECT_FALSE(other.edge_rms < ours.edge_rms && other.dihedral_p99_deg < ours.dihedral_p99_deg)
         << to_string(method) << ": " << other.edge_rms << " / " << other.dihedral_p99_deg << " against "
         << ours.edge_rms << " / " << ours.dihedral_p99_deg;

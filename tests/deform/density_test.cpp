@@ -16,8 +16,7 @@ std::vector<DensityDeviation> deviations_of(const DeformerOptions& options,
                                             std::span<const RowShape> shapes = all_row_shapes,
                                             const RowTurns& turns = {}) {
   const auto solve = [&](const TestMesh& mesh, const std::vector<std::vector<VertexConstraint>>& edits) {
-    const Deformer deformer =
-        Deformer::with_constraints(mesh.positions, mesh.triangles, {}, edits.front(), {}, {}, options);
+    const Deformer deformer({mesh.positions, mesh.triangles, {.whole = true}, edits.front()}, options);
     std::vector<Points> results;
     for (const auto& edit : edits) results.push_back(deformer.evaluate(edit));
     return results;

@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/proxy.h>
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
@@ -134,6 +135,18 @@ TEST(Errors, WhatIsNotFiniteIsRefusedWithinReach) {
     expect_error(ErrorCode::input, "deform.too_large_or_not_finite", {"position"},
                  [&] { deformer.evaluate(std::vector{pose}); });
   }
+}
+
+TEST(Errors, AProblemHasHandlesOrConstraintsPerVertex) {
+  const Scene scene = make_scene(bumpy_sphere(2));
+  const Index vertex = scene.head.front();
+  DeformProblem problem{scene.mesh.positions, scene.mesh.triangles, held_foot(scene)};
+  problem.constraints = {{vertex, scene.mesh.positions.row(vertex).transpose(), {}}};
+  const std::string_view both = "deform.handles_and_constraints";
+  expect_error(ErrorCode::usage, both, {"handles", "constraints"}, [&] { Deformer deformer(problem); });
+  expect_error(ErrorCode::usage, both, {}, [&] { ProxyDeformer deformer(problem); });
+  problem.region.handles.clear();
+  EXPECT_NO_THROW(Deformer deformer(problem));
 }
 
 TEST(Errors, CallsOfTheWrongShapeAreRefused) {

@@ -304,8 +304,7 @@ TEST(HandleBasis, RefusesWhatIsNotLinear) {
 
   const std::vector<VertexConstraint> constraints{
       {.vertex = 0, .position = Eigen::Vector3d::Zero(), .transform = Eigen::Matrix3d::Identity()}};
-  const Deformer per_vertex =
-      Deformer::with_constraints(mesh.positions, mesh.triangles, {}, constraints, {}, {}, linear_method());
+  const Deformer per_vertex({mesh.positions, mesh.triangles, {.whole = true}, constraints}, linear_method());
   EXPECT_EQ(id_of([&] { HandleBasis basis(per_vertex); }), "deform.no_handles");
 
   Region region = held_foot(scene);

@@ -210,7 +210,7 @@ TEST(CurveConstraints, AreTheIdentityForAnUnchangedCurve) {
   const Points normals = vertex_normals(mesh);
   const Handle handle = curve(lower_row);
   const Points redrawn = redraw_curve(handle, mesh.positions, mesh.positions.topRows(13));
-  const auto constraints = curve_constraints(handle, mesh.positions, normals, redrawn);
+  const auto constraints = curve_constraints(handle, {mesh.positions, normals}, redrawn);
   ASSERT_EQ(constraints.size(), 13);
   for (Index k = 0; k < 13; ++k) {
     EXPECT_EQ(constraints[k].vertex, k);
@@ -225,7 +225,7 @@ TEST(CurveConstraints, AreThePlaneRotationOfAPlaneCurve) {
   const Handle handle = curve({0, 1, 2, 3, 4, 5});
   const Eigen::Matrix3d w = 1.7 * Eigen::AngleAxisd(2.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const Points redrawn = mesh.positions.topRows(6) * w.transpose();
-  for (const auto& constraint : curve_constraints(handle, mesh.positions, vertex_normals(mesh), redrawn)) {
+  for (const auto& constraint : curve_constraints(handle, {mesh.positions, vertex_normals(mesh)}, redrawn)) {
     EXPECT_LT((*constraint.transform - w).norm(), 1e-13);
   }
 }
@@ -240,7 +240,7 @@ TEST(CurveConstraints, TakeTangentsToTangentsScaledByArcLength) {
     const double a = 2 * pi * k / 24;
     redrawn.row(k) << 3 * std::cos(a), 1.2 * std::sin(a), 1 + 0.5 * std::sin(2 * a);
   }
-  const auto constraints = curve_constraints(handle, tube.positions, vertex_normals(tube), redrawn);
+  const auto constraints = curve_constraints(handle, {tube.positions, vertex_normals(tube)}, redrawn);
   for (int k = 0; k < 24; ++k) {
     const auto tangent = [&](const auto& point) -> Eigen::Vector3d {
       return (point((k + 1) % 24) - point((k + 23) % 24)).transpose().normalized();
@@ -266,7 +266,7 @@ TEST(CurveConstraints, TurnAboutTheNormalWhereTheTangentTurnsRound) {
   const Handle handle = curve({0, 1, 2, 3});
   const Points reversed = mesh.positions.topRows(4).colwise().reverse();
   Eigen::Matrix3d half_turn = Eigen::Vector3d(-1, -1, 1).asDiagonal();
-  for (const auto& constraint : curve_constraints(handle, mesh.positions, vertex_normals(mesh), reversed)) {
+  for (const auto& constraint : curve_constraints(handle, {mesh.positions, vertex_normals(mesh)}, reversed)) {
     EXPECT_LT((*constraint.transform - half_turn).norm(), 1e-15);
   }
 }
@@ -276,13 +276,13 @@ TEST(CurveConstraints, RespectWhatTheHandleConstrains) {
   Handle handle = curve({0, 1, 2, 3});
   handle.constrain_position = false;
   const Points normals = vertex_normals(mesh);
-  for (const auto& c : curve_constraints(handle, mesh.positions, normals, mesh.positions.topRows(4))) {
+  for (const auto& c : curve_constraints(handle, {mesh.positions, normals}, mesh.positions.topRows(4))) {
     EXPECT_FALSE(c.position.has_value());
     EXPECT_TRUE(c.transform.has_value());
   }
   handle.constrain_position = true;
   handle.constrain_transform = false;
-  for (const auto& c : curve_constraints(handle, mesh.positions, normals, mesh.positions.topRows(4))) {
+  for (const auto& c : curve_constraints(handle, {mesh.positions, normals}, mesh.positions.topRows(4))) {
     EXPECT_TRUE(c.position.has_value());
     EXPECT_FALSE(c.transform.has_value());
   }
@@ -294,14 +294,14 @@ TEST(CurveConstraints, NameWhatIsWrong) {
   const Points normals = vertex_normals(mesh);
   Points folded = mesh.positions.topRows(4);
   folded.row(1) = folded.row(0);
-  const Error error = error_of([&] { curve_constraints(handle, mesh.positions, normals, folded); });
+  const Error error = error_of([&] { curve_constraints(handle, {mesh.positions, normals}, folded); });
   EXPECT_EQ(error.code(), ErrorCode::input);
   EXPECT_EQ(error.id(), "deform.curve_without_tangent");
   EXPECT_EQ(error.fact().get<std::int64_t>("point"), 0);
   EXPECT_EQ(error.fact().get<std::int64_t>("vertex"), 0);
   const auto short_of = [&](const Points& rest_normals, const Points& redrawn) {
     const Error short_call =
-        error_of([&] { curve_constraints(handle, mesh.positions, rest_normals, redrawn); });
+        error_of([&] { curve_constraints(handle, {mesh.positions, rest_normals}, redrawn); });
     EXPECT_EQ(short_call.code(), ErrorCode::usage);
     EXPECT_EQ(short_call.id(), "core.size_mismatch");
     return short_call.fact().get<std::string>("what");

@@ -34,7 +34,7 @@ Pairs found(const Points& points, const Triangles& triangles) {
 }
 
 Pairs found_new(const Points& rest, const Points& edited, const Triangles& triangles) {
-  return new_self_intersections(rest, edited, triangles, all_vertices(rest));
+  return new_self_intersections({rest, edited, triangles, all_vertices(rest)});
 }
 
 TestMesh joined(const TestMesh& a, const TestMesh& b) {
@@ -90,7 +90,7 @@ TEST(Intersections, QualityCountsThemWhereThatIsAskedFor) {
   const TestMesh mesh = tetrahedron();
   const auto free = all_vertices(mesh.positions);
   const auto quality = [&](const QualityOptions& options) {
-    return measure_quality(mesh.positions, mesh.positions, mesh.triangles, free, options);
+    return measure_quality({mesh.positions, mesh.positions, mesh.triangles, free}, options);
   };
   EXPECT_EQ(quality({}).new_self_intersections, 0);
   EXPECT_FALSE(quality({.self_intersections = false}).new_self_intersections.has_value());
@@ -122,7 +122,7 @@ TEST(Intersections, AStripThroughItself) {
       EXPECT_LE(std::abs(first / 6 - second / 6), 1);
     }
     const Quality quality =
-        measure_quality(flat.positions, folded.positions, flat.triangles, all_vertices(flat.positions));
+        measure_quality({flat.positions, folded.positions, flat.triangles, all_vertices(flat.positions)});
     EXPECT_EQ(quality.new_self_intersections, static_cast<Index>(pairs.size()));
   }
 }
@@ -187,7 +187,7 @@ TEST(Intersections, OnlyTrianglesThatTouchFreeVerticesCount) {
   // With one sphere free, each of its intersections is listed once.
   std::vector<Index> first_sphere(static_cast<std::size_t>(half));
   std::iota(first_sphere.begin(), first_sphere.end(), Index{0});
-  EXPECT_EQ(new_self_intersections(apart.positions, moved.positions, moved.triangles, first_sphere), pairs);
+  EXPECT_EQ(new_self_intersections({apart.positions, moved.positions, moved.triangles, first_sphere}), pairs);
 }
 
 TEST(Intersections, CountsAreThoseOfTheLists) {
@@ -200,8 +200,8 @@ TEST(Intersections, CountsAreThoseOfTheLists) {
     };
     EXPECT_EQ(count(apart.positions), 0);
     EXPECT_EQ(count(moved.positions), std::ssize(self_intersections(moved.positions, moved.triangles, free)));
-    EXPECT_EQ(count_new_self_intersections(moved.positions, deeper.positions, moved.triangles, free),
-              std::ssize(new_self_intersections(moved.positions, deeper.positions, moved.triangles, free)));
+    EXPECT_EQ(count_new_self_intersections({moved.positions, deeper.positions, moved.triangles, free}),
+              std::ssize(new_self_intersections({moved.positions, deeper.positions, moved.triangles, free})));
   }
 }
 
@@ -317,7 +317,7 @@ TEST(Intersections, TheNumberOfThreadsDoesNotMatter) {
   const TestMesh apart = two_spheres(4, 2.5), moved = two_spheres(4, 1.2);
   const auto free = all_vertices(apart.positions);
   const auto with_threads = [&](int threads) {
-    return new_self_intersections(apart.positions, moved.positions, apart.triangles, free,
+    return new_self_intersections({apart.positions, moved.positions, apart.triangles, free},
                                   {.threads = threads});
   };
   const auto one = with_threads(1);
@@ -331,7 +331,7 @@ TEST(Intersections, MalformedCallsAreNamed) {
   const TestMesh mesh = tetrahedron();
   const auto id = [&](const Points& edited, const Triangles& triangles, const std::vector<Index>& free) {
     try {
-      new_self_intersections(mesh.positions, edited, triangles, free);
+      new_self_intersections({mesh.positions, edited, triangles, free});
     } catch (const Error& error) {
       return std::string(error.id());
     }

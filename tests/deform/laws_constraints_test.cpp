@@ -49,8 +49,8 @@ TEST(Laws, HandlesAndVertexConstraintsAreTheSameEdit) {
   const Deformer by_handles = make_deformer(scene, two_handles(scene));
   const std::vector poses{HandlePose{}, pose_of(head_move(scene))};
   const auto constraints = by_handles.constraints(poses);
-  const Deformer by_vertices = Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, {},
-                                                          constraints, {}, {}, linear_method());
+  const Deformer by_vertices({scene.mesh.positions, scene.mesh.triangles, {.whole = true}, constraints},
+                             linear_method());
   EXPECT_TRUE(same_bytes(by_vertices.evaluate(constraints), by_handles.evaluate(poses)));
   // A rotation field of identities gives the FT05 result, too.
   const std::vector<Matrix3d> identities(static_cast<std::size_t>(scene.mesh.size()), Matrix3d::Identity());
@@ -159,8 +159,7 @@ TEST(Laws, TheRotationFieldIsFollowed) {
   std::vector<VertexConstraint> constraints;
   for (const auto* end : {&scene.foot, &scene.head})
     for (Index v : *end) constraints.push_back({v, Vector3d(shape.row(v)), field[static_cast<std::size_t>(v)]});
-  const Deformer deformer =
-      Deformer::with_constraints(rest, scene.mesh.triangles, {}, constraints, {}, {}, linear_method(options));
+  const Deformer deformer({rest, scene.mesh.triangles, {.whole = true}, constraints}, linear_method(options));
   const double twist = largest_distance(rest, shape);
   EXPECT_LT(largest_distance(deformer.evaluate_with_field(constraints, field), shape), 1e-3 * twist);
   EXPECT_GT(largest_distance(deformer.evaluate(constraints), shape), 1e-2 * twist);
@@ -175,8 +174,8 @@ TEST(Laws, HalfAConstraintOutsideTheRegionFreesNothing) {
   for (Index v : scene.foot)
     constraints.push_back({v, Vector3d(scene.mesh.positions.row(v)), Matrix3d(Matrix3d::Identity())});
   for (Index v : scene.head) constraints.push_back({v, {}, Matrix3d(2 * Matrix3d::Identity())});
-  const Deformer deformer = Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, region,
-                                                       constraints, {}, {}, linear_method());
+  const Deformer deformer({scene.mesh.positions, scene.mesh.triangles, {.vertices = region}, constraints},
+                          linear_method());
   const Points result = deformer.evaluate(constraints);
   for (Index v : scene.head) EXPECT_EQ(result.row(v), scene.mesh.positions.row(v));
 }

@@ -70,7 +70,7 @@ TEST(LiveDeformer, TheConstructorThrowsWhatIsWrongAtFirstSight) {
     EXPECT_EQ(error_of([&] { make_live(scene, held_foot(scene), recorder, odd[o]); }).first, ids[o]);
   }
   EXPECT_EQ(
-      error_of([&] { LiveDeformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), {}); }).first,
+      error_of([&] { LiveDeformer({scene.mesh.positions, scene.mesh.triangles, held_foot(scene)}, {}); }).first,
       "deform.no_frame_callback");
   Recorder recorder;
   LiveDeformer live = make_live(scene, held_foot(scene), recorder, quick_options(DeformMethod::ft05));
@@ -138,7 +138,7 @@ TEST(LiveDeformer, ProgressMayFailOrAskWithoutAHang) {
   const Scene scene = make_scene(bumpy_sphere(3));
   const auto outcome = [&](const ProgressCallback& progress) {
     Recorder recorder;
-    LiveDeformer live(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), recorder.callbacks(),
+    LiveDeformer live({scene.mesh.positions, scene.mesh.triangles, held_foot(scene)}, recorder.callbacks(),
                       quick_options(DeformMethod::ft05),
                       {.threads = 0, .progress = progress, .stop_token = {}});
     live.drag(std::vector{HandlePose{}});

@@ -239,7 +239,7 @@ TEST(LiveDeformer, TellsItsProgress) {
 
 TEST(LiveDeformer, TakesAMeshWithoutVertices) {
   Recorder recorder;
-  LiveDeformer live(Points(0, 3), Triangles(0, 3), {.whole = true}, recorder.callbacks(),
+  LiveDeformer live({Points(0, 3), Triangles(0, 3), {.whole = true}}, recorder.callbacks(),
                     quick_options(DeformMethod::corotational));
   live.drag({});
   live.wait_until_exact();

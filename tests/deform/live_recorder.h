@@ -122,7 +122,7 @@ class Recorder {
 
 inline LiveDeformer make_live(const Scene& scene, const Region& region, Recorder& recorder,
                               const LiveOptions& options, const Context& context = {}) {
-  return {scene.mesh.positions, scene.mesh.triangles, region, recorder.callbacks(), options, context};
+  return {{scene.mesh.positions, scene.mesh.triangles, region}, recorder.callbacks(), options, context};
 }
 
 inline Deformer make_direct(const Scene& scene, const Region& region, DeformMethod method) {

@@ -128,7 +128,7 @@ TEST(LiveDeformer, CallbacksMayDrag) {
     count.notify_all();
   };
   {
-    LiveDeformer live(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), callbacks,
+    LiveDeformer live({scene.mesh.positions, scene.mesh.triangles, held_foot(scene)}, callbacks,
                       quick_options(DeformMethod::ft05));
     object = &live;
     live.drag(part_of_move(scene, 1));

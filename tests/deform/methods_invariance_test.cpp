@@ -62,7 +62,7 @@ TEST(Methods, ThePoseAtRestDoesNotMatterWhereNothingStays) {
       SCOPED_TRACE(mesh.name + ", " + describe(options));
       const auto evaluate = [&](const TestMesh& posed, const Affine3d& back) {
         const auto constraints = constraints_from(back);
-        return Deformer::with_constraints(posed.positions, posed.triangles, {}, constraints, {}, {}, options)
+        return Deformer({posed.positions, posed.triangles, {.whole = true}, constraints}, options)
             .evaluate(constraints);
       };
       EXPECT_LT(relative_distance(mesh, evaluate(transformed(mesh, pose, ""), pose.inverse()),
@@ -103,8 +103,8 @@ TEST(Methods, HandlesAndVertexConstraintsAreTheSameEdit) {
     const Deformer by_handles = make_deformer(scene, two_handles(scene), options);
     const std::vector poses{HandlePose{}, turned(scene, 400)};
     const auto constraints = by_handles.constraints(poses);
-    const Deformer by_vertices = Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, {},
-                                                            constraints, {}, {}, options);
+    const Deformer by_vertices({scene.mesh.positions, scene.mesh.triangles, {.whole = true}, constraints},
+                               options);
     EXPECT_TRUE(same_bytes(by_vertices.evaluate(constraints), by_handles.evaluate(poses)));
   }
 }

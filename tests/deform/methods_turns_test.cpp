@@ -76,8 +76,8 @@ TEST(Methods, LargeTurnsDoNotShrink) {
   const HandlePose twist = turned(scene, 135, Vector3d::UnitZ());
   const auto quality_of = [&](const DeformerOptions& options) {
     const Deformer deformer = make_deformer(scene, held_foot(scene), options);
-    return measure_quality(scene.mesh.positions, deformer.evaluate(std::vector{twist}), scene.mesh.triangles,
-                           deformer.free_vertices());
+    return measure_quality({scene.mesh.positions, deformer.evaluate(std::vector{twist}), scene.mesh.triangles,
+                            deformer.free_vertices()});
   };
   const Quality linear = quality_of(linear_method());
   for (const DeformerOptions& options : method_variants()) {

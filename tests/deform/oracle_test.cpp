@@ -90,8 +90,8 @@ struct Solved {
 Solved solve(const Scene& scene, const Setting& setting) {
   const TestMesh& mesh = scene.mesh;
   const auto constraints = constraints_of(scene, setting.given);
-  const Deformer deformer = Deformer::with_constraints(mesh.positions, mesh.triangles, {}, constraints, {}, {},
-                                                       linear_method(setting.operators));
+  const Deformer deformer({mesh.positions, mesh.triangles, {.whole = true}, constraints},
+                          linear_method(setting.operators));
   Solved solved;
   solved.positions = deformer.evaluate(constraints);
   OracleProblem& problem = solved.problem;

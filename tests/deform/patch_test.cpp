@@ -104,12 +104,12 @@ TEST(Patch, TurnsFacesUntilTheyAreConsistentlyOriented) {
     SCOPED_TRACE(mesh.name);
     const Flags all(static_cast<std::size_t>(mesh.size()), 1);
     const Patch tidy = patch_around(mesh, all, 1);
-    EXPECT_FALSE(tidy.rewound);
+    EXPECT_FALSE(tidy.reoriented);
     test::TestMesh mixed = mesh;
     for (Eigen::Index t = 1; t < mixed.triangles.rows(); t += 3)
       std::swap(mixed.triangles(t, 0), mixed.triangles(t, 1));
     const Patch patch = patch_around(mixed, all, 1);
-    EXPECT_TRUE(patch.rewound);
+    EXPECT_TRUE(patch.reoriented);
     EXPECT_TRUE(summarise_topology(make_mesh(patch.points, patch.triangles)).oriented);
   }
 }

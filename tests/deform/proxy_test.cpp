@@ -127,9 +127,9 @@ TEST(Proxy, DetailIsNeitherCrinkledNorCutOffAtRims) {
     const Points reference = directly(scene);
     const ProxyDeformer proxy = make_proxy(scene, held_foot(scene), mesh.size() / 40);
     const Points result = proxy.evaluate(std::vector{pose_of(head_move(scene))});
-    const Quality beside = measure_quality(reference, result, mesh.triangles, proxy.free_vertices(),
+    const Quality beside = measure_quality({reference, result, mesh.triangles, proxy.free_vertices()},
                                            {.self_intersections = false});
-    const Quality moved = measure_quality(mesh.positions, reference, mesh.triangles, proxy.free_vertices(),
+    const Quality moved = measure_quality({mesh.positions, reference, mesh.triangles, proxy.free_vertices()},
                                           {.self_intersections = false});
     // The bounds are relative to how the edit itself changes the angles. Unless vertices near rims follow the
     // rims, the jumps of the sphere and the sheet are 1.8 and 2.9 times those of the edit.
@@ -277,9 +277,9 @@ TEST(Proxy, ConstraintsPerVertexDoWhatHandlesDo) {
   for (const Index v : scene.head)
     constraints.push_back({v, move * scene.mesh.positions.row(v).transpose(), move.linear()});
   const auto options = proxy_of(500);
-  const Points one = ProxyDeformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, free,
-                                                     constraints, {}, {}, options)
-                         .evaluate(constraints);
+  const Points one =
+      ProxyDeformer({scene.mesh.positions, scene.mesh.triangles, {.vertices = free}, constraints}, options)
+          .evaluate(constraints);
   EXPECT_LT(difference(scene, one, by_proxy(scene, 500)), 1e-12);
 }
 

@@ -136,7 +136,7 @@ void expect_unmoved(const Quality& q, double tolerance) {
 TEST(Quality, IdentityIsExact) {
   for (const Surface& s : families()) {
     SCOPED_TRACE(s.name);
-    const Quality q = measure_quality(s.positions, s.positions, s.triangles, all_vertices(s));
+    const Quality q = measure_quality({s.positions, s.positions, s.triangles, all_vertices(s)});
     expect_unmoved(q, 0);
     EXPECT_EQ(q.volume_ratio.has_value(), s.closed);
   }
@@ -146,7 +146,7 @@ TEST(Quality, RigidMotionsLeaveEverythingAsItWas) {
   for (const Surface& s : families()) {
     SCOPED_TRACE(s.name);
     const Points moved = transformed(s.positions, rigid_motion());
-    expect_unmoved(measure_quality(s.positions, moved, s.triangles, all_vertices(s)), 1e-9);
+    expect_unmoved(measure_quality({s.positions, moved, s.triangles, all_vertices(s)}), 1e-9);
   }
 }
 
@@ -154,7 +154,7 @@ TEST(Quality, UniformScaleShowsInEveryDimension) {
   for (const Surface& s : families()) {
     for (const double scale : {0.25, 1.5, 30.0}) {
       SCOPED_TRACE(s.name + " × " + std::to_string(scale));
-      const Quality q = measure_quality(s.positions, scale * s.positions, s.triangles, all_vertices(s));
+      const Quality q = measure_quality({s.positions, scale * s.positions, s.triangles, all_vertices(s)});
       EXPECT_NEAR(q.edge_rms, std::abs(scale - 1), 1e-12 * scale);
       for (const double sigma : sigmas(q)) EXPECT_NEAR(sigma, scale, 1e-12 * scale);
       EXPECT_NEAR(q.area_ratio, scale * scale, 1e-12 * scale * scale);
@@ -173,7 +173,7 @@ TEST(Quality, StretchOfAPlaneGivesItsSingularValues) {
     const Surface sheet = grid(12, 9);
     const Eigen::Affine3d stretch(Eigen::Scaling(2.0, squash, 7.0));
     const Points edited = transformed(sheet.positions, rigid_motion() * stretch);
-    const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
+    const Quality q = measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)});
     EXPECT_NEAR(q.sigma_min, squash, 1e-12);
     EXPECT_NEAR(q.sigma_p1, squash, 1e-12);
     EXPECT_NEAR(q.sigma_p50, squash, 1e-12) << "half of all values, and the nearest rank takes the lower one";
@@ -188,7 +188,7 @@ TEST(Quality, ShearHasTheSingularValuesOfItsMatrix) {
   const double k = 0.8;
   Points edited = sheet.positions;
   edited.col(0) += k * sheet.positions.col(1);
-  const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
+  const Quality q = measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)});
   const double larger = k / 2 + std::sqrt(1 + k * k / 4);  // of (1 k; 0 1); the smaller one is its inverse
   EXPECT_NEAR(q.sigma_max, larger, 1e-12);
   EXPECT_NEAR(q.sigma_min, 1 / larger, 1e-12);
@@ -215,7 +215,7 @@ Surface folded_strip(const std::vector<double>& fold_deg) {
 TEST(Quality, FoldsOfAStripAreItsDihedralChanges) {
   const Surface flat = folded_strip({0, 0, 0, 0});
   const Surface folded = folded_strip({10, -25, 70, 150});
-  const Quality q = measure_quality(flat.positions, folded.positions, flat.triangles, all_vertices(flat));
+  const Quality q = measure_quality({flat.positions, folded.positions, flat.triangles, all_vertices(flat)});
   EXPECT_NEAR(q.dihedral_max_deg, 150, 1e-9);
   EXPECT_NEAR(q.dihedral_p50_deg, 0, 1e-9) << "most edges lie within a facet or along the strip";
   EXPECT_NEAR(q.edge_rms, 0, 1e-12);
@@ -224,11 +224,11 @@ TEST(Quality, FoldsOfAStripAreItsDihedralChanges) {
 
 TEST(Quality, FoldsCountWithTheirSign) {
   const Surface up = folded_strip({30}), down = folded_strip({-30});
-  EXPECT_NEAR(measure_quality(up.positions, down.positions, up.triangles, all_vertices(up)).dihedral_max_deg,
+  EXPECT_NEAR(measure_quality({up.positions, down.positions, up.triangles, all_vertices(up)}).dihedral_max_deg,
               60, 1e-9);
   const Surface sharp_up = folded_strip({170}), sharp_down = folded_strip({-170});
   const Quality through_closed =
-      measure_quality(sharp_up.positions, sharp_down.positions, sharp_up.triangles, all_vertices(sharp_up));
+      measure_quality({sharp_up.positions, sharp_down.positions, sharp_up.triangles, all_vertices(sharp_up)});
   EXPECT_NEAR(through_closed.dihedral_max_deg, 20, 1e-9) << "the short way round";
 }
 
@@ -237,7 +237,7 @@ TEST(Quality, FoldsDoNotDependOnTheWinding) {
   const Surface folded = folded_strip({40, 40, 40});
   for (Eigen::Index t = 0; t < flat.triangles.rows(); t += 3)
     std::swap(flat.triangles(t, 1), flat.triangles(t, 2));
-  const Quality q = measure_quality(flat.positions, folded.positions, flat.triangles, all_vertices(flat));
+  const Quality q = measure_quality({flat.positions, folded.positions, flat.triangles, all_vertices(flat)});
   EXPECT_NEAR(q.dihedral_max_deg, 40, 1e-9);
 }
 
@@ -254,7 +254,7 @@ TEST(Quality, NearestRankPercentiles) {
   }
   std::vector<Index> free(300);
   std::iota(free.begin(), free.end(), Index{0});
-  const Quality q = measure_quality(rest, edited, triangles, free);
+  const Quality q = measure_quality({rest, edited, triangles, free});
   EXPECT_NEAR(q.sigma_p50, 1.00, 1e-12);  // rank 100 of 200
   EXPECT_NEAR(q.sigma_p95, 1.90, 1e-12);  // rank 190
   EXPECT_NEAR(q.sigma_p99, 1.98, 1e-12);  // rank 198
@@ -265,11 +265,12 @@ TEST(Quality, FlippedFacesAreCounted) {
   const Surface sheet = grid(8, 8);
   Points edited = sheet.positions;
   edited.row(8) << 6.5, 1.5, 0;  // a corner of the sheet, pulled over the opposite side of its one or two faces
-  const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
+  const Quality q = measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)});
   EXPECT_EQ(q.flipped_faces, 1);
 
   const Points turned = transformed(sheet.positions, rigid_motion());
-  const Quality turned_as_one = measure_quality(sheet.positions, turned, sheet.triangles, all_vertices(sheet));
+  const Quality turned_as_one =
+      measure_quality({sheet.positions, turned, sheet.triangles, all_vertices(sheet)});
   EXPECT_EQ(turned_as_one.flipped_faces, 0) << "a face is compared with its neighbours, not with its past";
 }
 
@@ -278,7 +279,7 @@ TEST(Quality, FacesThatLookedAwayAtRestAreNotFlipped) {
   sheet.positions.row(8) << 6.5, 1.5, 0;
   Points edited = sheet.positions;
   edited.col(2).setLinSpaced(0, 0.1);
-  EXPECT_EQ(measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet)).flipped_faces, 0);
+  EXPECT_EQ(measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)}).flipped_faces, 0);
 }
 
 TEST(Quality, OnlyWhatTouchesFreeVerticesMatters) {
@@ -286,19 +287,19 @@ TEST(Quality, OnlyWhatTouchesFreeVerticesMatters) {
   const std::vector<Index> free{200, 201, 202, 231, 232};
   Points edited = sheet.positions;
   edited.row(201) << 14, 6, 3;
-  const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, free);
+  const Quality q = measure_quality({sheet.positions, edited, sheet.triangles, free});
   ASSERT_GT(q.dihedral_max_deg, 1);
 
   // Changes beyond the rings of the free vertices affect only the total area.
   Points crumpled = edited;
   crumpled.bottomRows(300) *= 0.1;
-  auto here = numbers(q), there = numbers(measure_quality(sheet.positions, crumpled, sheet.triangles, free));
+  auto here = numbers(q), there = numbers(measure_quality({sheet.positions, crumpled, sheet.triangles, free}));
   EXPECT_NE(here[0], there[0]);
   here.erase(here.begin());
   there.erase(there.begin());
   EXPECT_EQ(here, there);
 
-  const Quality nothing_free = measure_quality(sheet.positions, crumpled, sheet.triangles, {});
+  const Quality nothing_free = measure_quality({sheet.positions, crumpled, sheet.triangles, {}});
   EXPECT_EQ(nothing_free.area_ratio_free, 1);
   EXPECT_EQ(nothing_free.sigma_min, 1);
   EXPECT_EQ(nothing_free.edge_rms, 0);
@@ -312,12 +313,12 @@ TEST(Quality, AFoldAlongARimIsAJump) {
     if (v % 7 >= 3) free.push_back(v);
   }
   const Surface folded = folded_strip({0, 35, 0, 0, 0});
-  const Quality q = measure_quality(flat.positions, folded.positions, flat.triangles, free);
+  const Quality q = measure_quality({flat.positions, folded.positions, flat.triangles, free});
   EXPECT_NEAR(q.rim_jump_max_deg, 35, 1e-9);
   EXPECT_NEAR(q.dihedral_max_deg, 0, 1e-9);
 
   const Surface folded_within = folded_strip({0, 0, 0, 35, 0});
-  const Quality within = measure_quality(flat.positions, folded_within.positions, flat.triangles, free);
+  const Quality within = measure_quality({flat.positions, folded_within.positions, flat.triangles, free});
   EXPECT_NEAR(within.rim_jump_max_deg, 0, 1e-9);
   EXPECT_NEAR(within.dihedral_max_deg, 35, 1e-9);
 }
@@ -325,7 +326,7 @@ TEST(Quality, AFoldAlongARimIsAJump) {
 TEST(Quality, VolumeOnlyOfClosedOrientedSurfaces) {
   const Surface ring = torus(20, 12);
   const auto volume_ratio = [&](const Points& rest, const Triangles& triangles) {
-    return measure_quality(rest, 2 * rest, triangles, {}).volume_ratio;
+    return measure_quality({rest, 2 * rest, triangles, {}}).volume_ratio;
   };
   EXPECT_NEAR(volume_ratio(ring.positions, ring.triangles).value(), 8, 1e-12);
   EXPECT_FALSE(volume_ratio(ring.positions, ring.triangles.topRows(100)).has_value());
@@ -342,13 +343,13 @@ TEST(Quality, VolumeOnlyOfClosedOrientedSurfaces) {
 TEST(Quality, DegenerateFacesAreLeftOut) {
   Surface sheet = bumpy_sheet();
   const Points edited = transformed(sheet.positions, rigid_motion() * Eigen::Scaling(1.0, 2.0, 0.5));
-  const Quality clean = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
+  const Quality clean = measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)});
 
   // Appends faces that repeat a vertex and have edges that the surface lacks.
   Triangles triangles(sheet.triangles.rows() + 3, 3);
   triangles.topRows(sheet.triangles.rows()) = sheet.triangles;
   triangles.bottomRows(3) << 5, 5, 400, 0, 744, 744, 9, 9, 9;
-  const Quality q = measure_quality(sheet.positions, edited, triangles, all_vertices(sheet));
+  const Quality q = measure_quality({sheet.positions, edited, triangles, all_vertices(sheet)});
   EXPECT_EQ(sigmas(q), sigmas(clean));
   EXPECT_EQ(q.edge_rms, clean.edge_rms);
   EXPECT_EQ(q.dihedral_max_deg, clean.dihedral_max_deg);
@@ -360,19 +361,19 @@ TEST(Quality, NeverNaN) {
   sheet.positions.row(8) = sheet.positions.row(9);  // makes faces without area at rest
   Points edited = sheet.positions;
   edited.topRows(20).rowwise() = edited.row(3).eval();  // collapses faces to points in the edit
-  const Quality q = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
+  const Quality q = measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)});
   for (const double number : numbers(q)) EXPECT_TRUE(std::isfinite(number));
   EXPECT_EQ(q.sigma_min, 0);
 
   edited(30, 1) = std::numeric_limits<double>::quiet_NaN();
   sheet.positions(45, 2) = std::numeric_limits<double>::infinity();
-  const Quality broken = measure_quality(sheet.positions, edited, sheet.triangles, all_vertices(sheet));
+  const Quality broken = measure_quality({sheet.positions, edited, sheet.triangles, all_vertices(sheet)});
   for (const double number : numbers(broken)) EXPECT_TRUE(std::isfinite(number));
 
-  const Quality all_in_a_point = measure_quality(Points::Ones(4, 3), Points::Ones(4, 3),
-                                                 tetrahedron().triangles, std::vector<Index>{0, 1, 2, 3});
+  const Quality all_in_a_point = measure_quality(
+      {Points::Ones(4, 3), Points::Ones(4, 3), tetrahedron().triangles, std::vector<Index>{0, 1, 2, 3}});
   expect_unmoved(all_in_a_point, 0);
-  expect_unmoved(measure_quality(Points(0, 3), Points(0, 3), Triangles(0, 3), {}), 0);
+  expect_unmoved(measure_quality({Points(0, 3), Points(0, 3), Triangles(0, 3), {}}), 0);
 }
 
 TEST(Quality, FarAndTinyScenesMeasureAlike) {
@@ -380,19 +381,19 @@ TEST(Quality, FarAndTinyScenesMeasureAlike) {
     SCOPED_TRACE(s.name);
     const Eigen::Affine3d edit = rigid_motion() * Eigen::Scaling(1.0, 1.5, 0.75);
     const Points edited = transformed(s.positions, edit);
-    const auto near = numbers(measure_quality(s.positions, edited, s.triangles, all_vertices(s)));
+    const auto near = numbers(measure_quality({s.positions, edited, s.triangles, all_vertices(s)}));
 
     const auto expect_near = [&](const std::vector<double>& other, double tolerance) {
       for (std::size_t k = 0; k < near.size(); ++k) EXPECT_NEAR(other[k], near[k], tolerance) << "number " << k;
     };
     for (const double size : {1e-200, 1e-6, 1e150}) {
-      expect_near(numbers(measure_quality(size * s.positions, size * edited, s.triangles, all_vertices(s))),
+      expect_near(numbers(measure_quality({size * s.positions, size * edited, s.triangles, all_vertices(s)})),
                   1e-9);
     }
     Eigen::RowVector3d offset(1e9, -1e9, 1e9);
     const Points far_rest = s.positions.rowwise() + offset, far_edited = edited.rowwise() + offset;
     // Coordinates are rounded by 1e-7, edges are down to 0.3 long, and angles are in degrees.
-    expect_near(numbers(measure_quality(far_rest, far_edited, s.triangles, all_vertices(s))), 1e-4);
+    expect_near(numbers(measure_quality({far_rest, far_edited, s.triangles, all_vertices(s)})), 1e-4);
   }
 }
 
@@ -404,7 +405,7 @@ TEST(Quality, TheNumberOfThreadsDoesNotMatter) {
   const auto with_threads = [&](int threads) {
     Context context;
     context.threads = threads;
-    return numbers(measure_quality(ring.positions, edited, ring.triangles, all_vertices(ring), {}, context));
+    return numbers(measure_quality({ring.positions, edited, ring.triangles, all_vertices(ring)}, {}, context));
   };
   EXPECT_EQ(with_threads(1), with_threads(2));
   EXPECT_EQ(with_threads(1), with_threads(0));
@@ -414,7 +415,7 @@ TEST(Quality, MalformedCallsAreNamed) {
   const Surface sheet = grid(2, 2);
   const auto id = [&](const Points& edited, const Triangles& triangles, std::vector<Index> free) {
     try {
-      measure_quality(sheet.positions, edited, triangles, free);
+      measure_quality({sheet.positions, edited, triangles, free});
     } catch (const Error& error) {
       return std::string(error.id());
     }

@@ -266,8 +266,7 @@ TEST(ReducedFrames, RefusesWhatItDoesNotCover) {
             "deform.reduced_frames_needless");
   const std::vector<VertexConstraint> constraints{
       {.vertex = 0, .position = Vector3d::Zero(), .transform = Eigen::Matrix3d::Identity()}};
-  const Deformer per_vertex =
-      Deformer::with_constraints(mesh.positions, mesh.triangles, {}, constraints, {}, {});
+  const Deformer per_vertex({mesh.positions, mesh.triangles, {.whole = true}, constraints});
   EXPECT_EQ(id_of([&] { reduce(per_vertex); }), "deform.no_handles");
   Region region = held_foot(scene);
   std::vector<char> held(static_cast<std::size_t>(mesh.size()), 0);

@@ -317,8 +317,7 @@ TEST(WithRegion, FollowsConstraintsPerVertexAndCurves) {
   for (const auto* part : {&scene.foot, &scene.head})
     for (const Index v : *part)
       constraints.push_back({v, scene.mesh.positions.row(v).transpose(), Eigen::Matrix3d::Identity(), {}});
-  const Deformer per_vertex =
-      Deformer::with_constraints(scene.mesh.positions, scene.mesh.triangles, {}, constraints, {}, {});
+  const Deformer per_vertex({scene.mesh.positions, scene.mesh.triangles, {.whole = true}, constraints});
   EXPECT_TRUE(expect_as_fresh(scene, per_vertex, region, {}));
   Region curve = with_handle(region, disc(scene, 0));
   curve.handles.back().shape = HandleShape::curve;

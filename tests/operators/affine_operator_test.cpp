@@ -7,6 +7,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/operators/laplacian.h>
 
+#include "operators/smoothness_pairs.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {

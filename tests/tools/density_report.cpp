@@ -14,8 +14,8 @@ using namespace meshgraft;
 
 void print_table(const OperatorOptions& options) {
   const auto solve = [&](const test::TestMesh& mesh, const std::vector<std::vector<VertexConstraint>>& edits) {
-    const Deformer deformer = Deformer::with_constraints(mesh.positions, mesh.triangles, {}, edits.front(), {},
-                                                         {}, test::linear_method(options));
+    const Deformer deformer({mesh.positions, mesh.triangles, {.whole = true}, edits.front()},
+                            test::linear_method(options));
     std::vector<Points> results;
     for (const auto& edit : edits) results.push_back(deformer.evaluate(edit));
     return results;

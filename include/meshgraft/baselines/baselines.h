@@ -1,12 +1,10 @@
 #pragma once
 
-#include <span>
 #include <string_view>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/mesh/mesh.h>
 #include <meshgraft/operators/options.h>
 
 namespace meshgraft {
@@ -64,19 +62,18 @@ struct BaselineOptions {
 /// Throws Error(input), at the field, if a value is out of its range.
 void validate(const BaselineOptions& options);
 
-/// Returns new positions (n×3, model units) of the mesh `rest` (n×3) and `triangles` (m×3) under constraints
-/// per vertex. Vertices outside `region` are fixed: they keep their coordinates bit for bit and have the
-/// local transform I. An empty `region` means the whole mesh. Constrained positions are met exactly, and
-/// isolated vertices pass through. Only yu-2004 uses local transforms; for the other methods a vertex without
-/// a constrained position is free. The result scales with the model and does not depend on the number of
-/// threads.
+/// Returns new positions (n×3, model units) under constraints per vertex. Vertices outside the region and fixed
+/// ones keep their coordinates bit for bit and have the local transform I. Constrained positions are met
+/// exactly, and isolated vertices pass through. Only yu-2004 uses local transforms; for the other methods a
+/// vertex without a constrained position is free. The result scales with the model and does not depend on the
+/// number of threads.
 ///
+/// Throws Error(usage) for a problem with handles, anchors or features (baselines.only_constraints).
 /// Throws Error(input) for bad indices, constraints and options, and for a non-finite coordinate that the
 /// edit reaches. Throws Error(unsolvable) where a free connected component meets no known position
 /// (baselines.free_component_not_held). With sorkine-2004 it also does so where the known positions are too
 /// few to fix a similarity, all on one line (baselines.known_positions_on_a_line).
-Points deform_by(Baseline method, const Points& rest, const Triangles& triangles, std::span<const Index> region,
-                 std::span<const VertexConstraint> constraints, const BaselineOptions& options = {},
+Points deform_by(Baseline method, const DeformProblem& problem, const BaselineOptions& options = {},
                  const Context& context = {});
 
 }  // namespace meshgraft

@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/deform/figures.h>
 #include <meshgraft/deform/handle.h>
 #include <meshgraft/deform/options.h>
@@ -15,32 +16,20 @@
 
 namespace meshgraft {
 
-class ConstrainedSystem;
-class HandleBasis;
-class ProxyDeformer;
-class ReducedFrames;
-class RotationField;
-struct RestMesh;
-
 /// Deforms a region of a mesh by its handles (Fu & Tai 2005, sections 3 and 4). The constructor validates,
 /// assembles and factorises. An evaluation takes two back-substitutions, and one more per co-rotational step.
 class Deformer {
  public:
-  /// `rest` is n×3, `triangles` m×3. Throws Error(input) for bad indices, an empty or overlapping handle, or
-  /// a non-finite coordinate that the edit reaches (deform.vertex_not_finite). Throws Error(unsolvable) where
-  /// the constraints do not determine a free connected component, naming the component and what to add
-  /// (deform.component_not_held, deform.component_held_by_positions). Throws Error(memory) with the id
-  /// deform.solve_exceeds_memory for a region too large to solve exactly.
+  /// Throws Error(input) for bad indices, an empty or overlapping handle, a vertex that is constrained twice,
+  /// or a non-finite coordinate that the edit reaches (deform.vertex_not_finite). Throws Error(usage) for both
+  /// handles and constraints per vertex. Throws Error(unsolvable) where the constraints do not determine a free
+  /// connected component, naming the component and what to add (deform.component_not_held,
+  /// deform.component_held_by_positions). Throws Error(memory) with the id deform.solve_exceeds_memory for a
+  /// region too large to solve exactly.
+  explicit Deformer(DeformProblem problem, const DeformerOptions& options = {}, const Context& context = {});
+  /// Does the same for a region with handles. `rest` is n×3, `triangles` m×3.
   Deformer(const Points& rest, const Triangles& triangles, const Region& region,
            const DeformerOptions& options = {}, const Context& context = {});
-
-  /// Makes a Deformer for constraints per vertex. Vertices outside `region` (all vertices if it is empty) are
-  /// fixed with W = I. The values in `constraints` are those of the first evaluation. Later evaluations may
-  /// change the values, but not which positions and transforms are given. Throws what the constructor throws.
-  static Deformer with_constraints(const Points& rest, const Triangles& triangles,
-                                   std::span<const Index> region, std::span<const VertexConstraint> constraints,
-                                   std::span<const Anchor> anchors, std::span<const Feature> features,
-                                   const DeformerOptions& options = {}, const Context& context = {});
 
   /// Makes a Deformer of the same mesh and options for another region. The result equals that of a newly
   /// constructed Deformer to 1e-10 of the bounding box. Neither Deformer depends on the other afterwards.
@@ -67,8 +56,8 @@ class Deformer {
   void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {},
                 EvaluationReport* report = nullptr) const;
 
-  /// Returns new positions, n×3, for constraints per vertex, in the order in which `with_constraints` got
-  /// them.
+  /// Returns new positions, n×3, for constraints per vertex, in the order of the problem. Those of handles
+  /// come in the order of the handles and of their vertices.
   Points evaluate(std::span<const VertexConstraint> constraints, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
 
@@ -99,27 +88,12 @@ class Deformer {
   /// Returns the vertices whose position is solved for, ascending.
   std::span<const Index> free_vertices() const;
 
- private:
-  // Accessors for classes that are built on a Deformer: its problem, its handles (none with constraints per
-  // vertex) and its options.
-  friend HandleBasis;
-  friend ProxyDeformer;
-  friend ReducedFrames;
-  const ConstrainedSystem& system() const;
-  std::span<const Handle> handles() const;
-  const DeformerOptions& options() const;
-  bool is_of_handles() const;
-  const RotationField* rotation_field() const;
-
-  Deformer();
-  static Deformer of_region(std::shared_ptr<const RestMesh> mesh, const Region& region,
-                            const DeformerOptions& options, const Deformer* other, const Context& context);
-  /// Does what `evaluate` does, and fills the difference M − I of each vertex's local map from I. It is zero
-  /// where the map is unknown.
-  Points evaluate_with_maps(std::span<const VertexConstraint> constraints,
-                            std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
-                            EvaluationReport* report) const;
+  /// The set-up, for classes of the library; its type is private to the library.
   struct Impl;
+  const Impl& impl() const { return *impl_; }
+
+ private:
+  explicit Deformer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -68,8 +68,15 @@ HandlePose reflected(const HandlePose& pose, const Eigen::Affine3d& reflection);
 /// curve, too few points, a curve or polyline of zero length, and a non-finite coordinate.
 Points redraw_curve(const Handle& handle, const Points& rest, const Points& polyline);
 
+/// A surface at rest, by reference: its vertices' positions and unit normals, both n×3. Only redrawn curves use
+/// the normals, which may otherwise be empty.
+struct RestSurface {
+  const Points& points;
+  const Points& normals;
+};
+
 /// Returns the constraints of a curve handle whose vertices move to `redrawn` (one row per vertex), in the
-/// handle's order (Fu & Tai 2005, section 4). `rest` and `rest_normals` are n×3, over the mesh.
+/// handle's order (Fu & Tai 2005, section 4).
 ///
 /// The rest frame at each vertex has three axes: the unit tangent t, the vertex normal made orthogonal to t,
 /// and their cross product. The tangent is a central difference, one-sided at the ends of an open curve and
@@ -80,14 +87,13 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
 ///
 /// Throws Error(input) for a handle that is no curve, and with the id deform.curve_without_tangent where
 /// neighbouring points coincide so that the tangent is undefined.
-std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Points& rest,
-                                                const Points& rest_normals, const Points& redrawn);
+std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
+                                                const Points& redrawn);
 
 /// Returns the constraints of a handle's vertices under a pose, in their order, as far as the handle
 /// constrains them. The position is u = pose · p; W is the pose's linear part with its rotation and all its
-/// turns. A redrawn curve has its `curve_constraints` instead. `rest` and `rest_normals` are n×3; only
-/// redrawn curves use the normals. Throws what `curve_constraints` throws.
+/// turns. A redrawn curve has its `curve_constraints` instead. Throws what `curve_constraints` throws.
 std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
-                                                 const Points& rest, const Points& rest_normals);
+                                                 const RestSurface& rest);
 
 }  // namespace meshgraft

@@ -13,6 +13,8 @@
 
 namespace meshgraft {
 
+class ConstrainedSystem;
+
 /// Directions, n×3, in single precision. Drawing needs no more digits, and half the memory takes half the
 /// time.
 using Directions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -82,7 +84,12 @@ class HandleBasis {
   void solve_columns(const ConstrainedSystem& system, const Context& context);
   void solve_targets(const ConstrainedSystem& system, const Context& context);
   void place_block(std::size_t block, std::span<const double> frames, Points& positions) const;
-  void turn_block(std::size_t block, std::span<const float> frames, float unit, Directions& normals) const;
+  /// The handles' matrices in single precision, divided by one common factor; `unit` is 1 over that factor.
+  struct MapFrames {
+    std::vector<float> entries;
+    float unit;
+  };
+  void turn_block(std::size_t block, const MapFrames& frames, Directions& normals) const;
   void copy_columns(const std::vector<Index>& row_of, HandleBuffers& buffers) const;
   void place_handles(std::span<const HandlePose> poses, Points& positions, Directions* normals,
                      const Context& context) const;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/deform/edited_mesh.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -32,15 +33,11 @@ std::vector<TrianglePair> self_intersections(const Points& points, const Triangl
 std::int64_t count_self_intersections(const Points& points, const Triangles& triangles,
                                       std::span<const Index> free_vertices, const Context& context = {});
 
-/// Returns the pairs of `self_intersections` in `edited` that do not intersect in `rest` (both n×3). Throws
+/// Returns the pairs of `self_intersections` in the edited state that do not intersect at rest. Throws
 /// Error(usage) if the shapes differ, and otherwise what `self_intersections` throws.
-std::vector<TrianglePair> new_self_intersections(const Points& rest, const Points& edited,
-                                                 const Triangles& triangles,
-                                                 std::span<const Index> free_vertices,
-                                                 const Context& context = {});
+std::vector<TrianglePair> new_self_intersections(const EditedMesh& mesh, const Context& context = {});
 
 /// Returns the number of pairs of `new_self_intersections` without storing them.
-std::int64_t count_new_self_intersections(const Points& rest, const Points& edited, const Triangles& triangles,
-                                          std::span<const Index> free_vertices, const Context& context = {});
+std::int64_t count_new_self_intersections(const EditedMesh& mesh, const Context& context = {});
 
 }  // namespace meshgraft

@@ -89,16 +89,17 @@ std::string_view to_string(LiveStage value);
 /// exactly.
 class LiveDeformer {
  public:
-  /// `rest` is n×3, `triangles` m×3. Throws Error(usage) without a callback for frames or for normals of
-  /// another shape. Throws what the `Deformer` throws for bad indices, handles, features, anchors and
-  /// options. Errors that take time to find (an unsolvable region, for one) are reported by `failed`.
+  /// The problem's region has the handles. Throws Error(usage) for constraints per vertex, without a callback
+  /// for frames, or for normals of another shape. Throws what the `Deformer` throws for bad indices, handles,
+  /// features, anchors and options. Errors that take time to find (an unsolvable region, for one) are reported
+  /// by `failed`.
   ///
   /// The threads of `context` are used by the set-up, and by frames once it is done. Until then a quick frame
   /// uses one thread, and the set-up pauses between its steps while an exact evaluation runs. `progress` is
   /// called on the set-up's thread with the stages' own names; the prefix "proxy: " marks those of the proxy.
   /// A requested stop has the effect of `close`.
-  LiveDeformer(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks,
-               const LiveOptions& options = {}, const Context& context = {});
+  LiveDeformer(DeformProblem problem, LiveCallbacks callbacks, const LiveOptions& options = {},
+               const Context& context = {});
   /// Closes, and waits for the threads. Steps that cannot be interrupted take some tenths of a second at
   /// 250,000 vertices. Frames that were kept stay valid.
   ~LiveDeformer();

@@ -41,19 +41,14 @@ struct ProxySummary {
 /// all constraints follow.
 class ProxyDeformer {
  public:
-  /// Takes the same arguments as `Deformer` and throws the same errors, with the mesh's own vertex indices.
+  /// Takes the same problem as `Deformer` and throws the same errors, with the mesh's own vertex indices.
   /// It reads a larger neighbourhood of the region, so that non-finite coordinates there are errors, too.
   /// Throws Error(unsolvable) with the id deform.no_proxy where the region could be solved but no proxy of that
   /// size.
+  explicit ProxyDeformer(DeformProblem problem, const ProxyOptions& options = {}, const Context& context = {});
+  /// Does the same for a region with handles. `rest` is n×3, `triangles` m×3.
   ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
                 const ProxyOptions& options = {}, const Context& context = {});
-
-  /// Makes a ProxyDeformer for constraints per vertex, as `Deformer::with_constraints` does.
-  static ProxyDeformer with_constraints(const Points& rest, const Triangles& triangles,
-                                        std::span<const Index> region,
-                                        std::span<const VertexConstraint> constraints,
-                                        std::span<const Anchor> anchors, std::span<const Feature> features,
-                                        const ProxyOptions& options = {}, const Context& context = {});
 
   ProxyDeformer(ProxyDeformer&&) noexcept;
   ProxyDeformer& operator=(ProxyDeformer&&) noexcept;
@@ -68,8 +63,8 @@ class ProxyDeformer {
   void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {},
                 EvaluationReport* report = nullptr) const;
 
-  /// Returns new positions, n×3, for constraints per vertex, in the order in which `with_constraints` got
-  /// them.
+  /// Returns new positions, n×3, for constraints per vertex, in the order of the problem. Those of handles
+  /// come in the order of the handles and of their vertices.
   Points evaluate(std::span<const VertexConstraint> constraints, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
 
@@ -87,7 +82,6 @@ class ProxyDeformer {
   double condition_estimate(const Context& context = {}) const;
 
  private:
-  ProxyDeformer();
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/deform/edited_mesh.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -38,12 +38,10 @@ struct QualityOptions {
   bool self_intersections = true;  ///< takes several times as long as all other measures
 };
 
-/// Compares two states of a surface: `rest` and `edited` n×3 (model units), `triangles` m×3, `free_vertices`
-/// ascending. Takes linear time, apart from self-intersections. The result does not depend on the number of
-/// threads. Throws Error(usage) if the shapes differ or a free vertex does not exist, Error(input) for a
-/// triangle's index out of range.
-Quality measure_quality(const Points& rest, const Points& edited, const Triangles& triangles,
-                        std::span<const Index> free_vertices, const QualityOptions& options = {},
+/// Compares two states of a surface. Takes linear time, apart from self-intersections. The result does not
+/// depend on the number of threads. Throws Error(usage) if the shapes differ or a free vertex does not exist,
+/// Error(input) for a triangle's index out of range.
+Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options = {},
                         const Context& context = {});
 
 }  // namespace meshgraft

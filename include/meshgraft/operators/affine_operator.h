@@ -9,18 +9,20 @@
 #include <meshgraft/linalg/sparse.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/operators/local_maps.h>
+#include <meshgraft/operators/constraint_mask.h>
 #include <meshgraft/operators/options.h>
 
 namespace meshgraft {
 
-/// Returns the unordered pairs of vertices that two faces with a common edge contain (SF of FT05 equation
-/// 11). These are the edges and the pairs opposite across an edge; without `opposite` the edges alone. The
-/// pairs are ascending, without repeats, and have at least one vertex in `active` (flags per vertex).
-std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
-                                                   const IndexLists& vertex_triangles, const IndexLists& rings,
-                                                   std::span<const std::uint8_t> active, bool opposite = true,
-                                                   const Context& context = {});
+/// The nodes that local maps are fitted to: the mesh's vertices, then one apex for each vertex that has one.
+struct StencilNodes {
+  /// Rest positions, (n + apexes)×3; under `ft05_noise` flat vertices are moved off their plane.
+  Points positions;
+  std::vector<Index> apex;            ///< n, the node of vertex i's apex, or -1
+  std::vector<Index> moved;           ///< vertices that `ft05_noise` moved, ascending
+  Flags flat;                         ///< n, 1 where the ring's P Pᵀ is (nearly) singular
+  std::vector<Index> without_normal;  ///< fitted vertices whose faces define no normal, ascending
+};
 
 /// The rows of the method's energy over a mesh (or a patch of one), in the notation
 ///
@@ -37,18 +39,13 @@ std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
 /// the mean of all ℓ_i. See docs/method.md.
 class AffineOperator {
  public:
-  /// Rows and maps to build, as flags per vertex; empty = all.
-  struct Extent {
-    Flags fitted;                ///< M_i is fitted to positions (else row i of H is empty)
-    Flags unknown;               ///< M_i is fitted or shared by a feature: pairs with i have rows of E_R
-    Flags movable;               ///< vertex may be moved off its plane by `ft05_noise`
-    Flags rows;                  ///< vertex has a row of E_L
-    std::vector<Index> numbers;  ///< vertex indices in a larger mesh, which determine the noise's sides
-  };
-
-  /// `points` n×3, `triangles` m×3.
+  /// `points` is n×3, `triangles` m×3. `mask` has n vertices, or none for a mesh without constraints. Maps that
+  /// it tells as known are not fitted; rows and pairs without an unknown are left out. If the mesh is a patch
+  /// of a larger one, `numbers` (n) are its vertices' indices there, from which the sides of `ft05_noise` are
+  /// drawn. Otherwise it may be empty. Throws Error(input) for options out of range.
   AffineOperator(const Points& points, const Triangles& triangles, const OperatorOptions& options = {},
-                 const Extent& extent = {}, const Context& context = {});
+                 const ConstraintMask& mask = {}, const Context& context = {},
+                 std::span<const Index> numbers = {});
 
   const StencilNodes& nodes() const { return nodes_; }
   const SparseRows& L() const { return L_; }          ///< rows of E_L × nodes

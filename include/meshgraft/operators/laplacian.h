@@ -15,7 +15,7 @@ namespace meshgraft {
 /// so δ = D p. Cotangent weights are ½(cot α + cot β), with negative ones clamped to 0; where all vanish,
 /// weights are uniform. Vertices without a ring have an empty row.
 SparseRows umbrella_operator(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             WeightScheme weights, const Context& context = {});
+                             WeightScheme weights = WeightScheme::uniform, const Context& context = {});
 
 /// Computes the symmetric positive semi-definite n×n matrix of the Dirichlet energy (Pinkall & Polthier
 /// 1993). Its entries are −½(cot α + cot β) at (i, j), and their negative sums on the diagonal. Weights are

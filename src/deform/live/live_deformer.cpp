@@ -24,7 +24,7 @@
 #include "core/facts.h"
 #include "core/stopwatch.h"
 #include "deform/facts.h"
-#include "deform/setup/region_states.h"
+#include "deform/setup/region_mask.h"
 #include "deform/solve/handle_frame.h"
 
 namespace meshgraft {
@@ -128,8 +128,7 @@ LiveOptions without_earlier(LiveOptions options) {
 }  // namespace
 
 struct LiveDeformer::Impl {
-  Impl(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks, const LiveOptions& options,
-       const Context& context);
+  Impl(DeformProblem what, LiveCallbacks callbacks, const LiveOptions& options, const Context& context);
   ~Impl();
   void start();
   void close();
@@ -165,9 +164,7 @@ struct LiveDeformer::Impl {
   void deliver(const Job& job, const LiveFrame& frame);
   void refuse(const Job& job, const Error& error);
 
-  Points rest;
-  Triangles triangles;
-  Region region;
+  const DeformProblem problem;
   const LiveCallbacks callbacks;
   const LiveOptions options;
   const Context context;
@@ -210,29 +207,27 @@ struct LiveDeformer::Impl {
   std::optional<std::stop_callback<std::function<void()>>> outer_stop;
 };
 
-LiveDeformer::Impl::Impl(Points rest_positions, Triangles mesh, Region what, LiveCallbacks calls,
-                         const LiveOptions& chosen, const Context& how)
-    : rest(std::move(rest_positions)),
-      triangles(std::move(mesh)),
-      region(std::move(what)),
+LiveDeformer::Impl::Impl(DeformProblem what, LiveCallbacks calls, const LiveOptions& chosen, const Context& how)
+    : problem(std::move(what)),
       callbacks(std::move(calls)),
       options(without_earlier(chosen)),
       context(how),
-
-      has_curve(std::any_of(region.handles.begin(), region.handles.end(),
+      handles(problem.region.handles.size()),
+      has_curve(std::any_of(problem.region.handles.begin(), problem.region.handles.end(),
                             [](const Handle& handle) { return handle.shape == HandleShape::curve; })),
       earlier(chosen.earlier),
-      pool(std::make_shared<PositionPool>(rest.rows())) {
-  const auto n = static_cast<Index>(rest.rows());
+      pool(std::make_shared<PositionPool>(problem.rest.rows())) {
+  const auto n = static_cast<Index>(problem.rest.rows());
   if (!callbacks.frame) throw Error(facts::deform::NoFrameCallback{});
   if (options.normals.rows() != 0 && options.normals.rows() != n)
     throw Error(facts::core::SizeMismatch{
         .what = facts::core::Rows::normals, .given = options.normals.rows(), .needed = n});
   ConstraintList constrained;
-  const VertexStates states = states_of_handles(rest, triangles, region, constrained);
+  if (!problem.constraints.empty()) throw Error(facts::deform::NoHandles{});
+  require_triangles(problem.rest, problem.triangles);
+  const ConstraintMask mask = make_mask(n, problem.region, {}, constrained);
   validate(options);
-  for (std::size_t a = 0; a < region.anchors.size(); ++a) require_usable(region.anchors[a], a, n);
-  const auto free = static_cast<Index>(std::count(states.position.begin(), states.position.end(), 0));
+  const auto free = static_cast<Index>(std::count(mask.position.begin(), mask.position.end(), 0));
   path = choose_path(free, options.deformer, available_memory());
   if (path != SolvePath::direct && earlier) {  // the earlier deformer may occupy the memory
     earlier.reset();
@@ -303,7 +298,7 @@ void LiveDeformer::Impl::make_proxy() {
   std::shared_ptr<const ProxyDeformer> made;
   try {
     made = std::make_shared<const ProxyDeformer>(
-        rest, triangles, region, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy: "));
+        problem, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy: "));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     return;
@@ -316,8 +311,8 @@ void LiveDeformer::Impl::make_proxy() {
 }
 
 void LiveDeformer::Impl::make_deformer() {
-  auto made = earlier ? std::make_shared<const Deformer>(earlier->with_region(region, behind()))
-                      : std::make_shared<const Deformer>(rest, triangles, region, options.deformer, behind());
+  auto made = earlier ? std::make_shared<const Deformer>(earlier->with_region(problem.region, behind()))
+                      : std::make_shared<const Deformer>(problem, options.deformer, behind());
   earlier.reset();
   {
     const std::lock_guard lock(mutex);
@@ -454,7 +449,7 @@ void LiveDeformer::Impl::deliver(const Job& job, const LiveFrame& computed) {
   frame.error_rel = exact ? 0.0 : measured[static_cast<std::size_t>(frame.quality)];
   callbacks.frame(frame);
   if (exact && last_quick.pose == frame.pose)
-    if (const auto error = relative_error(*last_quick.positions, *frame.positions, rest))
+    if (const auto error = relative_error(*last_quick.positions, *frame.positions, problem.rest))
       measured[static_cast<std::size_t>(last_quick.quality)] = error;
   last_quick = exact ? LiveFrame() : std::move(frame);
   const std::lock_guard lock(mutex);
@@ -476,10 +471,9 @@ void LiveDeformer::Impl::refuse(const Job& job, const Error& error) {
   if (callbacks.failed) callbacks.failed(job.pose, error);
 }
 
-LiveDeformer::LiveDeformer(Points rest, Triangles triangles, Region region, LiveCallbacks callbacks,
-                           const LiveOptions& options, const Context& context)
-    : impl_(std::make_unique<Impl>(std::move(rest), std::move(triangles), std::move(region),
-                                   std::move(callbacks), options, context)) {
+LiveDeformer::LiveDeformer(DeformProblem problem, LiveCallbacks callbacks, const LiveOptions& options,
+                           const Context& context)
+    : impl_(std::make_unique<Impl>(std::move(problem), std::move(callbacks), options, context)) {
   impl_->start();
 }
 

@@ -363,19 +363,16 @@ std::int64_t count_self_intersections(const Points& points, const Triangles& tri
   return search_pairs<PairCount>(surface, any_pair, context).count;
 }
 
-std::vector<TrianglePair> new_self_intersections(const Points& rest, const Points& edited,
-                                                 const Triangles& triangles,
-                                                 std::span<const Index> free_vertices, const Context& context) {
-  require_same_vertices(rest, edited);
-  const FreeSurface surface(edited, triangles, free_vertices, context);
-  return sorted(search_pairs<PairList>(surface, apart_in(rest, triangles), context));
+std::vector<TrianglePair> new_self_intersections(const EditedMesh& mesh, const Context& context) {
+  require_same_vertices(mesh.rest, mesh.edited);
+  const FreeSurface surface(mesh.edited, mesh.triangles, mesh.free_vertices, context);
+  return sorted(search_pairs<PairList>(surface, apart_in(mesh.rest, mesh.triangles), context));
 }
 
-std::int64_t count_new_self_intersections(const Points& rest, const Points& edited, const Triangles& triangles,
-                                          std::span<const Index> free_vertices, const Context& context) {
-  require_same_vertices(rest, edited);
-  const FreeSurface surface(edited, triangles, free_vertices, context);
-  return search_pairs<PairCount>(surface, apart_in(rest, triangles), context).count;
+std::int64_t count_new_self_intersections(const EditedMesh& mesh, const Context& context) {
+  require_same_vertices(mesh.rest, mesh.edited);
+  const FreeSurface surface(mesh.edited, mesh.triangles, mesh.free_vertices, context);
+  return search_pairs<PairCount>(surface, apart_in(mesh.rest, mesh.triangles), context).count;
 }
 
 }  // namespace meshgraft

@@ -167,7 +167,7 @@ struct EdgeMeasure {
   double stretch = unknown;   // (edited − rest) / rest length
   double turn_deg = unknown;  // change of the dihedral angle, 0 … 180
   bool free = false;          // has a free end
-  bool rim = false;           // between held and free surface
+  bool boundary = false;      // between held and free surface
 };
 
 double turn_change_deg(const TriangleEdge& edge, const FaceMeasure& first, const FaceMeasure& second,
@@ -190,10 +190,10 @@ std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited,
     EdgeMeasure measure;
     const auto [tail, head] = edge.ends;
     measure.free = is_free[tail] || is_free[head];
-    measure.rim = is_free[tail] != is_free[head];
+    measure.boundary = is_free[tail] != is_free[head];
     const FaceMeasure& first = faces[edge.faces[0]];
-    if (edge.joins_two_faces()) measure.rim |= first.free != faces[edge.faces[1]].free;
-    if (!measure.free && !measure.rim) return measure;
+    if (edge.joins_two_faces()) measure.boundary |= first.free != faces[edge.faces[1]].free;
+    if (!measure.free && !measure.boundary) return measure;
 
     const Vector3d rest_along = rest.between(tail, head);
     const Vector3d edited_along = edited.between(tail, head);
@@ -274,7 +274,7 @@ void report_edges(const std::vector<EdgeMeasure>& edges, Quality& quality) {
     }
     if (std::isnan(edge.turn_deg)) continue;
     if (edge.free) turns.push_back(edge.turn_deg);
-    if (edge.rim) quality.rim_jump_max_deg = std::max(quality.rim_jump_max_deg, edge.turn_deg);
+    if (edge.boundary) quality.rim_jump_max_deg = std::max(quality.rim_jump_max_deg, edge.turn_deg);
   }
   if (stretched > 0) quality.edge_rms = std::sqrt(squares / static_cast<double>(stretched));
   if (turns.empty()) return;
@@ -315,11 +315,12 @@ void count_flipped(const std::vector<FaceMeasure>& faces, const Triangles& trian
 
 }  // namespace
 
-Quality measure_quality(const Points& rest, const Points& edited, const Triangles& triangles,
-                        std::span<const Index> free_vertices, const QualityOptions& options,
-                        const Context& context) {
+Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, const Context& context) {
+  const Points& rest = mesh.rest;
+  const Points& edited = mesh.edited;
+  const Triangles& triangles = mesh.triangles;
   require_same_vertices(rest, edited);
-  const Flags is_free = flag_free(rest.rows(), free_vertices);
+  const Flags is_free = flag_free(rest.rows(), mesh.free_vertices);
   const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
   const auto [rest_pose, edited_pose] = make_poses(rest, edited, faces_around);
   const std::vector<FaceMeasure> faces = measure_faces(rest_pose, edited_pose, triangles, is_free, context);
@@ -333,9 +334,7 @@ Quality measure_quality(const Points& rest, const Points& edited, const Triangle
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
   count_flipped(faces, triangles, faces_around, context, quality);
-  if (options.self_intersections)
-    quality.new_self_intersections =
-        count_new_self_intersections(rest, edited, triangles, free_vertices, context);
+  if (options.self_intersections) quality.new_self_intersections = count_new_self_intersections(mesh, context);
   return quality;
 }
 

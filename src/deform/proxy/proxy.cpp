@@ -12,8 +12,9 @@
 
 #include "core/facts.h"
 #include "core/stopwatch.h"
+#include "deform/deformer_impl.h"
 #include "deform/facts.h"
-#include "deform/setup/region_states.h"
+#include "deform/setup/region_mask.h"
 #include "proxy_domain.h"
 #include "skin.h"
 #include "tangential_relaxation.h"
@@ -34,8 +35,8 @@ Index wanted_vertices(const ProxyOptions& options) {
 /// follow handles (or kinds of constraint) and features. Vertices without a holder have -1.
 class Holders {
  public:
-  explicit Holders(const VertexStates& states_of_region)
-      : of_vertex(states_of_region.position.size(), -1), stays_(states_of_region.position) {
+  explicit Holders(const ConstraintMask& mask_of_region)
+      : of_vertex(mask_of_region.position.size(), -1), stays_(mask_of_region.position) {
     for (std::size_t v = 0; v < of_vertex.size(); ++v)
       if (stays_[v]) of_vertex[v] = 0;
   }
@@ -56,6 +57,15 @@ class Holders {
   Index last_ = 0;
 };
 
+/// A checked problem whose proxy is to be made.
+struct ProxyProblem {
+  const Triangles& triangles;
+  const Region& region;
+  ConstraintMask mask;
+  Holders holders;
+  ProxyOptions options;
+};
+
 Decimated whole_surface(const ProxyDomain& domain) {
   Decimated all{{}, domain.triangles};
   for (Index v = 0; v < domain.size(); ++v) all.vertices.push_back(v);
@@ -70,11 +80,11 @@ struct ProxyDeformer::Impl {
   Points normals;  ///< of the rest mesh; only if a handle is a curve
   ConstraintList constrained;
 
-  // A constraint that the proxy or the rim needs, in the order of the constraints.
+  // A constraint that the proxy or a handle boundary needs, in the order of the constraints.
   struct Needed {
     std::size_t constraint;
     Index proxy = -1;      ///< index of the vertex in the proxy, or -1
-    Index bone = -1;       ///< bone of a rim vertex, or -1
+    Index bone = -1;       ///< bone of a boundary vertex, or -1
     Index inner_row = -1;  ///< its row of the skin if its map is not given, or -1
   };
   std::vector<Needed> needed;
@@ -85,7 +95,7 @@ struct ProxyDeformer::Impl {
   std::vector<Index> proxy_vertices;
   Triangles proxy_triangles{0, 3};
   std::optional<Deformer> deformer;  ///< empty if nothing is free
-  // The bones are the proxy's vertices, one bone that rests, and the vertices at rims.
+  // The bones are the proxy's vertices, one bone that rests, and the vertices at handle boundaries.
   Index bone_count = 0;
   Index resting_bone() const { return static_cast<Index>(proxy_vertices.size()); }
   std::vector<Index> free;  ///< global indices, including vertices of features
@@ -97,18 +107,15 @@ struct ProxyDeformer::Impl {
   std::vector<Follower> followers;  ///< vertices of features, each with its bone
 
   // The steps of the set-up.
-  void build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
-             std::span<const Anchor> anchors, std::span<const Feature> features, const ProxyOptions& options,
-             const Context& context);
-  bool try_build(const ProxyDomain& domain, const VertexStates& states, const Holders& holders,
-                 std::span<const Anchor> anchors, std::span<const Feature> features,
-                 const ProxyOptions& options, bool keep_all, const Context& context);
-  bool make_weights(const ProxyDomain& domain, const Decimated& proxy, const VertexStates& states,
+  Impl(DeformProblem problem, const ProxyOptions& options, const Context& context);
+  void build(const ProxyProblem& problem, const Context& context);
+  bool try_build(const ProxyProblem& problem, const ProxyDomain& domain, bool keep_all, const Context& context);
+  bool make_weights(const ProxyDomain& domain, const Decimated& proxy, const ConstraintMask& mask,
                     const Context& context);
-  std::vector<Anchor> proxy_anchors(std::span<const Anchor> anchors, const ProxyDomain& domain,
-                                    const Decimated& proxy, Density density, const Context& context) const;
-  void make_deformer(const VertexStates& states, const Holders& holders, std::vector<Anchor> anchors,
-                     std::span<const Feature> features, const DeformerOptions& options, const Context& context);
+  std::vector<Anchor> proxy_anchors(const ProxyProblem& problem, const ProxyDomain& domain,
+                                    const Decimated& proxy, const Context& context) const;
+  void make_deformer(const ProxyProblem& problem, std::vector<Anchor> anchors, const Context& context);
+  void find_needed_handles();
 
   // The steps of each frame.
   std::vector<VertexConstraint> place_handles(std::span<const HandlePose> poses, Points& out) const;
@@ -120,38 +127,34 @@ struct ProxyDeformer::Impl {
                const Eigen::Matrix3d& map_change) const;
 };
 
-/// Keeps the rim vertices that an even spacing requires. If the proxy cannot be solved with them, keeps all
-/// rim vertices.
-void ProxyDeformer::Impl::build(const Triangles& triangles, const VertexStates& states, const Holders& holders,
-                                std::span<const Anchor> anchors, std::span<const Feature> features,
-                                const ProxyOptions& options, const Context& context) {
-  const Index wanted = wanted_vertices(options);
-  for (std::size_t a = 0; a < anchors.size(); ++a)
-    require_usable(anchors[a], a, static_cast<Index>(rest.rows()));
+/// Keeps the boundary vertices that an even spacing requires. If the proxy cannot be solved with them, keeps
+/// all boundary vertices.
+void ProxyDeformer::Impl::build(const ProxyProblem& problem, const Context& context) {
+  const Index wanted = wanted_vertices(problem.options);
   Stopwatch watch;
   context.step("decimate", 0);
-  const ProxyDomain domain = make_proxy_domain(rest, triangles, states, holders.of_vertex,
-                                               options.deformer.operators.laplacian_order, wanted, context);
+  const ProxyDomain domain =
+      make_proxy_domain(rest, problem.triangles, problem.mask, problem.holders.of_vertex,
+                        problem.options.deformer.operators.laplacian_order, wanted, context);
   summary.spacing = domain.spacing;
   summary.decimate_seconds = watch.seconds();
   if (domain.unknown_vertices == 0) return;
   for (Index v = 0; v < domain.size(); ++v)
-    if (!states.position[domain.vertices[v]]) free.push_back(domain.vertices[v]);
+    if (!problem.mask.position[domain.vertices[v]]) free.push_back(domain.vertices[v]);
   summary.free_vertices = static_cast<Index>(free.size());
-  if (try_build(domain, states, holders, anchors, features, options, false, context)) return;
-  require_solvable(rest, triangles, states, anchors, context);
-  if (try_build(domain, states, holders, anchors, features, options, true, context)) return;
-  throw Error(facts::deform::NoProxy{.vertices = options.vertices});
+  if (try_build(problem, domain, false, context)) return;
+  require_solvable(rest, problem.triangles, problem.mask, context);
+  if (try_build(problem, domain, true, context)) return;
+  throw Error(facts::deform::NoProxy{.vertices = problem.options.vertices});
 }
 
 /// Returns false if the proxy is under-constrained, or if part of the surface is not connected to it.
-bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexStates& states,
-                                    const Holders& holders, std::span<const Anchor> anchors,
-                                    std::span<const Feature> features, const ProxyOptions& options,
-                                    bool keep_all, const Context& context) {
+bool ProxyDeformer::Impl::try_build(const ProxyProblem& problem, const ProxyDomain& domain, bool keep_all,
+                                    const Context& context) {
   Stopwatch watch;
   const double around = static_cast<double>(domain.size()) / domain.unknown_vertices;
-  const auto target = static_cast<Index>(std::min<double>(wanted_vertices(options) * around, domain.size()));
+  const auto target =
+      static_cast<Index>(std::min<double>(wanted_vertices(problem.options) * around, domain.size()));
   const Flags keep = vertices_to_keep(domain, keep_all);
   Decimated proxy = target < domain.size()
                         ? decimate(domain.points, domain.triangles, domain.normals, keep, target)
@@ -166,13 +169,11 @@ bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexState
   proxy_vertices.clear();
   for (const Index v : proxy.vertices) proxy_vertices.push_back(domain.vertices[v]);
   summary.vertices = static_cast<Index>(proxy_vertices.size());
-  if (!make_weights(domain, proxy, states, context)) return false;
+  if (!make_weights(domain, proxy, problem.mask, context)) return false;
   summary.skin_entries = skin.bones.size();
   summary.skin_seconds = watch.lap();
   try {
-    make_deformer(states, holders,
-                  proxy_anchors(anchors, domain, proxy, options.deformer.operators.density, context), features,
-                  options.deformer, context);
+    make_deformer(problem, proxy_anchors(problem, domain, proxy, context), context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::unsolvable) return false;
     throw;
@@ -180,13 +181,13 @@ bool ProxyDeformer::Impl::try_build(const ProxyDomain& domain, const VertexState
   return deformer.has_value();
 }
 
-/// Makes the skin and finds the constraints that the proxy and the rims need. Returns false if a vertex
-/// cannot be reached from the proxy.
+/// Makes the skin and finds the constraints that the proxy and the handle boundaries need. Returns false if a
+/// vertex is beyond all influence of the proxy.
 bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimated& proxy,
-                                       const VertexStates& states, const Context& context) {
-  const auto position_known = [&](Index v) { return states.position[domain.vertices[v]] != 0; };
-  const auto feature = [&](Index v) { return states.feature[domain.vertices[v]]; };
-  SkinProblem problem{domain.points, domain.rings, proxy.vertices, proxy_reaches(domain, proxy)};
+                                       const ConstraintMask& mask, const Context& context) {
+  const auto position_known = [&](Index v) { return mask.position[domain.vertices[v]] != 0; };
+  const auto feature = [&](Index v) { return mask.feature[domain.vertices[v]]; };
+  SkinProblem problem{domain.points, domain.rings, proxy.vertices, influence_radii(domain, proxy)};
   std::vector<Index> proxy_of_feature;  // per feature: one of its proxy vertices
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
     if (const Index f = feature(proxy.vertices[k]); f >= 0) {
@@ -218,7 +219,7 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
       const Index bone = feature_bone(v);
       if (bone < 0) continue;
       followers.push_back({global, bone});
-      if (beside_others()) problem.rim.push_back({v, bone});
+      if (beside_others()) problem.boundary.push_back({v, bone});
     } else if (!position_known(v)) {
       rows.push_back(v);
       skinned.push_back(global);
@@ -228,22 +229,23 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
         bone = resting_bone();
       } else if (bone < 0) {
         bone = bone_count++;
-        if (!states.transform[global]) inner.push_back(v);
+        if (!mask.transform[global]) inner.push_back(v);
       }
-      problem.rim.push_back({v, bone});
+      problem.boundary.push_back({v, bone});
     }
   }
   problem.rows = rows;
   problem.inner = inner;
-  // The rim's influence reaches two proxy edges, since over one edge the proxy's error beside a rim shows as
-  // a bend. The reach is limited so that rim vertices reach some tens of others each on average.
-  constexpr double rim_reach_rel = 2, most_visits = 30;
+  // The influence radius of a boundary is two proxy edges, since over one edge the proxy's error beside a
+  // boundary shows as a bend. It is limited so that each boundary vertex influences some tens of others on
+  // average.
+  constexpr double boundary_radius_rel = 2, most_visits = 30;
   const double area = 0.866 * domain.spacing * domain.spacing * summary.vertices;
   const double edge = std::sqrt(area / (0.866 * domain.size()));
-  problem.rim_reach =
-      std::min(rim_reach_rel * domain.spacing,
+  problem.boundary_radius =
+      std::min(boundary_radius_rel * domain.spacing,
                edge * std::sqrt(most_visits / 3 * static_cast<double>(rows.size()) /
-                                static_cast<double>(std::max<std::size_t>(1, problem.rim.size()))));
+                                static_cast<double>(std::max<std::size_t>(1, problem.boundary.size()))));
   SkinResult result = make_skin(std::move(problem), context);
   if (!result.outside.empty()) return false;
   skin = std::move(result.skin);
@@ -267,10 +269,11 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
 /// Returns anchors of the proxy that pull together like those of the mesh. Each anchor is assigned to the
 /// proxy vertex that its vertex follows most. Under `Density::aware` a row's weight w ℓ stands for an
 /// integral.
-std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> anchors,
-                                                       const ProxyDomain& domain, const Decimated& proxy,
-                                                       Density density, const Context& context) const {
+std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(const ProxyProblem& problem, const ProxyDomain& domain,
+                                                       const Decimated& proxy, const Context& context) const {
+  const std::vector<Anchor>& anchors = problem.region.anchors;
   if (anchors.empty()) return {};
+  const Density density = problem.options.deformer.operators.density;
   const std::vector<double> lengths = mean_edge_lengths(domain.points, domain.rings);
   Points proxy_points(static_cast<Eigen::Index>(proxy.vertices.size()), 3);
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k)
@@ -309,33 +312,31 @@ std::vector<Anchor> ProxyDeformer::Impl::proxy_anchors(std::span<const Anchor> a
   return result;
 }
 
-void ProxyDeformer::Impl::make_deformer(const VertexStates& states, const Holders& holders,
-                                        std::vector<Anchor> anchors, std::span<const Feature> features,
-                                        const DeformerOptions& options, const Context& context) {
+void ProxyDeformer::Impl::make_deformer(const ProxyProblem& problem, std::vector<Anchor> anchors,
+                                        const Context& context) {
   const auto count = static_cast<Eigen::Index>(proxy_vertices.size());
-  Points proxy_points(count, 3);
-  std::vector<Index> region;
-  std::vector<Feature> proxy_features(features.begin(), features.end());
-  for (Feature& feature : proxy_features) feature.vertices.clear();
+  DeformProblem of_proxy{Points(count, 3), proxy_triangles};
+  Region& region = of_proxy.region;
+  region.anchors = std::move(anchors);
+  region.features = problem.region.features;
+  for (Feature& feature : region.features) feature.vertices.clear();
   for (Index k = 0; k < count; ++k) {
     const Index v = proxy_vertices[k];
-    proxy_points.row(k) = rest.row(v);
-    if (!holders.stays(v)) region.push_back(k);
-    if (states.feature[v] >= 0) proxy_features[states.feature[v]].vertices.push_back(k);
+    of_proxy.rest.row(k) = rest.row(v);
+    if (!problem.holders.stays(v)) region.vertices.push_back(k);
+    if (const Index f = problem.mask.feature[v]; f >= 0) region.features[f].vertices.push_back(k);
   }
-  std::erase_if(proxy_features, [](const Feature& feature) { return feature.vertices.empty(); });
-  if (region.empty()) return;
-  std::vector<VertexConstraint> constraints;
+  std::erase_if(region.features, [](const Feature& feature) { return feature.vertices.empty(); });
+  if (region.vertices.empty()) return;
   for (const Needed& need : needed) {
     if (need.proxy < 0) continue;
-    VertexConstraint& constraint = constraints.emplace_back();
+    VertexConstraint& constraint = of_proxy.constraints.emplace_back();
     constraint.vertex = need.proxy;
     if (constrained.gives_position[need.constraint])
       constraint.position = rest.row(constrained.vertex[need.constraint]).transpose();
     if (constrained.gives_transform[need.constraint]) constraint.transform = Eigen::Matrix3d::Identity();
   }
-  deformer = Deformer::with_constraints(proxy_points, proxy_triangles, region, constraints, anchors,
-                                        proxy_features, options, context);
+  deformer.emplace(std::move(of_proxy), problem.options.deformer, context);
   summary.deformer = deformer->summary();
 }
 
@@ -356,7 +357,7 @@ std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> g
     of_proxy.back().vertex = needed[i].proxy;
   }
   std::vector<Eigen::Matrix3d> map_changes;
-  const Points moved = deformer->evaluate_with_maps(of_proxy, map_changes, context, report);
+  const Points moved = deformer->impl().evaluate_with_maps(of_proxy, map_changes, context, report);
   std::vector<Bone> result(static_cast<std::size_t>(bone_count), Bone::Zero());
   for (std::size_t k = 0; k < proxy_vertices.size(); ++k) {
     const Eigen::RowVector3d position = rest.row(proxy_vertices[k]);
@@ -415,13 +416,13 @@ std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const
     const Handle& handle = handles[h];
     const std::size_t end = first + handle.vertices.size();
     if (poses[h].curve) {  // the curve's tangent frames depend on all its vertices
-      const auto all = handle_constraints(handle, poses[h], rest, normals);
+      const auto all = handle_constraints(handle, poses[h], {rest, normals});
       for (; next < needed.size() && needed[next].constraint < end; ++next)
         given.push_back(all[needed[next].constraint - first]);
       for (const VertexConstraint& constraint : all)
         if (constraint.position) out.row(constraint.vertex) = constraint.position->transpose();
     } else {
-      const auto held = handle_constraints(needed_handles[h], poses[h], rest, normals);
+      const auto held = handle_constraints(needed_handles[h], poses[h], {rest, normals});
       given.insert(given.end(), held.begin(), held.end());
       next += held.size();
       if (handle.constrain_position)
@@ -433,71 +434,63 @@ std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const
   return given;
 }
 
-ProxyDeformer::ProxyDeformer() : impl_(std::make_unique<Impl>()) {}
-ProxyDeformer::ProxyDeformer(ProxyDeformer&&) noexcept = default;
-ProxyDeformer& ProxyDeformer::operator=(ProxyDeformer&&) noexcept = default;
-ProxyDeformer::~ProxyDeformer() = default;
+namespace {
 
-ProxyDeformer::ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
-                             const ProxyOptions& options, const Context& context)
-    : ProxyDeformer() {
-  const auto n = static_cast<Index>(rest.rows());
-  require_triangles(rest, triangles);
-  require_disjoint(region, n);
-  VertexStates states = states_of_region(n, region.whole, region.vertices, region.fixed);
-  Impl& d = *impl_;
-  d.rest = rest;
-  d.handles = region.handles;
-  Holders holders(states);
-  for (const Handle& handle : region.handles) {
-    for (const Index v : handle.vertices)
-      d.constrained.add(v, handle.constrain_position, handle.constrain_transform, states);
-    holders.hold_together(handle.vertices);
+/// Numbers the holders of a problem. Constraints per vertex have one number per combination of position and
+/// transform.
+Holders number_holders(const DeformProblem& problem) {
+  Holders holders(mask_of_region(static_cast<Index>(problem.rest.rows()), problem.region));
+  for (const Handle& handle : problem.region.handles) holders.hold_together(handle.vertices);
+  if (!problem.constraints.empty()) {
+    const Index first_kind = holders.next_number();
+    holders.next_number();
+    holders.next_number();
+    for (const VertexConstraint& constraint : problem.constraints)
+      holders.hold(constraint.vertex, first_kind + (constraint.position ? (constraint.transform ? 0 : 1) : 2));
   }
-  const bool has_curve = std::any_of(region.handles.begin(), region.handles.end(),
-                                     [](const Handle& handle) { return handle.shape == HandleShape::curve; });
-  if (has_curve) d.normals = vertex_normals(rest, triangles, vertex_triangles(n, triangles, context), context);
-  add_features(region.features, states);
-  for (const Feature& feature : region.features) holders.hold_together(feature.vertices);
-  d.build(triangles, states, holders, region.anchors, region.features, options, context);
+  for (const Feature& feature : problem.region.features) holders.hold_together(feature.vertices);
+  return holders;
+}
 
+}  // namespace
+
+ProxyDeformer::Impl::Impl(DeformProblem problem, const ProxyOptions& options, const Context& context)
+    : handles(problem.region.handles) {
+  const auto n = static_cast<Index>(problem.rest.rows());
+  require_triangles(problem.rest, problem.triangles);
+  ConstraintMask mask = make_mask(n, problem.region, problem.constraints, constrained);
+  Holders holders = number_holders(problem);
+  rest = std::move(problem.rest);
+  const Triangles& triangles = problem.triangles;
+  if (std::any_of(handles.begin(), handles.end(),
+                  [](const Handle& handle) { return handle.shape == HandleShape::curve; }))
+    normals = vertex_normals(rest, triangles, vertex_triangles(n, triangles, context), context);
+  build({triangles, problem.region, std::move(mask), std::move(holders), options}, context);
+  find_needed_handles();
+}
+
+void ProxyDeformer::Impl::find_needed_handles() {
   std::size_t first = 0, next = 0;
-  for (Handle handle : d.handles) {
+  for (Handle handle : handles) {
     const std::size_t end = first + handle.vertices.size();
     handle.vertices.clear();
-    for (; next < d.needed.size() && d.needed[next].constraint < end; ++next)
-      handle.vertices.push_back(d.constrained.vertex[d.needed[next].constraint]);
-    d.needed_handles.push_back(std::move(handle));
+    for (; next < needed.size() && needed[next].constraint < end; ++next)
+      handle.vertices.push_back(constrained.vertex[needed[next].constraint]);
+    needed_handles.push_back(std::move(handle));
     first = end;
   }
 }
 
-ProxyDeformer ProxyDeformer::with_constraints(const Points& rest, const Triangles& triangles,
-                                              std::span<const Index> region,
-                                              std::span<const VertexConstraint> constraints,
-                                              std::span<const Anchor> anchors,
-                                              std::span<const Feature> features, const ProxyOptions& options,
-                                              const Context& context) {
-  const auto n = static_cast<Index>(rest.rows());
-  require_triangles(rest, triangles);
-  VertexStates states = states_of_region(n, region.empty(), region, {});
-  ProxyDeformer deformer;
-  Impl& d = *deformer.impl_;
-  d.rest = rest;
-  Holders holders(states);
-  d.constrained.add(constraints, states);
-  const Index first_kind = holders.next_number();  // one number per combination of position and transform
-  holders.next_number();
-  holders.next_number();
-  for (std::size_t c = 0; c < constraints.size(); ++c)
-    holders.hold(
-        constraints[c].vertex,
-        first_kind + (d.constrained.gives_position[c] ? (d.constrained.gives_transform[c] ? 0 : 1) : 2));
-  add_features(features, states);
-  for (const Feature& feature : features) holders.hold_together(feature.vertices);
-  d.build(triangles, states, holders, anchors, features, options, context);
-  return deformer;
-}
+ProxyDeformer::ProxyDeformer(ProxyDeformer&&) noexcept = default;
+ProxyDeformer& ProxyDeformer::operator=(ProxyDeformer&&) noexcept = default;
+ProxyDeformer::~ProxyDeformer() = default;
+
+ProxyDeformer::ProxyDeformer(DeformProblem problem, const ProxyOptions& options, const Context& context)
+    : impl_(std::make_unique<Impl>(std::move(problem), options, context)) {}
+
+ProxyDeformer::ProxyDeformer(const Points& rest, const Triangles& triangles, const Region& region,
+                             const ProxyOptions& options, const Context& context)
+    : ProxyDeformer(DeformProblem{rest, triangles, region}, options, context) {}
 
 void ProxyDeformer::evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context,
                              EvaluationReport* report) const {

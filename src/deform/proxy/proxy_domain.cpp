@@ -16,26 +16,26 @@ namespace meshgraft {
 
 namespace {
 
-struct Reach {
+struct Neighbourhood {
   Flags inside;  ///< per vertex of the mesh
   Index unknown = 0;
 };
 
 /// Returns the unknown vertices and the rings around them. The number of rings grows with the number of
 /// unknown vertices.
-Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const VertexStates& states,
-                   int laplacian_order, Index wanted) {
+Neighbourhood neighbourhood_of_unknown(const Triangles& triangles, const IndexLists& faces_at,
+                                       const ConstraintMask& mask, int laplacian_order, Index wanted) {
   const Index n = faces_at.size();
-  Reach reach{Flags(static_cast<std::size_t>(n), 0)};
+  Neighbourhood neighbourhood{Flags(static_cast<std::size_t>(n), 0)};
   std::vector<Index> front;
   for (Index v = 0; v < n; ++v) {
-    if (!states.is_unknown(v) || faces_at[v].empty()) continue;
-    reach.inside[v] = 1;
-    ++reach.unknown;
+    if (!mask.is_unknown(v) || faces_at[v].empty()) continue;
+    neighbourhood.inside[v] = 1;
+    ++neighbourhood.unknown;
     front.push_back(v);
   }
   // Covers as many rings as the proxy's rows need, counted in the proxy's edges.
-  const double edges_per_edge = std::max(1.0, std::sqrt(static_cast<double>(reach.unknown) / wanted));
+  const double edges_per_edge = std::max(1.0, std::sqrt(static_cast<double>(neighbourhood.unknown) / wanted));
   const int rings = static_cast<int>(std::ceil((laplacian_order + 2) * edges_per_edge)) + 2;
   std::vector<Index> next;
   for (int ring = 0; ring < rings && !front.empty(); ++ring) {
@@ -43,19 +43,19 @@ Reach reach_around(const Triangles& triangles, const IndexLists& faces_at, const
     for (const Index v : front)
       for (const Index t : faces_at[v])
         for (const Index w : triangles.row(t))
-          if (!reach.inside[w]) {
-            reach.inside[w] = 1;
+          if (!neighbourhood.inside[w]) {
+            neighbourhood.inside[w] = 1;
             next.push_back(w);
           }
     front.swap(next);
   }
-  return reach;
+  return neighbourhood;
 }
 
-double unknown_area(const Points& rest, const Triangles& triangles, const VertexStates& states) {
+double unknown_area(const Points& rest, const Triangles& triangles, const ConstraintMask& mask) {
   double sum = 0;
   for (const auto& t : triangles.rowwise()) {
-    if (std::none_of(t.begin(), t.end(), [&](Index v) { return states.is_unknown(v); })) continue;
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return mask.is_unknown(v); })) continue;
     const Eigen::RowVector3d u = rest.row(t[1]) - rest.row(t[0]), v = rest.row(t[2]) - rest.row(t[0]);
     sum += u.cross(v).norm() / 2;
   }
@@ -75,16 +75,16 @@ void take_points(const Points& rest, ProxyDomain& domain) {
   for (Index i = 0; i < domain.size(); ++i) domain.points.row(i) = rest.row(domain.vertices[i]) - domain.centre;
 }
 
-/// Flags the rim: vertices with a holder and a neighbour with another holder or none.
-Flags flag_rim(const ProxyDomain& domain) {
-  Flags rim(domain.vertices.size(), 0);
+/// Flags the handle boundaries: vertices with a holder and a neighbour with another holder or none.
+Flags flag_boundary(const ProxyDomain& domain) {
+  Flags boundary(domain.vertices.size(), 0);
   for (Index v = 0; v < domain.size(); ++v) {
     const auto ring = domain.rings[v];
-    rim[v] = domain.holder[v] >= 0 && std::any_of(ring.begin(), ring.end(), [&](Index w) {
-               return domain.holder[w] != domain.holder[v];
-             });
+    boundary[v] = domain.holder[v] >= 0 && std::any_of(ring.begin(), ring.end(), [&](Index w) {
+                    return domain.holder[w] != domain.holder[v];
+                  });
   }
-  return rim;
+  return boundary;
 }
 
 /// Returns up to four vertices that span about the extent of the given ones. They are the first vertex, the
@@ -132,7 +132,7 @@ std::vector<std::vector<Index>> held_pieces(const ProxyDomain& domain) {
 
 }  // namespace
 
-ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
+ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const ConstraintMask& mask,
                               std::span<const Index> holder, int laplacian_order, Index wanted,
                               const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
@@ -140,11 +140,12 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
   std::vector<Index> local_index(static_cast<std::size_t>(n), -1);
   {
     const IndexLists faces_at = vertex_triangles(n, triangles, context);
-    const Reach reach = reach_around(triangles, faces_at, states, laplacian_order, wanted);
-    domain.unknown_vertices = reach.unknown;
-    if (reach.unknown == 0) return domain;
+    const Neighbourhood neighbourhood =
+        neighbourhood_of_unknown(triangles, faces_at, mask, laplacian_order, wanted);
+    domain.unknown_vertices = neighbourhood.unknown;
+    if (neighbourhood.unknown == 0) return domain;
     for (Index v = 0; v < n; ++v) {
-      if (!reach.inside[v]) continue;
+      if (!neighbourhood.inside[v]) continue;
       local_index[v] = domain.size();
       domain.vertices.push_back(v);
     }
@@ -162,15 +163,15 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
   domain.rings = vertex_rings(domain.triangles, faces_at, context);
   domain.normals = vertex_normals(domain.points, domain.triangles, faces_at, context);
   constexpr double area_per_vertex = 0.866;  // of equilateral triangles with unit edges
-  domain.spacing = std::sqrt(unknown_area(rest, triangles, states) / (area_per_vertex * wanted));
+  domain.spacing = std::sqrt(unknown_area(rest, triangles, mask) / (area_per_vertex * wanted));
   return domain;
 }
 
 Flags vertices_to_keep(const ProxyDomain& domain, bool all) {
   constexpr double apart = 0.7;  // of the spacing, so that few edges exceed the spacing
   Flags keep(domain.vertices.size(), 0);
-  Flags rim = flag_rim(domain);
-  if (all) return rim;
+  Flags boundary = flag_boundary(domain);
+  if (all) return boundary;
   Flags settled(keep.size(), 0);
   BallWalk ball(domain.points, domain.rings);
   const auto keep_and_settle = [&](Index v) {
@@ -181,7 +182,7 @@ Flags vertices_to_keep(const ProxyDomain& domain, bool all) {
   for (const std::vector<Index>& piece : held_pieces(domain)) {
     std::vector<Index> edge;
     for (const Index v : piece)
-      if (rim[v]) edge.push_back(v);
+      if (boundary[v]) edge.push_back(v);
     if (edge.empty()) continue;
     for (const Index v : extremes(domain.points, edge)) keep_and_settle(v);
     for (const Index v : edge)
@@ -190,19 +191,19 @@ Flags vertices_to_keep(const ProxyDomain& domain, bool all) {
   return keep;
 }
 
-std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy) {
+std::vector<double> influence_radii(const ProxyDomain& domain, const Decimated& proxy) {
   constexpr double beyond = 1.1;  // a margin, so that the weight is positive at the ends of a proxy's edges
-  std::vector<double> reaches(proxy.vertices.size(), 0);
+  std::vector<double> radii(proxy.vertices.size(), 0);
   for (const auto& t : proxy.triangles.rowwise())
     for (int c = 0; c < 3; ++c) {
       const Index a = t[c], b = t[(c + 1) % 3], v = proxy.vertices[a], w = proxy.vertices[b];
       const auto ring = domain.rings[v];
       if (std::binary_search(ring.begin(), ring.end(), w)) continue;
       const double length = beyond * (domain.points.row(v) - domain.points.row(w)).norm();
-      reaches[a] = std::max(reaches[a], length);
-      reaches[b] = std::max(reaches[b], length);
+      radii[a] = std::max(radii[a], length);
+      radii[b] = std::max(radii[b], length);
     }
-  return reaches;
+  return radii;
 }
 
 }  // namespace meshgraft

@@ -9,7 +9,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "decimate.h"
-#include "deform/setup/region_states.h"
+#include "deform/setup/region_mask.h"
 #include "deform/solve/constrained_system.h"
 
 namespace meshgraft {
@@ -33,17 +33,17 @@ struct ProxyDomain {
 
 /// Returns the domain, empty if nothing is unknown. `holder` is per vertex of the mesh. Throws Error(input)
 /// if a coordinate is not finite.
-ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const VertexStates& states,
+ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, const ConstraintMask& mask,
                               std::span<const Index> holder, int laplacian_order, Index wanted,
                               const Context& context);
 
-/// Flags the vertices that a proxy has to keep, which lie on rims. A rim vertex has a holder and a neighbour
-/// with another holder or none. With `all`, these are all rim vertices. Otherwise they are no farther apart
-/// than the spacing, and include vertices that span the rim's extent.
+/// Flags the vertices that a proxy has to keep, which lie on handle boundaries. A boundary vertex has a holder
+/// and a neighbour with another holder or none. With `all`, these are all boundary vertices. Otherwise they are
+/// no farther apart than the spacing, and include vertices that span the boundary's extent.
 Flags vertices_to_keep(const ProxyDomain& domain, bool all);
 
-/// Returns the distance that each proxy vertex has to reach to cover the removed vertices around it, or 0 if
+/// Returns the influence radius that each proxy vertex needs to cover the removed vertices around it, or 0 if
 /// none was removed.
-std::vector<double> proxy_reaches(const ProxyDomain& domain, const Decimated& proxy);
+std::vector<double> influence_radii(const ProxyDomain& domain, const Decimated& proxy);
 
 }  // namespace meshgraft

@@ -61,16 +61,16 @@ class SkinMaker {
 
   SkinResult make() {
     SkinResult result;
-    const HitLists proxies = reach_all(result.outside);
+    const HitLists proxies = influence_all(result.outside);
     if (!result.outside.empty()) return result;
-    const HitLists rim = walk_from_rim();
-    result.skin = write_rows(proxies, rim);
+    const HitLists boundary = walk_from_boundaries();
+    result.skin = write_rows(proxies, boundary);
     return result;
   }
 
  private:
-  /// Returns the weights of the proxies. Their reaches grow until every row has a weight.
-  HitLists reach_all(std::vector<Index>& outside) {
+  /// Returns the weights of the proxies. Their radii grow until every row has a weight.
+  HitLists influence_all(std::vector<Index>& outside) {
     Hits hits(problem_.proxies.size());
     std::vector<Index> changed(hits.size());
     for (std::size_t k = 0; k < changed.size(); ++k) changed[k] = static_cast<Index>(k);
@@ -91,10 +91,10 @@ class SkinMaker {
           for (std::size_t s = begin; s < end; ++s) {
             const Index k = sources[s];
             hits[k].clear();
-            const double reach = problem_.reach[k];
-            ball.from(problem_.proxies[k], reach, [&](Index v, double squared) {
+            const double radius = problem_.radius[k];
+            ball.from(problem_.proxies[k], radius, [&](Index v, double squared) {
               if (!wanted_[v]) return;
-              const auto weight = static_cast<float>(reach > 0 ? fall_off(squared / (reach * reach)) : 1.0);
+              const auto weight = static_cast<float>(radius > 0 ? fall_off(squared / (radius * radius)) : 1.0);
               if (weight > 0) hits[k].push_back({v, weight});
             });
           }
@@ -102,15 +102,15 @@ class SkinMaker {
         context_, 32);
   }
 
-  /// Extends the nearest proxy's reach to each vertex that no proxy reaches. Returns these proxies,
-  /// ascending.
+  /// Extends the nearest proxy's influence radius to each vertex that no proxy influences. Returns these
+  /// proxies, ascending.
   std::vector<Index> extend(const Hits& hits, std::vector<Index>& outside) {
-    Flags reached(wanted_.size(), 0);
+    Flags influenced(wanted_.size(), 0);
     for (const auto& list : hits)
-      for (const Hit& hit : list) reached[hit.other] = 1;
+      for (const Hit& hit : list) influenced[hit.other] = 1;
     std::vector<Index> lost;
     for (std::size_t v = 0; v < wanted_.size(); ++v)
-      if (wanted_[v] && !reached[v]) lost.push_back(static_cast<Index>(v));
+      if (wanted_[v] && !influenced[v]) lost.push_back(static_cast<Index>(v));
     if (lost.empty()) return {};
 
     // Finds the proxy that is the fewest edges away.
@@ -133,8 +133,8 @@ class SkinMaker {
         continue;
       }
       const double distance = (problem_.points.row(v) - problem_.points.row(problem_.proxies[k])).norm();
-      // The path to the vertex may leave the ball. In that case the next call extends the reach again.
-      problem_.reach[k] = 1.5 * std::max(distance, problem_.reach[k]);
+      // The path to the vertex may leave the ball. In that case the next call extends the radius again.
+      problem_.radius[k] = 1.5 * std::max(distance, problem_.radius[k]);
       extended.push_back(k);
     }
     std::sort(extended.begin(), extended.end());
@@ -142,16 +142,16 @@ class SkinMaker {
     return extended;
   }
 
-  /// Returns squared distances to the rim's vertices.
-  HitLists walk_from_rim() {
-    Hits hits(problem_.rim.size());
+  /// Returns squared distances to the boundaries' vertices.
+  HitLists walk_from_boundaries() {
+    Hits hits(problem_.boundary.size());
     tbb::enumerable_thread_specific<BallWalk> walks([&] { return BallWalk(problem_.points, problem_.rings); });
     parallel_blocks(
         hits.size(),
         [&](std::size_t begin, std::size_t end) {
           BallWalk& ball = walks.local();
           for (std::size_t r = begin; r < end; ++r)
-            ball.from(problem_.rim[r].vertex, problem_.rim_reach, [&](Index v, double squared) {
+            ball.from(problem_.boundary[r].vertex, problem_.boundary_radius, [&](Index v, double squared) {
               if (wanted_[v]) hits[r].push_back({v, static_cast<float>(squared)});
             });
         },
@@ -170,15 +170,15 @@ class SkinMaker {
     for (const Hit& hit : hits) row.push_back({hit.other, share * hit.value / sum});
   }
 
-  /// Adds the rim vertices within twice the distance of the nearest one. Close to the rim these are few, and
-  /// at the rim only the nearest one.
+  /// Adds the boundary vertices within twice the distance of the nearest one. Close to the boundary these are
+  /// few, and at the boundary only the nearest one.
   void follow_rim(std::span<const Hit> hits, double squared_distance, double share,
                   std::vector<Entry>& row) const {
     double sum = 0;
     const auto weight = [&](const Hit& hit) { return fall_off(hit.value / (4 * squared_distance)); };
     for (const Hit& hit : hits) sum += weight(hit);
     for (const Hit& hit : hits)
-      if (weight(hit) > 0) row.push_back({problem_.rim[hit.other].bone, share * weight(hit) / sum});
+      if (weight(hit) > 0) row.push_back({problem_.boundary[hit.other].bone, share * weight(hit) / sum});
   }
 
   /// Merges entries of the same bone and puts the heaviest bone first.
@@ -197,27 +197,28 @@ class SkinMaker {
     std::rotate(row.begin(), heaviest, heaviest + 1);
   }
 
-  std::vector<Entry> row_of(Index v, bool by_rim, const HitLists& proxies, const HitLists& rim) const {
+  std::vector<Entry> row_of(Index v, bool by_boundary, const HitLists& proxies,
+                            const HitLists& boundary) const {
     std::vector<Entry> row;
-    const std::span<const Hit> near = proxies[v], sources = by_rim ? rim[v] : std::span<const Hit>();
+    const std::span<const Hit> near = proxies[v], sources = by_boundary ? boundary[v] : std::span<const Hit>();
     double share = 0;
     const bool alone = near.size() == 1 && problem_.proxies[near.front().other] == v;
     if (!sources.empty() && !alone) {
       const float nearest = std::min_element(sources.begin(), sources.end(), [](const Hit& a, const Hit& b) {
                               return a.value < b.value;
                             })->value;
-      share = fall_off(nearest / (problem_.rim_reach * problem_.rim_reach));
+      share = fall_off(nearest / (problem_.boundary_radius * problem_.boundary_radius));
       if (nearest > 0)
         follow_rim(sources, nearest, share, row);
       else
-        share = 0;  // another vertex at the same position: it is not the rim's
+        share = 0;  // another vertex at the same position: it is not the boundary's
     }
     follow_proxies(near, 1 - share, row);
     tidy(row);
     return row;
   }
 
-  Skin write_rows(const HitLists& proxies, const HitLists& rim) {
+  Skin write_rows(const HitLists& proxies, const HitLists& boundary) {
     // Blocks of rows are written independently, then concatenated.
     constexpr std::size_t block_rows = 4096;
     const std::size_t outer = problem_.rows.size(), count = outer + problem_.inner.size();
@@ -231,9 +232,9 @@ class SkinMaker {
         [&](std::size_t begin, std::size_t end) {
           for (std::size_t b = begin; b < end; ++b)
             for (std::size_t r = b * block_rows; r < std::min(count, (b + 1) * block_rows); ++r) {
-              const bool by_rim = r < outer;
-              const auto row =
-                  row_of(by_rim ? problem_.rows[r] : problem_.inner[r - outer], by_rim, proxies, rim);
+              const bool by_boundary = r < outer;
+              const auto row = row_of(by_boundary ? problem_.rows[r] : problem_.inner[r - outer], by_boundary,
+                                      proxies, boundary);
               for (const Entry& entry : row) {
                 blocks[b].bones.push_back(entry.bone);
                 blocks[b].weights.push_back(static_cast<float>(entry.weight));

@@ -35,26 +35,28 @@ struct SkinProblem {
   const Points& points;
   const IndexLists& rings;
   std::span<const Index> proxies;  ///< vertices; proxy k is bone k
-  /// Per proxy: the distance that it reaches; 0 if it moves only itself, since no vertex beside it was
-  /// removed.
-  std::vector<double> reach;
-  struct Rim {
+  /// Per proxy: its influence radius; 0 if it moves only itself, since no vertex beside it was removed.
+  std::vector<double> radius;
+  struct BoundaryVertex {
     Index vertex, bone;
   };
-  std::vector<Rim> rim;          ///< vertices of given position beside vertices of unknown position
-  double rim_reach = 0;          ///< distance up to which vertices follow the rim
-  std::span<const Index> rows;   ///< vertices that follow the proxies, and near a rim also the rim
+  /// The handle boundaries: vertices of given position beside vertices of unknown position. Fixed vertices and
+  /// features have boundaries, too.
+  std::vector<BoundaryVertex> boundary;
+  double boundary_radius = 0;    ///< influence radius of the boundaries
+  std::span<const Index> rows;   ///< vertices that follow the proxies, and near a boundary also the boundary
   std::span<const Index> inner;  ///< further rows: vertices that follow only the proxies
 };
 
 struct SkinResult {
   Skin skin;                   ///< for `rows`, then for `inner`
-  std::vector<Index> outside;  ///< vertices of rows that no proxy can reach; the skin is then empty
+  std::vector<Index> outside;  ///< vertices of rows that no proxy can influence; the skin is then empty
 };
 
 /// Makes a skin with weights that fall off smoothly with the distance along the surface, relative to each
-/// proxy's reach (`BallWalk`). The blend is therefore continuous. Near a rim the rim's own vertices take
-/// over, completely and with zero slope at the rim, so that there is neither step nor kink.
+/// proxy's influence radius (`BallWalk`). The blend is therefore continuous. Near a handle boundary the
+/// boundary's own vertices take over, completely and with zero slope at the boundary, so that there is neither
+/// step nor kink.
 SkinResult make_skin(SkinProblem problem, const Context& context = {});
 
 }  // namespace meshgraft

@@ -10,8 +10,8 @@
 #include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "deform/deformer_impl.h"
 #include "deform/facts.h"
-#include "deform/solve/constrained_system.h"
 #include "deform/solve/handle_frame.h"
 
 namespace meshgraft {
@@ -80,11 +80,12 @@ Eigen::RowVector3d turned_normal(const Eigen::Matrix3d& map, const Eigen::RowVec
 
 HandleBasis::HandleBasis(const Deformer& deformer, const Points& normals, const Context& context)
     : normals_(normals.cast<float>()) {
-  const ConstrainedSystem& system = deformer.system();
-  if (!deformer.is_of_handles()) throw Error(facts::deform::NoHandles{});
-  require_linear(system, deformer.options());
+  const Deformer::Impl& set_up = deformer.impl();
+  const ConstrainedSystem& system = *set_up.system;
+  if (set_up.per_vertex) throw Error(facts::deform::NoHandles{});
+  require_linear(system, set_up.options);
   if (normals.rows() > 0) require_rows(normals.rows(), system.rest().rows(), facts::core::Rows::rest_normals);
-  handles_.assign(deformer.handles().begin(), deformer.handles().end());
+  handles_ = set_up.handles;
   base_ = system.rest();
   centre_ = system.patch().centre;
   scale_ = system.patch().scale;
@@ -98,7 +99,7 @@ void HandleBasis::find_movers(const ConstrainedSystem& system) {
   const Patch& patch = system.patch();
   std::vector<Index> fitted;  // position known, transform unknown
   for (Index v = 0; v < patch.size(); ++v)
-    if (system.known().position[v] && !system.known().transform[v]) fitted.push_back(patch.vertices[v]);
+    if (system.mask().position[v] && !system.mask().transform[v]) fitted.push_back(patch.vertices[v]);
   std::set_union(system.free_vertices().begin(), system.free_vertices().end(), fitted.begin(), fitted.end(),
                  std::back_inserter(movers_));
   for (const Handle& handle : handles_) {
@@ -178,9 +179,9 @@ void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Di
     for (const double number : frame.reshaped<Eigen::RowMajor>()) frames.push_back(number);
   }
   const bool at_rest = std::all_of(frames.begin(), frames.end(), [](double number) { return number == 0; });
-  std::vector<float> map_frames;
+  MapFrames map_frames{{}, static_cast<float>(1 / largest)};
   for (double& number : frames) {
-    map_frames.push_back(static_cast<float>(number / largest));
+    map_frames.entries.push_back(static_cast<float>(number / largest));
     number *= scale_;
   }
   const std::size_t blocks = block_count();
@@ -192,7 +193,7 @@ void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Di
     if (normals != nullptr) normals->middleRows(from, to - from) = normals_.middleRows(from, to - from);
     for (std::size_t block = begin; block < end && !(at_rest && base_maps_.empty()); ++block) {
       place_block(block, frames, positions);
-      if (normals != nullptr) turn_block(block, map_frames, static_cast<float>(1 / largest), *normals);
+      if (normals != nullptr) turn_block(block, map_frames, *normals);
     }
   };
   if (blocks > 0) {
@@ -228,8 +229,8 @@ void HandleBasis::place_block(std::size_t block, std::span<const double> frames,
 }
 
 /// Computes the normals cof(M) n with Mᵀ = I + Σ_h C_h · frame_h, divided by one common factor.
-void HandleBasis::turn_block(std::size_t block, std::span<const float> frames, float unit,
-                             Directions& normals) const {
+void HandleBasis::turn_block(std::size_t block, const MapFrames& frames, Directions& normals) const {
+  const float unit = frames.unit;
   using Lanes = Eigen::Array<float, lanes, 1>;
   Lanes m[3][3];  // rows of Mᵀ, the images of the axes
   for (std::size_t j = 0; j < 3; ++j)
@@ -238,12 +239,13 @@ void HandleBasis::turn_block(std::size_t block, std::span<const float> frames, f
       if (!base_maps_.empty())
         m[j][c] += unit * Eigen::Map<const Lanes>(base_maps_.data() + (block * 9 + 3 * j + c) * lanes);
     }
+  const float* const entries = frames.entries.data();
   const float* map = maps_.data() + block * handles_.size() * 12 * lanes;
   for (std::size_t h = 0; h < handles_.size(); ++h)
     for (std::size_t j = 0; j < 3; ++j)
       for (std::size_t k = 0; k < 4; ++k, map += lanes) {
         const Eigen::Map<const Lanes> entry(map);
-        for (std::size_t c = 0; c < 3; ++c) m[j][c] += entry * frames[12 * h + 3 * k + c];
+        for (std::size_t c = 0; c < 3; ++c) m[j][c] += entry * entries[12 * h + 3 * k + c];
       }
   Lanes n[3], turned[3];
   const std::size_t count = std::min(lanes, movers_.size() - block * lanes);

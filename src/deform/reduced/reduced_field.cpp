@@ -52,7 +52,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
 void ReducedField::choose_samples(Index centres, Index samples) {
   const Patch& patch = system_->patch();
   const IndexLists& rings = system_->rings();
-  const Flags& given = system_->known().transform;
+  const Flags& given = system_->mask().transform;
   Flags open(given.size());
   for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
   // Components without a given map come first. Each needs a centre.
@@ -81,7 +81,7 @@ void ReducedField::choose_samples(Index centres, Index samples) {
 /// Computes the weights χ, by which the handles' logarithms are blended.
 void ReducedField::spread_logs(const Context& context) {
   const Patch& patch = system_->patch();
-  const KnownParts& known = system_->known();
+  const ConstraintMask& mask = system_->mask();
   const IndexLists& rings = system_->rings();
   const SurfaceFields& fields = rotations_->fields();
   given_ = Columns::Zero(patch.size(), static_cast<Eigen::Index>(handle_count_));
@@ -96,7 +96,7 @@ void ReducedField::spread_logs(const Context& context) {
       given_(v, static_cast<Eigen::Index>(h)) = 1;
     }
   for (Index v = 0; v < patch.size(); ++v)
-    from_rest_ = from_rest_ || (known.transform[v] && given_.row(v).isZero(0) && !rings[v].empty());
+    from_rest_ = from_rest_ || (mask.transform[v] && given_.row(v).isZero(0) && !rings[v].empty());
   blend_weights_ = fields.spread(given_, context);
 }
 
@@ -104,7 +104,7 @@ void ReducedField::spread_logs(const Context& context) {
 void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
   const Patch& patch = system_->patch();
   const auto centre_count = static_cast<Eigen::Index>(centres_.size());
-  Flags held = system_->known().transform;
+  Flags held = system_->mask().transform;
   Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
   values.rightCols(given_.cols()) = given_;
   for (Eigen::Index k = 0; k < centre_count; ++k) {

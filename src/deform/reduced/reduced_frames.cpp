@@ -6,11 +6,9 @@
 #include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "deform/deformer_impl.h"
 #include "deform/facts.h"
-#include "deform/setup/region_states.h"
-#include "deform/solve/constrained_system.h"
 #include "deform/solve/handle_frame.h"
-#include "deform/solve/rotation_field.h"
 #include "reduced_field.h"
 #include "response_columns.h"
 
@@ -50,18 +48,19 @@ ReducedFrames::ReducedFrames(const Deformer& deformer, const ReducedFramesOption
                              const Context& context)
     : impl_(std::make_unique<Impl>()) {
   validate(options);
-  const ConstrainedSystem& system = deformer.system();
-  if (!deformer.is_of_handles()) throw Error(facts::deform::NoHandles{});
-  if (deformer.options().method == DeformMethod::ft05) throw Error(facts::deform::ReducedFramesNeedless{});
+  const Deformer::Impl& set_up = deformer.impl();
+  const ConstrainedSystem& system = *set_up.system;
+  if (set_up.per_vertex) throw Error(facts::deform::NoHandles{});
+  if (set_up.options.method == DeformMethod::ft05) throw Error(facts::deform::ReducedFramesNeedless{});
   if (!system.features().empty()) throw Error(facts::deform::FeaturesNotReduced{});
   Impl& d = *impl_;
-  d.handles.assign(deformer.handles().begin(), deformer.handles().end());
+  d.handles = set_up.handles;
   d.base = system.rest();
   d.centre = system.patch().centre;
   d.scale = system.patch().scale;
   if (system.row_count() == 0) return;
   const Index samples = options.centres * options.samples_per_centre;
-  d.field = std::make_unique<ReducedField>(system, *deformer.rotation_field(), d.handles, deformer.options(),
+  d.field = std::make_unique<ReducedField>(system, *set_up.rotations, d.handles, set_up.options,
                                            options.centres, samples, context);
   d.solve_responses(system, context);
   d.solve_targets(system, context);

@@ -39,8 +39,8 @@ void require_finite(const Points& points, const std::vector<Index>& vertices) {
   }
 }
 
-/// Returns whether any two faces run along an edge in the same direction.
-bool any_wound_against(Index vertex_count, const Triangles& triangles, const Context& context) {
+/// Returns whether any two faces at an edge are oriented inconsistently: they run along it in one direction.
+bool any_inconsistent(Index vertex_count, const Triangles& triangles, const Context& context) {
   const IndexLists faces_at = vertex_triangles(vertex_count, triangles, context);
   std::atomic<bool> found = false;
   parallel_blocks(
@@ -60,11 +60,11 @@ bool any_wound_against(Index vertex_count, const Triangles& triangles, const Con
   return found;
 }
 
-/// Turns faces over until any two faces that alone share an edge are consistently oriented. Otherwise
+/// Reverses faces until any two faces that alone share an edge are consistently oriented. Otherwise
 /// normals, which are sums over faces, would cancel. Each connected component keeps its first face. Where no
 /// consistent orientation exists (a Möbius strip), some edges remain inconsistent. A consistently oriented
 /// patch is not changed.
-void wind_alike(Index vertex_count, Triangles& triangles) {
+void orient_consistently(Index vertex_count, Triangles& triangles) {
   struct Neighbour {
     Index face = -1;
     bool opposed = false;  ///< the orientations are inconsistent
@@ -81,7 +81,7 @@ void wind_alike(Index vertex_count, Triangles& triangles) {
     neighbours[b][filled[b]++] = {a, opposed};
   }
   if (!any_opposed) return;
-  enum : std::uint8_t { unseen, kept, turned };
+  enum : std::uint8_t { unseen, kept, reversed };
   std::vector<std::uint8_t> state(neighbours.size(), unseen);
   std::vector<Index> queue;
   for (Index start = 0; start < triangles.rows(); ++start) {
@@ -93,15 +93,15 @@ void wind_alike(Index vertex_count, Triangles& triangles) {
       queue.pop_back();
       for (const Neighbour& next : neighbours[face]) {
         if (next.face < 0 || state[next.face] != unseen) continue;
-        const bool turn = (state[face] == turned) != next.opposed;
-        state[next.face] = turn ? turned : kept;
+        const bool reverse = (state[face] == reversed) != next.opposed;
+        state[next.face] = reverse ? reversed : kept;
         queue.push_back(next.face);
       }
     }
     queue.clear();
   }
   for (Index t = 0; t < triangles.rows(); ++t)
-    if (state[t] == turned) std::swap(triangles(t, 1), triangles(t, 2));
+    if (state[t] == reversed) std::swap(triangles(t, 1), triangles(t, 2));
 }
 
 /// Moves the centre of the patch's box to the origin and divides by a power of two near its diagonal.
@@ -165,8 +165,8 @@ Patch make_patch(const Points& points, const Triangles& triangles, const IndexLi
             patch.triangles(static_cast<Eigen::Index>(f), corner) = patch.local(triangles(faces[f], corner));
       },
       context, 4096);
-  patch.rewound = any_wound_against(patch.size(), patch.triangles, context);
-  if (patch.rewound) wind_alike(patch.size(), patch.triangles);
+  patch.reoriented = any_inconsistent(patch.size(), patch.triangles, context);
+  if (patch.reoriented) orient_consistently(patch.size(), patch.triangles);
   return patch;
 }
 

@@ -17,8 +17,8 @@ struct Patch {
   Points points;                ///< (p − centre) / scale
   Triangles triangles;          ///< local indices; consistently oriented where possible
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-  double scale = 1;      ///< a power of two, so that scaling is exact
-  bool rewound = false;  ///< some triangles were turned over
+  double scale = 1;         ///< a power of two, so that scaling is exact
+  bool reoriented = false;  ///< the orientation of some triangles was reversed
 
   Index size() const { return static_cast<Index>(vertices.size()); }
   /// Returns the local index of a global vertex, or -1.

@@ -20,72 +20,40 @@ bool beside_others(Index vertex, const Triangles& triangles, std::span<const Ind
   });
 }
 
-bool is_movable(const KnownParts& known, Index v) { return !known.position[v] && is_fitted(known, v); }
-
-Flags flag_active(const KnownParts& known) {
-  Flags active(known.position.size());
-  for (std::size_t v = 0; v < active.size(); ++v) active[v] = !known.position[v] || !known.transform[v];
-  return active;
-}
-
-AffineOperator::Extent extent_of(const CutPatch& cut, const KnownParts& known, const Flags& active,
-                                 const IndexLists& rings, int laplacian_order) {
-  const Index n = cut.patch.size();
-  AffineOperator::Extent extent;
-  extent.fitted.resize(static_cast<std::size_t>(n));
-  extent.unknown.resize(static_cast<std::size_t>(n));
-  extent.movable.resize(static_cast<std::size_t>(n));
-  std::vector<Index> centres;
-  for (Index v = 0; v < n; ++v) {
-    extent.unknown[v] = !known.transform[v];
-    extent.fitted[v] = is_fitted(known, v);
-    extent.movable[v] = is_movable(known, v);
-    if (active[v]) centres.push_back(v);
-  }
-  extent.numbers = cut.patch.vertices;
-  extent.rows.assign(static_cast<std::size_t>(n), 0);
-  for (Index v : grow_rings(centres, laplacian_order, rings)) extent.rows[v] = 1;
-  return extent;
-}
-
 }  // namespace
 
 /// The patch is large enough that every row with an unknown is complete, with all normals and weights in it.
 /// Rows inside a feature are zero for any map, so only its vertices next to others are active.
-CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& states, int laplacian_order,
+CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const ConstraintMask& mask, int laplacian_order,
                    const Context& context)
-    : mesh(std::move(rest)), feature(states.feature), rings(laplacian_order + 2) {
+    : mesh(std::move(rest)), feature(mask.feature), rings(laplacian_order + 2) {
   const auto n = static_cast<Index>(mesh->points.rows());
   const IndexLists faces_at = vertex_triangles(n, mesh->triangles, context);
   in_faces.resize(static_cast<std::size_t>(n));
   active.resize(static_cast<std::size_t>(n));
   for (Index v = 0; v < n; ++v) {
     in_faces[v] = !faces_at[v].empty();
-    active[v] = in_faces[v] && states.is_unknown(v);
+    active[v] = in_faces[v] && mask.is_unknown(v);
     if (active[v] && feature[v] >= 0) active[v] = beside_others(v, mesh->triangles, faces_at[v], feature);
   }
   patch = make_patch(mesh->points, mesh->triangles, faces_at, active, rings, context);
 }
 
-std::optional<Flags> CutPatch::active_among(const VertexStates& states) const {
+std::optional<Flags> CutPatch::active_among(const ConstraintMask& mask) const {
   Flags fewer(active.size());
   for (Index v = 0; v < static_cast<Index>(active.size()); ++v) {
-    fewer[v] = in_faces[v] && states.is_unknown(v);
+    fewer[v] = in_faces[v] && mask.is_unknown(v);
     if (fewer[v] && feature[v] >= 0) fewer[v] = active[v];
     if (fewer[v] && !active[v]) return {};
   }
   return fewer;
 }
 
-KnownParts CutPatch::known_parts(const VertexStates& states) const {
-  KnownParts known;
-  for (const Index v : patch.vertices) {
-    known.position.push_back(states.position[v] || !in_faces[v]);
-    known.transform.push_back(states.transform[v] || !in_faces[v]);
-    known.feature.push_back(states.feature[v]);
-  }
-  known.anchored.assign(patch.vertices.size(), 0);
-  return known;
+ConstraintMask CutPatch::patch_mask(const ConstraintMask& mask) const {
+  ConstraintMask of_patch = mask.of(patch.vertices);
+  for (Index v = 0; v < patch.size(); ++v)
+    if (!in_faces[patch.vertices[v]]) of_patch.position[v] = of_patch.transform[v] = 1;
+  return of_patch;
 }
 
 std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, const IndexLists& rings,
@@ -110,25 +78,23 @@ std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, c
   return part;
 }
 
-PatchOperator::PatchOperator(const CutPatch& cut, const KnownParts& known, const IndexLists& rings,
-                             const OperatorOptions& options, const Context& context)
+PatchOperator::PatchOperator(const CutPatch& cut, const ConstraintMask& mask, const OperatorOptions& options,
+                             const Context& context)
     : options_(options),
-      active_(flag_active(known)),
-      extent_(extent_of(cut, known, active_, rings, options.laplacian_order)),
-      rows_(cut.patch.points, cut.patch.triangles, options, extent_, context),
+      mask_(mask),
+      rows_(cut.patch.points, cut.patch.triangles, options, mask, context, cut.patch.vertices),
       P_transposed_(transpose(rows_.P(), context)) {}
 
-bool PatchOperator::serves(const KnownParts& known) const {
+bool PatchOperator::serves(const ConstraintMask& mask) const {
   const bool moves = options_.degenerate == DegenerateTreatment::ft05_noise;
   const StencilNodes& nodes = rows_.nodes();
-  for (Index v = 0; v < static_cast<Index>(active_.size()); ++v) {
-    const bool is_known = known.position[v] && known.transform[v];
-    if (!is_known && !active_[v]) return false;
-    if (!known.transform[v] && !extent_.unknown[v]) return false;
-    if (moves && nodes.flat[v] && is_movable(known, v) != (extent_.movable[v] != 0)) return false;
+  for (Index v = 0; v < mask_.size(); ++v) {
+    if (mask.is_unknown(v) && !mask_.is_unknown(v)) return false;
+    if (!mask.transform[v] && mask_.transform[v]) return false;
+    if (moves && nodes.flat[v] && mask.is_movable(v) != mask_.is_movable(v)) return false;
   }
   return moves || std::all_of(nodes.without_normal.begin(), nodes.without_normal.end(),
-                              [&](Index v) { return is_fitted(known, v); });
+                              [&](Index v) { return mask.is_fitted(v); });
 }
 
 bool PatchOperator::serves(const PatchPart& part, const Patch& patch) const {
@@ -141,13 +107,13 @@ bool PatchOperator::serves(const PatchPart& part, const Patch& patch) const {
   });
 }
 
-std::optional<SparseRows> PatchOperator::fewer_maps(const KnownParts& known) const {
+std::optional<SparseRows> PatchOperator::fewer_maps(const ConstraintMask& mask) const {
   const SparseRows& H = rows_.H();
   std::vector<int> lengths(static_cast<std::size_t>(H.rows()), 0);
   bool fewer = false;
   for (Index row = 0; row < static_cast<Index>(H.rows()); ++row) {
     const int length = H.outerIndexPtr()[row + 1] - H.outerIndexPtr()[row];
-    if (is_fitted(known, row / 3))
+    if (mask.is_fitted(row / 3))
       lengths[row] = length;
     else
       fewer = fewer || length > 0;

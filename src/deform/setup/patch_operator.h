@@ -11,11 +11,10 @@
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/affine_operator.h>
+#include <meshgraft/operators/constraint_mask.h>
 #include <meshgraft/operators/options.h>
 
 #include "patch.h"
-#include "region_states.h"
-#include "solvability.h"
 
 namespace meshgraft {
 
@@ -39,14 +38,14 @@ struct CutPatch {
   int rings = 0;  ///< rings around active vertices
   Patch patch;
 
-  CutPatch(std::shared_ptr<const RestMesh> rest, const VertexStates& states, int laplacian_order,
+  CutPatch(std::shared_ptr<const RestMesh> rest, const ConstraintMask& mask, int laplacian_order,
            const Context& context);
 
-  /// Returns the vertices that would be active for other states with the same features. Returns nullopt if
+  /// Returns the vertices that would be active for another mask with the same features. Returns nullopt if
   /// any of them is not active here.
-  std::optional<Flags> active_among(const VertexStates& states) const;
-  /// Returns the known parts of the patch's vertices.
-  KnownParts known_parts(const VertexStates& states) const;
+  std::optional<Flags> active_among(const ConstraintMask& mask) const;
+  /// Returns the mask of the patch's vertices. All of a vertex without faces is known.
+  ConstraintMask patch_mask(const ConstraintMask& mask) const;
 };
 
 /// A sub-patch: the faces of a patch that would be cut for fewer active vertices, in the patch's numbering.
@@ -63,32 +62,28 @@ std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, c
 /// The rows of the energy over a patch.
 class PatchOperator {
  public:
-  /// `known` must come from `fix_unconstrained_components`.
-  PatchOperator(const CutPatch& cut, const KnownParts& known, const IndexLists& rings,
-                const OperatorOptions& options, const Context& context);
+  /// `mask` must come from `fix_unconstrained_components`.
+  PatchOperator(const CutPatch& cut, const ConstraintMask& mask, const OperatorOptions& options,
+                const Context& context);
 
   const AffineOperator& rows() const { return rows_; }
   const SparseRows& P_transposed() const { return P_transposed_; }
 
-  /// Returns whether the rows are valid for a system with these known parts. Every unknown must have had rows
+  /// Returns whether the rows are valid for a system with this mask. Every unknown must have had rows
   /// made for it. A vertex that was moved off its plane must still be movable. No direction may depend on a
   /// former unknown.
-  bool serves(const KnownParts& known) const;
+  bool serves(const ConstraintMask& mask) const;
   /// Returns whether the rows of the part, set up alone, would be multiples of these rows by one common
   /// factor.
   bool serves(const PatchPart& part, const Patch& patch) const;
   /// Returns H without the maps that are known now, or nullopt if H has none of them.
-  std::optional<SparseRows> fewer_maps(const KnownParts& known) const;
+  std::optional<SparseRows> fewer_maps(const ConstraintMask& mask) const;
 
  private:
   OperatorOptions options_;
-  Flags active_;  ///< per vertex of the patch: position or transform is unknown
-  AffineOperator::Extent extent_;
+  ConstraintMask mask_;  ///< of the patch's vertices, for which the rows were made
   AffineOperator rows_;
   SparseRows P_transposed_;
 };
-
-/// Returns whether a vertex of the patch has a map that is fitted to positions.
-inline bool is_fitted(const KnownParts& known, Index v) { return !known.transform[v] && known.feature[v] < 0; }
 
 }  // namespace meshgraft

@@ -51,47 +51,47 @@ int affine_rank(const Points& points, std::vector<Index>& vertices) {
 }
 
 /// Returns whether the position or transform of v is unknown. Isolated vertices have no unknowns.
-bool is_unknown(Index v, const IndexLists& rings, const KnownParts& known) {
-  return !rings[v].empty() && (!known.position[v] || !known.transform[v]);
+bool is_unknown(Index v, const IndexLists& rings, const ConstraintMask& mask) {
+  return !rings[v].empty() && mask.is_unknown(v);
 }
 
 /// Joins vertices with an unknown along edges and within features.
-DisjointSets join_unknown(const IndexLists& rings, const KnownParts& known) {
+DisjointSets join_unknown(const IndexLists& rings, const ConstraintMask& mask) {
   const Index n = rings.size();
   DisjointSets sets(n);
   std::map<Index, Index> feature_member;
   for (Index v = 0; v < n; ++v) {
-    if (!is_unknown(v, rings, known)) continue;
+    if (!is_unknown(v, rings, mask)) continue;
     for (Index w : rings[v])
-      if (is_unknown(w, rings, known)) sets.unite(v, w);
-    if (known.feature[v] >= 0) sets.unite(v, feature_member.try_emplace(known.feature[v], v).first->second);
+      if (is_unknown(w, rings, mask)) sets.unite(v, w);
+    if (mask.feature[v] >= 0) sets.unite(v, feature_member.try_emplace(mask.feature[v], v).first->second);
   }
   return sets;
 }
 
 }  // namespace
 
-void fix_unconstrained_components(const IndexLists& rings, KnownParts& known) {
-  DisjointSets sets = join_unknown(rings, known);
-  Flags has_free(known.position.size(), 0);
+void fix_unconstrained_components(const IndexLists& rings, ConstraintMask& mask) {
+  DisjointSets sets = join_unknown(rings, mask);
+  Flags has_free(mask.position.size(), 0);
   for (Index v = 0; v < rings.size(); ++v)
-    if (!known.position[v]) has_free[sets.root(v)] = 1;
+    if (!mask.position[v]) has_free[sets.root(v)] = 1;
   for (Index v = 0; v < rings.size(); ++v)
-    if (is_unknown(v, rings, known) && !has_free[sets.root(v)]) known.transform[v] = 1;
+    if (is_unknown(v, rings, mask) && !has_free[sets.root(v)]) mask.transform[v] = 1;
 }
 
-void require_solvable(const Patch& patch, const IndexLists& rings, const KnownParts& known) {
-  DisjointSets sets = join_unknown(rings, known);
+void require_solvable(const Patch& patch, const IndexLists& rings, const ConstraintMask& mask) {
+  DisjointSets sets = join_unknown(rings, mask);
   std::map<Index, Component> components;  // by smallest vertex
   for (Index v = 0; v < patch.size(); ++v) {
-    if (!is_unknown(v, rings, known)) continue;
+    if (!is_unknown(v, rings, mask)) continue;
     Component& component = components[sets.root(v)];
     if (component.first < 0) component.first = v;
     ++component.size;
-    if (known.transform[v]) component.transform = true;
-    if (known.position[v] || known.anchored[v]) component.positions.push_back(v);
+    if (mask.transform[v]) component.transform = true;
+    if (mask.position[v] || mask.anchored[v]) component.positions.push_back(v);
     for (Index w : rings[v]) {
-      if (is_unknown(w, rings, known)) continue;
+      if (is_unknown(w, rings, mask)) continue;
       component.transform = true;  // both position and transform of w are known
       component.positions.push_back(w);
     }

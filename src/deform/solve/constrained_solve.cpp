@@ -8,6 +8,7 @@
 
 #include "constrained_system.h"
 #include "deform/facts.h"
+#include "operators/local_maps.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -57,29 +58,29 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
                                           const Context& context) const {
   const AffineOperator& op = operators_->rows();
   const Columns laplacian = multiply(op.delta(), m, context) - multiply(op.L(), values.x, context);
-  const auto bar_count = static_cast<Eigen::Index>(edge_rows_.size());
+  const auto edge_row_count = static_cast<Eigen::Index>(edge_rows_.size());
   Columns rows(A_L_.rows(), m.cols());
   rows.topRows(laplacian.rows()) = laplacian;
-  if (bar_count > 0) {
-    auto bars = rows.middleRows(laplacian.rows(), bar_count);
-    bars = -multiply(stiffness_rows_, values.x, context);
-    if (field.stretch.rows() > 0) add_stretch(field.stretch, bars);
+  if (edge_row_count > 0) {
+    auto edge_rows = rows.middleRows(laplacian.rows(), edge_row_count);
+    edge_rows = -multiply(stiffness_rows_, values.x, context);
+    if (field.stretch.rows() > 0) add_stretch(field.stretch, edge_rows);
   }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Index v = patch().local(anchors_[a].vertex);
     const Eigen::RowVector3d back = patch().points.row(v) - op.nodes().positions.row(v);
-    rows.row(laplacian.rows() + bar_count + static_cast<Eigen::Index>(a)) =
+    rows.row(laplacian.rows() + edge_row_count + static_cast<Eigen::Index>(a)) =
         -anchor_weights_[a] * (back * m.middleRows<3>(3 * v));
   }
   return rows;
 }
 
-void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const {
+void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows) const {
   const Points& points = operators_->rows().nodes().positions;
   for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
     const auto [i, j] = edge_rows_[b].ends;
     const Eigen::RowVector3d d = edge_rows_[b].weight * (points.row(i) - points.row(j));
-    bars.row(static_cast<Eigen::Index>(b)) +=
+    edge_rows.row(static_cast<Eigen::Index>(b)) +=
         d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
   }
 }
@@ -154,7 +155,7 @@ SparseRows ConstrainedSystem::coupling(const Context& context) const {
 SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, const Context& context) const {
   const Index n = patch().size();
   SparseRows along(3 * n, n);
-  std::vector<Eigen::Triplet<double>> of_maps, of_bars;
+  std::vector<Eigen::Triplet<double>> of_maps, of_edge_rows;
   for (Index v = 0; v < n; ++v) of_maps.emplace_back(3 * v + axis, v, 1.0);
   along.setFromTriplets(of_maps.begin(), of_maps.end());
   const SparseRows smoothness = multiply(G_transposed_, multiply(coupling, along, context), context);
@@ -163,13 +164,13 @@ SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, c
   for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
     const auto [i, j] = edge_rows_[b].ends;
     const double half = edge_rows_[b].weight * (points(i, axis) - points(j, axis)) / 2;
-    of_bars.emplace_back(static_cast<int>(b), i, half);
-    of_bars.emplace_back(static_cast<int>(b), j, half);
+    of_edge_rows.emplace_back(static_cast<int>(b), i, half);
+    of_edge_rows.emplace_back(static_cast<int>(b), j, half);
   }
   SparseRows stretch(static_cast<Eigen::Index>(edge_rows_.size()), n);
-  stretch.setFromTriplets(of_bars.begin(), of_bars.end());
-  const SparseRows bars_transposed = transpose(multiply(stiffness_rows_, E_, context), context);
-  return smoothness + multiply(bars_transposed, stretch, context);
+  stretch.setFromTriplets(of_edge_rows.begin(), of_edge_rows.end());
+  const SparseRows edge_rows_transposed = transpose(multiply(stiffness_rows_, E_, context), context);
+  return smoothness + multiply(edge_rows_transposed, stretch, context);
 }
 
 Columns ConstrainedSystem::back_substitute(const Columns& rhs, const Context& context) const {
@@ -221,7 +222,7 @@ void ConstrainedSystem::place(const Columns& y, const Known& values,
     const Columns x = displacements(y, values, context);
     place_features(y, out);
     for (Index v = 0; v < patch().size(); ++v) {
-      if (known_.position[v]) continue;
+      if (mask_.position[v]) continue;
       const Index global = patch().vertices[v];
       out.row(global) = rest().row(global) + patch().scale * x.row(v);
       if (!out.row(global).allFinite()) throw Error(facts::deform::SolutionNotFinite{.vertex = global});
@@ -262,9 +263,9 @@ double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstrai
   const IndexLists& rings = this->rings();
   for (Index v = 0; v < patch().size(); ++v) {
     const bool beside_free =
-        std::any_of(rings[v].begin(), rings[v].end(), [&](Index w) { return !known_.position[w]; });
-    if (!known_.transform[v] || (!beside_free && known_.position[v])) continue;
-    const double deviation = local_map_deviation(v, patch().points, local, given[v], rings[v]).norm();
+        std::any_of(rings[v].begin(), rings[v].end(), [&](Index w) { return !mask_.position[w]; });
+    if (!mask_.transform[v] || (!beside_free && mask_.position[v])) continue;
+    const double deviation = local_map_deviation({v, rings[v], given[v]}, patch().points, local).norm();
     largest = std::max(largest, deviation);
   }
   return largest;
@@ -301,7 +302,7 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
 Index ConstrainedSystem::count_inverted(const Columns& maps) const {
   Index count = 0;
   for (Index v = 0; v < patch().size(); ++v) {
-    if (known_.transform[v]) continue;
+    if (mask_.transform[v]) continue;
     const Eigen::Matrix3d map = maps.middleRows<3>(3 * v) + Eigen::Matrix3d::Identity();
     count += map.determinant() <= 0;
   }

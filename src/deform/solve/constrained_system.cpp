@@ -12,23 +12,22 @@
 
 namespace meshgraft {
 
-ConstrainedSystem::ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
-                                     std::span<const Anchor> all_anchors, std::span<const Feature> features,
-                                     const DeformerOptions& options, DeformerSummary& summary,
-                                     const ConstrainedSystem* other, const Context& context)
+ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const DeformerOptions& options,
+                                     DeformerSummary& summary, const ConstrainedSystem* other,
+                                     const Context& context)
     : residual_corrections_(options.residual_corrections),
-      features_(features.begin(), features.end()),
-      feature_column_(features.size(), -1) {
+      features_(mesh.features.begin(), mesh.features.end()),
+      feature_column_(mesh.features.size(), -1) {
   validate(options.operators);
   require_between(residual_corrections_, 0, 10, "residual_corrections");
   Stopwatch watch;
-  summary.reused = other != nullptr && share(*other, states, all_anchors, context);
+  summary.reused = other != nullptr && share(*other, mesh, context);
   if (!summary.reused) {
-    cut_ = std::make_shared<CutPatch>(std::move(mesh), states, options.operators.laplacian_order, context);
-    find_known(states, all_anchors);
+    cut_ = std::make_shared<CutPatch>(mesh.rest, mesh.mask, options.operators.laplacian_order, context);
+    restrict_to_patch(mesh);
   }
   for (Index v = 0; v < static_cast<Index>(rest().rows()); ++v)
-    if (cut_->in_faces[v] && !states.position[v]) free_.push_back(v);
+    if (cut_->in_faces[v] && !mesh.mask.position[v]) free_.push_back(v);
   if (patch().size() > 0) {
     if (!operators_) build_operator(options.operators, context);
     region_size_ = std::sqrt(free_area());
@@ -43,14 +42,14 @@ ConstrainedSystem::ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const
   prepare_similarities(context);
 }
 
-/// Takes over the other system's patch, rows and cuts. Returns false if they differ from those of these
-/// states, or if less than half of the patch would be used. The caller then sets them up itself.
-bool ConstrainedSystem::share(const ConstrainedSystem& other, const VertexStates& states,
-                              std::span<const Anchor> all_anchors, const Context& context) {
+/// Takes over the other system's patch, rows and cuts. Returns false if they differ from those of this
+/// mask, or if less than half of the patch would be used. The caller then sets them up itself.
+bool ConstrainedSystem::share(const ConstrainedSystem& other, const ConstrainedMesh& mesh,
+                              const Context& context) {
   const CutPatch& cut = *other.cut_;
-  // If faces of the patch were turned over, a part of it set up alone might get the opposite orientation.
-  if (other.operators_ == nullptr || cut.patch.rewound || cut.feature != states.feature) return false;
-  const auto active = cut.active_among(states);
+  // If faces of the patch were reversed, a part of it set up alone might get the opposite orientation.
+  if (other.operators_ == nullptr || cut.patch.reoriented || cut.feature != mesh.mask.feature) return false;
+  const auto active = cut.active_among(mesh.mask);
   if (!active) return false;
   const PatchOperator& operators = *other.operators_;
   const IndexLists& all_rings = operators.rows().rings();
@@ -58,44 +57,39 @@ bool ConstrainedSystem::share(const ConstrainedSystem& other, const VertexStates
   if (part && (2 * part->size < cut.patch.size() || !operators.serves(*part, cut.patch))) return false;
 
   cut_ = other.cut_;
-  find_known(states, all_anchors);
+  restrict_to_patch(mesh);
   const IndexLists& rings = part ? part->rings : all_rings;
-  fix_unconstrained_components(rings, known_);
-  if (!operators.serves(known_)) {
+  fix_unconstrained_components(rings, mask_);
+  if (!operators.serves(mask_)) {
     anchors_.clear();
     return false;
   }
-  require_solvable(patch(), rings, known_);
+  require_solvable(patch(), rings, mask_);
   part_ = std::move(part);
   operators_ = other.operators_;
-  fewer_maps_ = operators.fewer_maps(known_);
+  fewer_maps_ = operators.fewer_maps(mask_);
   *cuts_ = *other.cuts_;
   return true;
 }
 
-void ConstrainedSystem::find_known(const VertexStates& states, std::span<const Anchor> all_anchors) {
-  known_ = cut_->known_parts(states);
-  for (std::size_t a = 0; a < all_anchors.size(); ++a) {
-    const Anchor& anchor = all_anchors[a];
-    require_usable(anchor, a, static_cast<Index>(rest().rows()));
-    const Index local = patch().local(anchor.vertex);
-    if (local < 0 || states.position[anchor.vertex]) continue;  // a known position needs no anchor
-    known_.anchored[local] = 1;
-    anchors_.push_back(anchor);
-  }
+/// Takes over what constrains the patch's vertices. A known position needs no anchor.
+void ConstrainedSystem::restrict_to_patch(const ConstrainedMesh& mesh) {
+  mask_ = cut_->patch_mask(mesh.mask);
+  for (const Anchor& anchor : mesh.anchors)
+    if (patch().local(anchor.vertex) >= 0 && !mesh.mask.position[anchor.vertex]) anchors_.push_back(anchor);
 }
 
 void ConstrainedSystem::build_operator(const OperatorOptions& options, const Context& context) {
   const IndexLists rings = vertex_rings(patch().size(), patch().triangles, context);
-  fix_unconstrained_components(rings, known_);
-  require_solvable(patch(), rings, known_);
-  operators_ = std::make_shared<PatchOperator>(*cut_, known_, rings, options, context);
+  fix_unconstrained_components(rings, mask_);
+  require_solvable(patch(), rings, mask_);
+  operators_ = std::make_shared<PatchOperator>(*cut_, mask_, options, context);
 }
 
 Index ConstrainedSystem::count_degenerate() const {
   Index count = 0;
   for (Index v = 0; v < patch().size(); ++v)
-    if (!known_.position[v] && is_fitted(known_, v) && operators_->rows().nodes().flat[v]) ++count;
+    if (mask_.is_movable(v) && operators_->rows().nodes().flat[v]) ++count;
   return count;
 }
 
@@ -103,7 +97,7 @@ Index ConstrainedSystem::count_degenerate() const {
 double ConstrainedSystem::free_area() const {
   double area = 0;
   for (const auto& t : patch().triangles.rowwise()) {
-    if (std::none_of(t.begin(), t.end(), [&](Index v) { return !known_.position[v] && known_.feature[v] < 0; }))
+    if (std::none_of(t.begin(), t.end(), [&](Index v) { return !mask_.position[v] && mask_.feature[v] < 0; }))
       continue;
     const Eigen::RowVector3d u = patch().points.row(t[1]) - patch().points.row(t[0]),
                              v = patch().points.row(t[2]) - patch().points.row(t[0]);
@@ -122,8 +116,8 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
   if (stiffness > 0) {
     for (Index i = 0; i < patch().size(); ++i)
       for (const Index j : op.rings()[i])
-        if (i < j && (!known_.position[i] || !known_.position[j]) &&
-            (known_.feature[i] < 0 || known_.feature[i] != known_.feature[j]))
+        if (i < j && (!mask_.position[i] || !mask_.position[j]) &&
+            (mask_.feature[i] < 0 || mask_.feature[i] != mask_.feature[j]))
           edge_rows_.push_back({{i, j}, stiffness * scale});
   }
   SparseRows rows(static_cast<Eigen::Index>(edge_rows_.size()), op.nodes().positions.rows());
@@ -175,11 +169,11 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   int columns = 0;
   std::map<Index, std::vector<Index>> features;
   for (Index v = 0; v < n; ++v) {
-    if (known_.feature[v] >= 0)
-      features[known_.feature[v]].push_back(v);
-    else if (!known_.position[v])
+    if (mask_.feature[v] >= 0)
+      features[mask_.feature[v]].push_back(v);
+    else if (!mask_.position[v])
       column[v] = columns++;
-    if (op.nodes().apex[v] >= 0 && is_fitted(known_, v)) column[op.nodes().apex[v]] = columns++;
+    if (op.nodes().apex[v] >= 0 && mask_.is_fitted(v)) column[op.nodes().apex[v]] = columns++;
   }
   const int first_shared = columns;
   columns += 4 * static_cast<int>(features.size());

@@ -13,7 +13,7 @@
 
 #include "deform/setup/patch.h"
 #include "deform/setup/patch_operator.h"
-#include "deform/setup/region_states.h"
+#include "deform/setup/region_mask.h"
 #include "deform/setup/solvability.h"
 
 namespace meshgraft {
@@ -23,6 +23,14 @@ namespace meshgraft {
 struct MapField {
   Columns smoothness;  ///< for E_R: (M_i − M_j) d = (F_i − F_j) d
   Columns stretch;     ///< for the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
+};
+
+/// A mesh at rest with all that constrains it, except for the constraints' values.
+struct ConstrainedMesh {
+  std::shared_ptr<const RestMesh> rest;
+  ConstraintMask mask;  ///< of all vertices of the mesh
+  std::span<const Anchor> anchors;
+  std::span<const Feature> features;
 };
 
 /// The least-squares problem of a deformation with constraints per vertex. The constructor assembles and
@@ -43,10 +51,8 @@ class ConstrainedSystem {
   /// Fills the counts of free and degenerate vertices, the seconds and the solver's facts in `summary`.
   /// `other` may be null. Otherwise it is a system on the same mesh with the same operator options, and its
   /// parts are shared where possible.
-  ConstrainedSystem(std::shared_ptr<const RestMesh> mesh, const VertexStates& states,
-                    std::span<const Anchor> anchors, std::span<const Feature> features,
-                    const DeformerOptions& options, DeformerSummary& summary, const ConstrainedSystem* other,
-                    const Context& context);
+  ConstrainedSystem(const ConstrainedMesh& mesh, const DeformerOptions& options, DeformerSummary& summary,
+                    const ConstrainedSystem* other, const Context& context);
 
   /// The known displacements of nodes and known maps minus I, as given by constraints.
   struct Known {
@@ -99,7 +105,7 @@ class ConstrainedSystem {
     MapField field;
     Columns guess;
   };
-  /// Computes positions (n×3) for constraints that fit `states`. Fills the measures of `report` unless it is
+  /// Computes positions (n×3) for constraints that fit the mask. Fills the measures of `report` unless it is
   /// null. Fills `solved_maps`, unless it is null, with the solution's `maps`, or leaves it empty if nothing
   /// is free.
   void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, Points& out,
@@ -115,7 +121,8 @@ class ConstrainedSystem {
   // are empty.
   const Triangles& triangles() const { return part_ ? part_->triangles : patch().triangles; }
   const IndexLists& rings() const { return part_ ? part_->rings : operators_->rows().rings(); }
-  const KnownParts& known() const { return known_; }
+  /// Returns the mask of the patch's vertices.
+  const ConstraintMask& mask() const { return mask_; }
   const std::vector<Feature>& features() const { return features_; }
   const std::vector<Index>& free_vertices() const { return free_; }
   const std::vector<Anchor>& anchors() const { return anchors_; }  ///< at vertices with an unknown position
@@ -127,9 +134,8 @@ class ConstrainedSystem {
 
  private:
   // Steps of the set-up.
-  bool share(const ConstrainedSystem& other, const VertexStates& states, std::span<const Anchor> all_anchors,
-             const Context& context);
-  void find_known(const VertexStates& states, std::span<const Anchor> all_anchors);
+  bool share(const ConstrainedSystem& other, const ConstrainedMesh& mesh, const Context& context);
+  void restrict_to_patch(const ConstrainedMesh& mesh);
   void build_operator(const OperatorOptions& options, const Context& context);
   void build_system(Density density, double stiffness, const Context& context);
   double free_area() const;
@@ -150,7 +156,7 @@ class ConstrainedSystem {
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
   Columns laplacian_rows(const Known& values, const Columns& m, const MapField& field,
                          const Context& context) const;
-  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> bars) const;
+  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows) const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
@@ -166,7 +172,7 @@ class ConstrainedSystem {
   std::optional<PatchPart> part_;         ///< set if a shared patch is larger than needed
   std::optional<SparseRows> fewer_maps_;  ///< H, if the operator's H has more maps
   const SparseRows& H() const { return fewer_maps_ ? *fewer_maps_ : operators_->rows().H(); }
-  KnownParts known_;
+  ConstraintMask mask_;     ///< of the patch's vertices
   double region_size_ = 1;  ///< √(area of the faces that touch a free vertex)
   /// An edge with a row of stiffness.
   struct EdgeRow {

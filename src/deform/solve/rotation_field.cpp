@@ -34,9 +34,9 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
 namespace {
 
 /// Flags the vertices where constraints or a feature's single map give the field.
-Flags known_maps(const KnownParts& known) {
-  Flags given = known.transform;
-  for (std::size_t v = 0; v < given.size(); ++v) given[v] |= static_cast<std::uint8_t>(known.feature[v] >= 0);
+Flags known_maps(const ConstraintMask& mask) {
+  Flags given = mask.transform;
+  for (Index v = 0; v < mask.size(); ++v) given[v] = !mask.is_fitted(v);
   return given;
 }
 
@@ -57,7 +57,7 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
       has_features_(!system.features().empty()),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
       fields_(system.patch().points, system.triangles(), system.rings(), system.cuts(),
-              known_maps(system.known()), bending_matrix(system, other, context),
+              known_maps(system.mask()), bending_matrix(system, other, context),
               iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend, context) {
   if (other != nullptr) {
     normals_ = other->normals_;
@@ -97,7 +97,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
                           Blend& blended, const Context& context) const {
   const Patch& patch = system_.patch();
   const Index n = patch.size();
-  const KnownParts& known = system_.known();
+  const ConstraintMask& mask = system_.mask();
   const IndexLists& rings = system_.rings();
 
   // Rotations are measured from rest if something stays at rest, or if they are given with full turns.
@@ -121,7 +121,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     from_rest |= constraint.rotation.has_value();
     sum += fields_.areas()[v] * given.back().parts.rotation;
   }
-  for (Index v = 0; v < n; ++v) from_rest |= known.transform[v] && !constrained[v] && !rings[v].empty();
+  for (Index v = 0; v < n; ++v) from_rest |= mask.transform[v] && !constrained[v] && !rings[v].empty();
   const Eigen::Matrix3d reference = from_rest ? Eigen::Matrix3d::Identity() : nearest_rotation(sum);
 
   Columns logs = Columns::Zero(n, 9);
@@ -165,7 +165,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 /// not exist.
 bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Matrix3d& reference, Columns& logs,
                                        Blend& blended) const {
-  const std::vector<Index>& feature = system_.known().feature;
+  const std::vector<Index>& feature = system_.mask().feature;
   const std::size_t count = system_.features().size();
   std::vector<Logarithm> feature_logs(count, Logarithm::Zero());
   if (maps.empty()) {
@@ -187,7 +187,7 @@ bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Mat
 
 /// Returns for each feature the mean of the given logarithms in the components of the patch that it touches.
 std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& logs) const {
-  const std::vector<Index>& feature = system_.known().feature;
+  const std::vector<Index>& feature = system_.mask().feature;
   const std::vector<Index>& component = fields_.component();
   std::vector<Logarithm> sums(fields_.component_holds().size(), Logarithm::Zero());
   std::vector<double> areas(sums.size(), 0.0);
@@ -195,7 +195,7 @@ std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& l
   for (Index v = 0; v < system_.patch().size(); ++v) {
     if (component[v] < 0) continue;
     if (feature[v] >= 0) touched.emplace(feature[v], component[v]);
-    if (!system_.known().transform[v]) continue;
+    if (!system_.mask().transform[v]) continue;
     sums[component[v]] += fields_.areas()[v] * logs.row(v);
     areas[component[v]] += fields_.areas()[v];
   }
@@ -325,7 +325,7 @@ Columns RotationField::surface_deviation(const Columns& maps, const Blend& blend
 double RotationField::root_mean_square(const Columns& deviation) const {
   double sum = 0, area = 0;
   for (Index v = 0; v < system_.patch().size(); ++v) {
-    if (system_.known().transform[v] || system_.known().feature[v] >= 0) continue;
+    if (!system_.mask().is_fitted(v)) continue;
     sum += fields_.areas()[v] * deviation.row(v).squaredNorm();
     area += fields_.areas()[v];
   }

@@ -35,7 +35,7 @@ int main() {
   // This call needs everything that the library links, including the exact predicates where they are built
   // in.
   const meshgraft::Quality quality =
-      meshgraft::measure_quality(rest, edited, triangles, deformer.free_vertices());
+      meshgraft::measure_quality({rest, edited, triangles, deformer.free_vertices()});
 
   const double left = edited(0, 2) - rest(0, 2);
   const double middle = edited(columns / 2, 2) - rest(columns / 2, 2);

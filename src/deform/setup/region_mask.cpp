@@ -1,4 +1,4 @@
-#include "region_states.h"
+#include "region_mask.h"
 
 #include <cmath>
 
@@ -30,37 +30,23 @@ void require_triangles(const Points& rest, const Triangles& triangles) {
       if (v < 0 || v >= n) require_vertex(v, n, fmt::format("triangle {}", t));
 }
 
-VertexStates states_of_region(Index count, bool whole, std::span<const Index> region,
-                              std::span<const Index> fixed) {
-  VertexStates states(count, !whole);
-  for (Index v : region) {
+ConstraintMask mask_of_region(Index count, const Region& region) {
+  ConstraintMask mask(count, !region.whole);
+  for (Index v : region.vertices) {
     require_vertex(v, count, "region");
-    states.position[v] = states.transform[v] = 0;
+    mask.position[v] = mask.transform[v] = 0;
   }
-  for (Index v : fixed) {
+  for (Index v : region.fixed) {
     require_vertex(v, count, "fixed");
-    states.position[v] = states.transform[v] = 1;
+    mask.position[v] = mask.transform[v] = 1;
   }
-  return states;
+  return mask;
 }
 
-void add_features(std::span<const Feature> features, VertexStates& states) {
-  const auto count = static_cast<Index>(states.feature.size());
-  for (std::size_t f = 0; f < features.size(); ++f) {
-    if (features[f].vertices.empty()) throw Error(facts::deform::NoVertices{}, fmt::format("feature {}", f));
-    if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
-      throw Error(facts::core::NotPositive{.value = *features[f].scale}, fmt::format("feature {}, scale", f));
-    for (Index v : features[f].vertices) {
-      require_vertex(v, count, fmt::format("feature {}", f));
-      if (states.feature[v] >= 0)
-        throw Error(facts::deform::VertexInTwoFeatures{.vertex = v}, fmt::format("feature {}", f));
-      if (states.position[v] || states.transform[v])
-        throw Error(facts::deform::FeatureVertexHeld{.vertex = v}, fmt::format("feature {}", f));
-      states.feature[v] = static_cast<Index>(f);
-    }
-  }
-}
+namespace {
 
+/// Throws Error(input) if a handle is empty or constrains nothing, two handles overlap, or one contains a
+/// fixed vertex.
 void require_disjoint(const Region& region, Index count) {
   constexpr int nobody = -2, fixed = -1;
   std::vector<int> owner(static_cast<std::size_t>(count), nobody);
@@ -86,28 +72,79 @@ void require_disjoint(const Region& region, Index count) {
   }
 }
 
-void ConstraintList::add(Index v, bool position, bool transform, VertexStates& states) {
-  // Outside the region both are known already. The one that is not given stays at rest.
-  states.position[v] |= static_cast<std::uint8_t>(position);
-  states.transform[v] |= static_cast<std::uint8_t>(transform);
-  vertex.push_back(v);
-  gives_position.push_back(position);
-  gives_transform.push_back(transform);
+/// Marks what is given at a vertex and appends it to the list. Outside the region both are known already. The
+/// one that is not given stays at rest.
+void add_constrained(Index v, bool position, bool transform, ConstraintMask& mask, ConstraintList& list) {
+  mask.position[v] |= static_cast<std::uint8_t>(position);
+  mask.transform[v] |= static_cast<std::uint8_t>(transform);
+  list.vertex.push_back(v);
+  list.gives_position.push_back(position);
+  list.gives_transform.push_back(transform);
 }
 
-void ConstraintList::add(std::span<const VertexConstraint> constraints, VertexStates& states) {
-  const auto count = static_cast<Index>(states.position.size());
-  Flags seen(states.position.size(), 0);
+/// Throws Error(input) if a vertex does not exist, or is constrained twice or by nothing.
+void add_constraints(std::span<const VertexConstraint> constraints, ConstraintMask& mask,
+                     ConstraintList& list) {
+  Flags seen(mask.position.size(), 0);
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
     const std::string location = fmt::format("constraint {}", c);
-    require_vertex(constraint.vertex, count, location);
+    require_vertex(constraint.vertex, mask.size(), location);
     if (seen[constraint.vertex]++)
       throw Error(facts::deform::VertexNamedTwice{.vertex = constraint.vertex}, location);
     if (!constraint.position && !constraint.transform)
       throw Error(facts::deform::VertexConstrainsNothing{.vertex = constraint.vertex}, location);
-    add(constraint.vertex, constraint.position.has_value(), constraint.transform.has_value(), states);
+    add_constrained(constraint.vertex, constraint.position.has_value(), constraint.transform.has_value(), mask,
+                    list);
   }
+}
+
+/// Throws Error(input) if a feature is empty, or if its vertices belong to another feature or a constraint.
+void add_features(std::span<const Feature> features, ConstraintMask& mask) {
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (features[f].vertices.empty()) throw Error(facts::deform::NoVertices{}, fmt::format("feature {}", f));
+    if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
+      throw Error(facts::core::NotPositive{.value = *features[f].scale}, fmt::format("feature {}, scale", f));
+    for (Index v : features[f].vertices) {
+      require_vertex(v, mask.size(), fmt::format("feature {}", f));
+      if (mask.feature[v] >= 0)
+        throw Error(facts::deform::VertexInTwoFeatures{.vertex = v}, fmt::format("feature {}", f));
+      if (mask.position[v] || mask.transform[v])
+        throw Error(facts::deform::FeatureVertexHeld{.vertex = v}, fmt::format("feature {}", f));
+      mask.feature[v] = static_cast<Index>(f);
+    }
+  }
+}
+
+/// Throws Error(input) if a vertex does not exist, or a weight or target cannot be used.
+void add_anchors(std::span<const Anchor> anchors, ConstraintMask& mask) {
+  for (std::size_t a = 0; a < anchors.size(); ++a) {
+    const Anchor& anchor = anchors[a];
+    require_vertex(anchor.vertex, mask.size(), fmt::format("anchor {}", a));
+    if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
+      throw Error(facts::core::NotPositive{.value = anchor.weight},
+                  fmt::format("anchor {} (vertex {}), weight", a, anchor.vertex));
+    if (anchor.target && !anchor.target->allFinite())
+      throw Error(facts::core::NotFinite{.what = facts::core::Quantity::target},
+                  fmt::format("anchor {} (vertex {})", a, anchor.vertex));
+    mask.anchored[anchor.vertex] = 1;
+  }
+}
+
+}  // namespace
+
+ConstraintMask make_mask(Index count, const Region& region, std::span<const VertexConstraint> constraints,
+                         ConstraintList& constrained) {
+  if (!region.handles.empty() && !constraints.empty()) throw Error(facts::deform::HandlesAndConstraints{});
+  require_disjoint(region, count);
+  ConstraintMask mask = mask_of_region(count, region);
+  for (const Handle& handle : region.handles)
+    for (const Index v : handle.vertices)
+      add_constrained(v, handle.constrain_position, handle.constrain_transform, mask, constrained);
+  add_constraints(constraints, mask, constrained);
+  add_features(region.features, mask);
+  add_anchors(region.anchors, mask);
+  return mask;
 }
 
 void ConstraintList::require_matching(std::span<const VertexConstraint> constraints) const {
@@ -121,19 +158,6 @@ void ConstraintList::require_matching(std::span<const VertexConstraint> constrai
       throw Error(facts::deform::ConstraintDiffers{.constraint = c});
     require_usable(constraint);
   }
-}
-
-VertexStates states_of_handles(const Points& rest, const Triangles& triangles, const Region& region,
-                               ConstraintList& constrained) {
-  const auto n = static_cast<Index>(rest.rows());
-  require_triangles(rest, triangles);
-  require_disjoint(region, n);
-  VertexStates states = states_of_region(n, region.whole, region.vertices, region.fixed);
-  for (const Handle& handle : region.handles)
-    for (const Index v : handle.vertices)
-      constrained.add(v, handle.constrain_position, handle.constrain_transform, states);
-  add_features(region.features, states);
-  return states;
 }
 
 void require_usable(const DeformerOptions& options) {
@@ -157,36 +181,17 @@ void require_usable(const VertexConstraint& constraint) {
   require(constraint.transform, facts::deform::Quantity::transform);
 }
 
-void require_usable(const Anchor& anchor, std::size_t number, Index count) {
-  require_vertex(anchor.vertex, count, fmt::format("anchor {}", number));
-  if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
-    throw Error(facts::core::NotPositive{.value = anchor.weight},
-                fmt::format("anchor {} (vertex {}), weight", number, anchor.vertex));
-  if (anchor.target && !anchor.target->allFinite())
-    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::target},
-                fmt::format("anchor {} (vertex {})", number, anchor.vertex));
-}
-
-void require_solvable(const Points& rest, const Triangles& triangles, const VertexStates& states,
-                      std::span<const Anchor> anchors, const Context& context) {
+void require_solvable(const Points& rest, const Triangles& triangles, const ConstraintMask& mask,
+                      const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
   const IndexLists faces_at = vertex_triangles(n, triangles, context);
   Flags unknown(static_cast<std::size_t>(n), 0);
-  for (Index v = 0; v < n; ++v)
-    unknown[v] = !faces_at[v].empty() && (!states.position[v] || !states.transform[v]);
+  for (Index v = 0; v < n; ++v) unknown[v] = !faces_at[v].empty() && mask.is_unknown(v);
   const Patch patch = make_patch(rest, triangles, faces_at, unknown, 1, context);
-  KnownParts known;
-  for (const Index v : patch.vertices) {
-    known.position.push_back(states.position[v]);
-    known.transform.push_back(states.transform[v]);
-    known.feature.push_back(states.feature[v]);
-  }
-  known.anchored.assign(patch.vertices.size(), 0);
-  for (const Anchor& anchor : anchors)
-    if (const Index v = patch.local(anchor.vertex); v >= 0) known.anchored[v] = 1;
+  ConstraintMask patch_mask = mask.of(patch.vertices);
   const IndexLists rings = vertex_rings(patch.size(), patch.triangles, context);
-  fix_unconstrained_components(rings, known);
-  require_solvable(patch, rings, known);
+  fix_unconstrained_components(rings, patch_mask);
+  require_solvable(patch, rings, patch_mask);
 }
 
 }  // namespace meshgraft
