@@ -28,7 +28,7 @@ int main() {
     std::printf("pose %d, %s, %.0f ms\n", static_cast<int>(frame.pose),
                 std::string(to_string(frame.quality)).c_str(), 1e3 * frame.seconds);
   };
-  LiveDeformer live(rest, triangles, region, {.frame = show});
+  LiveDeformer live({rest, triangles, region}, {.frame = show});
   for (int step = 1; step <= 20; ++step) {
     HandlePose lifted;
     lifted.transform.translate(Eigen::Vector3d(0, 0, step));

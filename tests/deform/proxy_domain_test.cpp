@@ -32,21 +32,21 @@ ProxyDomain held_domain(const test::Scene& scene, double spacing) {
   return domain;
 }
 
-bool is_on_rim(const ProxyDomain& domain, Index v) {
+bool is_on_boundary(const ProxyDomain& domain, Index v) {
   const auto ring = domain.rings[v];
   return domain.holder[v] >= 0 &&
          std::any_of(ring.begin(), ring.end(), [&](Index w) { return domain.holder[w] != domain.holder[v]; });
 }
 
-TEST(ProxyDomain, WithAllKeepsExactlyTheRims) {
+TEST(ProxyDomain, WithAllKeepsExactlyTheBoundaries) {
   for (const test::TestMesh& mesh : test::mesh_families()) {
     const ProxyDomain domain = held_domain(test::make_scene(mesh), 0.1);
     const Flags kept = vertices_to_keep(domain, true);
-    for (Index v = 0; v < domain.size(); ++v) EXPECT_EQ(kept[v] != 0, is_on_rim(domain, v)) << mesh.name;
+    for (Index v = 0; v < domain.size(); ++v) EXPECT_EQ(kept[v] != 0, is_on_boundary(domain, v)) << mesh.name;
   }
 }
 
-TEST(ProxyDomain, KeepsRimVerticesNoFartherApartThanTheSpacing) {
+TEST(ProxyDomain, KeepsBoundaryVerticesNoFartherApartThanTheSpacing) {
   for (const test::TestMesh& mesh : test::mesh_families())
     for (const double share : {0.02, 0.2, 2.0}) {
       SCOPED_TRACE(mesh.name);
@@ -54,9 +54,9 @@ TEST(ProxyDomain, KeepsRimVerticesNoFartherApartThanTheSpacing) {
       const Flags kept = vertices_to_keep(domain, false);
       for (Index v = 0; v < domain.size(); ++v) {
         if (kept[v]) {
-          EXPECT_TRUE(is_on_rim(domain, v));
+          EXPECT_TRUE(is_on_boundary(domain, v));
         }
-        if (!is_on_rim(domain, v)) continue;
+        if (!is_on_boundary(domain, v)) continue;
         double nearest = 1e30;
         for (Index w = 0; w < domain.size(); ++w)
           if (kept[w] && domain.holder[w] == domain.holder[v])
@@ -66,17 +66,17 @@ TEST(ProxyDomain, KeepsRimVerticesNoFartherApartThanTheSpacing) {
     }
 }
 
-TEST(ProxyDomain, KeepsTheExtentOfARim) {
-  // However wide the spacing, the kept vertices of a rim span about what the rim spans.
+TEST(ProxyDomain, KeepsTheExtentOfABoundary) {
+  // However wide the spacing, the kept vertices of a boundary span about what the boundary spans.
   for (const test::TestMesh& mesh : test::small_families()) {
     SCOPED_TRACE(mesh.name);
     const ProxyDomain domain = held_domain(test::make_scene(mesh), 1e6);
     const Flags kept = vertices_to_keep(domain, false);
     for (const Index holder : {0, 1}) {
-      std::vector<Index> rim, chosen;
+      std::vector<Index> boundary, chosen;
       for (Index v = 0; v < domain.size(); ++v) {
-        if (domain.holder[v] != holder || !is_on_rim(domain, v)) continue;
-        rim.push_back(v);
+        if (domain.holder[v] != holder || !is_on_boundary(domain, v)) continue;
+        boundary.push_back(v);
         if (kept[v]) chosen.push_back(v);
       }
       ASSERT_FALSE(chosen.empty());
@@ -87,7 +87,7 @@ TEST(ProxyDomain, KeepsTheExtentOfARim) {
             largest = std::max(largest, (domain.points.row(v) - domain.points.row(w)).norm());
         return largest;
       };
-      EXPECT_GE(extent(chosen), 0.5 * extent(rim));
+      EXPECT_GE(extent(chosen), 0.5 * extent(boundary));
     }
   }
 }
@@ -99,16 +99,16 @@ TEST(ProxyDomain, AProxyReachesItsNeighboursAcrossRemovedVertices) {
     const ProxyDomain domain = held_domain(test::make_scene(mesh), 0.1);
     const Flags none(domain.vertices.size(), 0);
     const Decimated proxy = decimate(domain.points, domain.triangles, domain.normals, none, domain.size() / 4);
-    const std::vector<double> reaches = proxy_reaches(domain, proxy);
+    const std::vector<double> radii = influence_radii(domain, proxy);
     for (const auto& t : proxy.triangles.rowwise())
       for (int c = 0; c < 3; ++c) {
         const Index a = proxy.vertices[t[c]], b = proxy.vertices[t[(c + 1) % 3]];
         const auto ring = domain.rings[a];
         if (std::find(ring.begin(), ring.end(), b) != ring.end()) continue;
-        EXPECT_GT(reaches[t[c]], (domain.points.row(a) - domain.points.row(b)).norm());
+        EXPECT_GT(radii[t[c]], (domain.points.row(a) - domain.points.row(b)).norm());
       }
     // A proxy on all vertices covers nothing but itself.
-    const std::vector<double> own = proxy_reaches(domain, {domain.vertices, domain.triangles});
+    const std::vector<double> own = influence_radii(domain, {domain.vertices, domain.triangles});
     EXPECT_EQ(own, std::vector<double>(domain.vertices.size(), 0.0));
   }
 }

@@ -16,13 +16,13 @@
 namespace meshgraft {
 namespace {
 
-/// A surface of which every fifth vertex is a proxy. Its upper end is a rim: the lowest vertices there are of
-/// given position.
+/// A surface of which every fifth vertex is a proxy. Its upper end is a boundary: the lowest vertices there are
+/// of given position.
 struct SkinScene {
   test::TestMesh mesh;
   IndexLists rings;
   std::vector<Index> proxies, rows, inner;
-  std::vector<SkinProblem::Rim> rim;
+  std::vector<SkinProblem::BoundaryVertex> boundary;
   double spacing = 0;
 
   explicit SkinScene(test::TestMesh family)
@@ -36,21 +36,21 @@ struct SkinScene {
       const double height = (mesh.positions(v, axis) - low) / (high - low);
       if (v % 5 == 0) proxies.push_back(v);
       if (height > 0.85 && height < 0.95) {
-        rim.push_back({v, static_cast<Index>(rim.size())});
+        boundary.push_back({v, static_cast<Index>(boundary.size())});
       } else if (height < 0.85) {
         (height < 0.15 ? inner : rows).push_back(v);
       }
     }
-    for (auto& [vertex, bone] : rim) bone += static_cast<Index>(proxies.size());
+    for (auto& [vertex, bone] : boundary) bone += static_cast<Index>(proxies.size());
   }
-  Index bone_count() const { return static_cast<Index>(proxies.size() + rim.size()); }
+  Index bone_count() const { return static_cast<Index>(proxies.size() + boundary.size()); }
   SkinProblem problem() const {
     return {.points = mesh.positions,
             .rings = rings,
             .proxies = proxies,
-            .reach = std::vector<double>(proxies.size(), spacing),
-            .rim = rim,
-            .rim_reach = spacing,
+            .radius = std::vector<double>(proxies.size(), spacing),
+            .boundary = boundary,
+            .boundary_radius = spacing,
             .rows = rows,
             .inner = inner};
   }
@@ -60,7 +60,7 @@ struct SkinScene {
   }
   Index vertex_of_bone(Index bone) const {
     const auto k = static_cast<std::size_t>(bone);
-    return k < proxies.size() ? proxies[k] : rim[k - proxies.size()].vertex;
+    return k < proxies.size() ? proxies[k] : boundary[k - proxies.size()].vertex;
   }
 };
 
@@ -133,7 +133,7 @@ TEST(Skin, BlendIsTheWeightedMeanOfTheBones) {
 TEST(Skin, BonesReachTheirVertices) {
   for (SkinScene scene : skin_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
-    scene.spacing = 0.6 * scene.mesh.box_diagonal();  // so far that no reach has to be extended
+    scene.spacing = 0.6 * scene.mesh.box_diagonal();  // so far that no influence radius has to be extended
     const Skin skin = make_skin(scene.problem()).skin;
     for (Index row = 0; row < skin.rows(); ++row)
       for (auto e = skin.offsets[row]; e < skin.offsets[row + 1]; ++e) {
@@ -156,7 +156,7 @@ TEST(Skin, ReachesGrowUntilEveryVertexHasABone) {
   }
 }
 
-TEST(Skin, NearARimTheRimTakesOver) {
+TEST(Skin, NearABoundaryTheBoundaryTakesOver) {
   for (const SkinScene& scene : skin_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     const Skin skin = make_skin(scene.problem()).skin;
@@ -169,13 +169,14 @@ TEST(Skin, NearARimTheRimTakesOver) {
     for (Index row = 0; row < skin.rows(); ++row) {
       const Index v = scene.vertex_of_row(row);
       double nearest = 1e9;
-      for (const auto& [vertex, bone] : scene.rim)
+      for (const auto& [vertex, bone] : scene.boundary)
         nearest = std::min(nearest, (scene.mesh.positions.row(v) - scene.mesh.positions.row(vertex)).norm());
       const bool is_inner = row >= static_cast<Index>(scene.rows.size());
       if (is_inner || nearest >= scene.spacing) {
         EXPECT_EQ(rim_share(row), 0);
       }
-      // Beside the rim the rest of the weight is the square of the relative distance, at most about doubled.
+      // Beside the boundary the rest of the weight is the square of the relative distance, at most about
+      // doubled.
       const double relative = nearest / scene.spacing;
       if (!is_inner) {
         EXPECT_LE(rim_share(row), std::pow(std::max(0.0, 1 - relative * relative), 2) + 1e-6);
@@ -191,9 +192,9 @@ TEST(Skin, AProxyThatMovesOnlyItselfHasItsOwnRow) {
   const SkinResult result = make_skin({.points = scene.mesh.positions,
                                        .rings = scene.rings,
                                        .proxies = all,
-                                       .reach = std::vector<double>(all.size(), 0.0),
-                                       .rim = {},
-                                       .rim_reach = 0,
+                                       .radius = std::vector<double>(all.size(), 0.0),
+                                       .boundary = {},
+                                       .boundary_radius = 0,
                                        .rows = all,
                                        .inner = {}});
   EXPECT_EQ(result.skin.bones, all);
@@ -221,7 +222,8 @@ TEST(Skin, NamesVerticesThatNoProxyCanReach) {
   rows.insert(rows.end(), alone.begin(), alone.end());
   SkinProblem problem = scene.problem();
   problem.proxies = one;
-  problem.reach = {scene.spacing};  // one reach is extended over the whole sheet, but not to other components
+  problem.radius = {
+      scene.spacing};  // one influence radius is extended over the whole sheet, but not to other components
   problem.rows = rows;
   const SkinResult result = make_skin(std::move(problem));
   EXPECT_EQ(result.outside, alone);

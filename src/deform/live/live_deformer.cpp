@@ -212,7 +212,6 @@ LiveDeformer::Impl::Impl(DeformProblem what, LiveCallbacks calls, const LiveOpti
       callbacks(std::move(calls)),
       options(without_earlier(chosen)),
       context(how),
-      handles(problem.region.handles.size()),
       has_curve(std::any_of(problem.region.handles.begin(), problem.region.handles.end(),
                             [](const Handle& handle) { return handle.shape == HandleShape::curve; })),
       earlier(chosen.earlier),
@@ -481,7 +480,7 @@ LiveDeformer::~LiveDeformer() = default;
 
 std::int64_t LiveDeformer::drag(std::span<const HandlePose> poses) {
   Impl& d = *impl_;
-  require_usable(poses, d.region.handles);
+  require_usable(poses, d.problem.region.handles);
   const auto settle = std::chrono::duration<double>(d.options.settle_seconds);
   std::vector<HandlePose> copy(poses.begin(), poses.end());
   const std::lock_guard lock(d.mutex);
