@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
+#include "linalg/blas_threads.h"
 #include "matrix_families.h"
 
 namespace meshgraft {
@@ -67,7 +68,12 @@ MatrixXd factor_of(const DenseFront& front) {
   return factor;
 }
 
-TEST(DenseCholesky, TimesItsTransposeIsTheMatrix) {
+/// Keeps BLAS on one thread, as the multifrontal factorisation does: it is the caller that uses several.
+class DenseCholesky : public testing::Test {
+  SingleThreadedBlas single_threaded_{Context{}};
+};
+
+TEST_F(DenseCholesky, TimesItsTransposeIsTheMatrix) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd factor = factor_of(front), product = factor * factor.topRows(front.columns).transpose();
     EXPECT_LE((product - front.matrix.leftCols(front.columns)).norm(), 1e-14 * front.matrix.norm())
@@ -76,7 +82,7 @@ TEST(DenseCholesky, TimesItsTransposeIsTheMatrix) {
   }
 }
 
-TEST(DenseCholesky, LeavesTheSchurComplementBelow) {
+TEST_F(DenseCholesky, LeavesTheSchurComplementBelow) {
   for (const DenseFront& front : front_families()) {
     const int below = front.below();
     if (below == 0) continue;
@@ -92,7 +98,7 @@ TEST(DenseCholesky, LeavesTheSchurComplementBelow) {
   }
 }
 
-TEST(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) {
+TEST_F(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd panel = factorised(front), factor = factor_of(front);
     for (const int width : {1, 2, 3, 4, 7}) {
@@ -108,7 +114,7 @@ TEST(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) {
   }
 }
 
-TEST(DenseCholesky, SubstitutesBackwardForAnyNumberOfColumns) {
+TEST_F(DenseCholesky, SubstitutesBackwardForAnyNumberOfColumns) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd panel = factorised(front), factor = factor_of(front);
     for (const int width : {1, 2, 3, 4, 7}) {
@@ -122,7 +128,7 @@ TEST(DenseCholesky, SubstitutesBackwardForAnyNumberOfColumns) {
   }
 }
 
-TEST(DenseCholesky, HasTheSameBytesForAnyNumberOfThreads) {
+TEST_F(DenseCholesky, HasTheSameBytesForAnyNumberOfThreads) {
   for (const auto& [columns, below] : {std::pair{20, 900}, {420, 0}, {400, 800}}) {
     const DenseFront front = random_front(columns, below, 5);
     const auto lower_bytes = [](const MatrixXd& x) { return MatrixXd(x.triangularView<Eigen::Lower>()); };
@@ -140,7 +146,7 @@ TEST(DenseCholesky, HasTheSameBytesForAnyNumberOfThreads) {
 }
 
 // N = L D Lᵀ has the signs of D, and leading blocks are definite up to the first negative entry of D.
-TEST(DenseCholesky, NamesTheFirstColumnWithoutAPositivePivot) {
+TEST_F(DenseCholesky, NamesTheFirstColumnWithoutAPositivePivot) {
   constexpr int columns = 400, below = 9;
   DenseFront front = random_front(columns, below, 6);
   const MatrixXd unit = front.matrix.llt().matrixL();
