@@ -27,8 +27,8 @@ namespace meshgraft {
 
 namespace {
 
-/// Returns the source, turned over where the winding of the target requires it.
-Mesh wound_alike(const Mesh& source, const Mesh& target, bool may_turn) {
+/// Returns the source, turned over where it is oriented inconsistently with the target.
+Mesh oriented_as_target(const Mesh& source, const Mesh& target, bool may_turn) {
   if (!windings_disagree(target, source)) return source;
   if (may_turn) return turned_over(source);
   const bool target_inward = enclosed_volume(target) < 0;
@@ -65,10 +65,11 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   // Find the loops and their correspondences.
   context.step("match");
   validate_options(options, source_mesh, target);
-  Mesh wound = wound_alike(source_mesh, target, options.fix_winding);
-  std::vector<LoopPair> checked = checked_loops(target, wound, pairs);
-  require_held_components(wound, checked);
-  RefinedSource source = refine_source(std::move(wound), std::move(checked), options.seam.edge_ratio, context);
+  Mesh oriented = oriented_as_target(source_mesh, target, options.fix_winding);
+  std::vector<LoopPair> checked = checked_loops(target, oriented, pairs);
+  require_held_components(oriented, checked);
+  RefinedSource source =
+      refine_source(std::move(oriented), std::move(checked), options.seam.edge_ratio, context);
   const std::vector<Index> component = connected_components(source.mesh);
   std::vector<PairGeometry> geometry =
       pair_geometry(target, source.mesh, source.pairs, options.smooth_boundary);

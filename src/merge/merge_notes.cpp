@@ -6,7 +6,8 @@ namespace meshgraft {
 
 namespace {
 
-// Where the bounds come from; "tasks" are the public merge tasks (docs/merging.md, "Shape").
+// Each bound says whether it was measured or chosen. The tasks are the public merge tasks (docs/merging.md,
+// "Shape").
 // Chosen: four times the 6.2° that loops of the tasks have at most.
 constexpr double ragged_deg = 25;
 // Measured on the tasks: starts found on nearly round loops have 0.08 to 0.36, others 0.86 and more.

@@ -46,8 +46,8 @@ struct FactType {
   std::string_view remedy;  ///< what the caller can do, with fields likewise; may be empty
 };
 
-/// What an error or a note says, apart from any sentence: a class and the values of its fields. An interface of
-/// the product words facts in its own terms (`fill_in`). The texts here are those of the library.
+/// Holds what an error or a note says, apart from any sentence: a class and the values of its fields. An
+/// interface of the product words facts in its own terms (`fill_in`). The texts here are those of the library.
 class Fact {
  public:
   /// `values` are in the order of the class's fields. `type` must outlive the fact; the tables' types always
@@ -86,7 +86,8 @@ using Note = Fact;
 /// Elements of a list are separated by ", ". A word is replaced by its text.
 std::string fill_in(std::string_view text, const Fact& fact);
 
-/// What an interface says of a fact: the problem or the note, and what the reader can do, which may be empty.
+/// Holds the words of an interface for a fact: the problem or the note, and what the reader can do, which may
+/// be empty.
 struct Words {
   std::string text, remedy;
 };

@@ -7,7 +7,8 @@
 
 namespace meshgraft {
 
-/// What a merge is asked for, as far as it may contradict itself. Each interface fills in what it offers.
+/// Tells which settings of a merge are given, as far as they may contradict each other. Each interface fills
+/// in those that it offers.
 struct MergeRequest {
   MergePose pose = MergePose::find;
   bool dropped = false;                             ///< onto a surface without a hole
