@@ -31,7 +31,7 @@ test: ## all tests: with and without the optional libraries, sanitizers, layers,
 	@tools/bootstrap.sh build test
 	@python3 tools/run_tests.py
 
-test-long: ## the tests of large meshes, which make test leaves out
+test-long: ## the tests of large meshes and slow work, which make test leaves out
 	@tools/bootstrap.sh build test
 	@cmake --preset release -DMESHGRAFT_BUILD_TESTS=ON
 	@cmake --build --preset release

@@ -1,6 +1,6 @@
 import { defineConfig } from "vitest/config";
 
-// tests/unit: logic alone; tests/e2e: the built program, with its page in Chromium.
+// tests/unit: logic alone; tests/e2e and tests/long: the built program, with its page in Chromium.
 export default defineConfig({
   test: {
     include: ["tests/**/*.test.ts"],

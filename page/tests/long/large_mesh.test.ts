@@ -1,6 +1,6 @@
 import { writeFileSync } from "node:fs";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { EditorHarness, positionsOf } from "./harness";
+import { EditorHarness, positionsOf } from "../e2e/harness";
 
 let harness: EditorHarness;
 beforeAll(async () => {
