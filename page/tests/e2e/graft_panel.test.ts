@@ -54,6 +54,7 @@ test("a part of a folder is grafted and accepted by keys, and swapped, in the da
 
   await tabTo(user, /^Where parts come from$/);
   await user.press("ArrowDown");
+  await page.getByRole("button", { name: /parts$/ }).waitFor();
   await tabTo(user, /parts$/);
   await user.press("Enter");
   await page.getByRole("button", { name: "Add knot" }).waitFor();
